@@ -1,0 +1,92 @@
+/* Constants that the C host and the OpenCL C kernels share.  Those that the file format fixes say so;
+ * changing one of these changes what every file looks like. */
+#ifndef GSCL_CL_CONSTANTS_H
+#define GSCL_CL_CONSTANTS_H
+
+/* A tile is the unit of binning and of work: one work-group draws one tile. */
+#define GSCL_TILE 16
+
+/* Blend modes, numbered as in the file format. */
+#define GSCL_NORMALIZED 0
+#define GSCL_ALPHA 1
+#define GSCL_SUM 2
+
+/* Format: a splat's weight is max(0, exp(-q) - exp(-GSCL_SUPPORT)), continuous at the cut q = GSCL_SUPPORT. */
+#define GSCL_SUPPORT 7.0f
+#define GSCL_WEIGHT_FLOOR 9.1188197e-4f
+/* Format: weight of the background in `normalized`. */
+#define GSCL_EPSILON 9.765625e-4f
+/* Format: the largest a splat's alpha may be in `alpha`; bounds 1 / (1 - a) by 1000. */
+#define GSCL_MAX_ALPHA 0.999f
+
+/* A splat's parameters as the fit sees them, all in pixels of the full-size image. */
+#define GSCL_X 0
+#define GSCL_Y 1
+#define GSCL_LOG_S1 2 /* natural logarithm of the first axis (sigma, pixels) */
+#define GSCL_LOG_S2 3
+#define GSCL_THETA 4   /* direction of the first axis, radians from +x towards +y */
+#define GSCL_OPACITY 5 /* logit of the opacity; no effect where the opacity effect is off */
+#define GSCL_COLOUR 6  /* up to four channels follow */
+#define GSCL_PARAMS 10
+
+/* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
+ * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; one unused; four channels. */
+#define GSCL_DRAWN_X 0
+#define GSCL_DRAWN_Y 1
+#define GSCL_DRAWN_UX 2
+#define GSCL_DRAWN_UY 3
+#define GSCL_DRAWN_VX 4
+#define GSCL_DRAWN_VY 5
+#define GSCL_DRAWN_OPACITY 6
+#define GSCL_DRAWN_COLOUR 8
+#define GSCL_DRAWN 12
+
+/* The outline q = GSCL_SUPPORT ("extent" record, floats): half width and half height; dx of the highest
+ * point; and dy on the outline at a given dx: slope * dx +- sqrt(max(0, height2 - curve * dx^2)). */
+#define GSCL_EXTENT_HALF_WIDTH 0
+#define GSCL_EXTENT_HALF_HEIGHT 1
+#define GSCL_EXTENT_TOP_DX 2
+#define GSCL_EXTENT_SLOPE 3
+#define GSCL_EXTENT_HEIGHT2 4
+#define GSCL_EXTENT_CURVE 5
+#define GSCL_EXTENT 8
+
+/* An entry of a tile's list: splat number and the rows of the tile that its outline touches. */
+#define GSCL_ENTRY_SPLAT(e) ((e) >> 8)
+#define GSCL_ENTRY_FIRST_ROW(e) (((e) >> 4) & 15u)
+#define GSCL_ENTRY_LAST_ROW(e) ((e)&15u)
+#define GSCL_ENTRY(splat, first, last) (((splat) << 8) | ((first) << 4) | (last))
+
+/* Format: ln of 2^15 pixels, the longest axis; larger codes saturate. */
+#define GSCL_LOG_LARGEST_AXIS 10.3972077f
+
+/* Losses of the fit. EXTERNAL: the derivative of the loss is read from an image. */
+#define GSCL_LOSS_KIND_L2 0
+#define GSCL_LOSS_KIND_L1 1
+#define GSCL_LOSS_KIND_EXTERNAL 2
+
+/* What stands between a parameter and what is drawn while fitting. */
+#define GSCL_QUANTISER_NONE 0
+#define GSCL_QUANTISER_SCALAR 1
+#define GSCL_QUANTISER_CODEBOOK 2
+
+/* Quantiser settings (floats) of scalar coding, in the units of the parameters. */
+#define GSCL_STEP_SCALE 0    /* step of ln sigma */
+#define GSCL_STEP_POSITION 1 /* step of x and y, in minor axes */
+#define GSCL_STEP_ANGLE 2    /* angle step is this / (aspect - 1/aspect) */
+#define GSCL_STEP_LUMA 3
+#define GSCL_STEP_CHROMA 4
+#define GSCL_STEP_ALPHA 5
+#define GSCL_STEP_OPACITY 6 /* number of levels */
+#define GSCL_STEP_COUNT 8
+
+/* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
+#define GSCL_SSIM_MARGIN 16
+
+/* Rate-distortion refinement (cl/refine.cl): codes of a splat, the largest scale code (format), and entries of
+ * a table over colour codes, which may be negative. */
+#define GSCL_CODES 9
+#define GSCL_MAX_SCALE 63
+#define GSCL_COLOUR_CODES 1024
+
+#endif

@@ -1,0 +1,171 @@
+/* One step of the fit over a tile: draw, compare, and pass the loss back to every splat of the tile.
+ *
+ * Each entry of a tile's list has a slot of its own for its sums over the tile's pixels, so no two
+ * work-groups write the same place and no float atomics are needed (update.cl adds a splat's slots in a
+ * fixed order).  With h = dL/dweight and t = h * opacity * gauss, a slot holds
+ *     sum t u, t v, t u^2, t u v, t v^2, [h weight,] and w dL/dcolour for each channel. */
+#define SLOT_U 0
+#define SLOT_V 1
+#define SLOT_UU 2
+#define SLOT_UV 3
+#define SLOT_VV 4
+#define SLOT_OPACITY 5
+#define SLOT_COLOUR (5 + OPACITY)
+#define SLOT (SLOT_COLOUR + CHANNELS)
+
+/* Per-pixel state of the backward pass. */
+typedef struct {
+    pix slope[CHANNELS][ROWS]; /* dL/dcolour of the picture */
+    pix mean[ROWS];            /* dot(picture, slope); `alpha`: of the part that lies behind */
+    pix rest[ROWS];            /* `normalized`: 1 / sum of weights; `alpha`: transmittance so far */
+} chain;
+
+/* Turns the canvas into the chain; returns this work-item's part of the loss. `picture` is the target, or
+ * with an external loss its derivative. */
+inline pix chain_begin(chain *b, const canvas *c, place p, __global const float *restrict picture, int width,
+                       ulong plane, float gain) {
+    pix loss = (pix)(0.0f);
+    for (int r = 0; r < ROWS; r++) {
+        b->mean[r] = (pix)(0.0f);
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) {
+            pix d = (pix)(0.0f);
+            if (r < p.rows && p.lanes > 0) {
+                pix value = pix_load_clipped(picture + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+#if LOSS == GSCL_LOSS_KIND_EXTERNAL
+                d = value;
+#else
+                pix e = (c->colour[k][r] - value) * pix_inside(p.lanes);
+#if LOSS == GSCL_LOSS_KIND_L2
+                loss = fma(e, e, loss);
+                d = e;
+#else
+                loss += fabs(e);
+                d = sign(e);
+#endif
+#endif
+            }
+            d *= gain;
+            b->slope[k][r] = d;
+            b->mean[r] = fma(c->colour[k][r], d, b->mean[r]);
+        }
+        b->rest[r] = BLEND == GSCL_ALPHA ? (pix)(1.0f) : c->rest[r];
+    }
+    return loss;
+}
+
+/* Adds up a value over the work-items of the tile and stores it. */
+#if ITEMS == 1
+#define SLOT_STORE(slot, sums) \
+    UNROLL                     \
+    for (int k = 0; k < SLOT; k++) (slot)[k] = pix_sum((sums)[k])
+#else
+#define SLOT_STORE(slot, sums)                                                        \
+    do {                                                                              \
+        int item = (int)get_local_id(0);                                              \
+        UNROLL                                                                        \
+        for (int k = 0; k < SLOT; k++) shared[k * ITEMS + item] = pix_sum((sums)[k]); \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                 \
+        if (item < SLOT) {                                                            \
+            float total = 0.0f;                                                       \
+            for (int j = 0; j < ITEMS; j++) total += shared[item * ITEMS + j];        \
+            (slot)[item] = total;                                                     \
+        }                                                                             \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                 \
+    } while (0)
+#endif
+
+/* Adds one row of one splat to its sums. */
+inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_weight s,
+                         __global const float *restrict drawn) {
+    pix w = WITH_OPACITY(s.weight, drawn);
+    pix paint = (pix)(0.0f);
+    UNROLL
+    for (int k = 0; k < CHANNELS; k++) paint = fma((pix)(drawn[GSCL_DRAWN_COLOUR + k]), b->slope[k][r], paint);
+#if BLEND == GSCL_NORMALIZED
+    pix share = w * b->rest[r];
+    pix h = b->rest[r] * (paint - b->mean[r]);
+#elif BLEND == GSCL_SUM
+    pix share = w;
+    pix h = paint;
+#else
+    pix_mask free = w < (pix)(GSCL_MAX_ALPHA);
+    w = fmin(w, (pix)(GSCL_MAX_ALPHA));
+    pix share = w * b->rest[r];
+    b->mean[r] = fma(-share, paint, b->mean[r]); /* what lies behind this splat */
+    pix h = select((pix)(0.0f), fma(b->rest[r], paint, -b->mean[r] / (1.0f - w)), free);
+    b->rest[r] -= share;
+#endif
+    pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, drawn), s.weight > (pix)(0.0f));
+    pix tu = t * s.u, tv = t * s.v;
+    sums[SLOT_U] += tu;
+    sums[SLOT_V] += tv;
+    sums[SLOT_UU] = fma(tu, s.u, sums[SLOT_UU]);
+    sums[SLOT_UV] = fma(tu, s.v, sums[SLOT_UV]);
+    sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
+#if OPACITY
+    sums[SLOT_OPACITY] = fma(h, s.weight, sums[SLOT_OPACITY]);
+#endif
+    UNROLL
+    for (int k = 0; k < CHANNELS; k++) sums[SLOT_COLOUR + k] = fma(share, b->slope[k][r], sums[SLOT_COLOUR + k]);
+}
+
+/* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
+ * levels of the pyramid agree.  Writes a slot per entry and the loss per tile. */
+__kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
+                        __global const int2 *restrict tile_ranges, __constant float *background,
+                        __global const float *restrict picture, int width, int height, int tiles_x, ulong plane,
+                        float gain, __global float *restrict slots, __global float *restrict tile_loss) {
+#if ITEMS > 1
+    __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
+#endif
+    place p = place_of(tiles_x, width, height);
+    int2 range = tile_ranges[p.tile];
+    pix px = pix_offsets() + ((float)p.x + 0.5f);
+    float py = (float)p.y + 0.5f;
+    canvas c;
+    canvas_begin(&c, background);
+    canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x);
+    canvas_end(&c, background);
+    chain b;
+    pix loss = chain_begin(&b, &c, p, picture, width, plane, gain);
+
+    for (int i = range.x; i < range.y; i++) {
+        int j = BLEND == GSCL_ALPHA ? range.y - 1 - (i - range.x) : i;
+        uint entry = entries[j];
+        __global const float *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
+        int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - p.row0, 0);
+        int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - p.row0, ROWS - 1);
+        pix dx = px - drawn[GSCL_DRAWN_X];
+        float dy = py - drawn[GSCL_DRAWN_Y];
+        pix sums[SLOT];
+        UNROLL
+        for (int k = 0; k < SLOT; k++) sums[k] = (pix)(0.0f);
+        for (int r = first; r <= last; r++) slot_add_row(sums, &b, r, weigh(dx, dy + (float)r, drawn), drawn);
+        __global float *slot = slots + (size_t)j * SLOT;
+        SLOT_STORE(slot, sums);
+    }
+#if ITEMS == 1
+    tile_loss[p.tile] = pix_sum(loss);
+#else
+    shared[get_local_id(0)] = pix_sum(loss);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) {
+        float total = 0.0f;
+        for (int j = 0; j < ITEMS; j++) total += shared[j];
+        tile_loss[p.tile] = total;
+    }
+#endif
+}
+
+/* Adds the losses of all tiles into one float, in a fixed order: one work-item. */
+__kernel void sum_loss(__global const float *restrict tile_loss, int count, __global float *restrict total) {
+    float sum = 0.0f, lost = 0.0f; /* Kahan: a large image has 10^6 tiles */
+    for (int i = 0; i < count; i++) {
+        float y = tile_loss[i] - lost;
+        float t = sum + y;
+        lost = (t - sum) - y;
+        sum = t;
+    }
+    *total = sum;
+}

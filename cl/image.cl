@@ -1,0 +1,27 @@
+/* Image planes for the fit: pyramid levels and per-pixel error. */
+
+/* Halves a plane by averaging 2x2 pixels; an odd last row or column averages what there is. */
+__kernel void halve(__global const float *restrict from, ulong from_at, int from_width, int from_height,
+                    __global float *restrict to, ulong to_at, int width, int height) {
+    int i = (int)get_global_id(0);
+    if (i >= width * height) return;
+    from += from_at;
+    to += to_at;
+    int x = 2 * (i % width), y = 2 * (i / width);
+    int x1 = min(x + 1, from_width - 1), y1 = min(y + 1, from_height - 1);
+    __global const float *row0 = from + (size_t)y * from_width, *row1 = from + (size_t)y1 * from_width;
+    to[i] = 0.25f * ((row0[x] + row0[x1]) + (row1[x] + row1[x1]));
+}
+
+/* Squared error per pixel, added over channels. */
+__kernel void squared_error(__global const float *restrict picture, __global const float *restrict target, int channels,
+                            int count, __global float *restrict error) {
+    int i = (int)get_global_id(0);
+    if (i >= count) return;
+    float sum = 0.0f;
+    for (int k = 0; k < channels; k++) {
+        float e = picture[(size_t)k * count + i] - target[(size_t)k * count + i];
+        sum = fma(e, e, sum);
+    }
+    error[i] = sum;
+}

@@ -1,0 +1,45 @@
+/* Walking over the pixels inside one splat's outline: what the passes that try other codes do. */
+
+/* Rows of the image that an outline touches, and its columns in a row. */
+typedef struct {
+    float x, y, half_height, slope, width2, curve;
+} outline;
+
+inline outline outline_of(const appearance *a) {
+    outline o;
+    float ratio = a->extent[GSCL_EXTENT_HALF_WIDTH] / a->extent[GSCL_EXTENT_HALF_HEIGHT];
+    float ratio2 = ratio * ratio; /* xx / yy turns the outline's dy(dx) into dx(dy) */
+    o.x = a->drawn[GSCL_DRAWN_X];
+    o.y = a->drawn[GSCL_DRAWN_Y];
+    o.half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
+    o.slope = a->extent[GSCL_EXTENT_SLOPE] * ratio2;
+    o.width2 = a->extent[GSCL_EXTENT_HEIGHT2] * ratio2;
+    o.curve = a->extent[GSCL_EXTENT_CURVE] * ratio2 * ratio2;
+    return o;
+}
+
+inline int2 outline_rows(outline o, int height) {
+    return (int2)((int)clamp(ceil(o.y - o.half_height - 0.5f), 0.0f, (float)height),
+                  (int)clamp(floor(o.y + o.half_height - 0.5f), -1.0f, (float)(height - 1)));
+}
+
+inline int2 outline_columns(outline o, int row, int width) {
+    float dy = (float)row + 0.5f - o.y;
+    float half_width = sqrt(fmax(o.width2 - o.curve * dy * dy, 0.0f)), middle = o.x + o.slope * dy - 0.5f;
+    return (int2)((int)clamp(ceil(middle - half_width), 0.0f, (float)width),
+                  (int)clamp(floor(middle + half_width), -1.0f, (float)(width - 1)));
+}
+
+inline pix private_weight(pix dx, float dy, const appearance *a) {
+    pix u = fma(dx, (pix)(a->drawn[GSCL_DRAWN_UX]), (pix)(dy * a->drawn[GSCL_DRAWN_UY]));
+    pix v = fma(dx, (pix)(a->drawn[GSCL_DRAWN_VX]), (pix)(dy * a->drawn[GSCL_DRAWN_VY]));
+    return fmax(pix_exp2_minus(fma(u, u, v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
+}
+
+/* Whether the outline stays within the pixels that this visit owns. */
+inline bool within(const appearance *a, int4 owned) {
+    float x = a->drawn[GSCL_DRAWN_X], half_width = a->extent[GSCL_EXTENT_HALF_WIDTH];
+    float y = a->drawn[GSCL_DRAWN_Y], half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
+    return x - half_width >= (float)owned.x && x + half_width <= (float)owned.y && y - half_height >= (float)owned.z &&
+           y + half_height <= (float)owned.w;
+}

@@ -1,0 +1,80 @@
+/* The pixel vector: LANES neighbouring pixels of a row that one work-item handles at once, ROWS rows of
+ * them.  CPU mapping: LANES 16, ROWS 16, a work-item draws a whole tile with explicit vectors.  GPU
+ * mapping: LANES 4 or less, ROWS 1, a work-group of 256 / LANES work-items draws a tile.
+ *
+ * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY (0 or 1). */
+#pragma OPENCL FP_CONTRACT OFF
+
+#define CHANNELS (COLOURS + ALPHA_CHANNEL)
+#define ITEMS_X (GSCL_TILE / LANES)
+#define ITEMS_Y (GSCL_TILE / ROWS)
+#define ITEMS (ITEMS_X * ITEMS_Y)
+/* Loops over channels and sums must not remain loops: their arrays live in registers. */
+#define UNROLL _Pragma("unroll")
+
+#if LANES == 16
+typedef float16 pix;
+typedef int16 pix_mask;
+#define PIX_LOAD(p) vload16(0, p)
+#define PIX_STORE(v, p) vstore16(v, 0, p)
+inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
+inline float pix_sum(pix v) {
+    float8 a = v.lo + v.hi;
+    float4 b = a.lo + a.hi;
+    float2 c = b.lo + b.hi;
+    return c.x + c.y;
+}
+#elif LANES == 4
+typedef float4 pix;
+typedef int4 pix_mask;
+#define PIX_LOAD(p) vload4(0, p)
+#define PIX_STORE(v, p) vstore4(v, 0, p)
+inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3); }
+inline float pix_sum(pix v) {
+    float2 c = v.lo + v.hi;
+    return c.x + c.y;
+}
+#else
+#error "LANES must be 16 or 4"
+#endif
+
+/* The lane's column as it is stored: the part of a row that lies outside the image is not touched. */
+inline void pix_store_clipped(pix v, __global float *row, int count) {
+    if (count >= LANES) {
+        PIX_STORE(v, row);
+        return;
+    }
+    float lanes[LANES];
+    PIX_STORE(v, lanes);
+    for (int i = 0; i < count; i++) row[i] = lanes[i];
+}
+
+inline pix pix_load_clipped(__global const float *row, int count) {
+    if (count >= LANES) return PIX_LOAD(row);
+    float lanes[LANES];
+    for (int i = 0; i < LANES; i++) lanes[i] = i < count ? row[i] : 0.0f;
+    return PIX_LOAD(lanes);
+}
+
+/* 1 in the lanes that lie inside the image, else 0. */
+inline pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), pix_offsets() < (pix)((float)count)); }
+
+/* 2^-q for q in [0, SUPPORT2]; larger q give a value at or below GSCL_WEIGHT_FLOOR.  The nearest integer comes
+ * from adding and taking away 1.5 * 2^23, whose low bits then also shift into the exponent; the rest is a
+ * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
+#define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
+inline pix pix_exp2_minus(pix q) {
+    pix y = -fmin(q, (pix)(SUPPORT2));
+    pix shifted = y + 12582912.0f;
+    pix r = y - (shifted - 12582912.0f);
+    pix p = fma((pix)(1.3276472e-3f), r, (pix)(9.6755419e-3f));
+    p = fma(p, r, (pix)(5.5507131e-2f));
+    p = fma(p, r, (pix)(2.4022120e-1f));
+    p = fma(p, r, (pix)(6.9314694e-1f));
+    p = fma(p, r, (pix)(1.0000001f));
+#if LANES == 16
+    return as_float16(as_int16(p) + (as_int16(shifted) << 23));
+#else
+    return as_float4(as_int4(p) + (as_int4(shifted) << 23));
+#endif
+}

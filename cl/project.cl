@@ -1,0 +1,134 @@
+/* From a splat's parameters to what the rasteriser draws, at a pyramid level. */
+
+/* A splat after quantisation, in pixels of the full-size image. */
+typedef struct {
+    float x, y, log_s1, log_s2, theta, opacity;
+    float colour[CHANNELS];
+} splat;
+
+inline float logistic(float x) { return 1.0f / (1.0f + exp(-x)); }
+
+inline splat splat_load(__global const float *restrict p) {
+    splat s;
+    s.x = p[GSCL_X];
+    s.y = p[GSCL_Y];
+    s.log_s1 = p[GSCL_LOG_S1];
+    s.log_s2 = p[GSCL_LOG_S2];
+    s.theta = p[GSCL_THETA];
+    s.opacity = OPACITY ? logistic(p[GSCL_OPACITY]) : 1.0f;
+    for (int k = 0; k < CHANNELS; k++) s.colour[k] = p[GSCL_COLOUR + k];
+    return s;
+}
+
+/* The part of the plane that is drawn: pixels of the full-size image times inv_scale, less the origin
+ * (x, y).  Mirrors gscl_view in host/lib/render.h. */
+typedef struct {
+    float inv_scale, blur, x, y;
+    int tiles_x, tiles_y;
+} view;
+
+/* Axes as seen at a level that shows 1 pixel for 1 / inv_scale of the full image: a smaller level is
+ * box-filtered, which widens a splat by `blur` = ((1 / inv_scale)^2 - 1) / 12 square pixels. */
+inline float seen_axis(float log_sigma, float blur) {
+    float sigma = exp(log_sigma);
+    return sqrt(fma(sigma, sigma, blur));
+}
+
+/* What is drawn of a splat: the records of constants.h in private memory. */
+typedef struct {
+    float drawn[GSCL_DRAWN];
+    float extent[GSCL_EXTENT];
+} appearance;
+
+inline appearance splat_appearance(splat s, view seen) {
+    const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
+    appearance a;
+    float c = cos(s.theta), n = sin(s.theta);
+    float s1 = seen_axis(s.log_s1, seen.blur) * seen.inv_scale, s2 = seen_axis(s.log_s2, seen.blur) * seen.inv_scale;
+    float i1 = to_frame / s1, i2 = to_frame / s2;
+    a.drawn[GSCL_DRAWN_X] = s.x * seen.inv_scale - seen.x;
+    a.drawn[GSCL_DRAWN_Y] = s.y * seen.inv_scale - seen.y;
+    a.drawn[GSCL_DRAWN_UX] = c * i1;
+    a.drawn[GSCL_DRAWN_UY] = n * i1;
+    a.drawn[GSCL_DRAWN_VX] = -n * i2;
+    a.drawn[GSCL_DRAWN_VY] = c * i2;
+    a.drawn[GSCL_DRAWN_OPACITY] = s.opacity;
+    for (int k = 0; k < CHANNELS; k++) a.drawn[GSCL_DRAWN_COLOUR + k] = s.colour[k];
+
+    /* Covariance entries; the outline's support function in x and y. */
+    float xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
+    float xy = c * n * (s1 * s1 - s2 * s2);
+    a.extent[GSCL_EXTENT_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
+    a.extent[GSCL_EXTENT_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy);
+    a.extent[GSCL_EXTENT_TOP_DX] = a.extent[GSCL_EXTENT_HALF_HEIGHT] * (xy / yy);
+    a.extent[GSCL_EXTENT_SLOPE] = xy / xx;
+    float ratio = s1 * s2 / xx; /* det / xx^2 without overflow */
+    a.extent[GSCL_EXTENT_HEIGHT2] = 2.0f * GSCL_SUPPORT * (s1 * (s1 / xx)) * (s2 * s2);
+    a.extent[GSCL_EXTENT_CURVE] = ratio * ratio;
+    return a;
+}
+
+/* The box of tiles (inclusive; empty when x > y) that the outline may touch, clamped as floats: a giant's box
+ * does not fit an int. */
+inline int4 appearance_tiles(const appearance *a, view seen) {
+    float x = a->drawn[GSCL_DRAWN_X], half_width = a->extent[GSCL_EXTENT_HALF_WIDTH];
+    float y = a->drawn[GSCL_DRAWN_Y], half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
+    float4 edges = (float4)(x - half_width, x + half_width, y - half_height, y + half_height) * (1.0f / GSCL_TILE);
+    float4 last = (float4)((float2)((float)seen.tiles_x), (float2)((float)seen.tiles_y));
+    edges = clamp(floor(edges), (float4)(-1.0f), last);
+    return (int4)(max((int)edges.x, 0), min((int)edges.y, seen.tiles_x - 1), max((int)edges.z, 0),
+                  min((int)edges.w, seen.tiles_y - 1));
+}
+
+/* Stores what is drawn of splat `i`, and its box of tiles. */
+inline void splat_project(splat s, view seen, int i, __global float *restrict drawn, __global float *restrict extents,
+                          __global int4 *restrict boxes) {
+    appearance a = splat_appearance(s, seen);
+    for (int k = 0; k < GSCL_DRAWN_COLOUR + CHANNELS; k++) drawn[(size_t)i * GSCL_DRAWN + k] = a.drawn[k];
+    for (int k = 0; k <= GSCL_EXTENT_CURVE; k++) extents[(size_t)i * GSCL_EXTENT + k] = a.extent[k];
+    boxes[i] = appearance_tiles(&a, seen);
+}
+
+/* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit looks
+ * through the quantiser so that it learns to live with it.  steps[GSCL_STEP_SCALE] = 0 switches it off. */
+inline splat splat_quantise(splat s, __global const float *restrict steps) {
+    float scale = steps[GSCL_STEP_SCALE];
+    if (!(scale > 0.0f)) return s;
+    s.log_s1 = fmax(rint((s.log_s1 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F;
+    s.log_s2 = fmax(rint((s.log_s2 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F;
+    float position = fmax(steps[GSCL_STEP_POSITION] * exp(fmin(s.log_s1, s.log_s2)), 1.0f / 32.0f);
+    s.x = (floor(s.x / position) + 0.5f) * position;
+    s.y = (floor(s.y / position) + 0.5f) * position;
+    float aspect = exp(fabs(s.log_s1 - s.log_s2));
+    float angles = clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), 1.0f, 512.0f);
+    float turn = s.log_s1 < s.log_s2 ? M_PI_2_F : 0.0f; /* codes count from the major axis */
+    s.theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles - turn;
+    float luma = steps[GSCL_STEP_LUMA];
+#if COLOURS == 3
+    float chroma = steps[GSCL_STEP_CHROMA];
+    float y = rint((s.colour[0] + 2.0f * s.colour[1] + s.colour[2]) * 0.25f / luma) * luma;
+    float co = rint((s.colour[0] - s.colour[2]) / chroma) * chroma;
+    float cg = rint((s.colour[1] - 0.5f * (s.colour[0] + s.colour[2])) / chroma) * chroma;
+    s.colour[1] = y + 0.5f * cg;
+    s.colour[2] = y - 0.5f * cg - 0.5f * co;
+    s.colour[0] = s.colour[2] + co;
+#else
+    s.colour[0] = rint(s.colour[0] / luma) * luma;
+#endif
+#if ALPHA_CHANNEL
+    s.colour[COLOURS] = rint(s.colour[COLOURS] / steps[GSCL_STEP_ALPHA]) * steps[GSCL_STEP_ALPHA];
+#endif
+#if OPACITY
+    float levels = steps[GSCL_STEP_OPACITY];
+    s.opacity = clamp(rint(s.opacity * levels), 1.0f, levels) / levels;
+#endif
+    return s;
+}
+
+/* Projects the splats as they are, or through the quantiser. */
+__kernel void project(__global const float *restrict params, __global const float *restrict steps, int count, view seen,
+                      __global float *restrict drawn, __global float *restrict extents, __global int4 *restrict boxes) {
+    int i = (int)get_global_id(0);
+    if (i >= count) return;
+    splat_project(splat_quantise(splat_load(params + (size_t)i * GSCL_PARAMS), steps), seen, i, drawn, extents, boxes);
+}

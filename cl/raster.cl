@@ -1,0 +1,122 @@
+/* Rasterisation: weights of splats at pixels and the three ways of blending them. */
+
+/* A splat's weight at a row of pixels, before opacity; also its frame coordinates. */
+typedef struct {
+    pix u, v; /* gauss = 2^-(u^2 + v^2) */
+    pix gauss;
+    pix weight; /* max(0, gauss - floor) */
+} splat_weight;
+
+inline splat_weight weigh(pix dx, float dy, __global const float *restrict drawn) {
+    splat_weight s;
+    s.u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
+    s.v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
+    s.gauss = pix_exp2_minus(fma(s.u, s.u, s.v * s.v));
+    s.weight = fmax(s.gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
+    return s;
+}
+
+#if OPACITY
+#define WITH_OPACITY(weight, drawn) ((weight) * (drawn)[GSCL_DRAWN_OPACITY])
+#else
+#define WITH_OPACITY(weight, drawn) (weight)
+#endif
+
+/* The blend's running sums of one work-item: colour, and the sum of weights (`normalized`) or the
+ * transmittance (`alpha`; unused in `sum`). */
+typedef struct {
+    pix colour[CHANNELS][ROWS];
+    pix rest[ROWS];
+} canvas;
+
+inline void canvas_begin(canvas *c, __constant float *background) {
+    for (int r = 0; r < ROWS; r++) {
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) {
+#if BLEND == GSCL_NORMALIZED
+            c->colour[k][r] = (pix)(GSCL_EPSILON * background[k]);
+#elif BLEND == GSCL_SUM
+            c->colour[k][r] = (pix)(background[k]);
+#else
+            c->colour[k][r] = (pix)(0.0f);
+#endif
+        }
+        c->rest[r] = (pix)(BLEND == GSCL_NORMALIZED ? GSCL_EPSILON : 1.0f);
+    }
+}
+
+/* Adds a tile's splats.  `alpha` goes from the front (the last stored) to the back. */
+inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const float *restrict splats,
+                         __global const uint *restrict entries, int count) {
+    for (int i = 0; i < count; i++) {
+        uint entry = entries[BLEND == GSCL_ALPHA ? count - 1 - i : i];
+        __global const float *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
+        int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
+        int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
+        pix dx = px - drawn[GSCL_DRAWN_X];
+        float dy = py - drawn[GSCL_DRAWN_Y];
+        for (int r = first; r <= last; r++) {
+            pix w = WITH_OPACITY(weigh(dx, dy + (float)r, drawn).weight, drawn);
+#if BLEND == GSCL_ALPHA
+            w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->rest[r];
+            c->rest[r] -= w;
+#elif BLEND == GSCL_NORMALIZED
+            c->rest[r] += w;
+#endif
+            UNROLL
+            for (int k = 0; k < CHANNELS; k++)
+                c->colour[k][r] = fma(w, (pix)(drawn[GSCL_DRAWN_COLOUR + k]), c->colour[k][r]);
+        }
+    }
+}
+
+/* Turns the sums into colours.  `normalized` leaves 1 / (sum of weights) in rest. */
+inline void canvas_end(canvas *c, __constant float *background) {
+    for (int r = 0; r < ROWS; r++) {
+#if BLEND == GSCL_NORMALIZED
+        c->rest[r] = 1.0f / c->rest[r];
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] *= c->rest[r];
+#elif BLEND == GSCL_ALPHA
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = fma(c->rest[r], (pix)(background[k]), c->colour[k][r]);
+#endif
+    }
+}
+
+/* Where this work-item stands. */
+typedef struct {
+    int x, y;  /* its first pixel, in the image */
+    int row0;  /* its first row within the tile */
+    int lanes; /* pixels of a row inside the image, may be <= 0 or > LANES */
+    int rows;  /* rows inside the image, may be <= 0 or > ROWS */
+    size_t tile;
+} place;
+
+inline place place_of(int tiles_x, int width, int height) {
+    place p;
+    p.tile = get_group_id(0);
+    p.row0 = (int)(get_local_id(0) / ITEMS_X) * ROWS;
+    p.x = (int)(p.tile % (size_t)tiles_x) * GSCL_TILE + (int)(get_local_id(0) % ITEMS_X) * LANES;
+    p.y = (int)(p.tile / (size_t)tiles_x) * GSCL_TILE + p.row0;
+    p.lanes = width - p.x;
+    p.rows = min(height - p.y, ROWS);
+    return p;
+}
+
+/* Draws all tiles into CHANNELS planes of `plane` floats, rows of `width` floats.
+ * `origin_y` moves the drawing up: row 0 of the image is row origin_y of the picture (bands). */
+__kernel void raster_forward(__global const float *restrict splats, __global const uint *restrict entries,
+                             __global const int2 *restrict tile_ranges, __constant float *background,
+                             __global float *restrict image, int width, int height, int tiles_x, ulong plane) {
+    place p = place_of(tiles_x, width, height);
+    canvas c;
+    int2 range = tile_ranges[p.tile];
+    canvas_begin(&c, background);
+    canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
+                 range.y - range.x);
+    canvas_end(&c, background);
+    for (int r = 0; r < p.rows; r++) UNROLL
+    for (int k = 0; k < CHANNELS; k++)
+        pix_store_clipped(c.colour[k][r], image + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+}

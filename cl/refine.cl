@@ -1,0 +1,272 @@
+/* Choosing code words by rate and distortion.
+ *
+ * Each visit takes one splat out of the picture, looks at a handful of other codes for it and at leaving it
+ * out, and puts back what costs least: squared error + lambda * bits.  The change of error is exact: the
+ * picture P and (in `normalized`) the sum of weights D are kept per pixel and changed in place.  With the
+ * splat out, giving it weight w and colour c changes a pixel to P + s (c - P), s = w / (D + w) (`sum`: P + w c),
+ * so the error is a quadratic in c whose coefficients one walk over the outline adds up; the best colour codes
+ * then cost no further walk.  Splats visited together do not touch each other's pixels (host/lib/refine.c). */
+
+/* A splat's codes (ints): minor, aspect, angle, x, y, luma, co, cg, alpha. */
+#define CODE_MINOR 0
+#define CODE_ASPECT 1
+#define CODE_ANGLE 2
+#define CODE_X 3
+#define CODE_Y 4
+#define CODE_LUMA 5
+#define CODE_ALPHA 8
+#define CODES GSCL_CODES
+
+/* Tables that the host makes from the steps and from the statistics of the codes: what a code means and
+ * what it costs in bits. */
+typedef struct {
+    float step; /* of the position grid, pixels */
+    int cells_x, cells_y;
+    float bits; /* of the code and of a position on the grid */
+} minor_entry;
+typedef struct {
+    int angles;
+    float bits; /* of the code and of an angle */
+} aspect_entry;
+
+/* Bits of a colour code: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred. */
+typedef struct {
+    float lambda;
+    float scale_step; /* of ln sigma */
+    float luma_step, chroma_step, alpha_step;
+    int min[4], max[4]; /* of the colour codes */
+} refine_settings;
+
+typedef struct {
+    int code[CODES];
+} codes;
+
+/* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
+typedef struct {
+    float fixed, linear[CHANNELS], square;
+} quadratic;
+
+inline splat codes_splat(const codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
+                         refine_settings t) {
+    splat s;
+    __global const minor_entry *m = minors + c->code[CODE_MINOR];
+    s.x = ((float)c->code[CODE_X] + 0.5f) * m->step;
+    s.y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
+    s.log_s1 =
+        fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
+    s.log_s2 = fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
+    s.theta = (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles;
+    s.opacity = 1.0f;
+    float y = (float)c->code[CODE_LUMA] * t.luma_step;
+#if COLOURS == 3
+    float co = (float)c->code[CODE_LUMA + 1] * t.chroma_step, cg = (float)c->code[CODE_LUMA + 2] * t.chroma_step;
+    s.colour[1] = y + 0.5f * cg;
+    s.colour[2] = y - 0.5f * cg - 0.5f * co;
+    s.colour[0] = s.colour[2] + co;
+#else
+    s.colour[0] = y;
+#endif
+#if ALPHA_CHANNEL
+    s.colour[COLOURS] = (float)c->code[CODE_ALPHA] * t.alpha_step;
+#endif
+    return s;
+}
+
+/* Puts the splat in (sign 1) or takes it out (sign -1). */
+inline void picture_change(const appearance *a, float sign, __global float *restrict picture,
+                           __global float *restrict weights, int width, int height, ulong plane) {
+    outline o = outline_of(a);
+    int2 rows = outline_rows(o, height);
+    for (int y = rows.x; y <= rows.y; y++) {
+        int2 columns = outline_columns(o, y, width);
+        for (int x = columns.x; x <= columns.y; x += LANES) {
+            size_t at = (size_t)y * width + x;
+            int lanes = columns.y - x + 1;
+            pix w = sign * private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a);
+#if BLEND == GSCL_NORMALIZED
+            pix sum = PIX_LOAD(weights + at) + w;
+            pix_store_clipped(sum, weights + at, lanes);
+            w /= sum;
+#endif
+            UNROLL
+            for (int k = 0; k < CHANNELS; k++) {
+                pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(a->drawn[GSCL_DRAWN_COLOUR + k]);
+                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p), picture + k * plane + at,
+                                  lanes);
+            }
+        }
+    }
+}
+
+/* The error as a function of colour, for a splat of this geometry that is not in the picture. */
+inline quadratic picture_weigh(const appearance *a, __global const float *restrict picture,
+                               __global const float *restrict weights, __global const float *restrict target, int width,
+                               int height, ulong plane) {
+    outline o = outline_of(a);
+    int2 rows = outline_rows(o, height);
+    pix fixed = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
+    for (int k = 0; k < CHANNELS; k++) linear[k] = (pix)(0.0f);
+    for (int y = rows.x; y <= rows.y; y++) {
+        int2 columns = outline_columns(o, y, width);
+        for (int x = columns.x; x <= columns.y; x += LANES) {
+            size_t at = (size_t)y * width + x;
+            pix s = private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a) *
+                    pix_inside(columns.y - x + 1);
+#if BLEND == GSCL_NORMALIZED
+            s /= PIX_LOAD(weights + at) + s;
+#endif
+            square = fma(s, s, square);
+            UNROLL
+            for (int k = 0; k < CHANNELS; k++) {
+                pix p = PIX_LOAD(picture + k * plane + at), e = p - PIX_LOAD(target + k * plane + at);
+#if BLEND == GSCL_NORMALIZED
+                pix share = s * p;
+                linear[k] = fma(s, e - share, linear[k]);
+                fixed = fma(share, share - 2.0f * e, fixed);
+#else
+                linear[k] = fma(s, e, linear[k]);
+#endif
+            }
+        }
+    }
+    quadratic q;
+    q.fixed = pix_sum(fixed);
+    q.square = pix_sum(square);
+    for (int k = 0; k < CHANNELS; k++) q.linear[k] = pix_sum(linear[k]);
+    return q;
+}
+
+inline float colour_bits(const codes *c, __global const float *restrict tables) {
+    float bits = tables[c->code[CODE_LUMA] + GSCL_COLOUR_CODES / 2];
+#if COLOURS == 3
+    bits += tables[GSCL_COLOUR_CODES + c->code[CODE_LUMA + 1] + GSCL_COLOUR_CODES / 2];
+    bits += tables[2 * GSCL_COLOUR_CODES + c->code[CODE_LUMA + 2] + GSCL_COLOUR_CODES / 2];
+#endif
+#if ALPHA_CHANNEL
+    bits += tables[3 * GSCL_COLOUR_CODES + c->code[CODE_ALPHA] + GSCL_COLOUR_CODES / 2];
+#endif
+    return bits;
+}
+
+inline float colour_cost(const quadratic *q, const splat *s, const codes *c, __global const float *restrict tables,
+                         float lambda) {
+    float cost = q->fixed + lambda * colour_bits(c, tables);
+    for (int k = 0; k < CHANNELS; k++) cost += s->colour[k] * fma(q->square, s->colour[k], 2.0f * q->linear[k]);
+    return cost;
+}
+
+/* Improves the colour codes one at a time, in steps, from where they are; returns the cost of the best. */
+inline float colour_descend(const quadratic *q, codes *c, __global const minor_entry *minors,
+                            __global const aspect_entry *aspects, __global const float *restrict tables,
+                            refine_settings t) {
+    splat s = codes_splat(c, minors, aspects, t);
+    float best = colour_cost(q, &s, c, tables, t.lambda);
+    for (int round = 0; round < 6; round++) {
+        bool better = false;
+        for (int k = 0; k < 4; k++) {
+            if (COLOURS == 1 && (k == 1 || k == 2)) continue;
+            if (!ALPHA_CHANNEL && k == 3) continue;
+            for (int step = -1; step <= 1; step += 2) {
+                codes other = *c;
+                other.code[CODE_LUMA + k] += step;
+                if (other.code[CODE_LUMA + k] < t.min[k] || other.code[CODE_LUMA + k] > t.max[k]) continue;
+                s = codes_splat(&other, minors, aspects, t);
+                float cost = colour_cost(q, &s, &other, tables, t.lambda);
+                if (cost < best) {
+                    best = cost;
+                    *c = other;
+                    better = true;
+                }
+            }
+        }
+        if (!better) break;
+    }
+    return best;
+}
+
+/* Neighbouring geometries: 0 is the splat itself. */
+#define MOVES 13
+
+/* Makes move `move`; false when it leaves the code's range.  When an axis changes, position and angle are
+ * written anew on their new steps. */
+inline bool codes_move(codes *c, int move, __global const minor_entry *minors, __global const aspect_entry *aspects) {
+    const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1, 0, 0, 0, 0, 0, 0};
+    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1, 0, 0, 0, 0, 0, 0};
+    __global const minor_entry *m = minors + c->code[CODE_MINOR];
+    float x = ((float)c->code[CODE_X] + 0.5f) * m->step, y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
+    int angles = aspects[c->code[CODE_ASPECT]].angles;
+    float turn = (float)c->code[CODE_ANGLE] / (float)angles;
+    c->code[CODE_MINOR] += minor_step[move];
+    c->code[CODE_ASPECT] += aspect_step[move];
+    if (c->code[CODE_MINOR] < 0 || c->code[CODE_ASPECT] < 0 ||
+        c->code[CODE_MINOR] + c->code[CODE_ASPECT] > GSCL_MAX_SCALE)
+        return false;
+    m = minors + c->code[CODE_MINOR];
+    if (minor_step[move] != 0) {
+        c->code[CODE_X] = clamp((int)(x / m->step), 0, m->cells_x - 1);
+        c->code[CODE_Y] = clamp((int)(y / m->step), 0, m->cells_y - 1);
+    }
+    angles = aspects[c->code[CODE_ASPECT]].angles;
+    if (aspect_step[move] != 0) c->code[CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
+    if (move == 7 || move == 8) {
+        if (angles < 2) return false;
+        c->code[CODE_ANGLE] = (c->code[CODE_ANGLE] + (move == 7 ? 1 : angles - 1)) % angles;
+    }
+    if (move >= 9 && move <= 10) c->code[CODE_X] += move == 9 ? 1 : -1;
+    if (move >= 11) c->code[CODE_Y] += move == 11 ? 1 : -1;
+    return c->code[CODE_X] >= 0 && c->code[CODE_X] < m->cells_x && c->code[CODE_Y] >= 0 && c->code[CODE_Y] < m->cells_y;
+}
+
+/* One visit each of the splats `visits[0..count)`.  A splat that is not worth its bits gets minor code -1.
+ * `owned`: pixels (x0, x1, y0, y1) that each visit may change; `existence`: bits that any splat costs.
+ * `leave_out`: what leaving a splat out costs, 0 (no change of error, no bits), or more than anything. */
+__kernel void refine_visit(__global const int *restrict visits, int count, __global codes *restrict all,
+                           __global const int4 *restrict owned, __global const minor_entry *restrict minors,
+                           __global const aspect_entry *restrict aspects, __global const float *restrict tables,
+                           refine_settings t, view seen, float existence, float leave_out,
+                           __global float *restrict picture, __global float *restrict weights,
+                           __global const float *restrict target, int width, int height, ulong plane) {
+    if ((int)get_global_id(0) >= count) return;
+    int i = visits[get_global_id(0)];
+    codes now = all[i];
+    appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
+    picture_change(&a, -1.0f, picture, weights, width, height, plane);
+    float best = leave_out;
+    codes choice = now;
+    choice.code[CODE_MINOR] = -1;
+    for (int move = 0; move < MOVES; move++) {
+        codes other = now;
+        if (!codes_move(&other, move, minors, aspects)) continue;
+        a = splat_appearance(codes_splat(&other, minors, aspects, t), seen);
+        if (move > 0 && !within(&a, owned[i])) continue;
+        quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
+        float cost = colour_descend(&q, &other, minors, aspects, tables, t);
+        cost += t.lambda * (existence + minors[other.code[CODE_MINOR]].bits + aspects[other.code[CODE_ASPECT]].bits);
+        if (cost < best) {
+            best = cost;
+            choice = other;
+        }
+    }
+    all[i] = choice;
+    if (choice.code[CODE_MINOR] < 0) return;
+    a = splat_appearance(codes_splat(&choice, minors, aspects, t), seen);
+    picture_change(&a, 1.0f, picture, weights, width, height, plane);
+}
+
+/* Draws the picture and the sums of weights that the visits start from. */
+__kernel void refine_begin(__global const float *restrict splats, __global const uint *restrict entries,
+                           __global const int2 *restrict tile_ranges, __constant float *background,
+                           __global float *restrict picture, __global float *restrict weights, int width, int height,
+                           int tiles_x, ulong plane) {
+    place p = place_of(tiles_x, width, height);
+    canvas c;
+    int2 range = tile_ranges[p.tile];
+    canvas_begin(&c, background);
+    canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
+                 range.y - range.x);
+    for (int r = 0; r < p.rows; r++) pix_store_clipped(c.rest[r], weights + (size_t)(p.y + r) * width + p.x, p.lanes);
+    canvas_end(&c, background);
+    for (int r = 0; r < p.rows; r++)
+        for (int k = 0; k < CHANNELS; k++)
+            pix_store_clipped(c.colour[k][r], picture + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+}

@@ -1,0 +1,119 @@
+/* From slots to parameters: a splat's gradient, Adam, and the projection for the next step. */
+
+/* The slot of splat `i` in a tile's sorted list, or -1. */
+inline int slot_find(__global const uint *restrict entries, int2 range, uint i) {
+    int low = range.x, high = range.y - 1;
+    while (low <= high) {
+        int mid = (low + high) >> 1;
+        uint splat = GSCL_ENTRY_SPLAT(entries[mid]);
+        if (splat == i) return mid;
+        if (splat < i) low = mid + 1;
+        else high = mid - 1;
+    }
+    return -1;
+}
+
+/* Adds a splat's slots over the tiles of its box, row by row: always the same order. */
+inline void slots_gather(float *restrict sums, uint i, int4 box, int tiles_x, __global const uint *restrict entries,
+                         __global const int2 *restrict tile_ranges, __global const float *restrict slots) {
+    for (int k = 0; k < SLOT; k++) sums[k] = 0.0f;
+    for (int ty = box.z; ty <= box.w; ty++)
+        for (int tx = box.x; tx <= box.y; tx++) {
+            int at = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], i);
+            if (at < 0) continue;
+            for (int k = 0; k < SLOT; k++) sums[k] += slots[(size_t)at * SLOT + k];
+        }
+}
+
+/* Chain rule from the frame's sums to the parameters.  `s` is the splat that was drawn. */
+inline void gradient_from_sums(float *restrict gradient, const float *restrict sums, splat s,
+                               __global const float *restrict drawn, view seen) {
+    float e1 = seen_axis(s.log_s1, seen.blur), e2 = seen_axis(s.log_s2, seen.blur);
+    float s1 = exp(s.log_s1), s2 = exp(s.log_s2);
+    /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
+    const float factor = 2.0f * M_LN2_F;
+    float du = factor * sums[SLOT_U], dv = factor * sums[SLOT_V];
+    gradient[GSCL_X] = seen.inv_scale * fma(drawn[GSCL_DRAWN_UX], du, drawn[GSCL_DRAWN_VX] * dv);
+    gradient[GSCL_Y] = seen.inv_scale * fma(drawn[GSCL_DRAWN_UY], du, drawn[GSCL_DRAWN_VY] * dv);
+    gradient[GSCL_LOG_S1] = factor * sums[SLOT_UU] * (s1 / e1) * (s1 / e1);
+    gradient[GSCL_LOG_S2] = factor * sums[SLOT_VV] * (s2 / e2) * (s2 / e2);
+    gradient[GSCL_THETA] = factor * sums[SLOT_UV] * (e1 / e2 - e2 / e1);
+    gradient[GSCL_OPACITY] = OPACITY ? sums[SLOT_OPACITY] * s.opacity * (1.0f - s.opacity) : 0.0f;
+    for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = sums[SLOT_COLOUR + k];
+}
+
+/* Learning rates and bounds of one step. */
+typedef struct {
+    float rate;             /* this step's factor on all rates */
+    float width, height;    /* centres stay inside the full-size image */
+    float log_min, log_max; /* of an axis */
+    float log_aspect;       /* largest |ln s1 - ln s2| */
+    float colour_min, colour_max;
+} limits;
+
+#define ADAM_BETA1 0.9f
+#define ADAM_BETA2 0.99f
+#define ADAM_EPSILON 1e-10f
+#define RATE_POSITION 0.04f /* of the splat's geometric mean axis */
+#define RATE_SHAPE 0.03f
+#define RATE_COLOUR 0.012f
+#define RATE_OPACITY 0.04f
+
+/* Adam with the bias correction of each splat's own age. */
+inline void adam(__global float *restrict p, __global float *restrict m, __global float *restrict v, int age,
+                 __global const float *restrict gradient, limits bounds) {
+    float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
+    float size = exp(0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]));
+    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) {
+        float rate = k <= GSCL_Y         ? RATE_POSITION * size
+                     : k <= GSCL_THETA   ? RATE_SHAPE
+                     : k == GSCL_OPACITY ? RATE_OPACITY
+                                         : RATE_COLOUR;
+        m[k] = fma(ADAM_BETA1, m[k], (1.0f - ADAM_BETA1) * gradient[k]);
+        v[k] = fma(ADAM_BETA2, v[k], (1.0f - ADAM_BETA2) * gradient[k] * gradient[k]);
+        p[k] -= bounds.rate * rate * (m[k] * correct1) / (sqrt(v[k] * correct2) + ADAM_EPSILON);
+    }
+}
+
+inline void keep_within(__global float *restrict p, limits b) {
+    p[GSCL_X] = clamp(p[GSCL_X], 0.0f, b.width);
+    p[GSCL_Y] = clamp(p[GSCL_Y], 0.0f, b.height);
+    float excess = 0.5f * (fabs(p[GSCL_LOG_S1] - p[GSCL_LOG_S2]) - b.log_aspect);
+    if (excess > 0.0f) {
+        if (p[GSCL_LOG_S1] < p[GSCL_LOG_S2]) excess = -excess;
+        p[GSCL_LOG_S1] -= excess;
+        p[GSCL_LOG_S2] += excess;
+    }
+    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1], b.log_min, b.log_max);
+    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2], b.log_min, b.log_max);
+    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], -8.0f, 8.0f);
+    for (int k = 0; k < CHANNELS; k++) p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], b.colour_min, b.colour_max);
+}
+
+/* Writes every splat's gradient (GSCL_PARAMS floats each). */
+__kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
+                               view seen, __global const int4 *restrict boxes, __global const float *restrict drawn,
+                               __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
+                               __global const float *restrict slots, __global float *restrict gradients) {
+    int i = (int)get_global_id(0);
+    if (i >= count) return;
+    float sums[SLOT], gradient[GSCL_PARAMS];
+    slots_gather(sums, (uint)i, boxes[i], seen.tiles_x, entries, tile_ranges, slots);
+    splat s = splat_quantise(splat_load(params + (size_t)i * GSCL_PARAMS), steps);
+    gradient_from_sums(gradient, sums, s, drawn + (size_t)i * GSCL_DRAWN, seen);
+    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) gradients[(size_t)i * GSCL_PARAMS + k] = gradient[k];
+}
+
+/* One step of Adam from the gradients, then the projection of the (quantised) result. */
+__kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
+                        __global float *restrict second_moment, __global int *restrict ages,
+                        __global const float *restrict gradients, __global const float *restrict steps, int count,
+                        limits bounds, view seen, __global float *restrict drawn, __global float *restrict extents,
+                        __global int4 *restrict boxes) {
+    int i = (int)get_global_id(0);
+    if (i >= count) return;
+    size_t at = (size_t)i * GSCL_PARAMS;
+    adam(params + at, first_moment + at, second_moment + at, ++ages[i], gradients + at, bounds);
+    keep_within(params + at, bounds);
+    splat_project(splat_quantise(splat_load(params + at), steps), seen, i, drawn, extents, boxes);
+}

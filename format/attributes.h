@@ -1,0 +1,24 @@
+/* Coding of what a splat has besides its class and position (FORMAT.md, "Attributes"). */
+#ifndef GSCL_FORMAT_ATTRIBUTES_H
+#define GSCL_FORMAT_ATTRIBUTES_H
+
+#include "chroma.h"
+#include "model.h"
+
+#define GSF_DIRECTIONS 16 /* bins of the angle's histogram */
+
+typedef struct gsf_attributes {
+    gsf_header header;
+    gsf_steps steps;
+    int luma_min, alpha_min;
+    gsf_model aspect, direction, luma, alpha, opacity;
+    gsf_chroma chroma;
+} gsf_attributes;
+
+void gsf_attributes_init(gsf_attributes *attributes, const gsf_header *header, const gsf_steps *steps);
+
+/* Codes one splat, in stored order; its minor, x and y are known.  Fields whose effect is off are
+ * left alone. */
+void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat *splat);
+
+#endif

@@ -1,0 +1,35 @@
+/* Adaptive frequencies of one kind of code (FORMAT.md, "Adaptive models"), made for some hundreds of
+ * samples: a code that was seen makes its neighbours likelier too. */
+#ifndef GSCL_FORMAT_MODEL_H
+#define GSCL_FORMAT_MODEL_H
+
+#include "coder.h"
+
+#define GSF_MAX_ALPHABET 1024
+
+typedef struct gsf_model_shape {
+    uint16_t base; /* start: base + height * width^2 / (width^2 + (code - centre)^2) */
+    uint16_t height;
+    uint16_t width;
+    uint16_t gain[3]; /* added to the code seen, and to those at distance 1 and 2 */
+    uint16_t memory;  /* frequencies are halved when their mean is above this: how fast the model forgets */
+} gsf_model_shape;
+
+#define GSF_MODEL_MAX_TOTAL 32000u /* halved above this in any case */
+
+typedef struct gsf_model {
+    uint32_t count, total, limit;
+    uint16_t gain[3];
+    uint16_t freq[GSF_MAX_ALPHABET];
+} gsf_model;
+
+/* Codes 0..count-1, count <= GSF_MAX_ALPHABET, at first likeliest around `centre`. */
+void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint32_t count, int32_t centre);
+/* Learns that `value` was seen. */
+void gsf_model_update(gsf_model *model, uint32_t value);
+/* Adds to the frequency of a value; does nothing when it is outside the alphabet. */
+void gsf_model_raise(gsf_model *model, uint32_t value, uint16_t gain);
+/* Codes a value and learns it. */
+uint32_t gsf_code_modelled(gsf_coder *coder, uint32_t value, gsf_model *model);
+
+#endif

@@ -1,0 +1,133 @@
+/* The stored order (FORMAT.md, "Order"): by class, then as the splits of the position coding pass
+ * the splats, then, within a cell, by the remaining codes. */
+#include "picture.h"
+
+#include <string.h>
+
+typedef struct record {
+    uint64_t key; /* class and path through the splits */
+    uint32_t splat;
+} record;
+
+#define PATH_BITS 40 /* at most 19 splits along each axis */
+
+/* The way to a cell: one bit a split, the first one on top.  No path is the beginning of another. */
+static uint64_t path_to(const gsf_grid *grid, uint32_t x, uint32_t y) {
+    uint64_t path = 0;
+    unsigned bits = PATH_BITS;
+    gsf_rect rect = {0, 0, grid->cells_x, grid->cells_y};
+    while (bits > 0 && (rect.width > 1 || rect.height > 1)) {
+        const gsf_split split = gsf_split_rect(grid, rect);
+        const unsigned second = (split.along_x ? x : y) >= split.at;
+        path |= (uint64_t)second << --bits;
+        rect = split.half[second];
+    }
+    return path;
+}
+
+static uint64_t key_of(const gsf_picture *picture, uint32_t splat) {
+    const uint32_t class_no = gsf_class_of(picture, splat);
+    const gsf_grid grid = gsf_class_grid(picture, class_no);
+    const uint64_t path = picture->header.coding == GSF_CODING_SCALAR
+                              ? path_to(&grid, picture->splats[splat].x, picture->splats[splat].y)
+                              : path_to(&grid, picture->indexed[splat].x, picture->indexed[splat].y);
+    return (uint64_t)class_no << PATH_BITS | path;
+}
+
+static int compare(int a, int b) {
+    return (a > b) - (a < b);
+}
+
+/* Ties: the order of the attributes in the file. */
+static int compare_codes(const gsf_splat *a, const gsf_splat *b) {
+    const int order[7] = {compare(a->aspect, b->aspect),  compare(a->angle, b->angle), compare(a->luma, b->luma),
+                          compare(a->co, b->co),          compare(a->cg, b->cg),       compare(a->alpha, b->alpha),
+                          compare(a->opacity, b->opacity)};
+    for (int i = 0; i < 7; i++)
+        if (order[i] != 0)
+            return order[i];
+    return 0;
+}
+
+static bool precedes(const gsf_picture *picture, const record *a, const record *b) {
+    if (a->key != b->key)
+        return a->key < b->key;
+    if (picture->header.coding == GSF_CODING_SCALAR)
+        return compare_codes(&picture->splats[a->splat], &picture->splats[b->splat]) < 0;
+    return picture->indexed[a->splat].colour < picture->indexed[b->splat].colour;
+}
+
+/* Merges the sorted runs from[0..middle) and from[middle..n) into to[0..n). */
+static void merge(const gsf_picture *picture, const record *from, uint32_t middle, uint32_t n, record *to) {
+    uint32_t left = 0, right = middle;
+    for (uint32_t i = 0; i < n; i++) {
+        const bool take_right = left == middle || (right < n && precedes(picture, &from[right], &from[left]));
+        to[i] = take_right ? from[right++] : from[left++];
+    }
+}
+
+static uint32_t smaller(uint32_t a, uint32_t b) {
+    return a < b ? a : b;
+}
+
+/* Bottom-up merge sort; returns which of the two lists holds the result. */
+static record *merge_sort(const gsf_picture *picture, record *list, record *other, uint32_t n) {
+    for (uint32_t run = 1; run < n; run *= 2) {
+        for (uint32_t first = 0; first < n; first += 2 * run) {
+            const uint32_t length = smaller(2 * run, n - first);
+            merge(picture, list + first, smaller(run, length), length, other + first);
+        }
+        record *const sorted = other;
+        other = list;
+        list = sorted;
+    }
+    return list;
+}
+
+/* Puts the splats in the order of the list; `copy` is room for all of them. */
+static void arrange(gsf_picture *picture, const record *list, void *copy) {
+    const uint32_t n = picture->header.splat_count;
+    if (picture->header.coding == GSF_CODING_SCALAR) {
+        const gsf_splat *old = memcpy(copy, picture->splats, n * sizeof *old);
+        for (uint32_t i = 0; i < n; i++)
+            picture->splats[i] = old[list[i].splat];
+    } else {
+        const gsf_indexed_splat *old = memcpy(copy, picture->indexed, n * sizeof *old);
+        for (uint32_t i = 0; i < n; i++)
+            picture->indexed[i] = old[list[i].splat];
+    }
+}
+
+/* Codes whose effect is off mean nothing: they must not decide the order. */
+static void clear_unused(gsf_picture *picture) {
+    const gsf_header *header = &picture->header;
+    for (uint32_t i = 0; i < header->splat_count; i++) {
+        gsf_splat *splat = &picture->splats[i];
+        splat->aspect = header->has_anisotropy ? splat->aspect : 0;
+        splat->angle = header->has_rotation ? splat->angle : 0;
+        splat->co = header->has_chroma ? splat->co : 0;
+        splat->cg = header->has_chroma ? splat->cg : 0;
+        splat->alpha = header->has_alpha ? splat->alpha : 0;
+        splat->opacity = header->has_opacity ? splat->opacity : 0;
+    }
+}
+
+/* A list of records, and room for another list or for a copy of the splats. */
+size_t gsf_order_size(const gsf_header *header) {
+    const size_t larger = sizeof(gsf_splat) > sizeof(record) ? sizeof(gsf_splat) : sizeof(record);
+    return header->splat_count * (sizeof(record) + larger);
+}
+
+void gsf_put_in_order(gsf_picture *picture, void *memory) {
+    const uint32_t n = picture->header.splat_count;
+    record *list = memory, *other = list + n;
+    if (n == 0) /* there need not be any arrays */
+        return;
+    if (picture->header.coding == GSF_CODING_SCALAR)
+        clear_unused(picture);
+    for (uint32_t i = 0; i < n; i++)
+        list[i] = (record){key_of(picture, i), i};
+    if (merge_sort(picture, list, other, n) == other)
+        memcpy(list, other, n * sizeof *list);
+    arrange(picture, list, other);
+}

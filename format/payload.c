@@ -1,0 +1,113 @@
+#include "codebook.h"
+#include "picture.h"
+
+static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
+
+static void code_background(gsf_coder *coder, gsf_picture *picture) {
+    coder->stream = GSF_STREAM_SIDE;
+    for (unsigned i = 0; i < gsf_channel_count(&picture->header); i++)
+        picture->background[i] = (uint16_t)gsf_code_bits(coder, picture->background[i], picture->header.deep ? 16 : 8);
+}
+
+static void code_step(gsf_coder *coder, uint8_t *step, bool wanted) {
+    *step = wanted ? (uint8_t)gsf_code_bits(coder, *step, 4) : 0;
+}
+
+static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
+    code_step(coder, &steps->scale, true);
+    code_step(coder, &steps->position, true);
+    code_step(coder, &steps->angle, header->has_rotation);
+    code_step(coder, &steps->luma, true);
+    code_step(coder, &steps->chroma, header->has_chroma);
+    code_step(coder, &steps->alpha, header->has_alpha);
+    code_step(coder, &steps->opacity, header->has_opacity);
+}
+
+/* The writer's splats to the lists that are coded. */
+static void list_splats(const gsf_picture *picture, gsf_workspace *w) {
+    for (uint32_t i = 0; i < GSF_MAX_CLASSES; i++)
+        w->counts[i] = 0;
+    for (uint32_t i = 0; i < picture->header.splat_count; i++) {
+        w->counts[gsf_class_of(picture, i)]++;
+        w->points[i] = picture->header.coding == GSF_CODING_SCALAR
+                           ? (gsf_point){picture->splats[i].x, picture->splats[i].y}
+                           : (gsf_point){picture->indexed[i].x, picture->indexed[i].y};
+    }
+}
+
+static void place_splat(gsf_picture *picture, uint32_t splat, uint32_t class_no, gsf_point at) {
+    if (picture->header.coding == GSF_CODING_SCALAR)
+        picture->splats[splat] = (gsf_splat){.minor = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
+    else
+        picture->indexed[splat] =
+            (gsf_indexed_splat){.shape = (uint16_t)class_no, .x = (uint16_t)at.x, .y = (uint16_t)at.y};
+}
+
+/* The lists that were decoded to the reader's splats. */
+static void place_splats(gsf_picture *picture, const gsf_workspace *w) {
+    uint32_t splat = 0;
+    for (uint32_t i = 0; i < gsf_class_count(picture); i++)
+        for (uint32_t n = w->counts[i]; n > 0; n--, splat++)
+            place_splat(picture, splat, i, w->points[splat]);
+}
+
+/* Classes and positions. */
+static void code_places(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+    const uint32_t classes = gsf_class_count(picture);
+    const bool scalar = picture->header.coding == GSF_CODING_SCALAR;
+    if (!coder->decoding)
+        list_splats(picture, w);
+    coder->stream = scalar ? GSF_STREAM_SCALE : GSF_STREAM_SHAPE_INDEX;
+    gsf_code_class_counts(coder, w->counts, classes, picture->header.splat_count);
+    for (uint32_t i = 0; i < classes; i++)
+        w->grids[i] = gsf_class_grid(picture, i);
+    coder->stream = GSF_STREAM_POSITION;
+    gsf_code_points(coder, w->points, w->counts, w->grids, classes, w->priors);
+    if (coder->decoding && !gsf_coder_starved(coder))
+        place_splats(picture, w);
+}
+
+static void code_scalar(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+    gsf_attributes_init(&w->attributes, &picture->header, &picture->steps);
+    for (uint32_t i = 0; i < picture->header.splat_count && !gsf_coder_starved(coder); i++)
+        gsf_code_attributes(coder, &w->attributes, &picture->splats[i]);
+}
+
+static void code_indexed(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+    coder->stream = GSF_STREAM_COLOUR_INDEX;
+    gsf_model_init(&w->colour_index, &COLOUR_INDEX, picture->codebooks.colour_count, 0);
+    for (uint32_t i = 0; i < picture->header.splat_count && !gsf_coder_starved(coder); i++) {
+        gsf_indexed_splat *splat = &picture->indexed[i];
+        splat->colour = (uint16_t)gsf_code_modelled(coder, splat->colour, &w->colour_index);
+    }
+}
+
+/* What has to be known before the splats. */
+static bool code_side(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+    if (picture->header.coding == GSF_CODING_SCALAR) {
+        code_steps(coder, &picture->header, &picture->steps);
+        return !gsf_coder_starved(coder);
+    }
+    if (!gsf_code_codebook_sides(coder, &picture->header, &picture->codebooks))
+        return false;
+    coder->stream = GSF_STREAM_CODEBOOK;
+    gsf_code_codebook_words(coder, &picture->header, &picture->codebooks, w->points);
+    gsf_complete_shape_words(&picture->header, &picture->codebooks);
+    return !gsf_coder_starved(coder);
+}
+
+bool gsf_code_payload(gsf_coder *coder, gsf_picture *picture, gsf_workspace *workspace) {
+    code_background(coder, picture);
+    if (picture->header.splat_count == 0)
+        return true;
+    if (!code_side(coder, picture, workspace))
+        return false;
+    code_places(coder, picture, workspace);
+    if (gsf_coder_starved(coder))
+        return false;
+    if (picture->header.coding == GSF_CODING_SCALAR)
+        code_scalar(coder, picture, workspace);
+    else
+        code_indexed(coder, picture, workspace);
+    return !gsf_coder_starved(coder) && gsf_work_is_bounded(picture);
+}

@@ -1,0 +1,65 @@
+/* What the codes mean in pixels and colour (FORMAT.md, "Dequantisation"), in integers only: cell and
+ * angle counts decide how bits are read. */
+#include "format.h"
+
+/* 2^(i / 32) * 2^24, rounded. */
+static const uint32_t POWER[33] = {
+    16777216, 17144589, 17520007, 17903645, 18295684, 18696307, 19105703, 19524063, 19951585, 20388467, 20834917,
+    21291142, 21757357, 22233781, 22720638, 23218155, 23726566, 24246111, 24777031, 25319578, 25874004, 26440571,
+    27019544, 27611195, 28215802, 28833647, 29465022, 30110222, 30769550, 31443315, 32131834, 32835430, 33554432,
+};
+
+static const uint16_t COLOUR_LEVELS[16] = {4, 6, 8, 11, 16, 20, 24, 28, 32, 40, 48, 64, 96, 128, 192, 255};
+
+uint64_t gsf_sigma_q16(const gsf_steps *steps, unsigned code) {
+    const unsigned exponent = code * (steps->scale + 4u); /* in 1/32 octaves above half a pixel */
+    if (exponent >= 16 * 32)
+        return UINT64_C(1) << 31;
+    return ((uint64_t)POWER[exponent % 32] << (exponent / 32)) >> 9;
+}
+
+uint32_t gsf_octaves_to_pixels(unsigned octaves32) {
+    const uint64_t q28 = (uint64_t)POWER[octaves32 % 32] << (octaves32 / 32); /* 24 bits of the table, 4 octaves */
+    return (uint32_t)((q28 + (1u << 28) - 1) >> 28);
+}
+
+uint32_t gsf_position_step_q8(const gsf_steps *steps, unsigned minor) {
+    const uint64_t step = gsf_sigma_q16(steps, minor) * (steps->position + 2u) >> 13;
+    return step < 8 ? 8 : (uint32_t)step;
+}
+
+uint32_t gsf_position_cells(const gsf_steps *steps, unsigned minor, uint32_t dimension) {
+    const uint32_t step = gsf_position_step_q8(steps, minor);
+    return (dimension * 256u + step - 1) / step;
+}
+
+unsigned gsf_angle_count(const gsf_steps *steps, unsigned aspect) {
+    const uint64_t pi_q24 = 52707179;
+    const unsigned exponent = aspect * (steps->scale + 4u);
+    if (exponent >= 8 * 32) /* a >= 256: more than GSF_MAX_ANGLES for every step */
+        return GSF_MAX_ANGLES;
+    const uint64_t a = (uint64_t)POWER[exponent % 32] << (exponent / 32);
+    const uint64_t inverse = POWER[32 - exponent % 32] >> (exponent / 32 + 1);
+    const uint64_t divisor = (uint64_t)(steps->angle + 2u) << 44;
+    const uint64_t count = ((a - inverse) * pi_q24 + divisor - 1) / divisor;
+    return count < 1 ? 1 : count > GSF_MAX_ANGLES ? GSF_MAX_ANGLES : (unsigned)count;
+}
+
+unsigned gsf_colour_levels(unsigned step_index) {
+    return COLOUR_LEVELS[step_index & 15];
+}
+
+void gsf_luma_range(gsf_blend blend, unsigned step_index, int *min, int *max) {
+    const int levels = (int)gsf_colour_levels(step_index);
+    *max = levels + levels / 8;
+    *min = blend == GSF_BLEND_SUM ? -*max : -(levels / 8);
+}
+
+void gsf_chroma_range(unsigned step_index, int *min, int *max) {
+    *max = (int)gsf_colour_levels(step_index);
+    *min = -*max;
+}
+
+unsigned gsf_channel_count(const gsf_header *header) {
+    return (header->has_chroma ? 3u : 1u) + (header->has_alpha ? 1u : 0u);
+}

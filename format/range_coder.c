@@ -1,0 +1,87 @@
+#include "range_coder.h"
+
+#define TOP (UINT32_C(1) << 24) /* the range is kept at or above this between symbols */
+
+/* The upper end of the last symbol is the upper end of the interval: what the division leaves over
+ * is not lost. */
+static uint32_t narrowed(uint32_t range, uint32_t cum, uint32_t freq, uint32_t total) {
+    const uint32_t unit = range / total;
+    return cum + freq == total ? range - cum * unit : freq * unit;
+}
+
+static void put_byte(gsf_range_encoder *encoder, uint8_t byte) {
+    if (encoder->size < encoder->capacity)
+        encoder->bytes[encoder->size] = byte;
+    encoder->size++;
+}
+
+/* Moves the top byte of `low` out.  A byte can still change by a carry, and a carry runs through
+ * 0xFF bytes, so the last byte that is not 0xFF and the run after it are held back.
+ * The very first byte never gets a carry and is held whatever it is. */
+static void shift_low(gsf_range_encoder *encoder) {
+    const uint8_t carry = (uint8_t)(encoder->low >> 32);
+    const uint8_t top = (uint8_t)(encoder->low >> 24);
+    if (carry != 0 || top != 0xFF || encoder->pending == 0) {
+        if (encoder->pending > 0) {
+            put_byte(encoder, (uint8_t)(encoder->held + carry));
+            for (uint64_t i = 1; i < encoder->pending; i++)
+                put_byte(encoder, (uint8_t)(0xFF + carry));
+        }
+        encoder->pending = 0;
+        encoder->held = top;
+    }
+    encoder->pending++;
+    encoder->low = (encoder->low & 0x00FFFFFF) << 8;
+}
+
+void gsf_range_encoder_init(gsf_range_encoder *encoder, uint8_t *bytes, size_t capacity) {
+    *encoder = (gsf_range_encoder){.bytes = bytes, .capacity = capacity, .range = UINT32_MAX};
+}
+
+void gsf_range_encode(gsf_range_encoder *encoder, uint32_t cum, uint32_t freq, uint32_t total) {
+    encoder->low += (uint64_t)cum * (encoder->range / total);
+    encoder->range = narrowed(encoder->range, cum, freq, total);
+    while (encoder->range < TOP) {
+        encoder->range <<= 8;
+        shift_low(encoder);
+    }
+}
+
+/* One byte is always enough: the range is at least TOP, so the interval holds a multiple of TOP,
+ * whose lower bytes are the zeros that the decoder implies. */
+void gsf_range_encoder_finish(gsf_range_encoder *encoder) {
+    encoder->low = (encoder->low + TOP - 1) & ~(uint64_t)(TOP - 1);
+    shift_low(encoder);
+    encoder->low = 0;
+    shift_low(encoder);
+}
+
+static uint8_t next_byte(gsf_range_decoder *decoder) {
+    const uint8_t byte = decoder->position < decoder->size ? decoder->bytes[decoder->position] : 0;
+    decoder->position++;
+    return byte;
+}
+
+void gsf_range_decoder_init(gsf_range_decoder *decoder, const uint8_t *bytes, size_t size) {
+    *decoder = (gsf_range_decoder){.bytes = bytes, .size = size, .range = UINT32_MAX};
+    for (int i = 0; i < 4; i++)
+        decoder->code = decoder->code << 8 | next_byte(decoder);
+}
+
+uint32_t gsf_range_decode_target(const gsf_range_decoder *decoder, uint32_t total) {
+    const uint32_t target = decoder->code / (decoder->range / total);
+    return target < total ? target : total - 1;
+}
+
+void gsf_range_decode_consume(gsf_range_decoder *decoder, uint32_t cum, uint32_t freq, uint32_t total) {
+    decoder->code -= cum * (decoder->range / total);
+    decoder->range = narrowed(decoder->range, cum, freq, total);
+    while (decoder->range < TOP) {
+        decoder->range <<= 8;
+        decoder->code = decoder->code << 8 | next_byte(decoder);
+    }
+}
+
+bool gsf_range_decoder_starved(const gsf_range_decoder *decoder) {
+    return decoder->position > decoder->size + GSF_IMPLIED_BYTES;
+}

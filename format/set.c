@@ -1,0 +1,208 @@
+#include "set.h"
+
+#include "urn.h"
+
+/* Tuning: part of the format.  Splats cluster over the picture, but not within a few of their own
+ * widths: there only areas count. */
+enum {
+    CLASS_WEIGHT = 2 * GSF_URN_UNIT, /* for every class */
+    WIDE = 128,                      /* cells: a rectangle longer than that is wide */
+    WIDE_WEIGHT = 3 * GSF_URN_UNIT,  /* shared by the halves of a wide rectangle by area, and ... */
+    PRIOR_WEIGHT = GSF_URN_UNIT / 4, /* ... for each prior splat in a half */
+    NARROW_WEIGHT = 16 * GSF_URN_UNIT
+};
+
+/* Most pictures leave classes at both ends empty. */
+static void code_class_range(gsf_coder *coder, const uint32_t *counts, uint32_t classes, uint32_t *first,
+                             uint32_t *last) {
+    *first = 0;
+    *last = classes - 1;
+    if (!coder->decoding) {
+        while (counts[*first] == 0)
+            ++*first;
+        while (counts[*last] == 0)
+            --*last;
+    }
+    *first = gsf_code_uniform(coder, *first, classes);
+    *last = *first + gsf_code_uniform(coder, *last - *first, classes - *first);
+}
+
+static uint32_t sum(const uint32_t *counts, uint32_t n) {
+    uint32_t total = 0;
+    for (uint32_t i = 0; i < n; i++)
+        total += counts[i];
+    return total;
+}
+
+/* Halves the range of classes until single classes are left: at most 10 deep. */
+static void code_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, uint32_t n) {
+    if (classes == 1 || n == 0) {
+        for (uint32_t i = 0; i < classes; i++)
+            counts[i] = i == 0 ? n : 0;
+        return;
+    }
+    const uint32_t half = classes / 2;
+    const uint32_t left = gsf_code_urn(coder, coder->decoding ? 0 : sum(counts, half), n, half * CLASS_WEIGHT,
+                                       (classes - half) * CLASS_WEIGHT);
+    code_counts(coder, counts, half, left);
+    code_counts(coder, counts + half, classes - half, n - left);
+}
+
+void gsf_code_class_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, uint32_t n) {
+    uint32_t first, last;
+    code_class_range(coder, counts, classes, &first, &last);
+    for (uint32_t i = 0; i < classes; i++)
+        if (i < first || i > last)
+            counts[i] = 0;
+    code_counts(coder, counts + first, last - first + 1, n);
+}
+
+gsf_split gsf_split_rect(const gsf_grid *grid, gsf_rect rect) {
+    const uint64_t length_x = (uint64_t)rect.width * grid->pitch_x;
+    const uint64_t length_y = (uint64_t)rect.height * grid->pitch_y;
+    gsf_split split = {.half = {rect, rect}};
+    split.along_x = rect.width > 1 && (rect.height == 1 || length_x >= length_y);
+    if (split.along_x) {
+        split.half[0].width = rect.width / 2;
+        split.half[1].width = rect.width - rect.width / 2;
+        split.at = split.half[1].x = rect.x + rect.width / 2;
+    } else {
+        split.half[0].height = rect.height / 2;
+        split.half[1].height = rect.height - rect.height / 2;
+        split.at = split.half[1].y = rect.y + rect.height / 2;
+    }
+    return split;
+}
+
+/* A rectangle still to be coded, with its part of the lists. */
+typedef struct node {
+    gsf_rect rect;
+    uint32_t first, n; /* points */
+    uint32_t prior_first, prior_n;
+} node;
+
+static bool is_wide(gsf_rect rect) {
+    return rect.width > WIDE || rect.height > WIDE;
+}
+
+/* A grid has at most 2^19 x 2^19 cells, and each of 38 splits leaves one half waiting. */
+#define MAX_DEPTH 40
+
+/* Points in stored order have those of the first half in front. */
+static uint32_t count_left(const gsf_point *points, uint32_t n, const gsf_split *split) {
+    uint32_t low = 0, high = n;
+    while (low < high) {
+        const uint32_t middle = low + (high - low) / 2;
+        if ((split->along_x ? points[middle].x : points[middle].y) < split->at)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Brings the priors of the first half to the front and returns their number. */
+static uint32_t partition(gsf_prior *list, uint32_t n, const gsf_split *split, const gsf_grid *grid) {
+    const uint32_t bound = 2 * split->at * (split->along_x ? grid->pitch_x : grid->pitch_y);
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const gsf_prior prior = list[i];
+        if ((split->along_x ? prior.x : prior.y) < bound) {
+            list[i] = list[left];
+            list[left++] = prior;
+        }
+    }
+    return left;
+}
+
+static void share_by_area(uint32_t total, const gsf_split *split, uint32_t weight[2]) {
+    const uint32_t first = split->along_x ? split->half[0].width : split->half[0].height;
+    const uint32_t second = split->along_x ? split->half[1].width : split->half[1].height;
+    weight[0] = total * first / (first + second);
+    weight[1] = total - weight[0];
+}
+
+static void place(gsf_point *points, const node *leaf) {
+    for (uint32_t i = 0; i < leaf->n; i++)
+        points[leaf->first + i] = (gsf_point){leaf->rect.x, leaf->rect.y};
+}
+
+/* A class that is being coded. */
+typedef struct task {
+    const gsf_grid *grid;
+    gsf_point *points;
+    uint32_t n;
+    gsf_prior *priors;
+    uint32_t prior_n;
+} task;
+
+/* The priors of a class: whole classes, going back from it for as long as they fit. */
+static uint32_t collect_priors(const gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
+                               uint32_t class_no, gsf_prior *priors) {
+    uint32_t n = 0;
+    while (class_no > 0 && n + counts[class_no - 1] <= GSF_MAX_PRIORS) {
+        const gsf_grid *grid = &grids[--class_no];
+        for (uint32_t i = 0; i < counts[class_no]; i++) {
+            const gsf_point point = *--points;
+            priors[n++] = (gsf_prior){(2 * point.x + 1) * grid->pitch_x, (2 * point.y + 1) * grid->pitch_y};
+        }
+    }
+    return n;
+}
+
+/* Weights of the halves; *near is the number of priors in the first half, once those are in front. */
+static void weigh(const task *t, const node *whole, const gsf_split *split, uint32_t weight[2], uint32_t *near) {
+    *near = 0;
+    if (!is_wide(whole->rect)) {
+        share_by_area(NARROW_WEIGHT, split, weight);
+        return;
+    }
+    share_by_area(WIDE_WEIGHT, split, weight);
+    *near = partition(t->priors + whole->prior_first, whole->prior_n, split, t->grid);
+    weight[0] += PRIOR_WEIGHT * *near;
+    weight[1] += PRIOR_WEIGHT * (whole->prior_n - *near);
+}
+
+/* Codes how one rectangle's points divide, and puts the halves that have points on the stack, the
+ * first half on top.  Returns the stack's new depth. */
+static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigned depth) {
+    const node whole = stack[--depth];
+    const gsf_split split = gsf_split_rect(t->grid, whole.rect);
+    uint32_t weight[2], near;
+    weigh(t, &whole, &split, weight, &near);
+    const uint32_t known = coder->decoding ? 0 : count_left(t->points + whole.first, whole.n, &split);
+    const uint32_t left = gsf_code_urn(coder, known, whole.n, weight[0], weight[1]);
+    if (left < whole.n)
+        stack[depth++] =
+            (node){split.half[1], whole.first + left, whole.n - left, whole.prior_first + near, whole.prior_n - near};
+    if (left > 0)
+        stack[depth++] = (node){split.half[0], whole.first, left, whole.prior_first, near};
+    return depth;
+}
+
+static void code_class(gsf_coder *coder, const task *t) {
+    node stack[MAX_DEPTH];
+    unsigned depth = 1;
+    stack[0] = (node){{0, 0, t->grid->cells_x, t->grid->cells_y}, 0, t->n, 0, t->prior_n};
+    while (depth > 0 && !gsf_coder_starved(coder)) {
+        const node *top = &stack[depth - 1];
+        if (top->rect.width > 1 || top->rect.height > 1) {
+            depth = code_split(coder, t, stack, depth);
+        } else {
+            place(t->points, top);
+            depth--;
+        }
+    }
+}
+
+void gsf_code_points(gsf_coder *coder, gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
+                     uint32_t classes, gsf_prior *priors) {
+    for (uint32_t i = 0; i < classes; i++) {
+        if (counts[i] == 0)
+            continue;
+        const uint32_t prior_n = collect_priors(points, counts, grids, i, priors);
+        const task t = {&grids[i], points, counts[i], priors, prior_n};
+        code_class(coder, &t);
+        points += counts[i];
+    }
+}

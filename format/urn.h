@@ -1,0 +1,14 @@
+/* Beta-binomial ("Polya urn") coding of counts (FORMAT.md, "Urn splits"): how many of n things are
+ * in the left of two halves. */
+#ifndef GSCL_FORMAT_URN_H
+#define GSCL_FORMAT_URN_H
+
+#include "coder.h"
+
+#define GSF_URN_UNIT 64u /* urn weights are in 1/64 balls */
+
+/* A count left <= n <= 2^20; the halves' weights in GSF_URN_UNITs, each at least 1 and below 2^31.
+ * Not both may be below one ball when n > 1: the distribution must have a single peak. */
+uint32_t gsf_code_urn(gsf_coder *coder, uint32_t left, uint32_t n, uint32_t left_weight, uint32_t right_weight);
+
+#endif

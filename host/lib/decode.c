@@ -1,0 +1,150 @@
+#include <gscl/gscl.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "constants.h"
+#include "image.h"
+#include "picture.h"
+#include "render.h"
+#include "resize.h"
+
+#define BAND_FLOATS (16u << 20) /* largest image buffer of a band: 64 MiB */
+
+void gscl_decode_settings_default(gscl_decode_settings *settings) {
+    if (settings)
+        *settings = (gscl_decode_settings){0};
+}
+
+/* What is drawn: the size of the whole drawn picture and the rectangle of it that is wanted. */
+typedef struct frame {
+    uint32_t full_width, full_height;
+    uint32_t x, y, width, height;
+} frame;
+
+static gscl_result resolve_frame(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,
+                                 frame *f) {
+    if ((s->width == 0) != (s->height == 0))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "both width and height must be given, or neither");
+    f->full_width = s->width ? s->width : header->width;
+    f->full_height = s->height ? s->height : header->height;
+    if (f->full_width > GSCL_MAX_DIMENSION || f->full_height > GSCL_MAX_DIMENSION)
+        return gscl_fail(context, GSCL_ERROR_IMAGE_SIZE, "cannot draw %ux%u pixels; at most %dx%d", f->full_width,
+                         f->full_height, GSCL_MAX_DIMENSION, GSCL_MAX_DIMENSION);
+    bool crop = s->crop_width || s->crop_height || s->crop_x || s->crop_y;
+    *f = (frame){f->full_width, f->full_height, s->crop_x, s->crop_y, s->crop_width, s->crop_height};
+    if (!crop || f->width == 0)
+        f->width = f->full_width > f->x ? f->full_width - f->x : 0;
+    if (!crop || f->height == 0)
+        f->height = f->full_height > f->y ? f->full_height - f->y : 0;
+    if (f->width == 0 || f->height == 0 || f->x > f->full_width - f->width || f->y > f->full_height - f->height ||
+        f->width > f->full_width || f->height > f->full_height)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "crop %u,%u,%u,%u does not lie inside %ux%u", s->crop_x,
+                         s->crop_y, s->crop_width, s->crop_height, f->full_width, f->full_height);
+    return GSCL_OK;
+}
+
+/* The image that the decode gives, without pixels. */
+static gscl_image shape_of(const frame *f, const gsf_header *header, const gscl_decode_settings *s) {
+    gscl_sample sample = s->sample != GSCL_SAMPLE_AUTO ? s->sample : header->deep ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
+    return (gscl_image){.width = f->width,
+                        .height = f->height,
+                        .channels = gscl_picture_channels(header),
+                        .sample = sample,
+                        .premultiplied = s->premultiplied};
+}
+
+/* Takes the caller's pixels when they fit, or allocates. */
+static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, const gscl_image *caller) {
+    if (!caller->pixels) {
+        shape->stride = 0;
+        shape->pixels = malloc(gscl_image_stride(shape) * shape->height);
+        return shape->pixels ? GSCL_OK : gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    }
+    if (caller->width != shape->width || caller->height != shape->height || caller->channels != shape->channels ||
+        caller->sample != shape->sample)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the caller's image is %ux%u with %u channels, the decode gives %ux%u with %u", caller->width,
+                         caller->height, caller->channels, shape->width, shape->height, shape->channels);
+    size_t row = gscl_image_stride(shape);
+    if (caller->stride && caller->stride < row)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the stride of %zu bytes is shorter than a row of %zu",
+                         caller->stride, row);
+    shape->stride = caller->stride;
+    shape->pixels = caller->pixels;
+    return GSCL_OK;
+}
+
+/* Draws the frame band by band, so that no buffer grows with the picture. */
+static gscl_result draw_bands(gscl_renderer *r, const frame *f, const gscl_image *image) {
+    size_t row = (size_t)f->width * (size_t)r->channels;
+    uint32_t rows = (uint32_t)(BAND_FLOATS / row / GSCL_TILE * GSCL_TILE);
+    if (rows < GSCL_TILE)
+        rows = GSCL_TILE;
+    if (rows > f->height)
+        rows = f->height;
+    float *planes = malloc(row * rows * sizeof(float));
+    if (!planes)
+        return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = GSCL_OK;
+    for (uint32_t y = 0; y < f->height && result == GSCL_OK; y += rows) {
+        uint32_t n = f->height - y < rows ? f->height - y : rows;
+        result = gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n);
+        if (result == GSCL_OK)
+            result = gscl_renderer_planes(r, planes);
+        if (result == GSCL_OK)
+            gscl_image_from_planes(planes, r->options.colours, r->options.alpha_channel, y, n, image);
+    }
+    free(planes);
+    return result;
+}
+
+static gscl_result draw(gscl_context *context, const gscl_picture *picture, const frame *f, const gscl_image *image) {
+    const gsf_header *header = &picture->file.header;
+    size_t count = header->splat_count;
+    gscl_kernel_options options = gscl_picture_options(header);
+    float background[4], *params = malloc((count + 1) * GSCL_PARAMS * sizeof(float));
+    if (!params)
+        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_picture_params(picture, params, background);
+    gscl_resize_splats(params, count, (double)f->full_width / header->width, (double)f->full_height / header->height);
+    gscl_renderer renderer;
+    gscl_result result = gscl_renderer_create(&renderer, context, &options);
+    if (result == GSCL_OK)
+        result = gscl_renderer_set_splats(&renderer, params, count, background);
+    if (result == GSCL_OK)
+        result = draw_bands(&renderer, f, image);
+    gscl_renderer_free(&renderer);
+    free(params);
+    return result;
+}
+
+gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_decode_settings *settings,
+                        gscl_image *image) {
+    if (!context || !bytes || !image)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_decode_settings defaults = {0};
+    if (!settings)
+        settings = &defaults;
+    if (settings->sample > GSCL_SAMPLE_F32)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)settings->sample);
+    context->message[0] = 0;
+    gscl_picture picture;
+    gscl_result result = gscl_picture_read(&picture, bytes, size);
+    if (result != GSCL_OK)
+        return gscl_picture_fail(context, result, bytes, size);
+    frame f = {0};
+    gscl_image decoded = {0};
+    result = resolve_frame(context, settings, &picture.file.header, &f);
+    if (result == GSCL_OK) {
+        decoded = shape_of(&f, &picture.file.header, settings);
+        result = provide_pixels(context, &decoded, image);
+    }
+    if (result == GSCL_OK)
+        result = draw(context, &picture, &f, &decoded);
+    if (result == GSCL_OK)
+        *image = decoded;
+    else if (!image->pixels)
+        free(decoded.pixels);
+    gscl_picture_free(&picture);
+    return result;
+}

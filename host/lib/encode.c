@@ -1,0 +1,223 @@
+#include <gscl/gscl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "constants.h"
+#include "encoder.h"
+#include "metrics.h"
+#include "quantise.h"
+
+#define FIT_PIXELS (1u << 24) /* larger images are fitted at a smaller level; the splats draw at any size */
+
+void gscl_encode_settings_default(gscl_encode_settings *settings) {
+    if (settings)
+        *settings = (gscl_encode_settings){
+            .target = GSCL_TARGET_BPP, .target_value = 0.125, .effort = GSCL_DEFAULT_EFFORT, .seed = 1};
+}
+
+static gscl_result check_settings(gscl_context *context, const gscl_encode_settings *s) {
+    if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
+        s->target > GSCL_TARGET_SPLATS)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
+    if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
+    if (!(s->target_value >= 0) || !isfinite(s->target_value))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %g is not a positive number",
+                         s->target_value);
+    if (s->target == GSCL_TARGET_SPLATS && s->target_value > GSCL_MAX_SPLATS)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%.0f splats are more than %d", s->target_value,
+                         GSCL_MAX_SPLATS);
+    if (s->codebook_size != 0 && s->profile != GSCL_PROFILE_PAPER)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT, "a codebook size needs the paper profile");
+    if (s->codebook_size == 1 || s->codebook_size > GSF_MAX_CODEBOOK)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u code words are not in 2..%d", s->codebook_size,
+                         GSF_MAX_CODEBOOK);
+    if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT,
+                         "the paper profile blends by alpha; choose another profile for other blends");
+    return GSCL_OK;
+}
+
+static void resolve_auto(gscl_encode_settings *s) {
+    bool paper = s->profile == GSCL_PROFILE_PAPER;
+    if (s->blend == GSCL_BLEND_AUTO)
+        s->blend = paper ? GSCL_BLEND_ALPHA : GSCL_BLEND_NORMALIZED;
+    if (s->loss == GSCL_LOSS_AUTO)
+        s->loss = paper ? GSCL_LOSS_L1_SSIM : GSCL_LOSS_L2;
+}
+
+/* The header says what the image is and which effects it calls for. */
+static void fill_header(gscl_encoder *e) {
+    static const gsf_blend blends[] = {[GSCL_BLEND_NORMALIZED] = GSF_BLEND_NORMALIZED,
+                                       [GSCL_BLEND_ALPHA] = GSF_BLEND_ALPHA,
+                                       [GSCL_BLEND_SUM] = GSF_BLEND_SUM};
+    static const gsf_layout layouts[] = {GSF_GREY, GSF_GREY, GSF_GREY_ALPHA, GSF_RGB, GSF_RGBA};
+    bool paper = e->settings.profile == GSCL_PROFILE_PAPER;
+    e->picture.file.header = (gsf_header){.version = GSF_VERSION,
+                                          .blend = blends[e->settings.blend],
+                                          .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
+                                          .layout = layouts[e->image->channels],
+                                          .deep = e->content.deep,
+                                          .has_chroma = e->content.chroma,
+                                          .has_alpha = e->content.alpha,
+                                          .has_opacity = e->settings.blend == GSCL_BLEND_ALPHA,
+                                          .has_rotation = true,
+                                          .has_anisotropy = true,
+                                          .width = e->image->width,
+                                          .height = e->image->height};
+}
+
+static gscl_result make_planes(gscl_encoder *e) {
+    while (((uint64_t)e->image->width * e->image->height >> (2 * e->first_level)) > FIT_PIXELS)
+        e->first_level++;
+    size_t pixels =
+        (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
+    e->planes = malloc(pixels * gsf_channel_count(&e->picture.file.header) * sizeof(float));
+    if (!e->planes)
+        return gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", e->image->width,
+                         e->image->height);
+    gscl_image_to_planes(e->image, e->content.chroma ? 3 : 1, e->content.alpha, e->first_level, e->planes);
+    return GSCL_OK;
+}
+
+/* The picture without splats: one colour. */
+static void encode_flat(gscl_encoder *e) {
+    gscl_pixel p = gscl_image_pixel(e->image, 0, 0);
+    gsf_picture *file = &e->picture.file;
+    int colours = e->content.chroma ? 3 : 1;
+    file->header.splat_count = 0;
+    for (int k = 0; k < colours; k++)
+        file->background[k] = gscl_quantise_background(&file->header, p.colour[k]);
+    if (e->content.alpha)
+        file->background[colours] = gscl_quantise_background(&file->header, p.alpha);
+}
+
+size_t gscl_most_splats(const gscl_encoder *e, size_t bytes) {
+    size_t useful = (size_t)e->image->width * e->image->height / 2 + 8;
+    return bytes == 0 || useful > GSCL_MAX_SPLATS ? GSCL_MAX_SPLATS : useful;
+}
+
+int gscl_loss_kind(gscl_loss loss) {
+    return loss == GSCL_LOSS_L1        ? GSCL_LOSS_KIND_L1
+           : loss == GSCL_LOSS_L1_SSIM ? GSCL_LOSS_KIND_EXTERNAL
+                                       : GSCL_LOSS_KIND_L2;
+}
+
+gscl_result gscl_encode_fit(gscl_encoder *e, size_t bytes, size_t splats) {
+    return e->settings.profile == GSCL_PROFILE_PAPER ? gscl_encode_codebook(e, bytes, splats)
+                                                     : gscl_encode_scalar(e, bytes, splats);
+}
+
+/* Decodes a file and compares it with the image. */
+static gscl_result measure_psnr(const gscl_encoder *e, const uint8_t *bytes, size_t size, double *psnr) {
+    gscl_image decoded = {0};
+    gscl_decode_settings settings = {.sample = e->image->sample, .premultiplied = e->image->premultiplied};
+    gscl_comparison comparison;
+    GSCL_TRY(gscl_decode(e->context, bytes, size, &settings, &decoded));
+    gscl_result result = gscl_compare_samples(e->image, &decoded, &comparison);
+    if (result == GSCL_OK)
+        *psnr = comparison.psnr;
+    gscl_free(decoded.pixels);
+    return result;
+}
+
+gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
+    uint8_t *bytes;
+    size_t size;
+    GSCL_TRY(gscl_picture_write(&e->picture, &bytes, &size));
+    gscl_result result = measure_psnr(e, bytes, size, psnr);
+    free(bytes);
+    return result;
+}
+
+/* The smallest file that this image can have: no splats. */
+static gscl_result check_budget(gscl_encoder *e, double budget) {
+    size_t smallest;
+    encode_flat(e);
+    GSCL_TRY(gscl_picture_size(&e->picture, &smallest));
+    if (budget < (double)smallest)
+        return gscl_fail(e->context, GSCL_ERROR_BUDGET_TOO_SMALL,
+                         "a budget of %.0f bytes is too small; the smallest file of this image has %zu bytes",
+                         floor(budget), smallest);
+    return GSCL_OK;
+}
+
+static gscl_result encode_to_bytes(gscl_encoder *e) {
+    double pixels = (double)e->image->width * e->image->height;
+    double budget =
+        e->settings.target == GSCL_TARGET_BYTES ? e->settings.target_value : e->settings.target_value * pixels / 8;
+    GSCL_TRY(check_budget(e, budget));
+    if (e->content.flat)
+        return GSCL_OK;
+    return gscl_encode_fit(e, (size_t)fmin(budget, 1e12), 0);
+}
+
+static gscl_result encode_target(gscl_encoder *e) {
+    switch (e->settings.target) {
+    case GSCL_TARGET_BPP:
+    case GSCL_TARGET_BYTES:
+        return encode_to_bytes(e);
+    case GSCL_TARGET_SPLATS:
+        encode_flat(e);
+        return e->content.flat || e->settings.target_value < 1
+                   ? GSCL_OK
+                   : gscl_encode_fit(e, 0, (size_t)e->settings.target_value);
+    case GSCL_TARGET_PSNR:
+        break;
+    }
+    encode_flat(e);
+    return e->content.flat ? GSCL_OK : gscl_encode_to_psnr(e);
+}
+
+static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_encode_report *report) {
+    gsf_header *header = &e->picture.file.header;
+    if (header->splat_count == 0)
+        header->has_opacity = header->has_rotation = header->has_anisotropy = false;
+    gscl_result result = gscl_picture_write(&e->picture, bytes, size);
+    if (result != GSCL_OK)
+        return gscl_fail(e->context, result, "the picture could not be written: %s", gscl_result_text(result));
+    if (!report)
+        return GSCL_OK;
+    report->splats = e->picture.file.header.splat_count;
+    report->bytes = *size;
+    report->trials = e->trials ? e->trials : 1;
+    report->seconds = gscl_now() - e->progress.start_s;
+    return measure_psnr(e, *bytes, *size, &report->psnr);
+}
+
+gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
+                        uint8_t **bytes, size_t *size, gscl_encode_report *report) {
+    if (!context || !bytes || !size)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    context->message[0] = 0;
+    gscl_encoder e = {.context = context, .image = image};
+    gscl_encode_settings_default(&e.settings);
+    if (settings)
+        e.settings = *settings;
+    GSCL_TRY(check_settings(context, &e.settings));
+    GSCL_TRY(gscl_image_examine(context, image, &e.content));
+    resolve_auto(&e.settings);
+    gscl_progress_begin(&e.progress, &e.settings);
+    e.random = e.settings.seed;
+    fill_header(&e);
+    gscl_result result = e.content.flat ? GSCL_OK : make_planes(&e);
+    if (result == GSCL_OK)
+        result = encode_target(&e);
+    uint8_t *written = NULL;
+    size_t written_size = 0;
+    gscl_encode_report measured = {0};
+    if (result == GSCL_OK)
+        result = finish(&e, &written, &written_size, report ? &measured : NULL);
+    if (result == GSCL_OK) {
+        *bytes = written;
+        *size = written_size;
+        if (report)
+            *report = measured;
+    } else {
+        free(written);
+    }
+    free(e.planes);
+    gscl_picture_free(&e.picture);
+    return result;
+}

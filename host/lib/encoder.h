@@ -1,0 +1,44 @@
+/* What the stages of an encode share, and the two profiles. */
+#ifndef GSCL_LIB_ENCODER_H
+#define GSCL_LIB_ENCODER_H
+
+#include "fit.h"
+#include "image.h"
+#include "picture.h"
+#include "progress.h"
+
+typedef struct gscl_encoder {
+    gscl_context *context;
+    const gscl_image *image;
+    gscl_encode_settings settings; /* resolved: no AUTO left */
+    gscl_content content;
+    gscl_progress_state progress;
+    uint64_t random;
+    int first_level;      /* finest level that is fitted; 0 unless the image is very large */
+    float *planes;        /* the image at that level */
+    gscl_picture picture; /* header filled in; the result */
+    uint32_t trials;      /* of the search for a quality; 0 when there was none */
+} gscl_encoder;
+
+/* Fits splats so that the file has about `bytes` bytes (a profile's own estimate turns bytes into splats), or
+ * exactly `splats` splats when bytes is 0, and leaves the result in encoder->picture.  The file is never
+ * larger than `bytes`. */
+gscl_result gscl_encode_scalar(gscl_encoder *encoder, size_t bytes, size_t splats);
+gscl_result gscl_encode_codebook(gscl_encoder *encoder, size_t bytes, size_t splats);
+/* Splats beyond which more bytes are of no use to this image; no limit but the format's when `bytes` is 0 (the caller
+ * asked for a number of splats). */
+size_t gscl_most_splats(const gscl_encoder *encoder, size_t bytes);
+
+/* GSCL_LOSS_KIND_... of a loss: SSIM comes from outside the fit's kernel. */
+int gscl_loss_kind(gscl_loss loss);
+
+/* The one of the two that the settings ask for. */
+gscl_result gscl_encode_fit(gscl_encoder *encoder, size_t bytes, size_t splats);
+
+/* PSNR of the encoder's picture as its decoder draws it, against the image. */
+gscl_result gscl_encoder_psnr(gscl_encoder *encoder, double *psnr);
+
+/* Searches for the smallest file that reaches settings.target_value dB. */
+gscl_result gscl_encode_to_psnr(gscl_encoder *encoder);
+
+#endif

@@ -1,0 +1,287 @@
+#include "fit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "constants.h"
+#include "image.h"
+
+#define SMALLEST_LEVEL_SIDE 32 /* pixels: smaller levels would hold nothing to fit */
+#define CHECK_INTERVAL 8       /* steps between looks at how full the tiles' lists are */
+
+static size_t level_pixels(const gscl_fit *f, int level) {
+    return (size_t)gscl_level_size(f->width, level) * gscl_level_size(f->height, level);
+}
+
+uint32_t gscl_fit_level_width(const gscl_fit *f) {
+    return gscl_level_size(f->width, f->level);
+}
+uint32_t gscl_fit_level_height(const gscl_fit *f) {
+    return gscl_level_size(f->height, f->level);
+}
+
+/* Halves one plane of a level into the next. */
+static gscl_result halve_plane(gscl_fit *f, int level, size_t channel) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "halve", &kernel));
+    cl_int from_width = (cl_int)gscl_level_size(f->width, level),
+           from_height = (cl_int)gscl_level_size(f->height, level);
+    cl_int width = (cl_int)gscl_level_size(f->width, level + 1), height = (cl_int)gscl_level_size(f->height, level + 1);
+    cl_ulong from_at = channel * level_pixels(f, level), to_at = channel * level_pixels(f, level + 1);
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups(level_pixels(f, level + 1), 64), 64,
+                       GSCL_ARG_BUFFER(f->levels[level]), GSCL_ARG(from_at), GSCL_ARG(from_width),
+                       GSCL_ARG(from_height), GSCL_ARG_BUFFER(f->levels[level + 1]), GSCL_ARG(to_at), GSCL_ARG(width),
+                       GSCL_ARG(height));
+}
+
+static gscl_result build_pyramid(gscl_fit *f, const float *planes) {
+    size_t channels = (size_t)f->renderer.channels;
+    size_t size = level_pixels(f, f->first_level) * channels * sizeof(float);
+    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[f->first_level], size));
+    GSCL_TRY(gscl_buffer_write(f->context, &f->levels[f->first_level], 0, planes, size));
+    uint32_t shorter = f->width < f->height ? f->width : f->height;
+    f->last_level = f->first_level;
+    while (f->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, f->last_level + 1) >= SMALLEST_LEVEL_SIDE) {
+        int level = f->last_level++;
+        GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[level + 1],
+                                           level_pixels(f, level + 1) * channels * sizeof(float)));
+        for (size_t k = 0; k < channels; k++)
+            GSCL_TRY(halve_plane(f, level, k));
+    }
+    return GSCL_OK;
+}
+
+/* The mean of each plane: the background that fits best where no splat reaches. */
+static void mean_colour(const gscl_fit *f, const float *planes, float background[4]) {
+    size_t pixels = level_pixels(f, f->first_level);
+    for (int k = 0; k < f->renderer.channels; k++) {
+        double sum = 0;
+        for (size_t i = 0; i < pixels; i++)
+            sum += planes[(size_t)k * pixels + i];
+        background[k] = (float)(sum / (double)pixels);
+    }
+}
+
+gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
+                            uint32_t height, int first_level, const float *planes) {
+    memset(f, 0, sizeof *f);
+    f->context = context;
+    f->width = width;
+    f->height = height;
+    f->first_level = first_level;
+    f->ssim_weight = 0.5f; /* paper, section 3.4 */
+    GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
+    GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
+    GSCL_TRY(build_pyramid(f, planes));
+    mean_colour(f, planes, f->background);
+    float longer = (float)(width > height ? width : height);
+    f->limits = (gscl_limits){.width = (float)width,
+                              .height = (float)height,
+                              .log_min = logf(0.5f),
+                              .log_max = logf(longer),
+                              .log_aspect = logf(64.0f),
+                              .colour_min = options->blend == GSCL_SUM ? -1.0f : 0.0f,
+                              .colour_max = 1.0f};
+    if (f->limits.log_max < f->limits.log_min)
+        f->limits.log_max = f->limits.log_min;
+    GSCL_TRY(gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background));
+    return gscl_fit_set_level(f, first_level);
+}
+
+void gscl_fit_free(gscl_fit *f) {
+    gscl_renderer_free(&f->renderer);
+    gscl_ssim_free(&f->ssim);
+    gscl_buffer_free(&f->derivative);
+    for (int i = 0; i < GSCL_MAX_LEVELS; i++)
+        gscl_buffer_free(&f->levels[i]);
+    gscl_buffer *buffers[] = {&f->gradients, &f->first_moment, &f->second_moment, &f->ages,
+                              &f->slots,     &f->tile_loss,    &f->loss,          &f->error};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        gscl_buffer_free(buffers[i]);
+}
+
+gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
+    f->level = level < f->first_level ? f->first_level : level > f->last_level ? f->last_level : level;
+    GSCL_TRY(gscl_renderer_set_view(&f->renderer, f->level, 0, 0, gscl_fit_level_width(f), gscl_fit_level_height(f)));
+    size_t tiles = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->tile_loss, tiles * sizeof(float)));
+    f->steps_since_check = CHECK_INTERVAL;
+    return gscl_renderer_project(&f->renderer);
+}
+
+/* Room for `count` splats, keeping the optimiser's state. */
+static gscl_result reserve(gscl_fit *f, size_t count) {
+    if (count <= f->capacity)
+        return GSCL_OK;
+    count += count / 4;
+    size_t row = GSCL_PARAMS * sizeof(float), used = (size_t)f->renderer.count * row;
+    GSCL_TRY(gscl_renderer_reserve(&f->renderer, count));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradients, count * row));
+    GSCL_TRY(gscl_buffer_grow(f->context, &f->first_moment, count * row, used));
+    GSCL_TRY(gscl_buffer_grow(f->context, &f->second_moment, count * row, used));
+    GSCL_TRY(
+        gscl_buffer_grow(f->context, &f->ages, count * sizeof(cl_int), (size_t)f->renderer.count * sizeof(cl_int)));
+    f->capacity = count;
+    return GSCL_OK;
+}
+
+gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
+    size_t row = GSCL_PARAMS * sizeof(float), used = (size_t)f->renderer.count;
+    GSCL_TRY(reserve(f, used + count));
+    GSCL_TRY(gscl_buffer_write(f->context, &f->renderer.params, used * row, params, count * row));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->first_moment, used * row, count * row));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->second_moment, used * row, count * row));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(cl_int), count * sizeof(cl_int)));
+    f->renderer.count += (cl_int)count;
+    f->steps_since_check = CHECK_INTERVAL;
+    return gscl_renderer_project(&f->renderer);
+}
+
+gscl_result gscl_fit_replace(gscl_fit *f, const float *params, size_t count) {
+    f->renderer.count = 0;
+    return gscl_fit_append(f, params, count);
+}
+
+static gscl_result reorder_rows(gscl_fit *f, const gscl_buffer *buffer, size_t row, const size_t *order, size_t kept) {
+    size_t count = (size_t)f->renderer.count;
+    unsigned char *from = malloc((count + kept) * row + 1), *to = from + count * row;
+    if (!from)
+        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = gscl_buffer_read(f->context, buffer, 0, from, count * row);
+    for (size_t i = 0; i < kept && result == GSCL_OK; i++)
+        memcpy(to + i * row, from + order[i] * row, row);
+    if (result == GSCL_OK)
+        result = gscl_buffer_write(f->context, buffer, 0, to, kept * row);
+    free(from);
+    return result;
+}
+
+gscl_result gscl_fit_reorder(gscl_fit *f, const size_t *order, size_t kept) {
+    size_t row = GSCL_PARAMS * sizeof(float);
+    GSCL_TRY(reorder_rows(f, &f->renderer.params, row, order, kept));
+    GSCL_TRY(reorder_rows(f, &f->first_moment, row, order, kept));
+    GSCL_TRY(reorder_rows(f, &f->second_moment, row, order, kept));
+    GSCL_TRY(reorder_rows(f, &f->ages, sizeof(cl_int), order, kept));
+    f->renderer.count = (cl_int)kept;
+    return gscl_renderer_project(&f->renderer);
+}
+
+gscl_result gscl_fit_read(gscl_fit *f, float *params) {
+    return gscl_buffer_read(f->context, &f->renderer.params, 0, params,
+                            (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));
+}
+
+static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *picture) {
+    gscl_renderer *r = &f->renderer;
+    size_t slot = (size_t)(5 + r->options.opacity + r->channels);
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->slots, r->entries.size / sizeof(cl_uint) * slot * sizeof(float)));
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
+    cl_ulong plane = gscl_renderer_plane(r);
+    cl_float gain = ldexpf(1.0f, 2 * f->level); /* a level has 4^level fewer pixels to add up */
+    return GSCL_LAUNCH(f->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
+                       gscl_tile_group_size(f->context), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*picture),
+                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane),
+                       GSCL_ARG(gain), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->tile_loss));
+}
+
+static gscl_result launch_gather(gscl_fit *f) {
+    gscl_renderer *r = &f->renderer;
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "gather_gradients", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
+                       GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view),
+                       GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->gradients));
+}
+
+gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
+    gscl_renderer *r = &f->renderer;
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "adam_step", &kernel));
+    f->limits.rate = rate;
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
+                       GSCL_ARG_BUFFER(*params), GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment),
+                       GSCL_ARG_BUFFER(f->ages), GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps),
+                       GSCL_ARG(r->count), GSCL_ARG(f->limits), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->drawn),
+                       GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
+}
+
+gscl_result gscl_fit_differentiate(gscl_fit *f) {
+    bool check = f->steps_since_check >= CHECK_INTERVAL;
+    GSCL_TRY(gscl_renderer_bin(&f->renderer, check));
+    f->steps_since_check = check ? 1 : f->steps_since_check + 1;
+    if (f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL) {
+        gscl_renderer *r = &f->renderer;
+        GSCL_TRY(gscl_renderer_draw(r));
+        GSCL_TRY(gscl_ssim_derivative(&f->ssim, f->context, &r->options, r->width, r->height, &r->image,
+                                      &f->levels[f->level], f->ssim_weight, &f->derivative));
+        GSCL_TRY(launch_tiles(f, &f->derivative));
+    } else {
+        GSCL_TRY(launch_tiles(f, &f->levels[f->level]));
+    }
+    return launch_gather(f);
+}
+
+gscl_result gscl_fit_step(gscl_fit *f, float rate) {
+    GSCL_TRY(gscl_fit_differentiate(f));
+    return gscl_fit_adam(f, &f->renderer.params, rate);
+}
+
+gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
+    f->steps_since_check = CHECK_INTERVAL;
+    GSCL_TRY(gscl_fit_differentiate(f));
+    return gscl_buffer_read(f->context, &f->gradients, 0, gradients,
+                            (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));
+}
+
+gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
+    cl_kernel kernel;
+    cl_int tiles = f->renderer.view.tiles_x * f->renderer.view.tiles_y;
+    cl_float sum = 0;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &f->renderer.options, "sum_loss", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, 1, 1, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
+                         GSCL_ARG_BUFFER(f->loss)));
+    GSCL_TRY(gscl_buffer_read(f->context, &f->loss, 0, &sum, sizeof sum));
+    *loss = (double)sum / ((double)level_pixels(f, f->level) * f->renderer.channels);
+    return GSCL_OK;
+}
+
+/* Squared error of planes against the level's target, per pixel, read into `error`. */
+static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, float *error) {
+    cl_kernel kernel;
+    size_t pixels = level_pixels(f, f->level);
+    cl_int channels = f->renderer.channels, count = (cl_int)pixels;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "squared_error", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, 64), 64, GSCL_ARG_BUFFER(*planes),
+                         GSCL_ARG_BUFFER(f->levels[f->level]), GSCL_ARG(channels), GSCL_ARG(count),
+                         GSCL_ARG_BUFFER(f->error)));
+    return gscl_buffer_read(f->context, &f->error, 0, error, pixels * sizeof(float));
+}
+
+gscl_result gscl_fit_error(gscl_fit *f, float *error) {
+    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
+    GSCL_TRY(gscl_renderer_draw(&f->renderer));
+    return read_error(f, &f->renderer.image, error);
+}
+
+gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *sum) {
+    size_t pixels = level_pixels(f, f->level);
+    float *error = malloc(pixels * sizeof *error);
+    if (!error)
+        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = read_error(f, planes, error);
+    *sum = 0;
+    for (size_t i = 0; i < pixels && result == GSCL_OK; i++)
+        *sum += error[i];
+    free(error);
+    return result;
+}
+
+gscl_result gscl_fit_target(gscl_fit *f, float *planes) {
+    return gscl_buffer_read(f->context, &f->levels[f->level], 0, planes,
+                            level_pixels(f, f->level) * (size_t)f->renderer.channels * sizeof(float));
+}

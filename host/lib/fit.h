@@ -1,0 +1,78 @@
+/* The fit: splats, their gradients and Adam on the device, against a pyramid of the image.
+ *
+ * The caller drives it: set a level, add splats, take steps.  Everything but the births between steps
+ * stays on the device. */
+#ifndef GSCL_LIB_FIT_H
+#define GSCL_LIB_FIT_H
+
+#include "render.h"
+#include "ssim.h"
+
+#define GSCL_MAX_LEVELS 15 /* 16384 pixels down to 1 */
+
+/* Bounds of the parameters and this step's factor on the learning rates (mirrors `limits` in cl/update.cl). */
+typedef struct gscl_limits {
+    cl_float rate;
+    cl_float width, height;
+    cl_float log_min, log_max;
+    cl_float log_aspect;
+    cl_float colour_min, colour_max;
+} gscl_limits;
+
+typedef struct gscl_fit {
+    gscl_context *context;
+    gscl_renderer renderer;
+    gscl_limits limits;
+    uint32_t width, height;      /* of the full-size image */
+    int first_level, last_level; /* of the pyramid that exists; 0 is full size */
+    int level;
+    gscl_buffer levels[GSCL_MAX_LEVELS];
+    gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, loss, error;
+    size_t capacity; /* splats that fit in the buffers */
+    int steps_since_check;
+    float background[4];
+    float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
+    gscl_ssim ssim;
+    gscl_buffer derivative; /* of the loss by the picture */
+} gscl_fit;
+
+/* Builds the pyramid of `planes` (renderer channels; the image at level `first_level`), down to a shorter
+ * side of about 32 pixels.  `fit` may hold anything before. */
+gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
+                            uint32_t height, int first_level, const float *planes);
+/* Accepts a fit that was zeroed and never created. */
+void gscl_fit_free(gscl_fit *fit);
+
+uint32_t gscl_fit_level_width(const gscl_fit *fit);
+uint32_t gscl_fit_level_height(const gscl_fit *fit);
+
+/* Works on this level (clamped to those that exist) from now on. */
+gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
+/* Appends splats (GSCL_PARAMS floats each) with fresh optimiser state. */
+gscl_result gscl_fit_append(gscl_fit *fit, const float *params, size_t count);
+/* Replaces all splats; the optimiser starts afresh. */
+gscl_result gscl_fit_replace(gscl_fit *fit, const float *params, size_t count);
+/* Puts the splats, with their optimiser state, into a new order: place i < kept takes splat order[i], the others
+ * are dropped. */
+gscl_result gscl_fit_reorder(gscl_fit *fit, const size_t *order, size_t kept);
+/* Reads all parameters (renderer.count * GSCL_PARAMS floats). */
+gscl_result gscl_fit_read(gscl_fit *fit, float *params);
+/* One step of Adam. `rate` multiplies the learning rates. */
+gscl_result gscl_fit_step(gscl_fit *fit, float rate);
+/* The parts of a step: gradients of what is projected, into fit->gradients; and Adam on parameters that may be others
+ * than those drawn (`params`: count * GSCL_PARAMS floats on the device), which leaves them projected. */
+gscl_result gscl_fit_differentiate(gscl_fit *fit);
+gscl_result gscl_fit_adam(gscl_fit *fit, const gscl_buffer *params, float rate);
+/* Gradients of the loss at the current parameters (count * GSCL_PARAMS floats), without a step. */
+gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
+/* Mean loss per sample of the last step. */
+gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
+/* Draws the splats as they are now (through the quantiser) and reads the squared error of each pixel of the
+ * level, added over channels. */
+gscl_result gscl_fit_error(gscl_fit *fit, float *error);
+/* Sum of squared errors of planes (of the level's size) against the level's target. */
+gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
+/* Reads the level's target planes. */
+gscl_result gscl_fit_target(gscl_fit *fit, float *planes);
+
+#endif

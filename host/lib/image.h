@@ -1,0 +1,43 @@
+/* Between the caller's interleaved images and the planar floats that the codec works on. */
+#ifndef GSCL_LIB_IMAGE_H
+#define GSCL_LIB_IMAGE_H
+
+#include "context.h"
+
+/* What an image needs of the codec. */
+typedef struct gscl_content {
+    bool chroma; /* some pixel is not grey */
+    bool alpha;  /* some pixel is not opaque */
+    bool flat;   /* all pixels are the same */
+    bool deep;   /* more than 8 bits a sample */
+} gscl_content;
+
+/* Checks size, kind and finiteness, with a message that says what is wrong, and looks at the content. */
+gscl_result gscl_image_examine(gscl_context *context, const gscl_image *image, gscl_content *content);
+
+/* Size of a side at a pyramid level: rounded up. */
+static inline uint32_t gscl_level_size(uint32_t size, int level) {
+    return (uint32_t)(((uint64_t)size + (1u << level) - 1) >> level);
+}
+
+/* Planes of the image at pyramid level `level` (averages of 2^level x 2^level pixels): 1 or 3 colours
+ * premultiplied by alpha, then alpha when `alpha`.  0..1.  `planes` holds them one after another. */
+void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int level, float *planes);
+
+/* Writes rows [first_row, first_row + rows) of `image` from planes that hold those rows only; clamps,
+ * un-premultiplies if the image wants it, rounds. */
+void gscl_image_from_planes(const float *planes, int colours, bool alpha, uint32_t first_row, uint32_t rows,
+                            const gscl_image *image);
+
+/* Bytes of a sample of this kind. */
+size_t gscl_sample_size(gscl_sample sample);
+/* Bytes from row to row. */
+size_t gscl_image_stride(const gscl_image *image);
+
+/* Reads one pixel as up to four floats: colours (1 or 3) as stored and alpha (1 when there is none). */
+typedef struct gscl_pixel {
+    float colour[3], alpha;
+} gscl_pixel;
+gscl_pixel gscl_image_pixel(const gscl_image *image, uint32_t x, uint32_t y);
+
+#endif

@@ -1,0 +1,16 @@
+/* The kernels of cl/, embedded at build time by cl/embed.py. */
+#ifndef GSCL_KERNEL_SOURCES_H
+#define GSCL_KERNEL_SOURCES_H
+
+#include <stddef.h>
+
+struct gscl_kernel_source {
+    const char *name; /* of the file in cl/, such as "raster.cl" */
+    const char *text; /* OpenCL C, ends with a NUL; begins with a #line directive that names the file */
+    size_t length;    /* without the NUL */
+};
+
+extern const struct gscl_kernel_source gscl_kernel_sources[];
+extern const size_t gscl_kernel_source_count;
+
+#endif

@@ -1,0 +1,176 @@
+#include "kernels.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "constants.h"
+#include "kernel_sources.h"
+#include "opencl.h"
+
+#define MAX_FILES 10
+#define MAX_KERNELS 16
+#define MAX_OPTIONS 256
+
+struct gscl_program {
+    struct gscl_program *next;
+    gscl_program_kind kind;
+    char options[MAX_OPTIONS];
+    cl_program program;
+    size_t kernel_count;
+    struct {
+        const char *name;
+        cl_kernel kernel;
+    } kernels[MAX_KERNELS];
+};
+
+/* Source files of each kind, in the order in which the compiler reads them. */
+static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
+    [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "bin.cl"},
+    [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl"},
+    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "outline.cl", "refine.cl"},
+    [GSCL_PROGRAM_CODEBOOK] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl",
+                               "outline.cl", "codebook.cl", "codebook_choose.cl"},
+    [GSCL_PROGRAM_SSIM] = {"constants.h", "pixel.cl", "ssim.cl"},
+    [GSCL_PROGRAM_IMAGE] = {"constants.h", "image.cl"},
+};
+
+/* The two mappings of pixels to work-items (cl/pixel.cl). */
+#define CPU_LANES 16
+#define CPU_ROWS 16
+#define GPU_LANES 4
+#define GPU_ROWS 1
+
+static int mapping_lanes(const gscl_context *context) {
+    return context->gpu_mapping ? GPU_LANES : CPU_LANES;
+}
+static int mapping_rows(const gscl_context *context) {
+    return context->gpu_mapping ? GPU_ROWS : CPU_ROWS;
+}
+
+size_t gscl_tile_group_size(const gscl_context *context) {
+    return (size_t)(GSCL_TILE / mapping_lanes(context)) * (size_t)(GSCL_TILE / mapping_rows(context));
+}
+
+size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {
+    int lanes = mapping_lanes(context);
+    size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;
+    return (chunks + group_size - 1) / group_size;
+}
+
+static void options_text(const gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                         char text[MAX_OPTIONS]) {
+    int length = snprintf(text, MAX_OPTIONS, "-cl-std=CL1.2");
+    if (kind == GSCL_PROGRAM_IMAGE)
+        return;
+    length += snprintf(text + length, MAX_OPTIONS - (size_t)length,
+                       " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d",
+                       mapping_lanes(context), mapping_rows(context), options->blend, options->colours,
+                       options->alpha_channel, options->opacity);
+    if (kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK)
+        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d", options->loss);
+}
+
+static const struct gscl_kernel_source *find_source(const char *name) {
+    for (size_t i = 0; i < gscl_kernel_source_count; i++)
+        if (strcmp(gscl_kernel_sources[i].name, name) == 0)
+            return &gscl_kernel_sources[i];
+    return NULL;
+}
+
+/* Logs what the compiler said, and keeps the first line of it as the message. */
+static gscl_result build_failed(gscl_context *context, struct gscl_program *program, cl_int error) {
+    size_t size = 0;
+    clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size);
+    char *log = calloc(size + 1, 1);
+    if (log)
+        clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, size, log, NULL);
+    gscl_log(context, GSCL_LOG_ERROR, "kernel build with %s: %s", program->options, log ? log : "");
+    gscl_result result =
+        gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "%s could not build the kernels (%s) with %s: %.*s",
+                  context->info.device_name, gscl_cl_error_name(error), program->options,
+                  log ? (int)strcspn(log, "\n") : 0, log ? log : "");
+    free(log);
+    return result;
+}
+
+static gscl_result program_build(gscl_context *context, struct gscl_program *program) {
+    const char *texts[MAX_FILES];
+    size_t lengths[MAX_FILES];
+    cl_uint count = 0;
+    for (; count < MAX_FILES && program_files[program->kind][count]; count++) {
+        const struct gscl_kernel_source *source = find_source(program_files[program->kind][count]);
+        if (!source)
+            return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "kernel source %s is not in this build",
+                             program_files[program->kind][count]);
+        texts[count] = source->text;
+        lengths[count] = source->length;
+    }
+    cl_int error;
+    program->program = clCreateProgramWithSource(context->cl, count, texts, lengths, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateProgramWithSource");
+    error = clBuildProgram(program->program, 1, &context->device, program->options, NULL, NULL);
+    return error == CL_SUCCESS ? GSCL_OK : build_failed(context, program, error);
+}
+
+static void program_free(struct gscl_program *program) {
+    for (size_t i = 0; i < program->kernel_count; i++)
+        clReleaseKernel(program->kernels[i].kernel);
+    if (program->program)
+        clReleaseProgram(program->program);
+    free(program);
+}
+
+static gscl_result program_get(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                               struct gscl_program **found) {
+    char text[MAX_OPTIONS];
+    options_text(context, kind, options, text);
+    for (struct gscl_program *p = context->programs; p; p = p->next)
+        if (p->kind == kind && strcmp(p->options, text) == 0) {
+            *found = p;
+            return GSCL_OK;
+        }
+    struct gscl_program *program = calloc(1, sizeof *program);
+    if (!program)
+        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    program->kind = kind;
+    memcpy(program->options, text, sizeof text);
+    gscl_result result = program_build(context, program);
+    if (result != GSCL_OK) {
+        program_free(program);
+        return result;
+    }
+    program->next = context->programs;
+    context->programs = program;
+    *found = program;
+    return GSCL_OK;
+}
+
+gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                        const char *name, cl_kernel *kernel) {
+    struct gscl_program *program;
+    GSCL_TRY(program_get(context, kind, options, &program));
+    for (size_t i = 0; i < program->kernel_count; i++)
+        if (strcmp(program->kernels[i].name, name) == 0) {
+            *kernel = program->kernels[i].kernel;
+            return GSCL_OK;
+        }
+    if (program->kernel_count == MAX_KERNELS)
+        return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "too many kernels");
+    cl_int error;
+    *kernel = clCreateKernel(program->program, name, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateKernel");
+    program->kernels[program->kernel_count].name = name;
+    program->kernels[program->kernel_count++].kernel = *kernel;
+    return GSCL_OK;
+}
+
+void gscl_programs_free(gscl_context *context) {
+    while (context->programs) {
+        struct gscl_program *next = context->programs->next;
+        program_free(context->programs);
+        context->programs = next;
+    }
+}

@@ -1,0 +1,42 @@
+/* Programs are built when first needed, one for each combination of source files and build options,
+ * and kept in the context. */
+#ifndef GSCL_LIB_KERNELS_H
+#define GSCL_LIB_KERNELS_H
+
+#include "context.h"
+
+/* What kernels are specialised for: nothing that a picture does not have is compiled in. */
+typedef struct gscl_kernel_options {
+    int blend;         /* GSCL_NORMALIZED, GSCL_ALPHA, GSCL_SUM */
+    int colours;       /* 1 or 3 */
+    int alpha_channel; /* 0 or 1 */
+    int opacity;       /* 0 or 1 */
+    int loss;          /* GSCL_LOSS_KIND_...; fit programs only */
+} gscl_kernel_options;
+
+/* Groups of kernels that are built together. */
+typedef enum gscl_program_kind {
+    GSCL_PROGRAM_RENDER,   /* project, bin, raster_forward: all that decoding needs */
+    GSCL_PROGRAM_FIT,      /* and fit_tiles, sum_loss, gather_gradients, adam_step, ... */
+    GSCL_PROGRAM_REFINE,   /* refine_begin, refine_visit */
+    GSCL_PROGRAM_CODEBOOK, /* codebooks while fitting, and choosing their words */
+    GSCL_PROGRAM_SSIM,     /* the SSIM loss */
+    GSCL_PROGRAM_IMAGE,    /* pyramid and losses over images; no options */
+    GSCL_PROGRAM_KINDS
+} gscl_program_kind;
+
+/* Gives a kernel of the program in *kernel; the context owns it.  One context, one thread: arguments may
+ * be set on it until the next launch. */
+gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                        const char *name, cl_kernel *kernel);
+
+/* Work-items of a group that draws one tile in this context's mapping. */
+size_t gscl_tile_group_size(const gscl_context *context);
+
+/* Groups of `group_size` work-items in which each takes one pixel vector of `rows` rows of `width` pixels. */
+size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size);
+
+/* Frees all programs of a context. */
+void gscl_programs_free(gscl_context *context);
+
+#endif

@@ -1,0 +1,56 @@
+/* K-means clustering of a few thousand points in at most five dimensions, deterministic.
+ *
+ * The same arguments give the same bits: sums are taken in double precision in the order of the
+ * points, and the only randomness is the caller's seed.  No global state, no output. */
+#ifndef GSCL_KMEANS_H
+#define GSCL_KMEANS_H
+
+#include <stdint.h>
+
+#define KMEANS_MAX_DIMS 5
+#define KMEANS_MAX_POINTS (1u << 20) /* keeps every size below 2^26 bytes */
+#define KMEANS_MAX_CLUSTERS 65536u
+
+typedef enum kmeans_status {
+    KMEANS_OK = 0,
+    KMEANS_INVALID, /* a size outside its range, or a value that is not finite (or negative) */
+    KMEANS_NO_MEMORY
+} kmeans_status;
+
+/* What is clustered.  The caller keeps ownership of every array; none is written. */
+typedef struct kmeans_points {
+    const float *values;  /* [count][dims], finite, in any unit */
+    const float *weights; /* [count], finite and >= 0; NULL: 1 each */
+    const float *metric;  /* [dims], finite and >= 0: each dimension is multiplied by it before a
+                             distance is taken; NULL: 1 each */
+    uint32_t count;       /* points, 0..KMEANS_MAX_POINTS */
+    uint32_t dims;        /* 1..KMEANS_MAX_DIMS */
+} kmeans_points;
+
+typedef struct kmeans_options {
+    uint32_t clusters;   /* most code words wanted, 1..KMEANS_MAX_CLUSTERS */
+    uint32_t warm;       /* the first `warm` rows of `centroids` are starting points, 0..clusters;
+                            the rest are seeded by k-means++ */
+    uint32_t iterations; /* most Lloyd iterations; 0: assign to the starting points only */
+    uint64_t seed;       /* of the k-means++ draws */
+} kmeans_options;
+
+typedef struct kmeans_result {
+    uint32_t clusters;   /* code words left, each with a member; at most min(clusters, count) */
+    uint32_t iterations; /* Lloyd iterations done; fewer than allowed when nothing moved any more */
+    double distortion;   /* sum of weight * squared distance in the metric */
+} kmeans_result;
+
+/* Clusters the points.  On return `assignment` ([count]) holds for every point the row of its nearest
+ * centroid (of equals the first), and `centroids` (in: the warm rows; out: result->clusters rows of
+ * [options->clusters][dims], in the points' unit) the code words.
+ *
+ * A cluster that runs empty restarts at the point that is farthest from its centroid; code words
+ * still without members at the end are dropped and later rows move up, order kept.  Distortion never
+ * grows with more iterations, up to the rounding of centroids to float.
+ *
+ * On failure the outputs hold nothing of use. */
+kmeans_status kmeans_cluster(const kmeans_points *points, const kmeans_options *options, float *centroids,
+                             uint32_t *assignment, kmeans_result *result);
+
+#endif

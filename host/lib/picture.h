@@ -1,0 +1,45 @@
+/* A gsf_picture that owns its memory, and its way from and to bytes and parameters. */
+#ifndef GSCL_LIB_PICTURE_H
+#define GSCL_LIB_PICTURE_H
+
+#include <gscl/gscl.h>
+
+#include "context.h"
+#include "format.h"
+#include "kernels.h"
+
+typedef struct gscl_picture {
+    gsf_picture file;
+    size_t capacity; /* splats that fit in the arrays */
+    void *scratch;
+} gscl_picture;
+
+/* Makes room for `splats` splats of the picture's coding; header and codes are kept. */
+gscl_result gscl_picture_reserve(gscl_picture *picture, size_t splats);
+/* Frees the arrays; accepts a zeroed picture. */
+void gscl_picture_free(gscl_picture *picture);
+
+/* Reads a file into a picture (which may hold anything before). */
+gscl_result gscl_picture_read(gscl_picture *picture, const uint8_t *bytes, size_t size);
+/* Writes the picture into a new buffer (gscl_free); sorts its splats into the stored order. */
+gscl_result gscl_picture_write(gscl_picture *picture, uint8_t **bytes, size_t *size);
+/* The size that gscl_picture_write would give. */
+gscl_result gscl_picture_size(gscl_picture *picture, size_t *size);
+
+/* Sorts the splats into the stored order and tells where they came from: place i holds what was splat order[i]. */
+gscl_result gscl_picture_sort(gscl_picture *picture, size_t *order);
+
+/* The library's result for a format result. */
+gscl_result gscl_result_of_format(gsf_result result);
+/* A message in the context for a format error, naming versions and limits. */
+gscl_result gscl_picture_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size);
+
+/* The kernels that draw this picture (loss is left 0). */
+gscl_kernel_options gscl_picture_options(const gsf_header *header);
+/* Channels of the decoded image, 1..4. */
+uint32_t gscl_picture_channels(const gsf_header *header);
+
+/* What the codes stand for: splat_count * GSCL_PARAMS parameters in drawing order, and the background. */
+void gscl_picture_params(const gscl_picture *picture, float *params, float background[4]);
+
+#endif

@@ -1,0 +1,141 @@
+#include "quantise.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "constants.h"
+
+static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
+
+static int clamp_int(int x, int min, int max) {
+    return x < min ? min : x > max ? max : x;
+}
+static double scale_step(const gsf_steps *s) {
+    return (s->scale + 4) / 32.0 * ln2;
+} /* of ln sigma */
+
+void gscl_steps_to_floats(const gsf_steps *s, float *f) {
+    memset(f, 0, GSCL_STEP_COUNT * sizeof *f);
+    f[GSCL_STEP_SCALE] = (float)scale_step(s);
+    f[GSCL_STEP_POSITION] = (float)(s->position + 2) / 32.0f;
+    f[GSCL_STEP_ANGLE] = (float)(s->angle + 2) / 16.0f;
+    f[GSCL_STEP_LUMA] = 1.0f / (float)gsf_colour_levels(s->luma);
+    f[GSCL_STEP_CHROMA] = 1.0f / (float)gsf_colour_levels(s->chroma);
+    f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
+    f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
+}
+
+uint16_t gscl_quantise_background(const gsf_header *header, float value) {
+    float v = value < 0.0f ? 0.0f : value > 1.0f ? 1.0f : value;
+    return (uint16_t)(v * (header->deep ? 65535.0f : 255.0f) + 0.5f);
+}
+
+float gscl_logit(double opacity) {
+    double o = opacity < 1e-7 ? 1e-7 : opacity > 1 - 1e-7 ? 1 - 1e-7 : opacity;
+    return (float)log(o / (1 - o));
+}
+
+static void quantise_colour(const gsf_picture *p, const float *colour, gsf_splat *s) {
+    double luma = gsf_colour_levels(p->steps.luma), chroma = gsf_colour_levels(p->steps.chroma);
+    int min, max;
+    double y = colour[0];
+    gsf_luma_range(p->header.blend, p->steps.luma, &min, &max);
+    if (p->header.has_chroma) {
+        y = (colour[0] + 2.0 * colour[1] + colour[2]) / 4;
+        int chroma_min, chroma_max;
+        gsf_chroma_range(p->steps.chroma, &chroma_min, &chroma_max);
+        s->co = (int16_t)clamp_int((int)lrint((colour[0] - colour[2]) * chroma), chroma_min, chroma_max);
+        s->cg = (int16_t)clamp_int((int)lrint((colour[1] - (colour[0] + colour[2]) / 2.0) * chroma), chroma_min,
+                                   chroma_max);
+    }
+    s->luma = (int16_t)clamp_int((int)lrint(y * luma), min, max);
+    if (p->header.has_alpha) {
+        gsf_luma_range(p->header.blend, p->steps.alpha, &min, &max);
+        s->alpha = (int16_t)clamp_int(
+            (int)lrint(colour[p->header.has_chroma ? 3 : 1] * gsf_colour_levels(p->steps.alpha)), min, max);
+    }
+}
+
+static uint32_t quantise_position(const gsf_picture *p, unsigned minor, float x, uint32_t dimension) {
+    double cell = floor(x * 256.0 / gsf_position_step_q8(&p->steps, minor));
+    uint32_t cells = gsf_position_cells(&p->steps, minor, dimension);
+    return cell <= 0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
+}
+
+void gscl_quantise_placement(const gsf_picture *p, const float *params, gsf_splat *s) {
+    s->x = quantise_position(p, s->minor, params[GSCL_X], p->header.width);
+    s->y = quantise_position(p, s->minor, params[GSCL_Y], p->header.height);
+    s->angle = 0;
+    if (!p->header.has_rotation)
+        return;
+    int count = (int)gsf_angle_count(&p->steps, s->aspect);
+    double turn = params[GSCL_LOG_S1] < params[GSCL_LOG_S2] ? pi / 2 : 0; /* codes count from the major axis */
+    double code = fmod(rint((params[GSCL_THETA] + turn) * count / pi), count);
+    s->angle = (uint16_t)(code < 0 ? code + count : code);
+}
+
+void gscl_quantise(const gsf_picture *p, const float *params, gsf_splat *s) {
+    double step = scale_step(&p->steps);
+    memset(s, 0, sizeof *s);
+    int a = clamp_int((int)lrint((params[GSCL_LOG_S1] + ln2) / step), 0, GSF_MAX_SCALE_CODE);
+    int b = clamp_int((int)lrint((params[GSCL_LOG_S2] + ln2) / step), 0, GSF_MAX_SCALE_CODE);
+    if (!p->header.has_anisotropy)
+        a = b = clamp_int((int)lrint(((params[GSCL_LOG_S1] + params[GSCL_LOG_S2]) / 2 + ln2) / step), 0,
+                          GSF_MAX_SCALE_CODE);
+    s->minor = (uint16_t)(a < b ? a : b);
+    s->aspect = (uint16_t)(a < b ? b - a : a - b);
+    gscl_quantise_placement(p, params, s);
+    quantise_colour(p, params + GSCL_COLOUR, s);
+    if (p->header.has_opacity) {
+        int levels = p->steps.opacity + 1;
+        double opacity = 1 / (1 + exp(-params[GSCL_OPACITY]));
+        s->opacity = (uint16_t)(clamp_int((int)lrint(opacity * levels), 1, levels) - 1);
+    }
+}
+
+static void dequantise_colour(const gsf_picture *p, const gsf_splat *s, float *colour) {
+    double y = (double)s->luma / gsf_colour_levels(p->steps.luma);
+    colour[0] = (float)y;
+    if (p->header.has_chroma) {
+        double levels = gsf_colour_levels(p->steps.chroma), co = s->co / levels, cg = s->cg / levels;
+        colour[1] = (float)(y + cg / 2);
+        colour[2] = (float)(y - cg / 2 - co / 2);
+        colour[0] = (float)(y - cg / 2 + co / 2);
+    }
+    if (p->header.has_alpha)
+        colour[p->header.has_chroma ? 3 : 1] = (float)((double)s->alpha / gsf_colour_levels(p->steps.alpha));
+}
+
+void gscl_dequantise(const gsf_picture *p, const gsf_splat *s, float *params) {
+    double step = scale_step(&p->steps), position = gsf_position_step_q8(&p->steps, s->minor) / 256.0;
+    params[GSCL_X] = (float)((s->x + 0.5) * position);
+    params[GSCL_Y] = (float)((s->y + 0.5) * position);
+    params[GSCL_LOG_S1] = (float)fmin((s->minor + s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    params[GSCL_LOG_S2] = (float)fmin(s->minor * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    params[GSCL_THETA] = p->header.has_rotation ? (float)(s->angle * pi / gsf_angle_count(&p->steps, s->aspect)) : 0.0f;
+    params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
+    dequantise_colour(p, s, params + GSCL_COLOUR);
+}
+
+/* Paper eq. 7: a code between the ends of its range. */
+static double from_range(const gsf_range *range, unsigned code, unsigned bits) {
+    return range->min + (double)code * (range->max - range->min) / ((1u << bits) - 1u);
+}
+
+void gscl_dequantise_indexed(const gsf_picture *p, const gsf_indexed_splat *s, float *params) {
+    const gsf_codebooks *books = &p->codebooks;
+    const uint16_t *shape = books->shape_words[s->shape], *colour = books->colour_words[s->colour];
+    double grid = (double)(1u << books->position_bits);
+    unsigned channels = gsf_channel_count(&p->header);
+    params[GSCL_X] = (float)((s->x + 0.5) / grid * p->header.width);
+    params[GSCL_Y] = (float)((s->y + 0.5) / grid * p->header.height);
+    params[GSCL_LOG_S1] = (float)((from_range(&books->shape[0], shape[0], books->shape_bits) / 32 - 4) * ln2);
+    params[GSCL_LOG_S2] = (float)((from_range(&books->shape[1], shape[1], books->shape_bits) / 32 - 4) * ln2);
+    params[GSCL_THETA] = (float)(from_range(&books->shape[2], shape[2], books->shape_bits) * pi / 256);
+    for (unsigned k = 0; k < channels; k++)
+        params[GSCL_COLOUR + k] = (float)(from_range(&books->colour[k], colour[k], books->colour_bits) / 255);
+    params[GSCL_OPACITY] =
+        p->header.has_opacity
+            ? gscl_logit(from_range(&books->colour[channels], colour[channels], books->colour_bits) / 255)
+            : 0.0f;
+}

@@ -1,0 +1,23 @@
+/* Between parameters (floats) and the format's codes (integers). */
+#ifndef GSCL_LIB_QUANTISE_H
+#define GSCL_LIB_QUANTISE_H
+
+#include "format.h"
+
+/* The steps as the kernels take them (GSCL_STEP_COUNT floats). */
+void gscl_steps_to_floats(const gsf_steps *steps, float *floats);
+
+/* The nearest codes for a splat's parameters (GSCL_PARAMS floats); `picture` gives header and steps. */
+void gscl_quantise(const gsf_picture *picture, const float *params, gsf_splat *splat);
+/* Position and angle codes again, for a splat whose axes' codes have been set. */
+void gscl_quantise_placement(const gsf_picture *picture, const float *params, gsf_splat *splat);
+/* What the codes stand for (FORMAT.md, "Dequantisation"). */
+void gscl_dequantise(const gsf_picture *picture, const gsf_splat *splat, float *params);
+/* Likewise for codebook coding. */
+void gscl_dequantise_indexed(const gsf_picture *picture, const gsf_indexed_splat *splat, float *params);
+
+/* A background value 0..1 as its code, and an opacity as a logit. */
+uint16_t gscl_quantise_background(const gsf_header *header, float value);
+float gscl_logit(double opacity);
+
+#endif

@@ -1,0 +1,135 @@
+#include "render.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "constants.h"
+
+gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
+    memset(r, 0, sizeof *r);
+    r->context = context;
+    r->options = *options;
+    r->channels = options->colours + options->alpha_channel;
+    GSCL_TRY(gscl_buffer_reserve(context, &r->background, 4 * sizeof(float)));
+    return gscl_renderer_set_steps(r, NULL);
+}
+
+void gscl_renderer_free(gscl_renderer *r) {
+    gscl_buffer *buffers[] = {&r->params,  &r->steps,       &r->drawn,      &r->extents,    &r->boxes,
+                              &r->entries, &r->tile_ranges, &r->row_totals, &r->background, &r->image};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        gscl_buffer_free(buffers[i]);
+}
+
+gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint32_t y, uint32_t width,
+                                   uint32_t height) {
+    float scale = (float)(1 << level);
+    r->width = (cl_int)width;
+    r->height = (cl_int)height;
+    r->view = (gscl_view){1.0f / scale,
+                          (scale * scale - 1.0f) / 12.0f,
+                          (float)x,
+                          (float)y,
+                          (cl_int)((width + GSCL_TILE - 1) / GSCL_TILE),
+                          (cl_int)((height + GSCL_TILE - 1) / GSCL_TILE)};
+    size_t tiles = (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_ranges, tiles * sizeof(cl_int2)));
+    return gscl_buffer_reserve(r->context, &r->row_totals, (size_t)r->view.tiles_y * sizeof(cl_int));
+}
+
+gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
+    size_t used = (size_t)r->count * GSCL_PARAMS * sizeof(float);
+    GSCL_TRY(gscl_buffer_grow(r->context, &r->params, count * GSCL_PARAMS * sizeof(float), used));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->drawn, count * GSCL_DRAWN * sizeof(float)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->extents, count * GSCL_EXTENT * sizeof(float)));
+    return gscl_buffer_reserve(r->context, &r->boxes, count * sizeof(cl_int4));
+}
+
+gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
+    r->count = 0;
+    GSCL_TRY(gscl_renderer_reserve(r, count));
+    GSCL_TRY(gscl_buffer_write(r->context, &r->params, 0, params, count * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write(r->context, &r->background, 0, background, (size_t)r->channels * sizeof(float)));
+    r->count = (cl_int)count;
+    return GSCL_OK;
+}
+
+gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
+    static const float none[GSCL_STEP_COUNT];
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->steps, sizeof none));
+    return gscl_buffer_write(r->context, &r->steps, 0, steps ? steps : none, sizeof none);
+}
+
+gscl_result gscl_renderer_project(gscl_renderer *r) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "project", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
+                       GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view),
+                       GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
+}
+
+/* The largest number of entries that a row of tiles wanted at the last binning. */
+static gscl_result largest_row(gscl_renderer *r, cl_int *largest) {
+    size_t rows = (size_t)r->view.tiles_y;
+    cl_int *totals = malloc(rows * sizeof *totals);
+    if (!totals)
+        return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = gscl_buffer_read(r->context, &r->row_totals, 0, totals, rows * sizeof *totals);
+    *largest = 0;
+    for (size_t i = 0; i < rows && result == GSCL_OK; i++)
+        if (totals[i] > *largest)
+            *largest = totals[i];
+    free(totals);
+    return result;
+}
+
+static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
+    if ((size_t)capacity * (size_t)r->view.tiles_y > INT_MAX)
+        return gscl_fail(r->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be drawn");
+    r->row_capacity = capacity;
+    return gscl_buffer_reserve(r->context, &r->entries, (size_t)capacity * (size_t)r->view.tiles_y * sizeof(cl_uint));
+}
+
+static gscl_result launch_bin(gscl_renderer *r) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "bin", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->drawn),
+                       GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
+                       GSCL_ARG(r->view.tiles_x), GSCL_ARG(r->view.tiles_y), GSCL_ARG(r->row_capacity),
+                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+}
+
+gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
+    if (r->row_capacity == 0)
+        GSCL_TRY(set_row_capacity(r, r->count + 64));
+    GSCL_TRY(set_row_capacity(r, r->row_capacity)); /* the view may have more rows than before */
+    GSCL_TRY(launch_bin(r));
+    if (!exact)
+        return GSCL_OK;
+    cl_int largest; /* grow early: until the next exact binning the splats move */
+    GSCL_TRY(largest_row(r, &largest));
+    if (largest + largest / 4 <= r->row_capacity)
+        return GSCL_OK;
+    GSCL_TRY(set_row_capacity(r, largest + largest / 2));
+    return launch_bin(r);
+}
+
+gscl_result gscl_renderer_draw(gscl_renderer *r) {
+    cl_kernel kernel;
+    cl_ulong plane = gscl_renderer_plane(r);
+    GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, (size_t)plane * (size_t)r->channels * sizeof(float)));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_forward", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
+                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image),
+                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
+}
+
+gscl_result gscl_renderer_planes(gscl_renderer *r, float *planes) {
+    GSCL_TRY(gscl_renderer_project(r));
+    GSCL_TRY(gscl_renderer_bin(r, true));
+    GSCL_TRY(gscl_renderer_draw(r));
+    return gscl_buffer_read(r->context, &r->image, 0, planes,
+                            (size_t)gscl_renderer_plane(r) * (size_t)r->channels * sizeof(float));
+}

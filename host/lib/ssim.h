@@ -1,0 +1,21 @@
+/* The loss (1 - w) L1 + w (1 - SSIM) / 2 on the device (cl/ssim.cl). */
+#ifndef GSCL_LIB_SSIM_H
+#define GSCL_LIB_SSIM_H
+
+#include "kernels.h"
+#include "opencl.h"
+
+typedef struct gscl_ssim {
+    gscl_buffer moments, slopes;
+    int width, height, channels; /* that the buffers' margins were zeroed for */
+} gscl_ssim;
+
+/* Writes dL/dpicture times the number of samples into `derivative` (planes like `picture`, which it makes).
+ * `weight`: w.  Images smaller than a window have no SSIM term. */
+gscl_result gscl_ssim_derivative(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options, int width,
+                                 int height, const gscl_buffer *picture, const gscl_buffer *target, float weight,
+                                 gscl_buffer *derivative);
+/* Accepts a zeroed state. */
+void gscl_ssim_free(gscl_ssim *ssim);
+
+#endif

@@ -1,0 +1,14 @@
+/* The subcommands of gscl.  Each takes its own name as argv[0] and returns the exit code of the program. */
+#ifndef GSCL_TOOL_COMMAND_H
+#define GSCL_TOOL_COMMAND_H
+
+#define EXIT_USAGE 2 /* beside EXIT_SUCCESS and EXIT_FAILURE: the command line makes no sense */
+
+int command_encode(int argc, char **argv);
+int command_decode(int argc, char **argv);
+int command_info(int argc, char **argv);
+int command_compare(int argc, char **argv);
+int command_draw(int argc, char **argv);
+int command_devices(int argc, char **argv);
+
+#endif

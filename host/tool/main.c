@@ -1,0 +1,80 @@
+/* gscl: the command-line tool.  Exit codes: 0 success, 1 failure, 2 wrong usage, 128 + n ended by signal n. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <gscl/gscl.h>
+
+#include "command.h"
+#include "interrupt.h"
+#include "message.h"
+
+typedef struct command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *about;
+} command;
+
+static const command commands[] = {
+    {"encode", command_encode, "turn images into gscl files"},
+    {"decode", command_decode, "turn a gscl file into an image, at any size, whole or in part"},
+    {"info", command_info, "show a gscl file's header, effects and where its bits went"},
+    {"compare", command_compare, "measure the difference of two images: PSNR, SSIM, MS-SSIM"},
+    {"draw", command_draw, "draw a gscl file's splats as ellipses over its picture"},
+    {"devices", command_devices, "list OpenCL devices, and which is the default and why"},
+};
+#define COMMAND_COUNT (sizeof commands / sizeof *commands)
+
+static void print_usage(FILE *stream) {
+    fprintf(stream, "gscl %s: stores a picture as 2D Gaussians\n\nusage: gscl COMMAND ...\n\n", gscl_version());
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        fprintf(stream, "  %-10s%s\n", commands[i].name, commands[i].about);
+    fprintf(stream, "\n'gscl COMMAND -h' lists a command's options.  In place of a file, - reads standard input or\n"
+                    "writes standard output.  Exit code: 0 success, 1 failure, 2 wrong usage.\n");
+}
+
+static const command *find_command(const char *name) {
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
+        if (strcmp(name, commands[i].name) == 0)
+            return &commands[i];
+    }
+    return NULL;
+}
+
+static int report_unknown(const char *name) {
+    return report_usage(name, "is no command; 'gscl help' lists them");
+}
+
+static int run_help(int argc, char **argv) {
+    if (argc < 2) {
+        print_usage(stdout);
+        return EXIT_SUCCESS;
+    }
+    const command *explained = find_command(argv[1]);
+    char *arguments[] = {argv[1], "-h", NULL};
+    return explained ? explained->run(2, arguments) : report_unknown(argv[1]);
+}
+
+static bool is_one_of(const char *word, const char *a, const char *b, const char *c) {
+    return strcmp(word, a) == 0 || strcmp(word, b) == 0 || strcmp(word, c) == 0;
+}
+
+static int run(int argc, char **argv) {
+    if (argc < 1) {
+        print_usage(stderr);
+        return EXIT_USAGE;
+    }
+    if (is_one_of(argv[0], "help", "--help", "-h"))
+        return run_help(argc, argv);
+    if (is_one_of(argv[0], "--version", "-V", "version")) {
+        printf("gscl %s\n", gscl_version());
+        return EXIT_SUCCESS;
+    }
+    const command *chosen = find_command(argv[0]);
+    return chosen ? chosen->run(argc, argv) : report_unknown(argv[0]);
+}
+
+int main(int argc, char **argv) {
+    interrupt_install();
+    return finish_stdout(run(argc - 1, argv + 1));
+}

@@ -1,0 +1,14 @@
+/* Words for the library's enums, as they are written on the command line and in JSON. */
+#ifndef GSCL_TOOL_NAMES_H
+#define GSCL_TOOL_NAMES_H
+
+/* Each is indexed by its enum and ends with NULL. */
+extern const char *const profile_words[]; /* gscl_profile */
+extern const char *const blend_words[];   /* gscl_blend */
+extern const char *const loss_words[];    /* gscl_loss */
+extern const char *const mapping_words[]; /* gscl_mapping */
+
+/* "grey", "grey+alpha", "RGB", "RGBA"; "no" for any other number. */
+const char *channels_name(unsigned channels);
+
+#endif

@@ -1,0 +1,40 @@
+#define _DEFAULT_SOURCE /* isatty */
+#include "progress.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "interrupt.h"
+
+#define REDRAW_SECONDS 0.1
+#define LABEL_WIDTH 28
+
+void progress_start(progress_line *line, const char *label, bool quiet) {
+    const char *slash = strrchr(label, '/');
+    *line = (progress_line){.label = slash ? slash + 1 : label, .visible = !quiet && isatty(STDERR_FILENO)};
+}
+
+static void draw(const progress_line *line, const gscl_progress *progress) {
+    fprintf(stderr, "\r\033[K%.*s  %3.0f %%", LABEL_WIDTH, line->label, 100.0 * progress->fraction);
+    if (progress->psnr > 0.0)
+        fprintf(stderr, "  %.2f dB", progress->psnr);
+    fprintf(stderr, "  %u splats  %.1f s left", progress->splats, progress->left_s);
+    fflush(stderr);
+}
+
+bool progress_update(void *opaque, const gscl_progress *progress) {
+    progress_line *line = opaque;
+    if (line->visible && (!line->drawn || progress->elapsed_s >= line->drawn_at + REDRAW_SECONDS)) {
+        draw(line, progress);
+        line->drawn = true;
+        line->drawn_at = progress->elapsed_s;
+    }
+    return interrupt_pending() == 0;
+}
+
+void progress_finish(progress_line *line) {
+    if (line->drawn)
+        fputs("\r\033[K", stderr);
+    line->drawn = false;
+}

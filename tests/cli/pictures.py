@@ -1,0 +1,254 @@
+"""Small pictures that the tests make themselves, and plain readers and writers of image files.
+
+Standard library only; every writer is the simplest that the format allows.
+"""
+import array
+import dataclasses
+import math
+import struct
+import sys
+import zlib
+
+
+@dataclasses.dataclass
+class Picture:
+    """Interleaved samples: whole numbers 0 .. 2^depth - 1."""
+    width: int
+    height: int
+    channels: int  # 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
+    depth: int  # 8 or 16
+    samples: list
+
+    @property
+    def peak(self):
+        return (1 << self.depth) - 1
+
+    @property
+    def has_alpha(self):
+        return self.channels % 2 == 0
+
+    def row(self, y):
+        size = self.width * self.channels
+        return self.samples[y * size:(y + 1) * size]
+
+    def kind(self):
+        return self.width, self.height, self.channels, self.depth
+
+    def crop(self, x, y, width, height):
+        begin, end = x * self.channels, (x + width) * self.channels
+        rows = [self.row(line)[begin:end] for line in range(y, y + height)]
+        return Picture(width, height, self.channels, self.depth, [sample for row in rows for sample in row])
+
+    def normal(self):
+        """Samples in 0..255, colours multiplied by alpha."""
+        values = [255.0 * sample / self.peak for sample in self.samples]
+        if self.has_alpha:
+            for at in range(0, len(values), self.channels):
+                alpha = values[at + self.channels - 1] / 255.0
+                for c in range(self.channels - 1):
+                    values[at + c] *= alpha
+        return values
+
+
+def psnr(a, b):
+    errors = [(x - y) ** 2 for x, y in zip(a.normal(), b.normal(), strict=True)]
+    mse = sum(errors) / len(errors)
+    return math.inf if mse == 0 else 10 * math.log10(255.0 ** 2 / mse)
+
+
+def max_difference(a, b):
+    """In samples of 0..255, as stored."""
+    assert a.kind() == b.kind(), (a.kind(), b.kind())
+    return max(abs(x - y) for x, y in zip(a.samples, b.samples)) * 255.0 / a.peak
+
+
+# ---- Scenes ---------------------------------------------------------------------------------------
+
+def scene(width, height, channels=3, depth=8):
+    """A gradient with a bright disc and a dark bar; alpha, if any, fades from the left to the right and is 0 in a
+    corner."""
+    peak = (1 << depth) - 1
+    samples = []
+    for y in range(height):
+        for x in range(width):
+            u, v = (x + 0.5) / width, (y + 0.5) / height
+            disc = 1.0 if (u - 0.6) ** 2 + (v - 0.4) ** 2 < 0.05 else 0.0
+            bar = 0.4 if 0.2 < u < 0.3 else 0.0
+            colours = [0.2 + 0.6 * u + 0.2 * disc - bar, 0.7 - 0.5 * v + 0.2 * disc, 0.3 + 0.4 * u * v - 0.5 * bar]
+            pixel = colours if channels >= 3 else [sum(colours) / 3]
+            if channels % 2 == 0:
+                pixel = pixel + [0.0 if u > 0.7 and v > 0.7 else 1.0 - 0.6 * u]
+            samples += [min(max(round(value * peak), 0), peak) for value in pixel]
+    return Picture(width, height, channels, depth, samples)
+
+
+def textured(width, height, channels=3):
+    """The scene with grain on it: detail for as many bytes as one likes."""
+    picture, grain = scene(width, height, channels), noise(width, height, channels)
+    picture.samples = [min(max(a + (b - 128) // 4, 0), 255) for a, b in zip(picture.samples, grain.samples)]
+    return picture
+
+
+def noise(width, height, channels=3, seed=1):
+    """Uniform 8-bit noise: what no codec can make small."""
+    state, samples = seed, []
+    for _ in range(width * height * channels):
+        state = (state * 1664525 + 1013904223) % 2 ** 32
+        samples.append(state >> 24)
+    return Picture(width, height, channels, 8, samples)
+
+
+def flat(width, height, colour, depth=8):
+    return Picture(width, height, len(colour), depth, list(colour) * (width * height))
+
+
+# ---- PNG ------------------------------------------------------------------------------------------
+
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+PNG_COLOUR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}
+
+
+def png_chunk(kind, content):
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+def png_header(width, height, depth, colour_type, interlace=0):
+    return png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, colour_type, 0, 0, interlace))
+
+
+def big_endian(samples, depth):
+    return bytes(samples) if depth == 8 else struct.pack(f">{len(samples)}H", *samples)
+
+
+def png_bytes(picture):
+    rows = b"".join(b"\0" + big_endian(picture.row(y), picture.depth) for y in range(picture.height))
+    header = png_header(picture.width, picture.height, picture.depth, PNG_COLOUR_TYPES[picture.channels])
+    return PNG_SIGNATURE + header + png_chunk(b"IDAT", zlib.compress(rows)) + png_chunk(b"IEND", b"")
+
+
+def png_palette_bytes(width, height, palette, indices):
+    """A picture of palette indices; palette entries are (r, g, b) or (r, g, b, a)."""
+    rows = b"".join(b"\0" + bytes(indices[y * width:(y + 1) * width]) for y in range(height))
+    chunks = png_header(width, height, 8, 3) + png_chunk(b"PLTE", bytes(c for entry in palette for c in entry[:3]))
+    if len(palette[0]) == 4:
+        chunks += png_chunk(b"tRNS", bytes(entry[3] for entry in palette))
+    return PNG_SIGNATURE + chunks + png_chunk(b"IDAT", zlib.compress(rows)) + png_chunk(b"IEND", b"")
+
+
+def png_parts(data):
+    assert data[:8] == PNG_SIGNATURE, "not a PNG"
+    at, parts = 8, {}
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        content = data[at + 8:at + 8 + length]
+        assert zlib.crc32(kind + content) == struct.unpack_from(">I", data, at + 8 + length)[0], "wrong checksum"
+        parts[kind] = parts.get(kind, b"") + content
+        at += length + 12
+    return parts
+
+
+def paeth(left, up, corner):
+    estimate = left + up - corner
+    distances = [(abs(estimate - value), order, value) for order, value in enumerate((left, up, corner))]
+    return min(distances)[2]
+
+
+def unfilter(kind, line, above, step):
+    for i in range(len(line)):
+        left = line[i - step] if i >= step else 0
+        corner = above[i - step] if i >= step else 0
+        guess = (0, left, above[i], (left + above[i]) // 2, paeth(left, above[i], corner))[kind]
+        line[i] = (line[i] + guess) & 255
+    return line
+
+
+def read_png(data):
+    """A PNG without palette and interlacing."""
+    parts = png_parts(data)
+    width, height, depth, colour_type, _, _, interlace = struct.unpack(">IIBBBBB", parts[b"IHDR"])
+    channels = {kind: count for count, kind in PNG_COLOUR_TYPES.items()}[colour_type]
+    assert depth in (8, 16) and interlace == 0 and b"IEND" in parts
+    raw = zlib.decompress(parts[b"IDAT"])
+    step, size = channels * depth // 8, width * channels * depth // 8
+    above, rows = bytearray(size), []
+    for y in range(height):
+        begin = y * (size + 1)
+        above = unfilter(raw[begin], bytearray(raw[begin + 1:begin + 1 + size]), above, step)
+        rows.append(above)
+    samples = array.array("B" if depth == 8 else "H", b"".join(rows))
+    if depth == 16 and sys.byteorder == "little":
+        samples.byteswap()
+    return Picture(width, height, channels, depth, samples.tolist())
+
+
+# ---- PNM, TIFF, OpenEXR ---------------------------------------------------------------------------
+
+def pnm_bytes(picture):
+    kind = {1: "P5", 3: "P6"}[picture.channels]
+    header = f"{kind}\n{picture.width} {picture.height}\n{picture.peak}\n"
+    return header.encode() + big_endian(picture.samples, picture.depth)
+
+
+def read_pnm(data):
+    kind, size, peak, samples = data.split(b"\n", 3)
+    width, height = map(int, size.split())
+    depth = 8 if int(peak) == 255 else 16
+    values = samples if depth == 8 else struct.unpack(f">{len(samples) // 2}H", samples)
+    return Picture(width, height, {b"P5": 1, b"P6": 3}[kind], depth, list(values))
+
+
+TIFF_SHORT, TIFF_LONG = 3, 4
+
+
+def tiff_bytes(picture, extra_samples=(), photometric=None, orientation=1):
+    """Uncompressed, big-endian, one strip.  `extra_samples`: 1 premultiplied alpha, 2 straight alpha, 0 anything."""
+    pixels = big_endian(picture.samples, picture.depth)
+    count = picture.channels
+    if photometric is None:
+        photometric = 2 if count >= 3 else 1
+    tail = struct.pack(f">{count}H", *[picture.depth] * count)
+    tail_at = 8 + len(pixels)
+    bits = (258, TIFF_SHORT, count, tail_at) if count > 2 else (258, TIFF_SHORT, count, tail)
+    entries = [(256, TIFF_LONG, 1, picture.width), (257, TIFF_LONG, 1, picture.height), bits,
+               (259, TIFF_SHORT, 1, 1), (262, TIFF_SHORT, 1, photometric), (273, TIFF_LONG, 1, 8),
+               (274, TIFF_SHORT, 1, orientation), (277, TIFF_SHORT, 1, count), (278, TIFF_LONG, 1, picture.height),
+               (279, TIFF_LONG, 1, len(pixels))]
+    if extra_samples:
+        entries.append((338, TIFF_SHORT, len(extra_samples), struct.pack(f">{len(extra_samples)}H", *extra_samples)))
+    directory = struct.pack(">H", len(entries)) + b"".join(map(tiff_entry, entries)) + struct.pack(">I", 0)
+    return struct.pack(">2sHI", b"MM", 42, tail_at + len(tail)) + pixels + tail + directory
+
+
+def tiff_entry(entry):
+    tag, kind, count, value = entry
+    if not isinstance(value, bytes):
+        value = struct.pack(">H" if kind == TIFF_SHORT and count == 1 else ">I", value)
+    return struct.pack(">HHI", tag, kind, count) + value.ljust(4, b"\0")
+
+
+def exr_bytes(width, height, planes, data_window=None):
+    """Uncompressed floats; `planes` maps a channel's name to its samples, row by row."""
+    window = struct.pack("<4i", *(data_window or (0, 0, width - 1, height - 1)))
+    names = sorted(planes)
+    channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
+    attributes = [("channels", "chlist", channels), ("compression", "compression", b"\0"),
+                  ("dataWindow", "box2i", window), ("displayWindow", "box2i", window), ("lineOrder", "lineOrder", b"\0"),
+                  ("pixelAspectRatio", "float", struct.pack("<f", 1)), ("screenWindowCenter", "v2f", bytes(8)),
+                  ("screenWindowWidth", "float", struct.pack("<f", 1))]
+    header = struct.pack("<II", 20000630, 2)
+    for name, kind, value in attributes:
+        header += name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<I", len(value)) + value
+    header += b"\0"
+    line_size = 8 + 4 * width * len(names)
+    offsets = struct.pack(f"<{height}Q", *(len(header) + 8 * height + y * line_size for y in range(height)))
+    lines = b"".join(exr_line(width, y, [planes[name] for name in names]) for y in range(height))
+    return header + offsets + lines
+
+
+def exr_line(width, y, planes):
+    values = [value for plane in planes for value in plane[y * width:(y + 1) * width]]
+    return struct.pack("<iI", y, 4 * len(values)) + struct.pack(f"<{len(values)}f", *values)
+
+
+def srgb_to_linear(value):
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4

@@ -1,0 +1,268 @@
+"""gscl encode: targets, determinism, names of outputs, batches, pipes, reports."""
+import json
+import os
+import pty
+import re
+import select
+import subprocess
+import time
+import unittest
+
+from pictures import noise, png_bytes, psnr, scene, textured
+from tool import FAST, GSCL, TIMEOUT, ToolTest, main
+
+
+class Targets(ToolTest):
+    def test_bytes_are_used_but_never_exceeded(self):
+        picture = png_bytes(textured(96, 64))
+        for budget in (200, 701, 1500):
+            for profile in ("default", "paper"):
+                with self.subTest(budget=budget, profile=profile):
+                    size = len(self.encode(picture, "--bytes", budget, "--profile", profile))
+                    self.assertLessEqual(size, budget)
+                    self.assertGreaterEqual(size, 0.97 * budget)
+
+    def test_noise_never_exceeds_its_bytes(self):
+        self.assertLessEqual(len(self.encode(noise(96, 64), "--bytes", "700")), 700)
+
+    def test_bpp_is_bytes_by_another_name(self):
+        data = self.encode(textured(80, 60), "--bpp", "1.0")
+        self.assertLessEqual(len(data), 600)
+        self.assertGreaterEqual(len(data), 582)
+
+    def test_psnr_is_met_within_a_third_of_a_decibel(self):
+        picture = textured(128, 96)  # a splat more or less must not make more than the tolerance
+        for target in (21.5, 22.5):
+            with self.subTest(target=target):
+                self.encode(picture, "--psnr", target)
+                reached = psnr(picture, self.decode())
+                self.assertGreaterEqual(reached, target - 0.005)
+                self.assertLessEqual(reached, target + 0.3)
+
+    def test_splats(self):
+        self.encode(textured(64, 64), "--splats", "40")
+        self.assertIn(self.gscl_json("info", "in.gscl")["splats"], range(36, 41))
+
+    def test_more_bytes_than_the_picture_can_use(self):
+        self.assertLess(len(self.encode(scene(16, 16), "--bytes", "20000")), 20000)
+
+    def test_default_target_suits_an_icon(self):
+        picture = scene(32, 32)
+        self.assertLessEqual(len(self.encode(picture)), 256)
+        self.assertGreater(psnr(picture, self.decode()), 22)
+
+    def test_effort_pays(self):
+        picture = scene(96, 64)
+        reached = []
+        for effort in ("0", "5"):
+            self.encode(picture, "--bytes", "500", "--effort", effort)
+            reached.append(psnr(picture, self.decode()))
+        self.assertGreater(reached[1], reached[0])
+
+
+class Settings(ToolTest):
+    def test_same_settings_same_bytes(self):
+        picture = png_bytes(scene(64, 48))
+        for profile in ("default", "paper"):
+            with self.subTest(profile=profile):
+                arguments = ("--bytes", "400", "--profile", profile, "--seed", "7")
+                self.assertEqual(self.encode(picture, *arguments), self.encode(picture, *arguments))
+
+    def test_seed_matters(self):
+        picture = png_bytes(scene(64, 48))
+        self.assertNotEqual(self.encode(picture, "--seed", "1"), self.encode(picture, "--seed", "18446744073709551615"))
+
+    def test_blends_and_profiles_are_what_info_says(self):
+        picture = scene(48, 48)
+        for profile, blend in (("default", "normalized"), ("default", "alpha"), ("default", "sum"), ("paper", "alpha")):
+            with self.subTest(profile=profile, blend=blend):
+                self.encode(picture, "--bytes", "600", "--profile", profile, "--blend", blend)
+                info = self.gscl_json("info", "in.gscl")
+                self.assertEqual((info["profile"], info["blend"]), (profile, blend))
+                self.assertGreater(psnr(picture, self.decode()), 18)
+
+    def test_codebook_size_is_kept(self):
+        self.encode(scene(64, 64), "--bytes", "900", "--profile", "paper", "--codebook", "16")
+        info = self.gscl_json("info", "in.gscl")
+        self.assertLessEqual(max(info["shape_words"], info["colour_words"]), 16)
+        self.assertGreater(info["colour_words"], 1)
+
+    def test_losses(self):
+        picture = scene(48, 48)
+        for loss in ("l1", "l1+ssim", "l2"):
+            with self.subTest(loss=loss):
+                self.encode(picture, "--bytes", "500", "--loss", loss)
+                self.assertGreater(psnr(picture, self.decode()), 20)
+
+
+class Names(ToolTest):
+    def test_default_output_replaces_the_suffix(self):
+        os.mkdir(self.path("some.dir"))
+        for name, wanted in (("a.png", "a.gscl"), ("some.dir/b", "some.dir/b.gscl"), ("c.tar.png", "c.tar.gscl"),
+                             (".hidden", ".hidden.gscl")):
+            with self.subTest(name=name):
+                self.write_png(name, scene(16, 16))
+                self.gscl("encode", name, "-q", *FAST)
+                self.assertTrue(self.path(wanted).is_file())
+
+    def test_existing_output_is_replaced_with_its_permissions(self):
+        self.write("out.gscl", b"old")
+        self.path("out.gscl").chmod(0o640)
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", "-o", "out.gscl", *FAST)
+        self.assertEqual(self.path("out.gscl").read_bytes()[:3], b"gsc")
+        self.assertEqual(self.path("out.gscl").stat().st_mode & 0o777, 0o640)
+
+    def test_new_output_has_ordinary_permissions(self):
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", *FAST, umask=0o027)
+        self.assertEqual(self.path("in.gscl").stat().st_mode & 0o777, 0o640)
+
+    def test_link_stays_a_link(self):
+        os.mkdir(self.path("elsewhere"))
+        self.write("elsewhere/out.gscl", b"old")
+        self.path("out.gscl").symlink_to("elsewhere/out.gscl")
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", "-o", "out.gscl", *FAST)
+        self.assertTrue(self.path("out.gscl").is_symlink())
+        self.assertEqual(self.path("elsewhere/out.gscl").read_bytes()[:3], b"gsc")
+
+    def test_nothing_else_is_left(self):
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", *FAST)
+        self.assertEqual(self.files(), ["in.gscl", "in.png"])
+
+
+class Batch(ToolTest):
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("out"))
+        for name in ("a", "b", "c"):
+            self.write_png(f"{name}.png", scene(24, 16, 3 if name == "a" else 1))
+
+    def test_all_into_one_folder(self):
+        self.gscl("encode", "a.png", "b.png", "c.png", "--out-dir", "out", *FAST)
+        self.assertEqual([name for name in self.files() if name.startswith("out/")],
+                         ["out/a.gscl", "out/b.gscl", "out/c.gscl"])
+
+    def test_one_of_a_batch_is_as_if_alone(self):
+        self.gscl("encode", "a.png", "b.png", "c.png", "--out-dir", "out", *FAST)
+        self.gscl("encode", "c.png", *FAST)
+        self.assertEqual(self.path("out/c.gscl").read_bytes(), self.path("c.gscl").read_bytes())
+
+    def test_goes_on_after_a_bad_input(self):
+        self.write("b.png", b"no picture")
+        done = self.start("encode", "a.png", "b.png", "missing.png", "c.png", "--out-dir", "out", "-q", *FAST)
+        self.assertEqual(done.returncode, 1)
+        errors = done.stderr.decode().splitlines()
+        self.assertEqual(len(errors), 2)
+        self.assertRegex(errors[0], "^gscl: b.png: is not an image")
+        self.assertRegex(errors[1], "^gscl: missing.png: cannot be opened: No such file")
+        self.assertEqual([name for name in self.files() if name.startswith("out/")], ["out/a.gscl", "out/c.gscl"])
+
+    def test_two_outputs_of_one_name(self):
+        os.mkdir(self.path("more"))
+        self.write_png("more/a.jpg", scene(8, 8))
+        self.refused("encode", "a.png and more/a.jpg would both be written to out/a.gscl", "encode", "a.png",
+                     "more/a.jpg", "--out-dir", "out", code=2)
+
+    def test_json_is_an_array(self):
+        reports = self.gscl_json("encode", "a.png", "b.png", "--out-dir", "out", *FAST)
+        self.assertEqual([report["input"] for report in reports], ["a.png", "b.png"])
+        self.assertEqual([report["channels"] for report in reports], [3, 1])
+
+
+class Reports(ToolTest):
+    def test_json(self):
+        picture = scene(40, 30)
+        self.write_png("in.png", picture)
+        report = self.gscl_json("encode", "in.png", "--bytes", "300", *FAST)
+        size = self.path("in.gscl").stat().st_size
+        self.assertEqual(report["output"], "in.gscl")
+        self.assertEqual((report["width"], report["height"], report["channels"]), (40, 30, 3))
+        self.assertEqual(report["bytes"], size)
+        self.assertAlmostEqual(report["bpp"], 8 * size / 1200)
+        self.assertEqual(report["splats"], self.gscl_json("info", "in.gscl")["splats"])
+        self.assertAlmostEqual(report["psnr"], psnr(picture, self.decode()), delta=0.01)
+        self.assertGreater(report["seconds"], 0)
+
+    def test_names_that_json_must_escape(self):
+        name = "é quote\" back\\slash\nline.png"
+        self.write_png(name, scene(8, 8))
+        self.assertEqual(self.gscl_json("encode", name, *FAST)["input"], name)
+        broken = os.fsdecode(b"bad\xff\xc3.png")
+        self.write_png(broken, scene(8, 8))
+        self.assertEqual(self.gscl_json("encode", broken, *FAST)["input"], "bad\ufffd\ufffd.png")
+
+    def test_talk_is_on_standard_error_only(self):
+        self.write_png("in.png", scene(16, 16))
+        done = self.start("encode", "in.png", *FAST)
+        self.assertEqual(done.stdout, b"")
+        self.assertRegex(done.stderr.decode(), r"\Ain.gscl: \d+ bytes, [\d.]+ bpp, \d+ splats, [\d.]+ dB, [\d.]+ s\n\Z")
+        done = self.start("encode", "in.png", "-q", *FAST)
+        self.assertEqual((done.stdout, done.stderr), (b"", b""))
+
+    def test_verbose_says_more(self):
+        self.write_png("in.png", scene(16, 16))
+        self.assertGreater(len(self.start("encode", "in.png", "-v", *FAST).stderr.splitlines()), 1)
+
+    def run_on_terminal(self, *arguments, code=0):
+        """What gscl writes on a terminal."""
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen([GSCL, *arguments], cwd=self.folder, stdout=theirs, stderr=theirs)
+        os.close(theirs)
+        text, deadline = b"", time.monotonic() + TIMEOUT
+        while time.monotonic() < deadline and select.select([ours], [], [], TIMEOUT)[0]:
+            try:
+                text += os.read(ours, 4096)
+            except OSError:  # the other end is closed
+                break
+        os.close(ours)
+        self.assertEqual(process.wait(timeout=TIMEOUT), code)
+        return text.decode()
+
+    def test_no_bytes_for_a_terminal(self):
+        self.write_png("in.png", scene(16, 16))
+        text = self.run_on_terminal("encode", "in.png", "-o", "-", code=1)
+        self.assertEqual(text, "gscl: standard output: is a terminal; send it to a file or a pipe\r\n")
+
+    def test_progress_line_on_a_terminal(self):
+        self.write_png("in.png", scene(160, 120))
+        text = self.run_on_terminal("encode", "in.png", "--effort", "3")
+        self.assertRegex(text, r"\rin|\r\x1b\[Kin.png +\d+ %  .*\d+ splats  [\d.]+ s left")
+        self.assertRegex(text, r"[\d.]+ dB")
+        last = re.split(r"\r\x1b\[K", text)[-1]
+        self.assertTrue(last.startswith("in.gscl: "), last)
+        self.assertEqual(self.run_on_terminal("encode", "in.png", "-q", *FAST), "")
+
+
+class Pipes(ToolTest):
+    def test_through_pipes(self):
+        picture = scene(40, 30)
+        data = self.gscl("encode", "-", "-o", "-", *FAST, input=png_bytes(picture))
+        self.assertEqual(data, self.encode(picture))
+        decoded = self.gscl("decode", "-", "-o", "-", input=data)
+        self.decode()
+        self.assertEqual(decoded, self.path("in.png").read_bytes())
+        self.assertEqual(json.loads(self.gscl("info", "-", "--json", input=data))["file"], "standard input")
+
+    def test_other_formats_through_pipes(self):
+        self.encode(scene(40, 30))
+        self.decode()
+        for suffix in ("jpg", "tif", "exr"):
+            with self.subTest(suffix=suffix):
+                self.gscl("decode", "in.gscl", "-o", f"out.{suffix}")
+                stored = self.path(f"out.{suffix}").read_bytes()
+                difference = json.loads(self.gscl("compare", "-", f"out.{suffix}", "--json", input=stored))["mse"]
+                self.assertEqual(difference, 0)
+
+    def test_named_pipe(self):
+        os.mkfifo(self.path("pipe"))
+        self.write_png("in.png", scene(16, 16))
+        with subprocess.Popen(["cp", "in.png", "pipe"], cwd=self.folder):
+            self.gscl("encode", "pipe", "-o", "out.gscl", *FAST)
+        self.assertTrue(self.path("out.gscl").is_file())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""Ctrl-C and other signals: no partial file stays."""
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+from pictures import scene
+from tool import GSCL, TIMEOUT, ToolTest, main
+
+
+def obey_signals():
+    """Whoever runs the tests may ignore some: nohup does."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
+class Interrupt(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.write_png("in.png", scene(320, 240))
+        # Builds the kernels: a compiler inside the process has signal handlers of its own while it works.
+        self.write_png("warm.png", scene(64, 48))
+        self.gscl("encode", "warm.png", "-o", "warm.gscl", "--effort", "9", "--bpp", "1")
+        self.path("warm.png").unlink()
+        self.path("warm.gscl").unlink()
+
+    def start_encoding(self, *arguments):
+        """An encode that takes long, once it has opened its output."""
+        process = subprocess.Popen([GSCL, "encode", "in.png", "--effort", "9", "--bpp", "1", *arguments],
+                                   cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   preexec_fn=obey_signals)
+        self.addCleanup(process.kill)
+        deadline = time.monotonic() + TIMEOUT
+        while not any(name.startswith(".gscl-") for name in os.listdir(self.folder)):
+            self.assertLess(time.monotonic(), deadline)
+            self.assertIsNone(process.poll(), "ended before it could be interrupted")
+            time.sleep(0.01)
+        time.sleep(0.2)
+        return process
+
+    def ends(self, process, code):
+        output, error = (text.decode() for text in process.communicate(timeout=TIMEOUT))
+        self.assertEqual((process.returncode, output), (code, ""), error)
+        return error
+
+    def test_signals_leave_nothing(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(number=number):
+                process = self.start_encoding()
+                process.send_signal(number)
+                error = self.ends(process, 128 + number)
+                # A kernel compiler that was at work may have said something before.
+                self.assertEqual(error.splitlines()[-1], "gscl: in.png: interrupted; its output was not written")
+                self.assertEqual(self.files(), ["in.png"])
+
+    def test_old_output_survives(self):
+        self.write("out.gscl", b"old")
+        process = self.start_encoding("-o", "out.gscl")
+        process.send_signal(signal.SIGINT)
+        self.ends(process, 130)
+        self.assertEqual(self.path("out.gscl").read_bytes(), b"old")
+        self.assertEqual(self.files(), ["in.png", "out.gscl"])
+
+    def test_batch_stops(self):
+        self.write_png("other.png", scene(16, 16))
+        process = self.start_encoding("other.png")
+        process.send_signal(signal.SIGINT)
+        self.ends(process, 130)
+        self.assertEqual(self.files(), ["in.png", "other.png"])
+
+    def test_second_signal_does_not_wait(self):
+        process = self.start_encoding()
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGINT)
+        self.ends(process, 130)
+        self.assertEqual(self.files(), ["in.png"])
+
+    def test_ignored_signal_stays_ignored(self):
+        """As nohup and shells' background jobs want it."""
+        self.write_png("in.png", scene(64, 48))
+        process = subprocess.Popen([GSCL, "encode", "in.png", "-q", "--effort", "9"], cwd=self.folder,
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        time.sleep(0.3)
+        process.send_signal(signal.SIGHUP)
+        self.assertEqual(process.wait(timeout=TIMEOUT), 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+"""Running gscl from tests, and reporting them as TAP.
+
+The program is named by the environment variable GSCL; POCL_CACHE_DIR should be a folder of this process's own.
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from pictures import png_bytes, read_png
+
+GSCL = os.path.abspath(os.environ.get("GSCL", "build/gscl"))
+TIMEOUT = 240  # seconds for one command; compiling kernels on a busy machine takes many
+FAST = ("--effort", "0")
+
+
+class ToolTest(unittest.TestCase):
+    """Each test has an empty folder, self.folder, in which gscl runs."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="gscl-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def path(self, name):
+        return self.folder / name
+
+    def write(self, name, data):
+        self.path(name).write_bytes(data)
+        return name
+
+    def write_png(self, name, picture):
+        return self.write(name, png_bytes(picture))
+
+    def files(self):
+        """Everything in the folder, hidden files too."""
+        return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
+
+    def start(self, *arguments, env=None, prefix=(), **options):
+        """Runs gscl, behind the words of `prefix`, without looking at its exit code."""
+        environment = {**os.environ, **(env or {})}
+        return subprocess.run([*prefix, GSCL, *map(str, arguments)], cwd=self.folder, env=environment, timeout=TIMEOUT,
+                              capture_output="stdout" not in options, **options)
+
+    def gscl(self, *arguments, **options):
+        """Runs gscl, which must succeed; returns its standard output."""
+        done = self.start(*arguments, **options)
+        self.assertEqual(done.returncode, 0, (done.stderr or b"").decode(errors="replace"))
+        return done.stdout
+
+    def gscl_json(self, *arguments, **options):
+        return json.loads(self.gscl(*arguments, "--json", **options))
+
+    def encode(self, picture, *arguments, name="in"):
+        """Encodes a picture, given as an object or as bytes of a file, and returns the gscl file's bytes."""
+        data = picture if isinstance(picture, bytes) else png_bytes(picture)
+        self.write(f"{name}.image", data)
+        self.gscl("encode", f"{name}.image", "-o", f"{name}.gscl", "-q", *FAST, *arguments)
+        return self.path(f"{name}.gscl").read_bytes()
+
+    def decode(self, *arguments, name="in"):
+        self.gscl("decode", f"{name}.gscl", "-o", f"{name}.png", *arguments)
+        return read_png(self.path(f"{name}.png").read_bytes())
+
+    def refused(self, subject, says, *arguments, code=1, **options):
+        """Runs gscl, which must fail as every failure should: its exit code, one line on standard error about
+        `subject` that matches `says`, nothing on standard output, and no file more or less than before."""
+        before = self.files()
+        done = self.start(*arguments, **options)
+        error = done.stderr.decode(errors="replace")
+        self.assertEqual(done.returncode, code, error)
+        self.assertRegex(error, r"\A[^\n]*\n\Z", "not one line")
+        self.assertTrue(error.startswith(f"gscl: {subject}: "), error)
+        self.assertRegex(error, says)
+        self.assertFalse(done.stdout)
+        self.assertEqual(self.files(), before)
+        return error
+
+
+class TapResult(unittest.TestResult):
+    """Prints each test's outcome in the Test Anything Protocol; each part of a test that fails has a line of its own."""
+
+    lines = 0
+
+    def line(self, passed, test, detail="", comment=""):
+        name = re.sub(r"[#\n]", " ", str(test))
+        self.lines += 1
+        print(f"{'ok' if passed else 'not ok'} {self.lines} - {name}{comment}")
+        for text in detail.splitlines():
+            print(f"# {text}")
+        sys.stdout.flush()
+
+    def addSuccess(self, test):
+        self.line(True, test)
+
+    def addFailure(self, test, err):
+        super().addFailure(test, err)
+        self.line(False, test, self.failures[-1][1])
+
+    def addError(self, test, err):
+        super().addError(test, err)
+        self.line(False, test, self.errors[-1][1])
+
+    def addSkip(self, test, reason):
+        super().addSkip(test, reason)
+        self.line(True, test, comment=f" # SKIP {reason}")
+
+    def addSubTest(self, test, subtest, err):
+        super().addSubTest(test, subtest, err)
+        if err is not None:
+            self.line(False, subtest, (self.failures + self.errors)[-1][1])
+
+
+def main():
+    """Runs the tests of the calling program; names given on the command line select some."""
+    loader = unittest.TestLoader()
+    module = sys.modules["__main__"]
+    suite = loader.loadTestsFromNames(sys.argv[1:], module) if sys.argv[1:] else loader.loadTestsFromModule(module)
+    result = TapResult()
+    suite.run(result)
+    print(f"1..{result.lines}")
+    sys.exit(0 if result.wasSuccessful() else 1)

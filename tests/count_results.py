@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Prints "PASSED FAILED" of a run of meson test: count_results.py BUILD/meson-logs/testlog.json
+
+Every line of TAP counts.  A program without TAP counts as one test; so does one that failed after its last
+line, by a crash or for want of time.  Skipped tests count as neither.
+"""
+import json
+import re
+import sys
+
+RESULT = re.compile(r"^(not )?ok\b(.*)", re.MULTILINE)
+
+
+def count_program(entry):
+    results = RESULT.findall(entry.get("stdout", ""))
+    failed = sum(bool(negation) for negation, _ in results)
+    passed = sum(not negation and "# SKIP" not in text for negation, text in results)
+    if entry["result"] == "OK" and not results:
+        passed = 1
+    if entry["result"] not in ("OK", "SKIP") and failed == 0:
+        failed = 1
+    return passed, failed
+
+
+def count(path):
+    try:
+        with open(path, encoding="utf-8") as log:
+            counts = [count_program(json.loads(line)) for line in log]
+    except FileNotFoundError:
+        return 0, 1  # meson could not even start the tests
+    return tuple(map(sum, zip(*counts))) or (0, 1)
+
+
+if __name__ == "__main__":
+    print(*count(sys.argv[1]))

@@ -1,0 +1,31 @@
+#!/bin/sh
+# Installs a build folder into a temporary prefix and uses it as a stranger would: test_install.sh BUILD
+# Builds and runs the example against the shared and against the static library; runs the tool when there is one.
+set -eu
+build=$1
+source=$(cd "$(dirname "$0")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT INT TERM
+
+DESTDIR=$work meson install -C "$build" --quiet
+library=$(find "$work" -name libgscl.so)
+prefix=${library%/lib/*}
+libdir=$(dirname "$library")
+
+# The files think that they lie in / and not in $work.
+export PKG_CONFIG_PATH="$libdir/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$work"
+flags="-std=c99 -Wall -Wextra -Werror -pedantic $source/tests/example/encode_decode.c"
+
+echo "shared:"
+cc $flags $(pkg-config --cflags --libs gscl) -o "$work/shared"
+LD_LIBRARY_PATH=$libdir "$work/shared"
+echo "static:"
+rm "$libdir"/libgscl.so* # so that -lgscl means libgscl.a
+cc $flags $(pkg-config --cflags --libs --static gscl) -o "$work/static"
+"$work/static"
+
+if [ -x "$prefix/bin/gscl" ]; then
+    echo "tool:"
+    DESTDIR=$work meson install -C "$build" --quiet # the shared library again
+    "$prefix/bin/gscl" devices
+fi

@@ -1,0 +1,35 @@
+#!/bin/sh
+# Runs every kernel in oclgrind, which reports wrong API calls, accesses outside buffers and data races:
+# test_oclgrind.sh GSCL
+# A tiny picture of two tiles is encoded and decoded in each blend mode and mapping.  Speaks TAP, one test for each pair.
+set -u
+gscl=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+picture=$work/tiny.ppm
+awk 'BEGIN {
+    print "P3 20 12 255"
+    for (y = 0; y < 12; y++)
+        for (x = 0; x < 20; x++)
+            print 12 * x, 20 * y, (x - 12) ^ 2 + (y - 6) ^ 2 < 12 ? 220 : 40
+}' >"$picture"
+
+# oclgrind exits with 0 whatever it finds: it is silence that counts.
+silent() {
+    oclgrind --check-api --data-races "$gscl" "$@" >"$work/said" 2>&1 && ! grep -q . "$work/said"
+}
+
+echo 1..8
+number=0
+for mapping in cpu gpu; do
+    for mode in "--blend normalized" "--blend alpha" "--blend sum" "--profile paper"; do
+        number=$((number + 1))
+        if silent encode "$picture" -o "$work/coded.gscl" --splats 4 --effort 0 $mode --mapping $mapping --quiet &&
+            silent decode "$work/coded.gscl" -o "$work/decoded.png" --mapping $mapping; then
+            echo "ok $number - $mode, $mapping"
+        else
+            echo "not ok $number - $mode, $mapping"
+            head -n 20 "$work/said" | sed 's/^/# /'
+        fi
+    done
+done

@@ -1,0 +1,35 @@
+/* The loss of the fit in double precision, and its gradient by central differences. */
+#ifndef GSCL_FIT_ORACLE_H
+#define GSCL_FIT_ORACLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "oracle.h"
+
+/* The order of a splat's parameters (cl/constants.h): x, y, ln s1, ln s2, theta, logit of the opacity, colours. */
+#define ORACLE_PARAMS 10
+#define ORACLE_FIT_SPLATS 64 /* at most */
+
+typedef struct {
+    oracle_blend blend;
+    int colours, alpha_channel; /* coded channels: their sum */
+    bool opacity;
+    bool absolute;     /* loss L1, else L2 */
+    int level;         /* of the pyramid that is drawn */
+    int width, height; /* of that level */
+    double background[ORACLE_CHANNELS];
+    const double *target; /* channels planes of width * height */
+} oracle_fit;
+
+/* Draws `count` splats of ORACLE_PARAMS parameters into planes. */
+void oracle_fit_draw(const oracle_fit *fit, const double *params, size_t count, double *planes);
+
+/* What the fit's gradient is the gradient of: 4^level times half the sum of squared errors (L1: the sum of absolute
+ * errors) over all samples of the level. */
+double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count);
+
+/* The loss's derivative by each parameter; `params` is changed and restored. */
+void oracle_fit_gradient(const oracle_fit *fit, double *params, size_t count, double *gradient);
+
+#endif

@@ -1,0 +1,69 @@
+/* A second decoder of gscl files: written from format/FORMAT.md alone, in double precision, slow and plain, laid out as
+ * the specification is.  It shares no code with the library, so that each can be held against the other. */
+#ifndef GSCL_ORACLE_H
+#define GSCL_ORACLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define ORACLE_CHANNELS 4
+
+typedef enum {
+    ORACLE_OK,
+    ORACLE_NOT_GSCL,
+    ORACLE_NEWER_VERSION,
+    ORACLE_TRUNCATED,
+    ORACLE_CORRUPT,
+    ORACLE_DAMAGED,
+    ORACLE_OUT_OF_MEMORY
+} oracle_result;
+
+typedef enum { ORACLE_NORMALIZED, ORACLE_ALPHA, ORACLE_SUM } oracle_blend;
+
+typedef struct {
+    uint32_t width, height, splats;
+    oracle_blend blend;
+    bool codebook;   /* else scalar coding */
+    uint32_t layout; /* 0 grey, 1 grey and alpha, 2 RGB, 3 RGB and alpha */
+    bool deep, has_chroma, has_alpha, has_opacity, has_rotation, has_anisotropy;
+    uint32_t colours;  /* coded colour channels: 1, or 3 with has_chroma */
+    uint32_t channels; /* coded channels: the colours, then alpha when has_alpha is set */
+    size_t bytes;      /* of the header with its checksum */
+} oracle_header;
+
+/* In pixels and radians; colours are those of the coded channels. */
+typedef struct {
+    double x, y;
+    double s1, s2, theta;
+    double colour[ORACLE_CHANNELS];
+    double opacity;
+} oracle_splat;
+
+typedef struct {
+    oracle_header header;
+    double background[ORACLE_CHANNELS];
+    oracle_splat *splats; /* header.splats of them, in stored order */
+    uint32_t samples;     /* of a pixel of the output: 1 to 4, by the layout */
+    double *pixels;       /* the output, width * height * samples, within 0..1, not rounded */
+} oracle_picture;
+
+/* Reads and draws a file.  The picture must be freed, whatever the result is. */
+oracle_result oracle_decode(const uint8_t *bytes, size_t size, oracle_picture *picture);
+
+/* Reads a file, and draws nothing: `pixels` stays NULL. */
+oracle_result oracle_read(const uint8_t *bytes, size_t size, oracle_picture *picture);
+
+/* The coded channels of every pixel, before clamping: width * height * channels values.  `weights` is scratch of
+ * width * height values. */
+void oracle_draw(const oracle_picture *picture, double *values, double *weights);
+
+/* Clamps the coded channels and makes the layout's samples of them. */
+void oracle_output(const oracle_picture *picture, const double *values, double *pixels);
+
+/* A sample of the output, rounded: `peak` is 255 or 65535. */
+uint32_t oracle_round(double sample, uint32_t peak);
+
+void oracle_free(oracle_picture *picture);
+
+#endif

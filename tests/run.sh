@@ -1,0 +1,80 @@
+#!/bin/sh
+# Runs every test: sh tests/run.sh
+#
+# Installs what is missing (Debian), builds in folders build*/ and closes with one line, "N passed, N failed".
+# Exits with 0 only when nothing failed.
+set -u
+cd "$(dirname "$0")/.."
+. tests/setup.sh
+install_packages $build_packages $test_packages || { echo "0 passed, 1 failed"; exit 1; }
+
+passed=0
+failed=0
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+# check NAME COMMAND...: one test; its output is shown only when it fails.
+check() {
+    name=$1
+    shift
+    if "$@" >"$log" 2>&1; then
+        passed=$((passed + 1))
+        echo "ok      $name"
+    else
+        failed=$((failed + 1))
+        echo "FAILED  $name"
+        tail -n 40 "$log" | sed 's/^/        /'
+    fi
+}
+
+# build FOLDER [MESON OPTIONS]
+build() {
+    folder=$1
+    shift
+    # An old folder looks again for what may have been installed since.
+    again=
+    [ ! -f "$folder/build.ninja" ] || again=--reconfigure
+    meson setup $again "$folder" "$@" && ninja -C "$folder"
+}
+
+# suite FOLDER [MESON TEST ARGUMENTS]: adds each single test of meson's suites to the count.
+suite() {
+    folder=$1
+    shift
+    rm -f "$folder/meson-logs/testlog.json"
+    meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
+    counts=$(python3 tests/count_results.py "$folder/meson-logs/testlog.json")
+    passed=$((passed + ${counts% *}))
+    failed=$((failed + ${counts#* }))
+}
+
+# A newcomer's first command, in build/ and out/.
+check "quickstart" sh tests/quickstart.sh
+
+# Everything, as users build it.
+check "build" build build-test -Dtool=enabled -Dtests=enabled
+suite build-test
+check "install" sh tests/install/test_install.sh build-test
+check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
+check "public headers" sh tests/install/check_headers.sh host/include
+check "format of sources" sh tests/check_format.sh
+
+# Host code under ASan and UBSan.  What OpenCL drivers leak is not ours.
+check "build with sanitizers" build build-sanitize \
+    --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled
+export ASAN_OPTIONS=detect_stack_use_after_return=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
+suite build-sanitize --suite unit --suite fuzz
+unset ASAN_OPTIONS UBSAN_OPTIONS LSAN_OPTIONS
+
+# The library alone needs no C++ compiler.
+CXX=false check "library without C++" build build-library -Dtool=disabled -Dtests=disabled
+check "install of the library" sh tests/install/test_install.sh build-library
+
+for compiler in gcc:g++ clang:clang++; do
+    CC=${compiler%:*} CXX=${compiler#*:} check "no warnings from ${compiler%:*}" \
+        build "build-${compiler%:*}" --werror -Dtool=enabled -Dtests=enabled
+done
+
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]

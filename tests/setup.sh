@@ -1,0 +1,45 @@
+# For tests/quickstart.sh and tests/run.sh, which read this file with `.`: Debian packages.
+
+# What the library and the tool need, and PoCL, which is an OpenCL device on any CPU.
+build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
+    pocl-opencl-icd libpng-dev libopenimageio-dev"
+# What the tests need beyond that.
+test_packages="clang clang-format libcmocka-dev oclgrind"
+
+missing_packages() {
+    for package in "$@"; do
+        case $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) in
+        installed) ;;
+        *) printf '%s ' "$package" ;;
+        esac
+    done
+}
+
+# Installs the packages that are missing; asks for nothing and touches nothing when all are there.
+install_packages() {
+    if ! command -v dpkg-query >/dev/null; then
+        echo "setup: not a Debian system: install the likes of these yourself:" $* >&2
+        return 0
+    fi
+    missing=$(missing_packages "$@")
+    [ -n "$missing" ] || return 0
+    root=
+    if [ "$(id -u)" != 0 ]; then
+        root=sudo
+        if ! command -v sudo >/dev/null; then
+            echo "setup: neither root nor sudo: as root, run: apt-get install $missing" >&2
+            return 1
+        fi
+    fi
+    echo "setup: installing $missing"
+    log=$(mktemp)
+    if $root apt-get -q update >"$log" 2>&1 &&
+        $root env DEBIAN_FRONTEND=noninteractive apt-get -q -y --no-install-recommends install $missing >>"$log" 2>&1; then
+        rm -f "$log"
+        return 0
+    fi
+    tail -n 5 "$log" >&2
+    rm -f "$log"
+    echo "setup: apt-get could not install: $missing" >&2
+    return 1
+}

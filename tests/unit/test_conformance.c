@@ -1,0 +1,531 @@
+/* The library's decoder, in both mappings, against the oracle: at most 1 of 255 apart at any pixel. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+
+#include "oracle.h"
+#include "parts.h"
+#include "test_image.h"
+#include "test_scene.h"
+
+static gscl_context *contexts[2]; /* the CPU and the GPU mapping */
+
+static int open_contexts(void **state) {
+    (void)state;
+    const gscl_mapping mappings[2] = {GSCL_MAPPING_CPU, GSCL_MAPPING_GPU};
+    for (int i = 0; i < 2; i++) {
+        gscl_context_settings settings;
+        gscl_context_settings_default(&settings);
+        settings.mapping = mappings[i];
+        if (gscl_context_create(&contexts[i], &settings) != GSCL_OK)
+            return -1;
+    }
+    return 0;
+}
+
+static int close_contexts(void **state) {
+    (void)state;
+    gscl_context_free(&contexts[0]);
+    gscl_context_free(&contexts[1]);
+    return 0;
+}
+
+/* ---- Comparison ---- */
+
+static uint32_t integer_sample(const gscl_image *image, size_t index) {
+    return image->sample == GSCL_SAMPLE_U8 ? ((const uint8_t *)image->pixels)[index]
+                                           : ((const uint16_t *)image->pixels)[index];
+}
+
+/* Where two decodes are farthest apart. */
+typedef struct {
+    uint32_t apart;
+    size_t index;
+    uint32_t values[2];
+} gap;
+
+static void widen(gap *widest, size_t index, uint32_t a, uint32_t b) {
+    const uint32_t apart = a > b ? a - b : b - a;
+    if (apart > widest->apart)
+        *widest = (gap){apart, index, {a, b}};
+}
+
+static void check_gap(const char *name, const char *what, const gap *widest, uint32_t allowed) {
+    if (widest->apart > allowed)
+        fail_msg("%s: %s: sample %zu is %u and %u, at most %u apart expected", name, what, widest->index,
+                 widest->values[0], widest->values[1], allowed);
+}
+
+static void check_header(const oracle_picture *truth, const gscl_image *image) {
+    assert_int_equal(image->width, truth->header.width);
+    assert_int_equal(image->height, truth->header.height);
+    assert_int_equal(image->channels, truth->samples);
+    assert_int_equal(image->sample, truth->header.deep ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8);
+}
+
+/* Decodes the file three times and compares. */
+static void check_file(const char *name, const uint8_t *bytes, size_t size) {
+    oracle_picture truth;
+    gscl_image images[2] = {{0}, {0}};
+    const oracle_result read = oracle_decode(bytes, size, &truth);
+    if (read != ORACLE_OK)
+        fail_msg("%s: the oracle says %d", name, (int)read);
+    for (int i = 0; i < 2; i++) {
+        const gscl_result result = gscl_decode(contexts[i], bytes, size, NULL, &images[i]);
+        if (result != GSCL_OK)
+            fail_msg("%s: %s", name, gscl_context_message(contexts[i]));
+        check_header(&truth, &images[i]);
+    }
+    gap cpu = {0}, gpu = {0}, between = {0};
+    const uint32_t peak = truth.header.deep ? 65535 : 255, allowed = truth.header.deep ? 257 : 1;
+    for (size_t i = 0; i < test_sample_count(&images[0]); i++) {
+        const uint32_t expected = oracle_round(truth.pixels[i], peak);
+        const uint32_t a = integer_sample(&images[0], i), b = integer_sample(&images[1], i);
+        widen(&cpu, i, a, expected);
+        widen(&gpu, i, b, expected);
+        widen(&between, i, a, b);
+    }
+    check_gap(name, "CPU mapping and oracle", &cpu, allowed);
+    check_gap(name, "GPU mapping and oracle", &gpu, allowed);
+    check_gap(name, "CPU and GPU mapping", &between, allowed);
+    gscl_free(images[0].pixels);
+    gscl_free(images[1].pixels);
+    oracle_free(&truth);
+}
+
+/* ---- Encoded pictures ---- */
+
+typedef struct {
+    test_image_kind kind;
+    uint32_t width, height, channels;
+    gscl_sample sample;
+    gscl_profile profile;
+    gscl_blend blend;
+    uint32_t splats;
+} encoding;
+
+static const char *const kind_names[] = {"gradient", "noise", "shapes", "flat", "busy"};
+static const char *const blend_names[] = {"auto", "normalized", "alpha", "sum"};
+
+static void check_encoding(const encoding *e) {
+    char name[128];
+    snprintf(name, sizeof name, "%s %ux%u, %u channels, sample %d, profile %d, %s, %u splats", kind_names[e->kind],
+             e->width, e->height, e->channels, (int)e->sample, (int)e->profile, blend_names[e->blend], e->splats);
+    gscl_image image = test_image(e->kind, e->width, e->height, e->channels, e->sample);
+    assert_non_null(image.pixels);
+    gscl_encode_settings settings;
+    gscl_encode_settings_default(&settings);
+    settings.profile = e->profile;
+    settings.blend = e->blend;
+    settings.target = GSCL_TARGET_SPLATS;
+    settings.target_value = e->splats;
+    settings.effort = 0;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    const gscl_result result = gscl_encode(contexts[0], &image, &settings, &bytes, &size, NULL);
+    if (result != GSCL_OK)
+        fail_msg("%s: %s", name, gscl_context_message(contexts[0]));
+    check_file(name, bytes, size);
+    gscl_free(bytes);
+    test_image_free(&image);
+}
+
+static void test_encoded_kinds_and_blends(void **state) {
+    (void)state;
+    for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
+        for (test_image_kind kind = TEST_GRADIENT; kind <= TEST_FLAT; kind++) {
+            const encoding e = {kind, 67, 45, 3, GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT, blend, 60};
+            check_encoding(&e);
+        }
+    }
+}
+
+static void test_encoded_layouts(void **state) {
+    (void)state;
+    static const gscl_blend blend_of[5] = {0, GSCL_BLEND_NORMALIZED, GSCL_BLEND_SUM, GSCL_BLEND_ALPHA, 0};
+    for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
+        for (uint32_t channels = 1; channels <= 4; channels++) {
+            const gscl_sample sample = (channels + blend) % 2 ? GSCL_SAMPLE_U8 : GSCL_SAMPLE_U16;
+            const encoding e = {TEST_SHAPES, 40, 33, channels, sample, GSCL_PROFILE_DEFAULT, blend, 30};
+            if (channels == 4 || blend == blend_of[channels]) /* each build of the kernels takes its time */
+                check_encoding(&e);
+        }
+    }
+}
+
+static void test_encoded_sizes(void **state) {
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {1, 40}, {300, 1}, {2, 3}, {16, 16}, {17, 15}, {129, 31}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        const encoding e = {TEST_BUSY,      sizes[i][0],          sizes[i][1],     3,
+                            GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT, GSCL_BLEND_AUTO, 25};
+        check_encoding(&e);
+    }
+}
+
+static void test_encoded_splat_counts(void **state) {
+    (void)state;
+    static const uint32_t counts[] = {1, 2, 10, 100, 400};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        const encoding e = {TEST_BUSY, 96, 80, 3, GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT, GSCL_BLEND_AUTO, counts[i]};
+        check_encoding(&e);
+    }
+}
+
+static void test_encoded_paper_profile(void **state) {
+    (void)state;
+    for (uint32_t channels = 2; channels <= 3; channels++) {
+        const encoding e = {TEST_SHAPES, 64, 50, channels, GSCL_SAMPLE_U8, GSCL_PROFILE_PAPER, GSCL_BLEND_AUTO, 60};
+        check_encoding(&e);
+    }
+}
+
+/* ---- Pictures made by hand ---- */
+
+/* Writes the scene, checks the file, and frees the scene. */
+static void check_scene(const char *name, test_scene *s) {
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    const gsf_result result = test_scene_write(s, &bytes, &size);
+    if (result != GSF_OK)
+        fail_msg("%s: gsf_write says %d", name, (int)result);
+    check_file(name, bytes, size);
+    free(bytes);
+    test_scene_free(s);
+}
+
+static test_scene *photo(uint32_t width, uint32_t height, gsf_blend blend, uint32_t splats) {
+    const gsf_header header = {.blend = blend,
+                               .layout = GSF_RGB,
+                               .has_chroma = true,
+                               .has_opacity = blend == GSF_BLEND_ALPHA,
+                               .has_rotation = true,
+                               .has_anisotropy = true,
+                               .width = width,
+                               .height = height,
+                               .splat_count = splats};
+    test_scene *s = test_scene_new(&header);
+    assert_non_null(s);
+    test_random_state = 31 * width + splats;
+    test_any_background(&s->picture);
+    return s;
+}
+
+static const gsf_blend blends[] = {GSF_BLEND_NORMALIZED, GSF_BLEND_ALPHA, GSF_BLEND_SUM};
+
+static void test_needles(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        for (uint8_t scale = 0; scale < 16; scale += 5) {
+            test_scene *s = photo(90, 70, blends[b], 40);
+            s->picture.steps = (gsf_steps){.scale = scale, .luma = 10, .chroma = 8, .opacity = 15};
+            for (uint32_t i = 0; i < 40; i++)
+                test_any_splat(&s->picture, &s->picture.splats[i], test_pick(4), 40 + test_pick(24));
+            check_scene("needles", s);
+        }
+    }
+}
+
+static void test_needles_along_the_axes(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        test_scene *s = photo(65, 65, blends[b], 32);
+        s->picture.steps = (gsf_steps){.scale = 12, .luma = 10, .chroma = 8};
+        for (uint32_t i = 0; i < 32; i++) {
+            gsf_splat *splat = &s->picture.splats[i];
+            test_any_splat(&s->picture, splat, 0, 63);
+            splat->angle = (uint16_t)(i % 2 ? 256 : i % 4 ? 1 : 0);
+            test_place_splat(&s->picture, splat, 2.0 * i + 0.5, 64.0 - 2.0 * i);
+        }
+        check_scene("needles along the axes", s);
+    }
+}
+
+static void test_sub_pixel_axes(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        test_scene *s = photo(50, 40, blends[b], 300);
+        s->picture.steps = (gsf_steps){.scale = 1, .luma = 15, .chroma = 15};
+        for (uint32_t i = 0; i < 300; i++)
+            test_any_splat(&s->picture, &s->picture.splats[i], test_pick(3), test_pick(4));
+        check_scene("sub-pixel axes", s);
+    }
+}
+
+static void test_giants(void **state) {
+    char name[64];
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        for (uint8_t scale = 2; scale < 16; scale = (uint8_t)(scale + 13)) {
+            test_scene *s = photo(80, 60, blends[b], 60);
+            s->picture.steps = (gsf_steps){.scale = scale, .position = 15, .angle = 2, .luma = 13, .chroma = 9};
+            for (uint32_t i = 0; i < 60; i++)
+                test_any_splat(&s->picture, &s->picture.splats[i], 40 + test_pick(24), test_pick(64));
+            snprintf(name, sizeof name, "giants of scale step %u, blend %d", scale, (int)blends[b]);
+            check_scene(name, s);
+        }
+    }
+}
+
+static void test_corners_and_tile_borders(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        test_scene *s = photo(64, 49, blends[b], 5 * 5 * 3 * 2);
+        s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8};
+        gsf_splat *splat = s->picture.splats;
+        for (int i = 0; i < 5 * 5 * 3; i++) {
+            for (int nudge = 0; nudge < 2; nudge++, splat++) {
+                test_any_splat(&s->picture, splat, i % 3 * 2u, test_pick(6));
+                test_place_splat(&s->picture, splat, 16.0 * (i / 15) - nudge * 0.01, 16.0 * (i / 3 % 5) - nudge * 0.01);
+            }
+        }
+        check_scene("corners and tile borders", s);
+    }
+}
+
+static void test_stacks(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        for (int opaque = 0; opaque < 2; opaque++) {
+            test_scene *s = photo(48, 48, blends[b], 500);
+            s->picture.header.has_opacity = !opaque;
+            s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = 15};
+            for (uint32_t i = 0; i < 500; i++) {
+                gsf_splat *splat = &s->picture.splats[i];
+                test_any_splat(&s->picture, splat, 8 + test_pick(4), test_pick(8));
+                test_place_splat(&s->picture, splat, 20.0 + test_pick(8), 20.0 + test_pick(8));
+            }
+            check_scene(opaque ? "opaque stack" : "stack", s);
+        }
+    }
+}
+
+static void test_opacity_extremes(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        for (uint8_t step = 0; step < 16; step += 5) {
+            test_scene *s = photo(40, 40, blends[b], 80);
+            s->picture.header.has_opacity = true;
+            s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = step};
+            for (uint32_t i = 0; i < 80; i++) {
+                test_any_splat(&s->picture, &s->picture.splats[i], test_pick(14), test_pick(20));
+                s->picture.splats[i].opacity = i % 2 ? step : 0;
+            }
+            check_scene("opacity extremes", s);
+        }
+    }
+}
+
+/* Colours beyond what can be shown, which must not be clamped before they are blended. */
+static void test_colours_out_of_range(void **state) {
+    (void)state;
+    for (int b = 0; b < 3; b++) {
+        test_scene *s = photo(40, 40, blends[b], 200);
+        s->picture.steps = (gsf_steps){.scale = 4, .luma = 15, .chroma = 15};
+        for (uint32_t i = 0; i < 200; i++) {
+            gsf_splat *splat = &s->picture.splats[i];
+            int min, max;
+            test_any_splat(&s->picture, splat, 2 + test_pick(16), test_pick(10));
+            gsf_luma_range(blends[b], 15, &min, &max);
+            splat->luma = (int16_t)(i % 2 ? min : max);
+            splat->co = (int16_t)(test_pick(2) ? 255 : -255);
+            splat->cg = (int16_t)(test_pick(2) ? 255 : -255);
+        }
+        check_scene("colours out of range", s);
+    }
+}
+
+static test_scene *any_scalar_scene(int number) {
+    const gsf_header header = test_any_header(number, GSF_CODING_SCALAR);
+    test_scene *s = test_scene_new(&header);
+    assert_non_null(s);
+    test_any_background(&s->picture);
+    test_any_steps(&s->picture);
+    for (uint32_t i = 0; i < header.splat_count; i++)
+        test_any_splat(&s->picture, &s->picture.splats[i], test_pick(20), header.has_anisotropy ? test_pick(24) : 0);
+    return s;
+}
+
+static test_scene *any_codebook_scene(int number) {
+    static const int32_t longest[] = {128, 210, 310, 640};
+    const gsf_header header = test_any_header(number, GSF_CODING_CODEBOOK);
+    test_scene *s = test_scene_new(&header);
+    assert_non_null(s);
+    test_any_background(&s->picture);
+    if (header.splat_count > 0)
+        test_any_codebooks(&s->picture, longest[test_pick(4)]);
+    return s;
+}
+
+static void test_any_scene(void **state) {
+    (void)state;
+    test_random_state = 2024;
+    for (int number = 0; number < 48; number++) {
+        check_scene("any scalar scene", any_scalar_scene(number));
+        check_scene("any codebook scene", any_codebook_scene(number));
+    }
+}
+
+/* ---- Reading ---- */
+
+/* FORMAT.md, "Worked example". */
+static void test_worked_example(void **state) {
+    (void)state;
+    static const uint8_t bytes[] = {0x67, 0x73, 0x63, 0x01, 0x10, 0x19, 0x3F, 0x2F, 0x03, 0x48,
+                                    0xEB, 0xED, 0x64, 0x96, 0xC8, 0x25, 0xD1, 0x84, 0x4B, 0x95,
+                                    0x2A, 0x3C, 0x54, 0x3C, 0xD6, 0xA2, 0xF1, 0x92, 0x9D, 0x36};
+    oracle_picture truth;
+    assert_int_equal(oracle_read(bytes, sizeof bytes, &truth), ORACLE_OK);
+    assert_int_equal(truth.header.width, 64);
+    assert_int_equal(truth.header.height, 48);
+    assert_int_equal(truth.header.splats, 3);
+    assert_true(truth.background[0] * 255.0 == 100.0 && truth.background[2] * 255.0 == 200.0);
+    const oracle_splat *first = &truth.splats[0], *second = &truth.splats[1];
+    assert_true(first->x == 5.5 * 1086 / 256 && first->y == 4.5 * 1086 / 256);
+    assert_true(second->x == 20.5 * 1.5 && second->y == 9.5 * 1.5 && second->s2 == 4.0);
+    assert_true(fabs(second->theta - 2 * acos(-1.0) / 11) < 1e-12);
+    assert_true(fabs(first->colour[1] - 12.0 / 32) < 1e-12 &&
+                fabs(first->colour[0] - first->colour[2] + 3.0 / 16) < 1e-12);
+    check_file("worked example", bytes, sizeof bytes);
+    oracle_free(&truth);
+}
+
+static bool close_to(double a, double b) {
+    return fabs(a - b) <= 1e-5 + 2e-6 * fabs(b);
+}
+
+static void check_splat(const oracle_header *header, const oracle_splat *truth, const gscl_splat *splat) {
+    assert_true(close_to(splat->x, truth->x) && close_to(splat->y, truth->y));
+    assert_true(close_to(splat->sigma1, truth->s1) && close_to(splat->sigma2, truth->s2));
+    assert_true(close_to(splat->theta, truth->theta));
+    assert_true(close_to(splat->opacity, truth->opacity));
+    for (uint32_t k = 0; k < 3; k++)
+        assert_true(close_to(splat->colour[k], truth->colour[header->has_chroma ? k : 0]));
+    assert_true(close_to(splat->colour[3], header->has_alpha ? truth->colour[header->colours] : 1.0));
+}
+
+static void check_splats(test_scene *s) {
+    uint8_t *bytes = NULL;
+    size_t size = 0, count = 0;
+    gscl_splat *splats = NULL;
+    oracle_picture truth;
+    assert_int_equal(test_scene_write(s, &bytes, &size), GSF_OK);
+    assert_int_equal(oracle_read(bytes, size, &truth), ORACLE_OK);
+    assert_int_equal(gscl_read_splats(bytes, size, &splats, &count), GSCL_OK);
+    assert_int_equal(count, truth.header.splats);
+    for (size_t i = 0; i < count; i++)
+        check_splat(&truth.header, &truth.splats[i], &splats[i]);
+    gscl_free(splats);
+    oracle_free(&truth);
+    free(bytes);
+    test_scene_free(s);
+}
+
+static void test_splats(void **state) {
+    (void)state;
+    test_random_state = 7;
+    for (int number = 0; number < 48; number++) {
+        check_splats(any_scalar_scene(number));
+        check_splats(any_codebook_scene(number));
+    }
+}
+
+static gscl_result as_library(oracle_result result) {
+    static const gscl_result results[] = {
+        [ORACLE_OK] = GSCL_OK,
+        [ORACLE_NOT_GSCL] = GSCL_ERROR_NOT_GSCL,
+        [ORACLE_NEWER_VERSION] = GSCL_ERROR_NEWER_VERSION,
+        [ORACLE_TRUNCATED] = GSCL_ERROR_TRUNCATED,
+        [ORACLE_CORRUPT] = GSCL_ERROR_CORRUPT,
+        [ORACLE_DAMAGED] = GSCL_ERROR_DAMAGED,
+        [ORACLE_OUT_OF_MEMORY] = GSCL_ERROR_OUT_OF_MEMORY,
+    };
+    return results[result];
+}
+
+/* Both readers accept a file, or refuse it for the same reason. */
+static void check_verdict(const uint8_t *bytes, size_t size, size_t where, int what) {
+    oracle_picture truth;
+    gscl_info info;
+    const gscl_result expected = as_library(oracle_read(bytes, size, &truth));
+    const gscl_result result = gscl_inspect(bytes, size, &info);
+    oracle_free(&truth);
+    if (result != expected)
+        fail_msg("byte %zu, change %d: %s; the oracle: %s", where, what, gscl_result_text(result),
+                 gscl_result_text(expected));
+}
+
+/* A checksum that is right again, so that readers look at what follows. */
+static void mend_checksum(uint8_t *bytes, size_t size) {
+    oracle_header header;
+    uint32_t stated;
+    if (oracle_read_header(bytes, size, &header, &stated) != ORACLE_OK)
+        return;
+    const uint32_t crc = oracle_checksum(bytes, size, header.bytes);
+    for (int i = 0; i < 3; i++)
+        bytes[header.bytes - 3 + i] = (uint8_t)(crc >> (16 - 8 * i));
+}
+
+static void check_verdicts(test_scene *s) {
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    assert_int_equal(test_scene_write(s, &bytes, &size), GSF_OK);
+    uint8_t *changed = malloc(size);
+    assert_non_null(changed);
+    for (size_t i = 0; i < size; i++) {
+        check_verdict(bytes, i, i, -1);
+        memcpy(changed, bytes, size);
+        mend_checksum(changed, i);
+        check_verdict(changed, i, i, -2);
+        for (size_t bit = i < 12 ? 0 : i % 4; bit < 8; bit += i < 12 ? 1 : 4) {
+            memcpy(changed, bytes, size);
+            changed[i] ^= (uint8_t)(1u << bit);
+            check_verdict(changed, size, i, (int)bit);
+            mend_checksum(changed, size);
+            check_verdict(changed, size, i, 8 + (int)bit);
+        }
+    }
+    free(changed);
+    free(bytes);
+    test_scene_free(s);
+}
+
+static void test_verdicts_on_bad_files(void **state) {
+    (void)state;
+    test_random_state = 55;
+    for (int number = 0; number < 4; number++) {
+        check_verdicts(any_scalar_scene(number));
+        check_verdicts(any_codebook_scene(number));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_encoded_kinds_and_blends),
+        cmocka_unit_test(test_encoded_layouts),
+        cmocka_unit_test(test_encoded_sizes),
+        cmocka_unit_test(test_encoded_splat_counts),
+        cmocka_unit_test(test_encoded_paper_profile),
+        cmocka_unit_test(test_needles),
+        cmocka_unit_test(test_needles_along_the_axes),
+        cmocka_unit_test(test_sub_pixel_axes),
+        cmocka_unit_test(test_giants),
+        cmocka_unit_test(test_corners_and_tile_borders),
+        cmocka_unit_test(test_stacks),
+        cmocka_unit_test(test_opacity_extremes),
+        cmocka_unit_test(test_colours_out_of_range),
+        cmocka_unit_test(test_any_scene),
+        cmocka_unit_test(test_worked_example),
+        cmocka_unit_test(test_splats),
+        cmocka_unit_test(test_verdicts_on_bad_files),
+    };
+    return cmocka_run_group_tests(tests, open_contexts, close_contexts);
+}

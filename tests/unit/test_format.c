@@ -1,0 +1,656 @@
+/* The file format: pictures to bytes and back, and what is refused. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "format.h"
+#include "header.h"
+
+/* A picture with memory of its own. */
+typedef struct fixture {
+    gsf_picture picture;
+    uint8_t *bytes;
+    size_t capacity, size;
+    void *scratch;
+} fixture;
+
+static uint32_t random_state;
+
+/* 0..count - 1 */
+static uint32_t pick(uint32_t count) {
+    random_state = random_state * 1664525u + 1013904223u;
+    return (random_state >> 8) % count;
+}
+
+static void *allocate(size_t count, size_t size) {
+    void *memory = calloc(count > 0 ? count : 1, size);
+    assert_non_null(memory);
+    return memory;
+}
+
+static void create(fixture *f, const gsf_header *header) {
+    memset(f, 0, sizeof *f);
+    f->picture.header = *header;
+    f->picture.splats = allocate(header->splat_count, sizeof *f->picture.splats);
+    f->picture.indexed = allocate(header->splat_count, sizeof *f->picture.indexed);
+    f->picture.codebooks.shape_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->picture.codebooks.shape_words);
+    f->picture.codebooks.colour_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->picture.codebooks.colour_words);
+    f->scratch = allocate(gsf_scratch_size(header), 1);
+}
+
+static void destroy(fixture *f) {
+    free(f->picture.splats);
+    free(f->picture.indexed);
+    free(f->picture.codebooks.shape_words);
+    free(f->picture.codebooks.colour_words);
+    free(f->scratch);
+    free(f->bytes);
+}
+
+static gsf_result write_fixture(fixture *f) {
+    free(f->bytes);
+    f->capacity = gsf_write_bound(&f->picture);
+    f->bytes = allocate(f->capacity, 1);
+    return gsf_write(&f->picture, f->bytes, f->capacity, &f->size, f->scratch);
+}
+
+static void read_fixture(const fixture *written, fixture *f) {
+    gsf_header header;
+    assert_int_equal(gsf_read_header(written->bytes, written->size, &header), GSF_OK);
+    create(f, &header);
+    assert_int_equal(gsf_read(written->bytes, written->size, &f->picture, f->scratch), GSF_OK);
+}
+
+static void fill_steps(gsf_picture *picture) {
+    const gsf_header *h = &picture->header;
+    uint8_t *steps[7] = {&picture->steps.scale,  &picture->steps.position, &picture->steps.angle,  &picture->steps.luma,
+                         &picture->steps.chroma, &picture->steps.alpha,    &picture->steps.opacity};
+    const bool used[7] = {true, true, h->has_rotation, true, h->has_chroma, h->has_alpha, h->has_opacity};
+    for (int i = 0; i < 7; i++)
+        *steps[i] = used[i] && h->splat_count > 0 ? (uint8_t)pick(16) : 0;
+}
+
+static int16_t pick_between(int min, int max) {
+    return (int16_t)(min + (int)pick((uint32_t)(max - min + 1)));
+}
+
+static void fill_splat(const gsf_picture *picture, gsf_splat *splat) {
+    const gsf_header *h = &picture->header;
+    const gsf_steps *steps = &picture->steps;
+    int min, max;
+    splat->minor = (uint16_t)pick(pick(2) ? 64 : 12);
+    splat->x = pick(gsf_position_cells(steps, splat->minor, h->width));
+    splat->y = pick(gsf_position_cells(steps, splat->minor, h->height));
+    splat->aspect = h->has_anisotropy ? (uint16_t)pick(pick(2) ? 64 : 8) : 0;
+    splat->angle = h->has_rotation ? (uint16_t)pick(gsf_angle_count(steps, splat->aspect)) : 0;
+    gsf_luma_range(h->blend, steps->luma, &min, &max);
+    splat->luma = pick_between(min, max);
+    gsf_luma_range(h->blend, steps->alpha, &min, &max);
+    splat->alpha = h->has_alpha ? pick_between(min, max) : 0;
+    gsf_chroma_range(steps->chroma, &min, &max);
+    splat->co = h->has_chroma ? pick_between(min, max) : 0;
+    splat->cg = h->has_chroma ? pick_between(min, max) : 0;
+    splat->opacity = h->has_opacity ? (uint16_t)pick(steps->opacity + 1u) : 0;
+}
+
+static int descending(const void *a, const void *b) {
+    return **(const uint16_t(*)[1])b - **(const uint16_t(*)[1])a;
+}
+
+static int ascending(const void *a, const void *b) {
+    return descending(b, a);
+}
+
+static void fill_ranges(gsf_range *ranges, unsigned dims, int32_t lowest, int32_t highest) {
+    for (unsigned i = 0; i < dims; i++) {
+        ranges[i].min = lowest + (int32_t)pick((uint32_t)(highest - lowest + 1));
+        ranges[i].max = ranges[i].min + (int32_t)pick((uint32_t)(highest - ranges[i].min + 1));
+    }
+}
+
+static void fill_codebooks(gsf_picture *picture) {
+    const gsf_header *h = &picture->header;
+    gsf_codebooks *books = &picture->codebooks;
+    const unsigned channels = gsf_channel_count(h);
+    books->shape_count = (uint16_t)(1 + pick(pick(2) ? GSF_MAX_CODEBOOK : 4));
+    books->colour_count = (uint16_t)(1 + pick(pick(2) ? GSF_MAX_CODEBOOK : 4));
+    books->position_bits = (uint8_t)(1 + pick(16));
+    books->shape_bits = (uint8_t)(1 + pick(16));
+    books->colour_bits = (uint8_t)(1 + pick(16));
+    fill_ranges(books->shape, h->has_anisotropy ? 2 : 1, 0, 640);
+    fill_ranges(books->shape + 2, h->has_rotation, 0, 256);
+    fill_ranges(books->colour, channels, -255, 510);
+    fill_ranges(books->colour + channels, h->has_opacity, 0, 255);
+    for (unsigned i = 0; i < books->shape_count; i++)
+        for (unsigned d = 0; d < 1u + h->has_anisotropy + h->has_rotation; d++)
+            books->shape_words[i][d] = (uint16_t)pick(1u << books->shape_bits);
+    for (unsigned i = 0; i < books->colour_count; i++)
+        for (unsigned d = 0; d < channels + h->has_opacity; d++)
+            books->colour_words[i][d] = (uint16_t)pick(1u << books->colour_bits);
+    qsort(books->shape_words, books->shape_count, sizeof *books->shape_words, descending);
+    qsort(books->colour_words, books->colour_count, sizeof *books->colour_words, ascending);
+}
+
+static void fill_indexed(const gsf_picture *picture, gsf_indexed_splat *splat) {
+    const gsf_codebooks *books = &picture->codebooks;
+    splat->shape = (uint16_t)pick(books->shape_count);
+    splat->colour = (uint16_t)pick(books->colour_count);
+    splat->x = (uint16_t)pick(1u << books->position_bits);
+    splat->y = (uint16_t)pick(1u << books->position_bits);
+}
+
+/* Random content that the header allows. */
+static void fill(gsf_picture *picture) {
+    const gsf_header *h = &picture->header;
+    for (unsigned i = 0; i < gsf_channel_count(h); i++)
+        picture->background[i] = (uint16_t)pick(h->deep ? 65536 : 256);
+    if (h->splat_count == 0)
+        return;
+    if (h->coding == GSF_CODING_SCALAR)
+        fill_steps(picture);
+    else
+        fill_codebooks(picture);
+    for (uint32_t i = 0; i < h->splat_count; i++) {
+        if (h->coding == GSF_CODING_SCALAR)
+            fill_splat(picture, &picture->splats[i]);
+        else
+            fill_indexed(picture, &picture->indexed[i]);
+    }
+}
+
+static void assert_same_codebooks(const gsf_codebooks *a, const gsf_codebooks *b) {
+    assert_int_equal(a->shape_count, b->shape_count);
+    assert_int_equal(a->colour_count, b->colour_count);
+    assert_int_equal(a->position_bits, b->position_bits);
+    assert_int_equal(a->shape_bits, b->shape_bits);
+    assert_int_equal(a->colour_bits, b->colour_bits);
+    assert_memory_equal(a->shape, b->shape, sizeof a->shape);
+    assert_memory_equal(a->colour, b->colour, sizeof a->colour);
+    assert_memory_equal(a->shape_words, b->shape_words, a->shape_count * sizeof *a->shape_words);
+    assert_memory_equal(a->colour_words, b->colour_words, a->colour_count * sizeof *a->colour_words);
+}
+
+static void assert_same_header(const gsf_header *a, const gsf_header *b) {
+    assert_true(a->version == b->version && a->blend == b->blend && a->coding == b->coding && a->layout == b->layout);
+    assert_true(a->deep == b->deep && a->has_chroma == b->has_chroma && a->has_alpha == b->has_alpha);
+    assert_true(a->has_opacity == b->has_opacity && a->has_rotation == b->has_rotation);
+    assert_true(a->has_anisotropy == b->has_anisotropy && a->width == b->width && a->height == b->height);
+    assert_int_equal(a->splat_count, b->splat_count);
+}
+
+static void assert_same_picture(const gsf_picture *a, const gsf_picture *b) {
+    const uint32_t n = a->header.splat_count;
+    assert_same_header(&a->header, &b->header);
+    assert_memory_equal(a->background, b->background, sizeof a->background);
+    assert_memory_equal(&a->steps, &b->steps, sizeof a->steps);
+    assert_memory_equal(a->stream_bits256, b->stream_bits256, sizeof a->stream_bits256);
+    if (a->header.coding == GSF_CODING_SCALAR)
+        assert_memory_equal(a->splats, b->splats, n * sizeof *a->splats);
+    else
+        assert_memory_equal(a->indexed, b->indexed, n * sizeof *a->indexed);
+    if (a->header.coding == GSF_CODING_CODEBOOK && n > 0)
+        assert_same_codebooks(&a->codebooks, &b->codebooks);
+}
+
+/* Writes, reads back, writes again: the same picture and the same bytes. */
+static void check_round_trip(fixture *f) {
+    fixture back;
+    assert_int_equal(write_fixture(f), GSF_OK);
+    read_fixture(f, &back);
+    assert_same_picture(&f->picture, &back.picture);
+    assert_int_equal(write_fixture(&back), GSF_OK);
+    assert_int_equal(f->size, back.size);
+    assert_memory_equal(f->bytes, back.bytes, f->size);
+    destroy(&back);
+}
+
+static gsf_header header_from_bits(unsigned choice) {
+    gsf_header h = {.layout = (gsf_layout)(choice & 3), .coding = (gsf_coding)(choice >> 2 & 1)};
+    h.deep = choice >> 3 & 1;
+    h.has_chroma = (choice >> 4 & 1) && (h.layout == GSF_RGB || h.layout == GSF_RGBA);
+    h.has_alpha = (choice >> 5 & 1) && (h.layout == GSF_GREY_ALPHA || h.layout == GSF_RGBA);
+    h.has_opacity = choice >> 6 & 1;
+    h.has_anisotropy = choice >> 7 & 1;
+    h.has_rotation = (choice >> 8 & 1) && h.has_anisotropy;
+    h.blend = (gsf_blend)pick(3);
+    return h;
+}
+
+static void test_random_pictures(void **unused) {
+    (void)unused;
+    random_state = 7;
+    for (unsigned choice = 0; choice < 512; choice++) {
+        fixture f;
+        gsf_header header = header_from_bits(choice);
+        header.width = 1 + pick(900);
+        header.height = 1 + pick(900);
+        header.splat_count = pick(120);
+        create(&f, &header);
+        fill(&f.picture);
+        check_round_trip(&f);
+        destroy(&f);
+    }
+}
+
+static const gsf_header photo =
+    {.layout = GSF_RGB, .has_chroma = true, .has_rotation = true, .has_anisotropy = true, .width = 768, .height = 512};
+
+static void check_size(uint32_t width, uint32_t height, uint32_t splats, gsf_coding coding) {
+    fixture f;
+    gsf_header header = photo;
+    header.width = width;
+    header.height = height;
+    header.splat_count = splats;
+    header.coding = coding;
+    create(&f, &header);
+    fill(&f.picture);
+    check_round_trip(&f);
+    destroy(&f);
+}
+
+static void test_extreme_sizes(void **unused) {
+    (void)unused;
+    static const uint32_t sizes[][2] = {
+        {1, 1}, {GSF_MAX_DIMENSION, GSF_MAX_DIMENSION}, {GSF_MAX_DIMENSION, 1}, {1, GSF_MAX_DIMENSION}};
+    static const uint32_t counts[] = {0, 1, 2, 200};
+    random_state = 11;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            for (int coding = 0; coding < 2; coding++)
+                check_size(sizes[i][0], sizes[i][1], counts[j], (gsf_coding)coding);
+}
+
+/* More splats than the urn's tables and the lists of priors hold. */
+static void test_many_splats(void **unused) {
+    (void)unused;
+    fixture f;
+    gsf_header header = photo;
+    header.splat_count = 40000;
+    create(&f, &header);
+    random_state = 5;
+    f.picture.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
+    for (uint32_t i = 0; i < header.splat_count; i++) {
+        fill_splat(&f.picture, &f.picture.splats[i]);
+        f.picture.splats[i].minor = (uint16_t)pick(3);
+        f.picture.splats[i].aspect %= 3;
+        f.picture.splats[i].angle = 0;
+        f.picture.splats[i].x %= 512;
+        f.picture.splats[i].y = 0;
+    }
+    check_round_trip(&f);
+    destroy(&f);
+}
+
+static void test_all_in_one_cell(void **unused) {
+    (void)unused;
+    fixture f;
+    gsf_header header = photo;
+    header.splat_count = 700;
+    create(&f, &header);
+    random_state = 6;
+    f.picture.steps = (gsf_steps){.luma = 15, .chroma = 15};
+    for (uint32_t i = 0; i < header.splat_count; i++) {
+        fill_splat(&f.picture, &f.picture.splats[i]);
+        f.picture.splats[i].minor = 3;
+        f.picture.splats[i].x = 100;
+        f.picture.splats[i].y = 99;
+        f.picture.splats[i].aspect %= 8;
+        f.picture.splats[i].angle = 0;
+    }
+    check_round_trip(&f);
+    destroy(&f);
+}
+
+static void test_largest_codes(void **unused) {
+    (void)unused;
+    fixture f;
+    gsf_header header = photo;
+    header.splat_count = 2;
+    header.layout = GSF_RGBA;
+    header.blend = GSF_BLEND_SUM;
+    header.has_alpha = header.has_opacity = header.deep = true;
+    create(&f, &header);
+    f.picture.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
+    memset(f.picture.background, 0xFF, sizeof f.picture.background);
+    for (int i = 0; i < 2; i++)
+        f.picture.splats[i] = (gsf_splat){
+            .minor = 63, .aspect = 63, .angle = 511, .opacity = 15, .luma = 286, .co = 255, .cg = -255, .alpha = -286};
+    check_round_trip(&f);
+    destroy(&f);
+}
+
+/* Codes of effects that are off are ignored, and zero afterwards. */
+static void test_unused_codes_are_cleared(void **unused) {
+    (void)unused;
+    fixture f;
+    const gsf_header header = {.width = 9, .height = 9, .splat_count = 1};
+    create(&f, &header);
+    f.picture.splats[0] = (gsf_splat){.aspect = 999, .angle = 999, .co = 999, .cg = 999, .alpha = 999, .opacity = 999};
+    f.picture.steps.chroma = 3;
+    check_round_trip(&f);
+    assert_int_equal(f.picture.splats[0].aspect, 0);
+    assert_int_equal(f.picture.splats[0].cg, 0);
+    assert_int_equal(f.picture.steps.chroma, 0);
+    destroy(&f);
+}
+
+static void test_flat_picture_is_tiny(void **unused) {
+    (void)unused;
+    fixture f;
+    create(&f, &photo);
+    check_round_trip(&f);
+    assert_true(f.size <= 24);
+    assert_int_equal(f.picture.stream_bits256[GSF_STREAM_HEADER], 14 * 8 * 256);
+    destroy(&f);
+}
+
+/* gsf_sort alone gives the order that writing gives, whatever the order before. */
+static void test_sorting(void **unused) {
+    (void)unused;
+    fixture f, g;
+    gsf_header header = photo;
+    header.splat_count = 100;
+    create(&f, &header);
+    create(&g, &header);
+    random_state = 3;
+    fill(&f.picture);
+    g.picture.steps = f.picture.steps;
+    for (uint32_t i = 0; i < header.splat_count; i++)
+        g.picture.splats[i] = f.picture.splats[header.splat_count - 1 - i];
+    gsf_sort(&g.picture, g.scratch);
+    assert_int_equal(write_fixture(&f), GSF_OK);
+    assert_memory_equal(f.picture.splats, g.picture.splats, header.splat_count * sizeof *f.picture.splats);
+    destroy(&f);
+    destroy(&g);
+}
+
+static void test_little_space(void **unused) {
+    (void)unused;
+    fixture f;
+    gsf_header header = photo;
+    header.splat_count = 50;
+    create(&f, &header);
+    fill(&f.picture);
+    assert_int_equal(write_fixture(&f), GSF_OK);
+    const size_t whole = f.size;
+    uint8_t *exact = allocate(whole, 1);
+    for (size_t capacity = 0; capacity < whole; capacity++)
+        assert_int_equal(gsf_write(&f.picture, exact, capacity, &f.size, f.scratch), GSF_NO_SPACE);
+    assert_int_equal(gsf_write(&f.picture, exact, whole, &f.size, f.scratch), GSF_OK);
+    free(exact);
+    destroy(&f);
+}
+
+/* ---- What the writer refuses ---- */
+
+static void check_invalid(fixture *f) {
+    assert_int_equal(write_fixture(f), GSF_INVALID);
+    destroy(f);
+}
+
+static void create_small(fixture *f, gsf_coding coding) {
+    gsf_header header = photo;
+    header.splat_count = 3;
+    header.coding = coding;
+    create(f, &header);
+    random_state = 9;
+    fill(&f->picture);
+}
+
+static void test_writer_refuses_scalar(void **unused) {
+    (void)unused;
+    fixture f;
+#define REFUSES(change)                      \
+    do {                                     \
+        create_small(&f, GSF_CODING_SCALAR); \
+        f.picture.change;                    \
+        check_invalid(&f);                   \
+    } while (0)
+    REFUSES(header.width = 0);
+    REFUSES(header.height = GSF_MAX_DIMENSION + 1);
+    REFUSES(header.layout = GSF_GREY);
+    REFUSES(header.has_alpha = true);
+    REFUSES(header.has_anisotropy = false);
+    REFUSES(background[2] = 256);
+    REFUSES(steps.scale = 16);
+    REFUSES(splats[1].minor = 64);
+    REFUSES(splats[1].aspect = 64);
+    REFUSES(splats[1].angle = 512);
+    REFUSES(splats[1].x = 1u << 30);
+    REFUSES(splats[1].y = 1u << 30);
+    REFUSES(splats[1].luma = 287);
+    REFUSES(splats[1].co = -256);
+    REFUSES(splats[1].cg = 256);
+#undef REFUSES
+}
+
+static void test_writer_refuses_codebook(void **unused) {
+    (void)unused;
+    fixture f;
+#define REFUSES(change)                        \
+    do {                                       \
+        create_small(&f, GSF_CODING_CODEBOOK); \
+        f.picture.change;                      \
+        check_invalid(&f);                     \
+    } while (0)
+    REFUSES(codebooks.shape_count = 0);
+    REFUSES(codebooks.colour_count = GSF_MAX_CODEBOOK + 1);
+    REFUSES(codebooks.position_bits = 17);
+    REFUSES(codebooks.shape_bits = 0);
+    REFUSES(codebooks.shape[0].min = -1);
+    REFUSES(codebooks.shape[2].max = 257);
+    REFUSES(codebooks.colour[2].max = 511);
+    REFUSES(codebooks.colour[0].min = 600);
+    REFUSES(codebooks.shape_words[0][0] = 0);
+    REFUSES(indexed[2].shape = f.picture.codebooks.shape_count);
+    REFUSES(indexed[2].colour = f.picture.codebooks.colour_count);
+#undef REFUSES
+}
+
+/* Splats that cover all of a large picture many hundred times would hang a decoder. */
+static void test_work_is_limited(void **unused) {
+    (void)unused;
+    fixture f;
+    gsf_header header = photo;
+    header.splat_count = 500;
+    header.has_rotation = false;
+    create(&f, &header);
+    for (uint32_t i = 0; i < header.splat_count; i++)
+        f.picture.splats[i] = (gsf_splat){.minor = 63, .aspect = 20};
+    f.picture.steps.scale = 8;
+    check_invalid(&f);
+}
+
+/* ---- What the reader refuses ---- */
+
+static gsf_result read_bytes(const uint8_t *bytes, size_t size, fixture *f) {
+    gsf_header header;
+    /* From memory of exactly that size, so that a sanitizer sees reads beyond it. */
+    uint8_t *copy = allocate(size, 1);
+    memcpy(copy, bytes, size);
+    gsf_result result = gsf_read_header(copy, size, &header);
+    if (result == GSF_OK && header.splat_count <= f->picture.header.splat_count)
+        result = gsf_read(copy, size, &f->picture, f->scratch);
+    else if (result == GSF_OK)
+        result = GSF_DAMAGED; /* there is no memory for that many */
+    free(copy);
+    return result;
+}
+
+/* Room to read whatever a damaged file claims to be: as many splats as the flips below can make of a few. */
+static void create_reader(fixture *f) {
+    const gsf_header header = {.width = 1, .height = 1, .splat_count = 1u << 15};
+    create(f, &header);
+}
+
+static void check_damage(gsf_coding coding, uint32_t splats) {
+    fixture f, reader;
+    gsf_header header = photo;
+    header.coding = coding;
+    header.splat_count = splats;
+    create(&f, &header);
+    random_state = 13;
+    fill(&f.picture);
+    assert_int_equal(write_fixture(&f), GSF_OK);
+    for (size_t size = 0; size < f.size; size++) {
+        create_reader(&reader);
+        const gsf_result result = read_bytes(f.bytes, size, &reader);
+        assert_int_not_equal(result, GSF_OK);
+        assert_true(size < 4 ? result == GSF_NOT_GSCL : result == GSF_TRUNCATED || result == GSF_DAMAGED);
+        destroy(&reader);
+    }
+    for (size_t i = 0; i < f.size; i++) {
+        create_reader(&reader);
+        f.bytes[i] ^= (uint8_t)(1 + i % 255);
+        assert_int_not_equal(read_bytes(f.bytes, f.size, &reader), GSF_OK);
+        f.bytes[i] ^= (uint8_t)(1 + i % 255);
+        destroy(&reader);
+    }
+    destroy(&f);
+}
+
+static void test_damage_is_seen(void **unused) {
+    (void)unused;
+    check_damage(GSF_CODING_SCALAR, 0);
+    check_damage(GSF_CODING_SCALAR, 30);
+    check_damage(GSF_CODING_CODEBOOK, 30);
+}
+
+/* A file that lost its tail is told from one that was altered. */
+static void test_truncation_is_told(void **unused) {
+    (void)unused;
+    fixture f, reader;
+    create_small(&f, GSF_CODING_SCALAR);
+    assert_int_equal(write_fixture(&f), GSF_OK);
+    create_reader(&reader);
+    assert_int_equal(read_bytes(f.bytes, f.size / 2 + 8, &reader), GSF_TRUNCATED);
+    assert_int_equal(read_bytes(f.bytes, 10, &reader), GSF_TRUNCATED);
+    destroy(&reader);
+    destroy(&f);
+}
+
+static void test_surplus_bytes(void **unused) {
+    (void)unused;
+    fixture f, reader;
+    create_small(&f, GSF_CODING_SCALAR);
+    assert_int_equal(write_fixture(&f), GSF_OK);
+    uint8_t *longer = allocate(f.size + 1, 1);
+    memcpy(longer, f.bytes, f.size);
+    create_reader(&reader);
+    assert_int_equal(read_bytes(longer, f.size + 1, &reader), GSF_DAMAGED);
+    gsf_store_checksum(longer, f.size + 1, 3 + 1 + 2 + 2 + 2 + 1 + 3);
+    assert_int_equal(read_bytes(longer, f.size + 1, &reader), GSF_CORRUPT);
+    free(longer);
+    destroy(&reader);
+    destroy(&f);
+}
+
+static void test_header_errors(void **unused) {
+    (void)unused;
+    static const struct {
+        uint8_t bytes[12];
+        gsf_result result;
+    } cases[] = {
+        {{'g', 's', 'c', 1, 0, 0, 0, 0, 0, 0, 0, 0}, GSF_OK},
+        {{'G', 's', 'c', 1, 0, 0, 0, 0, 0, 0, 0, 0}, GSF_NOT_GSCL},
+        {{'g', 's', 'c', 0, 0, 0, 0, 0, 0, 0, 0, 0}, GSF_NOT_GSCL},
+        {{'g', 's', 'c', 2, 0, 0, 0, 0, 0, 0, 0, 0}, GSF_NEWER_VERSION},
+        {{'g', 's', 'c', 1, 3, 0, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* blend 3 */
+        {{'g', 's', 'c', 1, 0x40, 0, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* reserved */
+        {{'g', 's', 'c', 1, 0, 0x20, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* reserved */
+        {{'g', 's', 'c', 1, 0, 1, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* chroma without RGB */
+        {{'g', 's', 'c', 1, 0, 2, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* alpha without alpha */
+        {{'g', 's', 'c', 1, 0, 8, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* rotation of round splats */
+        {{'g', 's', 'c', 1, 0, 0, 0x80, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* varint too long */
+        {{'g', 's', 'c', 1, 0, 0, 0x80, 0x80, 1, 0, 0, 0}, GSF_CORRUPT},         /* too wide */
+        {{'g', 's', 'c', 1, 0, 0, 0, 0, 0x80, 0x80, 0x80, 1}, GSF_CORRUPT},      /* varint of four bytes */
+        {{'g', 's', 'c', 1, 0, 0, 0, 0, 0x81, 0x80, 0x40, 0}, GSF_CORRUPT},      /* 2^20 + 1 splats */
+        {{'g', 's', 'c', 1, 0, 0, 0xFF, 0x7F, 0xFF, 0x7F, 0, 0}, GSF_TRUNCATED}, /* checksum missing */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        gsf_header header;
+        assert_int_equal(gsf_read_header(cases[i].bytes, sizeof cases[i].bytes, &header), cases[i].result);
+    }
+}
+
+/* ---- Numbers that the format fixes ---- */
+
+static void test_quantiser(void **unused) {
+    (void)unused;
+    const gsf_steps steps = {.scale = 4, .position = 14, .angle = 6};
+    assert_int_equal(gsf_sigma_q16(&steps, 0), 32768);
+    assert_int_equal(gsf_sigma_q16(&steps, 4), 65536);
+    assert_int_equal(gsf_sigma_q16(&steps, 6), 92681);
+    assert_int_equal(gsf_sigma_q16(&steps, 63), 1805811328);
+    assert_int_equal(gsf_sigma_q16(&steps, 64), UINT64_C(1) << 31);
+    assert_int_equal(gsf_sigma_q16(&steps, 126), UINT64_C(1) << 31);
+    assert_int_equal(gsf_position_step_q8(&steps, 4), 128);
+    assert_int_equal(gsf_position_cells(&steps, 4, 10), 20);
+    assert_int_equal(gsf_position_cells(&steps, 5, 10), 17);
+    assert_int_equal(gsf_position_cells(&steps, 63, 16384), 2);
+    assert_int_equal(gsf_angle_count(&steps, 0), 1);
+    assert_int_equal(gsf_angle_count(&steps, 4), 10); /* a = 2: 2 pi 1.5 = 9.4 */
+    assert_int_equal(gsf_angle_count(&steps, 63), GSF_MAX_ANGLES);
+}
+
+/* A file of this version, byte by byte: the example of FORMAT.md. */
+static const uint8_t golden[] = {
+    0x67, 0x73, 0x63, 0x01, 0x10, 0x19, 0x3F, 0x2F, 0x03, 0x48, 0xEB, 0xED, 0x64, 0x96, 0xC8,
+    0x25, 0xD1, 0x84, 0x4B, 0x95, 0x2A, 0x3C, 0x54, 0x3C, 0xD6, 0xA2, 0xF1, 0x92, 0x9D, 0x36,
+};
+
+static void make_golden(fixture *f) {
+    gsf_header header = photo;
+    header.width = 64;
+    header.height = 48;
+    header.splat_count = 3;
+    create(f, &header);
+    f->picture.background[0] = 100;
+    f->picture.background[1] = 150;
+    f->picture.background[2] = 200;
+    f->picture.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
+    f->picture.splats[0] =
+        (gsf_splat){.minor = 8, .aspect = 3, .angle = 2, .x = 20, .y = 9, .luma = 20, .co = -2, .cg = 1};
+    f->picture.splats[1] = (gsf_splat){.minor = 12, .aspect = 0, .x = 5, .y = 4, .luma = 12, .co = -3};
+    f->picture.splats[2] =
+        (gsf_splat){.minor = 8, .aspect = 5, .angle = 0, .x = 3, .y = 25, .luma = 30, .co = -3, .cg = 1};
+}
+
+static void test_golden_bytes(void **unused) {
+    (void)unused;
+    fixture f;
+    make_golden(&f);
+    check_round_trip(&f);
+    assert_int_equal(f.size, sizeof golden);
+    assert_memory_equal(f.bytes, golden, sizeof golden);
+    destroy(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random_pictures),
+        cmocka_unit_test(test_extreme_sizes),
+        cmocka_unit_test(test_many_splats),
+        cmocka_unit_test(test_all_in_one_cell),
+        cmocka_unit_test(test_largest_codes),
+        cmocka_unit_test(test_unused_codes_are_cleared),
+        cmocka_unit_test(test_flat_picture_is_tiny),
+        cmocka_unit_test(test_sorting),
+        cmocka_unit_test(test_little_space),
+        cmocka_unit_test(test_writer_refuses_scalar),
+        cmocka_unit_test(test_writer_refuses_codebook),
+        cmocka_unit_test(test_work_is_limited),
+        cmocka_unit_test(test_damage_is_seen),
+        cmocka_unit_test(test_truncation_is_told),
+        cmocka_unit_test(test_surplus_bytes),
+        cmocka_unit_test(test_header_errors),
+        cmocka_unit_test(test_quantiser),
+        cmocka_unit_test(test_golden_bytes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,392 @@
+/* Forward and backward pass of the fit against double precision: what is drawn, the loss, and the gradient of every
+ * kind of parameter, in both mappings. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+
+#include "constants.h"
+#include "fit.h"
+#include "fit_oracle.h"
+#include "image.h"
+#include "test_scene.h"
+
+#define WIDTH 43 /* of the full-size image: no multiple of a tile or a vector, odd at level 1 */
+#define HEIGHT 37
+#define SAMPLES (WIDTH * HEIGHT * 4)
+#define SPLATS 12
+#define MANY 400
+
+static gscl_context *contexts[2]; /* the CPU and the GPU mapping */
+
+static int open_contexts(void **state) {
+    (void)state;
+    const gscl_mapping mappings[2] = {GSCL_MAPPING_CPU, GSCL_MAPPING_GPU};
+    for (int i = 0; i < 2; i++) {
+        gscl_context_settings settings;
+        gscl_context_settings_default(&settings);
+        settings.mapping = mappings[i];
+        if (gscl_context_create(&contexts[i], &settings) != GSCL_OK)
+            return -1;
+    }
+    return 0;
+}
+
+static int close_contexts(void **state) {
+    (void)state;
+    gscl_context_free(&contexts[0]);
+    gscl_context_free(&contexts[1]);
+    return 0;
+}
+
+/* ---- Scenes ---- */
+
+static float uniform(double low, double high) {
+    return (float)(low + (high - low) * test_pick(1 << 20) / (1 << 20));
+}
+
+typedef struct {
+    const char *name;
+    gscl_kernel_options options;
+    int level;
+    size_t count;
+    float params[MANY * GSCL_PARAMS];
+    float target[SAMPLES];
+} fit_case;
+
+static fit_case the_case; /* too large for a stack */
+
+static int channels_of(const fit_case *c) {
+    return c->options.colours + c->options.alpha_channel;
+}
+
+static int pixels_of(const fit_case *c) {
+    return (int)(gscl_level_size(WIDTH, c->level) * gscl_level_size(HEIGHT, c->level));
+}
+
+static bool is_used(const fit_case *c, size_t param) {
+    return (int)param < GSCL_COLOUR + channels_of(c);
+}
+
+static void ordinary_splat(float *p) {
+    p[GSCL_X] = uniform(0.0, WIDTH);
+    p[GSCL_Y] = uniform(0.0, HEIGHT);
+    p[GSCL_LOG_S1] = uniform(log(0.7), log(15.0));
+    p[GSCL_LOG_S2] = uniform(log(0.7), log(15.0));
+    p[GSCL_THETA] = uniform(-4.0, 4.0);
+    p[GSCL_OPACITY] = uniform(-3.0, 3.0);
+    for (int k = GSCL_COLOUR; k < GSCL_PARAMS; k++)
+        p[k] = uniform(-0.2, 1.2);
+}
+
+static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int opacity, int loss, int level) {
+    fit_case *c = &the_case;
+    static char name[80];
+    snprintf(name, sizeof name, "blend %d, %d+%d channels, opacity %d, loss %d, level %d", blend, colours,
+             alpha_channel, opacity, loss, level);
+    c->name = name;
+    c->options = (gscl_kernel_options){blend, colours, alpha_channel, opacity, loss};
+    c->level = level;
+    c->count = SPLATS;
+    test_random_state = (uint32_t)(blend + 3 * colours + 17 * alpha_channel + 31 * opacity + 101 * level);
+    for (size_t i = 0; i < c->count; i++)
+        ordinary_splat(c->params + i * GSCL_PARAMS);
+    /* An opaque splat's weight must stay off the clamp of the alpha blend, where there is no derivative. */
+    for (size_t i = 0; i < c->count && blend == GSCL_ALPHA && !opacity; i++)
+        c->params[i * GSCL_PARAMS + GSCL_LOG_S1] = fminf(c->params[i * GSCL_PARAMS + GSCL_LOG_S1], logf(3.0f));
+    for (int i = 0; i < SAMPLES; i++)
+        c->target[i] = uniform(0.0, 1.0);
+    return c;
+}
+
+/* ---- The oracle's side ---- */
+
+typedef struct {
+    oracle_fit fit;
+    double params[SPLATS * ORACLE_PARAMS];
+    double target[SAMPLES], planes[SAMPLES];
+    double gradient[SPLATS * ORACLE_PARAMS];
+    double loss;
+} truth;
+
+static void make_truth(const fit_case *c, const float *background, truth *t) {
+    t->fit = (oracle_fit){.blend = (oracle_blend)c->options.blend,
+                          .colours = c->options.colours,
+                          .alpha_channel = c->options.alpha_channel,
+                          .opacity = c->options.opacity,
+                          .absolute = c->options.loss == GSCL_LOSS_KIND_L1,
+                          .level = c->level,
+                          .width = (int)gscl_level_size(WIDTH, c->level),
+                          .height = (int)gscl_level_size(HEIGHT, c->level),
+                          .target = t->target};
+    for (int k = 0; k < channels_of(c); k++)
+        t->fit.background[k] = background[k];
+    for (int i = 0; i < SAMPLES; i++)
+        t->target[i] = c->target[i];
+    for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
+        t->params[i] = c->params[i];
+    oracle_fit_draw(&t->fit, t->params, c->count, t->planes);
+    t->loss = oracle_fit_loss(&t->fit, t->params, c->count);
+    oracle_fit_gradient(&t->fit, t->params, c->count, t->gradient);
+}
+
+/* ---- The library's side ---- */
+
+typedef struct {
+    float planes[SAMPLES];
+    float gradient[MANY * GSCL_PARAMS];
+    float background[4];
+    double loss;
+} outcome;
+
+static void check_call(gscl_context *context, const char *name, gscl_result result) {
+    if (result != GSCL_OK)
+        fail_msg("%s: %s", name, gscl_context_message(context));
+}
+
+static void run_case(gscl_context *context, const fit_case *c, outcome *o) {
+    gscl_fit fit;
+    memset(o, 0, sizeof *o);
+    check_call(context, c->name, gscl_fit_create(&fit, context, &c->options, WIDTH, HEIGHT, c->level, c->target));
+    check_call(context, c->name, gscl_fit_append(&fit, c->params, c->count));
+    assert_int_equal(fit.level, c->level);
+    check_call(context, c->name, gscl_fit_gradients(&fit, o->gradient));
+    check_call(context, c->name, gscl_fit_loss(&fit, &o->loss));
+    check_call(context, c->name, gscl_renderer_planes(&fit.renderer, o->planes));
+    memcpy(o->background, fit.background, sizeof o->background);
+    gscl_fit_free(&fit);
+}
+
+/* ---- Comparison ---- */
+
+static const char *const kinds[] = {"x", "y", "ln s1", "ln s2", "theta", "opacity", "colour"};
+
+static int kind_of(size_t param) {
+    return param % GSCL_PARAMS < GSCL_COLOUR ? (int)(param % GSCL_PARAMS) : GSCL_COLOUR;
+}
+
+/* Each kind's largest error must stay below `allowed` times its largest gradient. */
+static void check_gradient(const fit_case *c, const truth *t, const outcome *o, double allowed) {
+    double largest[GSCL_COLOUR + 1] = {0}, error[GSCL_COLOUR + 1] = {0};
+    for (size_t i = 0; i < c->count * GSCL_PARAMS; i++) {
+        if (!is_used(c, i % GSCL_PARAMS))
+            continue;
+        const int kind = kind_of(i);
+        largest[kind] = fmax(largest[kind], fabs(t->gradient[i]));
+        error[kind] = fmax(error[kind], fabs(o->gradient[i] - t->gradient[i]));
+    }
+    for (int kind = 0; kind <= GSCL_COLOUR; kind++) {
+        if (!(error[kind] <= allowed * largest[kind]))
+            fail_msg("%s: %s: the gradient is off by %g where the largest is %g", c->name, kinds[kind], error[kind],
+                     largest[kind]);
+    }
+}
+
+static void check_forward(const fit_case *c, const truth *t, const outcome *o) {
+    const int samples = pixels_of(c) * channels_of(c);
+    double apart = 0.0;
+    for (int i = 0; i < samples; i++)
+        apart = fmax(apart, fabs(o->planes[i] - t->planes[i]));
+    if (!(apart < 2e-5))
+        fail_msg("%s: a sample is off by %g", c->name, apart);
+    /* The library tells the mean of squared (L1: absolute) errors. */
+    const double loss = ldexp(t->loss, -2 * c->level) * (t->fit.absolute ? 1.0 : 2.0) / samples;
+    if (!(fabs(o->loss - loss) <= 1e-5 * loss))
+        fail_msg("%s: the loss is %.9g, %.9g expected", c->name, o->loss, loss);
+}
+
+static void check_case(const fit_case *c, double allowed) {
+    static truth t;
+    static outcome outcomes[2];
+    for (int i = 0; i < 2; i++)
+        run_case(contexts[i], c, &outcomes[i]);
+    make_truth(c, outcomes[0].background, &t);
+    for (int i = 0; i < 2; i++) {
+        check_forward(c, &t, &outcomes[i]);
+        check_gradient(c, &t, &outcomes[i], allowed);
+    }
+}
+
+/* ---- Tests ---- */
+
+#define ALLOWED 1e-4 /* of the largest gradient of a kind; single precision is good for 3e-5 here */
+
+/* Every pair of colours, alpha channel and opacity. */
+static void check_all_options(int blend, int level) {
+    static const int options[4][3] = {{1, 0, 0}, {3, 0, 1}, {3, 1, 0}, {1, 1, 1}};
+    for (int i = 0; i < 4; i++)
+        check_case(ordinary_case(blend, options[i][0], options[i][1], options[i][2], GSCL_LOSS_KIND_L2, level),
+                   ALLOWED);
+}
+
+static void test_normalized(void **state) {
+    (void)state;
+    check_all_options(GSCL_NORMALIZED, 0);
+}
+
+static void test_alpha(void **state) {
+    (void)state;
+    check_all_options(GSCL_ALPHA, 0);
+}
+
+static void test_sum(void **state) {
+    (void)state;
+    check_all_options(GSCL_SUM, 0);
+}
+
+static void test_blurred_levels(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        check_all_options(blend, 1);
+        check_case(ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L2, 2), ALLOWED);
+    }
+}
+
+/* The errors must be far from 0, where |e| has no derivative. */
+static void test_absolute_loss(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int level = 0; level < 2; level++) {
+            fit_case *c = ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L1, level);
+            for (int i = 0; i < SAMPLES; i++)
+                c->target[i] += c->target[i] < 0.5f ? -20.0f : 20.0f;
+            check_case(c, ALLOWED);
+        }
+    }
+}
+
+static void test_isotropic_splats_have_no_angle(void **state) {
+    (void)state;
+    static outcome o;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int level = 0; level < 2; level++) {
+            fit_case *c = ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L2, level);
+            for (size_t i = 0; i < c->count; i++)
+                c->params[i * GSCL_PARAMS + GSCL_LOG_S2] = c->params[i * GSCL_PARAMS + GSCL_LOG_S1];
+            for (int m = 0; m < 2; m++) {
+                run_case(contexts[m], c, &o);
+                for (size_t i = 0; i < c->count; i++)
+                    assert_true(o.gradient[i * GSCL_PARAMS + GSCL_THETA] == 0.0f);
+            }
+        }
+    }
+}
+
+static void check_finite(const fit_case *c, const outcome *o) {
+    for (int i = 0; i < pixels_of(c) * channels_of(c); i++)
+        if (!isfinite(o->planes[i]))
+            fail_msg("%s: sample %d is %g", c->name, i, o->planes[i]);
+    for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
+        if (is_used(c, i % GSCL_PARAMS) && !isfinite(o->gradient[i]))
+            fail_msg("%s: splat %zu, %s: gradient %g", c->name, i / GSCL_PARAMS, kinds[kind_of(i)], o->gradient[i]);
+    assert_true(isfinite(o->loss));
+}
+
+static void check_hard(const fit_case *c) {
+    static outcome o;
+    for (int m = 0; m < 2; m++) {
+        run_case(contexts[m], c, &o);
+        check_finite(c, &o);
+    }
+}
+
+/* Many splats on each other, as opaque as they come: the alpha blend's clamp, and no light behind. */
+static void test_opaque_stacks_are_finite(void **state) {
+    (void)state;
+    for (int options = 0; options < 12; options++) {
+        fit_case *c = ordinary_case(options % 3, 3, 0, options / 3 & 1, GSCL_LOSS_KIND_L2, options / 6);
+        c->count = MANY;
+        for (size_t i = 0; i < c->count; i++) {
+            float *p = c->params + i * GSCL_PARAMS;
+            ordinary_splat(p);
+            p[GSCL_X] = 20.5f;
+            p[GSCL_Y] = 16.5f;
+            p[GSCL_OPACITY] = i % 2 ? 8.0f : 30.0f;
+        }
+        check_hard(c);
+    }
+}
+
+/* Needles, giants, dust, splats far outside, extreme opacities and colours. */
+static void test_hard_scenes_are_finite(void **state) {
+    (void)state;
+    for (int options = 0; options < 12; options++) {
+        fit_case *c = ordinary_case(options % 3, 3, 0, options / 3 & 1, GSCL_LOSS_KIND_L2, options / 6);
+        c->count = MANY;
+        for (size_t i = 0; i < c->count; i++) {
+            float *p = c->params + i * GSCL_PARAMS;
+            ordinary_splat(p);
+            p[GSCL_X] = uniform(-WIDTH, 2.0 * WIDTH);
+            p[GSCL_Y] = uniform(-HEIGHT, 2.0 * HEIGHT);
+            p[GSCL_LOG_S1] = uniform(log(0.05), log(30000.0));
+            p[GSCL_LOG_S2] = uniform(log(0.05), log(30000.0));
+            p[GSCL_OPACITY] = uniform(-40.0, 40.0);
+            for (int k = GSCL_COLOUR; k < GSCL_PARAMS; k++)
+                p[k] = uniform(-2.0, 3.0);
+        }
+        check_hard(c);
+    }
+}
+
+/* A clamped splat's weight has no derivative; its colour has, and so has what lies behind. */
+static void test_clamped_alpha(void **state) {
+    (void)state;
+    static outcome o;
+    fit_case *c = ordinary_case(GSCL_ALPHA, 3, 0, 0, GSCL_LOSS_KIND_L2, 0);
+    static const float splats[2][GSCL_PARAMS] = {{20.5f, 16.5f, 0.2f, 0.2f, 0.0f, 0.0f, 0.9f, 0.1f, 0.4f, 0.0f},
+                                                 {20.5f, 16.5f, 9.0f, 9.0f, 0.0f, 0.0f, 0.5f, 0.5f, 0.1f, 0.0f}};
+    c->count = 2;
+    memcpy(c->params, splats, sizeof splats);
+    for (int m = 0; m < 2; m++) {
+        run_case(contexts[m], c, &o);
+        check_finite(c, &o);
+        for (int k = GSCL_X; k <= GSCL_THETA; k++)
+            assert_true(o.gradient[GSCL_PARAMS + k] == 0.0f);
+        assert_true(o.gradient[GSCL_COLOUR] != 0.0f && o.gradient[GSCL_PARAMS + GSCL_COLOUR] != 0.0f);
+    }
+}
+
+static void test_same_input_gives_the_same_bits(void **state) {
+    (void)state;
+    static outcome first, second;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int level = 0; level < 2; level++) {
+            fit_case *c = ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L2, level);
+            c->count = MANY;
+            for (size_t i = 0; i < c->count; i++)
+                ordinary_splat(c->params + i * GSCL_PARAMS);
+            for (int m = 0; m < 2; m++) {
+                run_case(contexts[m], c, &first);
+                run_case(contexts[m], c, &second);
+                for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
+                    assert_true(!is_used(c, i % GSCL_PARAMS) ||
+                                !memcmp(&first.gradient[i], &second.gradient[i], sizeof(float)));
+                assert_memory_equal(first.planes, second.planes, sizeof first.planes);
+                assert_true(first.loss == second.loss);
+            }
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_normalized),
+        cmocka_unit_test(test_alpha),
+        cmocka_unit_test(test_sum),
+        cmocka_unit_test(test_blurred_levels),
+        cmocka_unit_test(test_absolute_loss),
+        cmocka_unit_test(test_isotropic_splats_have_no_angle),
+        cmocka_unit_test(test_opaque_stacks_are_finite),
+        cmocka_unit_test(test_hard_scenes_are_finite),
+        cmocka_unit_test(test_clamped_alpha),
+        cmocka_unit_test(test_same_input_gives_the_same_bits),
+    };
+    return cmocka_run_group_tests(tests, open_contexts, close_contexts);
+}

@@ -1,0 +1,751 @@
+/* The public API: results, messages, ownership, determinism, budgets. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+
+#include "test_image.h"
+
+static gscl_context *context;
+
+static int open_context(void **state) {
+    (void)state;
+    return gscl_context_create(&context, NULL) == GSCL_OK ? 0 : -1;
+}
+
+static int close_context(void **state) {
+    (void)state;
+    gscl_context_free(&context);
+    return context ? -1 : 0;
+}
+
+/* ---- Helpers ---- */
+
+typedef struct {
+    uint8_t *bytes;
+    size_t size;
+} file;
+
+static gscl_encode_settings quick(gscl_target target, double value) {
+    gscl_encode_settings settings;
+    gscl_encode_settings_default(&settings);
+    settings.target = target;
+    settings.target_value = value;
+    settings.effort = 0;
+    return settings;
+}
+
+static void assert_result(gscl_result result, gscl_result expected) {
+    if (result != expected)
+        fail_msg("%s (%s); expected: %s", gscl_result_text(result), gscl_context_message(context),
+                 gscl_result_text(expected));
+}
+
+static file encode(const gscl_image *image, const gscl_encode_settings *settings) {
+    file f = {NULL, 0};
+    assert_result(gscl_encode(context, image, settings, &f.bytes, &f.size, NULL), GSCL_OK);
+    return f;
+}
+
+/* Encodes a synthetic picture into some splats. */
+static file encode_some(test_image_kind kind, uint32_t width, uint32_t height, uint32_t channels, double splats) {
+    gscl_image image = test_image(kind, width, height, channels, GSCL_SAMPLE_U8);
+    const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, splats);
+    const file f = encode(&image, &settings);
+    test_image_free(&image);
+    return f;
+}
+
+static gscl_image decode(const file *f, const gscl_decode_settings *settings) {
+    gscl_image image = {0};
+    assert_result(gscl_decode(context, f->bytes, f->size, settings, &image), GSCL_OK);
+    return image;
+}
+
+/* A failed encode leaves its out-parameters alone and says why. */
+static void refuse_encode(const gscl_image *image, const gscl_encode_settings *settings, gscl_result expected) {
+    file f = {NULL, 77};
+    assert_result(gscl_encode(context, image, settings, &f.bytes, &f.size, NULL), expected);
+    assert_null(f.bytes);
+    assert_int_equal(f.size, 77);
+    assert_true(gscl_context_message(context)[0] != '\0');
+}
+
+static gscl_result try_decode(const uint8_t *bytes, size_t size) {
+    gscl_image image = {0};
+    const gscl_result result = gscl_decode(context, bytes, size, NULL, &image);
+    if (result != GSCL_OK) {
+        assert_null(image.pixels);
+        assert_true(gscl_context_message(context)[0] != '\0');
+    }
+    gscl_free(image.pixels);
+    return result;
+}
+
+/* ---- Defaults, texts, devices ---- */
+
+static void test_defaults(void **state) {
+    (void)state;
+    gscl_encode_settings e;
+    gscl_decode_settings d;
+    gscl_context_settings c;
+    memset(&e, 0x55, sizeof e);
+    memset(&d, 0x55, sizeof d);
+    memset(&c, 0x55, sizeof c);
+    gscl_encode_settings_default(&e);
+    gscl_decode_settings_default(&d);
+    gscl_context_settings_default(&c);
+    assert_true(e.profile == GSCL_PROFILE_DEFAULT && e.blend == GSCL_BLEND_AUTO && e.loss == GSCL_LOSS_AUTO);
+    assert_true(e.target == GSCL_TARGET_BPP && e.target_value == 0.125);
+    assert_true(e.effort == 5 && e.codebook_size == 0 && e.seed == 1 && !e.progress);
+    assert_true(d.width == 0 && d.height == 0 && d.crop_x == 0 && d.crop_y == 0 && d.crop_width == 0);
+    assert_true(d.crop_height == 0 && d.sample == GSCL_SAMPLE_AUTO && !d.premultiplied);
+    assert_true(!c.device && c.mapping == GSCL_MAPPING_AUTO && !c.log);
+    gscl_free(NULL);
+    gscl_context *none = NULL;
+    gscl_context_free(&none);
+}
+
+static void test_texts(void **state) {
+    (void)state;
+    for (int i = -3; i < 60; i++)
+        assert_true(gscl_result_text((gscl_result)i) && gscl_result_text((gscl_result)i)[0]);
+    assert_string_equal(gscl_version(), GSCL_VERSION);
+    assert_string_equal(gscl_effect_name(GSCL_EFFECT_CHROMA), "chroma");
+    assert_null(gscl_effect_name((gscl_effect)3));
+}
+
+static gscl_result try_device(const char *device) {
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = device;
+    gscl_context *other = NULL;
+    const gscl_result result = gscl_context_create(&other, &settings);
+    if (result != GSCL_OK) {
+        assert_non_null(other);
+        assert_true(gscl_context_message(other)[0] != '\0');
+    }
+    gscl_context_free(&other);
+    assert_null(other);
+    return result;
+}
+
+static void test_devices(void **state) {
+    (void)state;
+    gscl_device_info *devices = NULL, own;
+    size_t count = 0, defaults = 0;
+    assert_int_equal(gscl_list_devices(&devices, &count), GSCL_OK);
+    gscl_context_device(context, &own);
+    for (size_t i = 0; i < count; i++) {
+        defaults += devices[i].is_default;
+        assert_true(devices[i].is_default == (devices[i].why_default[0] != '\0'));
+        if (devices[i].is_default)
+            assert_string_equal(devices[i].id, own.id);
+    }
+    assert_int_equal(defaults, 1);
+    assert_int_equal(try_device(own.id), GSCL_OK);
+    assert_int_equal(try_device("no such device"), GSCL_ERROR_UNKNOWN_DEVICE);
+    assert_int_equal(try_device("99.0"), GSCL_ERROR_UNKNOWN_DEVICE);
+    assert_int_equal(try_device("0.99"), GSCL_ERROR_UNKNOWN_DEVICE);
+    /* Several devices of one platform: its name is not enough. */
+    for (size_t i = 1; i < count; i++) {
+        if (!strcmp(devices[i].platform_name, devices[i - 1].platform_name))
+            assert_int_equal(try_device(devices[i].platform_name), GSCL_ERROR_AMBIGUOUS_DEVICE);
+    }
+    gscl_free(devices);
+    assert_int_equal(gscl_context_create(NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+}
+
+/* ---- Bad images and settings ---- */
+
+static void test_bad_images(void **state) {
+    (void)state;
+    const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, 10);
+    float pixels[4 * 4 * 3] = {0.5f, 0.25f};
+    const gscl_image good = {.width = 4, .height = 4, .channels = 3, .sample = GSCL_SAMPLE_F32, .pixels = pixels};
+    gscl_image bad = good;
+    bad.width = 0;
+    refuse_encode(&bad, &settings, GSCL_ERROR_IMAGE_SIZE);
+    bad = good;
+    bad.height = 0;
+    refuse_encode(&bad, &settings, GSCL_ERROR_IMAGE_SIZE);
+    bad.height = GSCL_MAX_DIMENSION + 1;
+    refuse_encode(&bad, &settings, GSCL_ERROR_IMAGE_SIZE);
+    bad = good;
+    bad.pixels = NULL;
+    refuse_encode(&bad, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    refuse_encode(NULL, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    for (uint32_t channels = 0; channels <= 5; channels += 5) {
+        bad = good;
+        bad.channels = channels;
+        refuse_encode(&bad, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    }
+    bad = good;
+    bad.sample = GSCL_SAMPLE_AUTO;
+    refuse_encode(&bad, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    bad.sample = (gscl_sample)9;
+    refuse_encode(&bad, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    bad = good;
+    bad.stride = 4 * 3 * sizeof(float) - 1;
+    refuse_encode(&bad, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    const float wrong[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        pixels[47] = wrong[i];
+        refuse_encode(&good, &settings, GSCL_ERROR_IMAGE_NOT_FINITE);
+    }
+}
+
+static void test_null_arguments(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
+    const file f = encode_some(TEST_SHAPES, 16, 16, 3, 4);
+    uint8_t *bytes = NULL;
+    size_t size = 0, count = 0;
+    gscl_info info;
+    gscl_splat *splats = NULL;
+    assert_int_equal(gscl_encode(NULL, &image, NULL, &bytes, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_encode(context, &image, NULL, NULL, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_encode(context, &image, NULL, &bytes, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_decode(NULL, f.bytes, f.size, NULL, &image), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_decode(context, NULL, f.size, NULL, &image), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_decode(context, f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_probe(NULL, 9, &info), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_probe(f.bytes, f.size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_inspect(f.bytes, f.size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_read_splats(f.bytes, f.size, NULL, &count), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_read_splats(f.bytes, f.size, &splats, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_free(f.bytes);
+    test_image_free(&image);
+}
+
+static void test_bad_settings(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
+    const double values[] = {-1.0, NAN, INFINITY};
+    for (int i = 0; i < 3; i++) {
+        for (int target = GSCL_TARGET_BPP; target <= GSCL_TARGET_SPLATS; target++) {
+            const gscl_encode_settings s = quick((gscl_target)target, values[i]);
+            refuse_encode(&image, &s, GSCL_ERROR_INVALID_ARGUMENT);
+        }
+    }
+    const gscl_encode_settings many = quick(GSCL_TARGET_SPLATS, GSCL_MAX_SPLATS + 1.0);
+    refuse_encode(&image, &many, GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_encode_settings bad[8];
+    for (int i = 0; i < 8; i++)
+        bad[i] = quick(GSCL_TARGET_SPLATS, 4);
+    bad[0].effort = -1;
+    bad[1].effort = GSCL_MAX_EFFORT + 1;
+    bad[2].profile = (gscl_profile)2;
+    bad[3].blend = (gscl_blend)4;
+    bad[4].loss = (gscl_loss)4;
+    bad[5].target = (gscl_target)4;
+    bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
+    bad[6].codebook_size = 1;
+    bad[7].codebook_size = 1025;
+    for (int i = 0; i < 8; i++)
+        refuse_encode(&image, &bad[i], GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_encode_settings conflict = quick(GSCL_TARGET_SPLATS, 4);
+    conflict.codebook_size = 16;
+    refuse_encode(&image, &conflict, GSCL_ERROR_CONFLICT);
+    conflict = quick(GSCL_TARGET_SPLATS, 4);
+    conflict.profile = GSCL_PROFILE_PAPER;
+    conflict.blend = GSCL_BLEND_SUM;
+    refuse_encode(&image, &conflict, GSCL_ERROR_CONFLICT);
+    test_image_free(&image);
+}
+
+/* ---- Bad files ---- */
+
+static void test_not_gscl(void **state) {
+    (void)state;
+    static const uint8_t png[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
+    const file f = encode_some(TEST_SHAPES, 16, 16, 3, 4);
+    assert_result(try_decode(png, sizeof png), GSCL_ERROR_NOT_GSCL);
+    assert_result(try_decode(png, 0), GSCL_ERROR_NOT_GSCL);
+    f.bytes[3] = 2;
+    assert_result(try_decode(f.bytes, f.size), GSCL_ERROR_NEWER_VERSION);
+    f.bytes[3] = 0;
+    assert_result(try_decode(f.bytes, f.size), GSCL_ERROR_NOT_GSCL);
+    gscl_free(f.bytes);
+}
+
+static void test_every_truncation(void **state) {
+    (void)state;
+    const file f = encode_some(TEST_SHAPES, 40, 30, 3, 25);
+    size_t damaged = 0;
+    for (size_t size = 0; size < f.size; size++) {
+        /* An exact copy, so that tools see every read behind its end. */
+        uint8_t *cut = malloc(size ? size : 1);
+        assert_non_null(cut);
+        memcpy(cut, f.bytes, size);
+        const gscl_result result = try_decode(cut, size);
+        /* A cut payload may decode to something shorter: then it is just damaged. */
+        damaged += result == GSCL_ERROR_DAMAGED;
+        if (result != GSCL_ERROR_DAMAGED)
+            assert_result(result, size < 4 ? GSCL_ERROR_NOT_GSCL : GSCL_ERROR_TRUNCATED);
+        free(cut);
+    }
+    assert_true(damaged <= f.size / 10);
+    gscl_free(f.bytes);
+}
+
+static void test_every_flipped_byte(void **state) {
+    (void)state;
+    const file f = encode_some(TEST_SHAPES, 40, 30, 4, 20);
+    for (size_t i = 0; i < f.size; i++) {
+        for (int change = 1; change < 256; change += i < 12 ? 1 : 23) {
+            f.bytes[i] ^= (uint8_t)change;
+            const gscl_result result = try_decode(f.bytes, f.size);
+            if (result < GSCL_ERROR_NOT_GSCL || result > GSCL_ERROR_CORRUPT)
+                fail_msg("byte %zu changed by %d: %s", i, change, gscl_result_text(result));
+            f.bytes[i] ^= (uint8_t)change;
+        }
+    }
+    assert_result(try_decode(f.bytes, f.size), GSCL_OK);
+    gscl_free(f.bytes);
+}
+
+/* ---- Budgets ---- */
+
+/* The last number in the message. */
+static size_t number_in_message(void) {
+    const char *text = gscl_context_message(context);
+    size_t last = 0;
+    while (*text) {
+        char *end;
+        const unsigned long value = strtoul(text, &end, 10);
+        if (end == text)
+            end++;
+        else
+            last = value;
+        text = end;
+    }
+    return last;
+}
+
+static void check_smallest_budget(test_image_kind kind, uint32_t channels, gscl_sample sample) {
+    gscl_image image = test_image(kind, 30, 20, channels, sample);
+    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 1);
+    refuse_encode(&image, &settings, GSCL_ERROR_BUDGET_TOO_SMALL);
+    const size_t smallest = number_in_message();
+    assert_in_range(smallest, 10, 30);
+    settings.target_value = (double)smallest - 1.0;
+    refuse_encode(&image, &settings, GSCL_ERROR_BUDGET_TOO_SMALL);
+    settings.target_value = (double)smallest;
+    const file f = encode(&image, &settings);
+    assert_true(f.size <= smallest);
+    assert_result(try_decode(f.bytes, f.size), GSCL_OK);
+    gscl_free(f.bytes);
+    test_image_free(&image);
+}
+
+static void test_smallest_budget(void **state) {
+    (void)state;
+    for (uint32_t channels = 1; channels <= 4; channels++) {
+        check_smallest_budget(TEST_SHAPES, channels, GSCL_SAMPLE_U8);
+        check_smallest_budget(TEST_NOISE, channels, GSCL_SAMPLE_U16);
+        check_smallest_budget(TEST_FLAT, channels, GSCL_SAMPLE_U8);
+    }
+}
+
+/* Sizes of the files for a budget: never above it. */
+static size_t encode_within(const gscl_image *image, size_t budget) {
+    const gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, (double)budget);
+    gscl_encode_report report;
+    file f = {NULL, 0};
+    assert_result(gscl_encode(context, image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
+    assert_int_equal(report.bytes, f.size);
+    if (f.size > budget)
+        fail_msg("%zu bytes for a budget of %zu", f.size, budget);
+    assert_result(try_decode(f.bytes, f.size), GSCL_OK);
+    gscl_free(f.bytes);
+    return f.size;
+}
+
+static void test_tiny_budgets(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_SHAPES, 33, 29, 3, GSCL_SAMPLE_U8);
+    for (size_t budget = 20; budget < 80; budget += 4)
+        (void)encode_within(&image, budget);
+    test_image_free(&image);
+    gscl_image icon = test_image(TEST_SHAPES, 64, 64, 3, GSCL_SAMPLE_U8);
+    (void)encode_within(&icon, 48);
+    test_image_free(&icon);
+}
+
+static void test_budgets_are_used(void **state) {
+    (void)state;
+    static const size_t budgets[] = {150, 300, 777, 1500};
+    gscl_image image = test_image(TEST_BUSY, 120, 100, 3, GSCL_SAMPLE_U8);
+    for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
+        const size_t size = encode_within(&image, budgets[i]);
+        if ((double)size < 0.97 * (double)budgets[i])
+            fail_msg("only %zu bytes of a budget of %zu", size, budgets[i]);
+    }
+    test_image_free(&image);
+}
+
+static void test_bits_per_pixel(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_BUSY, 80, 70, 3, GSCL_SAMPLE_U8);
+    const gscl_encode_settings settings = quick(GSCL_TARGET_BPP, 0.6);
+    const file f = encode(&image, &settings);
+    assert_in_range(f.size, 0.97 * 0.6 * 80 * 70 / 8, 0.6 * 80 * 70 / 8);
+    gscl_free(f.bytes);
+    test_image_free(&image);
+}
+
+static void test_psnr(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_BUSY, 160, 90, 3, GSCL_SAMPLE_U8);
+    gscl_encode_settings settings = quick(GSCL_TARGET_PSNR, 22.0);
+    gscl_encode_report report;
+    file f = {NULL, 0};
+    assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
+    if (report.psnr < 22.0 || report.psnr > 22.3)
+        fail_msg("22 to 22.3 dB wanted, got %g", report.psnr);
+    gscl_image decoded = decode(&f, NULL);
+    gscl_comparison comparison;
+    assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
+    assert_true(fabs(comparison.psnr - report.psnr) < 1e-6);
+    gscl_free(decoded.pixels);
+    gscl_free(f.bytes);
+    test_image_free(&image);
+    image = test_image(TEST_NOISE, 16, 16, 3, GSCL_SAMPLE_U8);
+    settings.target_value = 90.0;
+    refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
+    test_image_free(&image);
+}
+
+/* ---- Flat and long pictures ---- */
+
+static void test_flat_pictures(void **state) {
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {50, 40}, {16384, 2}};
+    for (int i = 0; i < 24; i++) {
+        const gscl_sample sample = i / 12 ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
+        gscl_image image = test_image(TEST_FLAT, sizes[i % 3][0], sizes[i % 3][1], 1 + (uint32_t)(i / 3 % 4), sample);
+        const gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 24);
+        const file f = encode(&image, &settings);
+        assert_in_range(f.size, 1, 24);
+        gscl_image decoded = decode(&f, NULL);
+        assert_int_equal(decoded.channels, image.channels);
+        assert_int_equal(decoded.sample, image.sample);
+        /* Colours are kept multiplied by alpha: where that is below 1 they may be a step away. */
+        const double step = image.channels % 2 ? 0.0 : 1.01 / (i / 12 ? 65535.0 : 255.0);
+        for (size_t s = 0; s < test_sample_count(&image); s++) {
+            const bool is_alpha = s % image.channels == image.channels - 1;
+            assert_true(fabs(test_sample(&decoded, s) - test_sample(&image, s)) <= (is_alpha ? 0.0 : step));
+        }
+        gscl_free(decoded.pixels);
+        gscl_free(f.bytes);
+        test_image_free(&image);
+    }
+}
+
+static void test_long_pictures(void **state) {
+    (void)state;
+    for (int tall = 0; tall < 2; tall++) {
+        const uint32_t width = tall ? 1 : GSCL_MAX_DIMENSION, height = tall ? GSCL_MAX_DIMENSION : 1;
+        const file f = encode_some(TEST_GRADIENT, width, height, 3, 20);
+        gscl_image image = test_image(TEST_GRADIENT, width, height, 3, GSCL_SAMPLE_U8), decoded = decode(&f, NULL);
+        gscl_comparison comparison;
+        assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
+        if (!(comparison.psnr > 18.0))
+            fail_msg("%ux%u: %g dB", width, height, comparison.psnr);
+        gscl_free(decoded.pixels);
+        gscl_free(f.bytes);
+        test_image_free(&image);
+    }
+}
+
+/* ---- Progress, determinism ---- */
+
+typedef struct {
+    int calls, allowed;
+    double last;
+} watch;
+
+static bool on_progress(void *opaque, const gscl_progress *progress) {
+    watch *w = opaque;
+    assert_true(progress->fraction >= w->last && progress->fraction <= 1.0);
+    assert_true(progress->elapsed_s >= 0.0 && progress->left_s >= 0.0);
+    w->last = progress->fraction;
+    return w->calls++ < w->allowed;
+}
+
+static void test_progress_and_cancel(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_BUSY, 64, 64, 3, GSCL_SAMPLE_U8);
+    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 300);
+    watch w = {0, 1000000, 0.0};
+    settings.progress = on_progress;
+    settings.progress_opaque = &w;
+    file f = encode(&image, &settings);
+    gscl_free(f.bytes);
+    const int calls = w.calls;
+    assert_true(calls > 1);
+    for (int allowed = 0; allowed < calls; allowed += 1 + calls / 3) {
+        w = (watch){0, allowed, 0.0};
+        refuse_encode(&image, &settings, GSCL_ERROR_CANCELLED);
+        assert_int_equal(w.calls, allowed + 1);
+    }
+    settings.progress = NULL;
+    f = encode(&image, &settings);
+    gscl_free(f.bytes);
+    test_image_free(&image);
+}
+
+static void test_same_bytes_every_time(void **state) {
+    (void)state;
+    gscl_image image = test_image(TEST_BUSY, 70, 50, 3, GSCL_SAMPLE_U8);
+    gscl_context *fresh = NULL, *shared = context;
+    for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
+        gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 400);
+        settings.blend = blend;
+        const file first = encode(&image, &settings);
+        const file other = encode_some(TEST_SHAPES, 40, 90, 3, 40);
+        const file second = encode(&image, &settings);
+        assert_int_equal(gscl_context_create(&fresh, NULL), GSCL_OK);
+        context = fresh;
+        const file third = encode(&image, &settings);
+        context = shared;
+        gscl_context_free(&fresh);
+        assert_true(first.size == second.size && !memcmp(first.bytes, second.bytes, first.size));
+        assert_true(first.size == third.size && !memcmp(first.bytes, third.bytes, first.size));
+        gscl_free(first.bytes);
+        gscl_free(other.bytes);
+        gscl_free(second.bytes);
+        gscl_free(third.bytes);
+    }
+    test_image_free(&image);
+}
+
+/* ---- Decoding ---- */
+
+static void test_decode_into_callers_memory(void **state) {
+    (void)state;
+    enum { STRIDE = 37 * 3 + 11 };
+    const file f = encode_some(TEST_SHAPES, 37, 21, 3, 12);
+    gscl_image whole = decode(&f, NULL);
+    uint8_t memory[STRIDE * 21];
+    memset(memory, 0xA7, sizeof memory);
+    gscl_image mine = {
+        .width = 37, .height = 21, .channels = 3, .sample = GSCL_SAMPLE_U8, .stride = STRIDE, .pixels = memory};
+    assert_result(gscl_decode(context, f.bytes, f.size, NULL, &mine), GSCL_OK);
+    assert_true(mine.pixels == memory && mine.stride == STRIDE);
+    for (int y = 0; y < 21; y++) {
+        assert_memory_equal(memory + y * STRIDE, (uint8_t *)whole.pixels + y * 37 * 3, 37 * 3);
+        for (int x = 37 * 3; x < STRIDE; x++)
+            assert_int_equal(memory[y * STRIDE + x], 0xA7);
+    }
+    const gscl_image good = mine;
+    mine.width = 36;
+    assert_result(gscl_decode(context, f.bytes, f.size, NULL, &mine), GSCL_ERROR_INVALID_ARGUMENT);
+    mine = good;
+    mine.sample = GSCL_SAMPLE_U16;
+    assert_result(gscl_decode(context, f.bytes, f.size, NULL, &mine), GSCL_ERROR_INVALID_ARGUMENT);
+    mine = good;
+    mine.channels = 4;
+    assert_result(gscl_decode(context, f.bytes, f.size, NULL, &mine), GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_free(whole.pixels);
+    gscl_free(f.bytes);
+}
+
+static void test_decode_into_rows_that_are_too_short(void **state) {
+    (void)state;
+    uint8_t memory[8 * 3 * 8];
+    const file f = encode_some(TEST_SHAPES, 8, 8, 3, 2);
+    gscl_image mine = {
+        .width = 8, .height = 8, .channels = 3, .sample = GSCL_SAMPLE_U8, .stride = 8 * 3 - 1, .pixels = memory};
+    assert_result(gscl_decode(context, f.bytes, f.size, NULL, &mine), GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_free(f.bytes);
+}
+
+/* Every crop shows the same as that part of the whole. */
+static void check_crops(const file *f, gscl_decode_settings settings) {
+    static const uint32_t crops[][4] = {{0, 0, 1, 1}, {16, 16, 16, 16}, {5, 9, 30, 20}, {47, 0, 3, 40}, {49, 39, 1, 1}};
+    gscl_image whole = decode(f, &settings);
+    for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
+        const uint32_t *c = crops[i];
+        settings.crop_x = c[0];
+        settings.crop_y = c[1];
+        settings.crop_width = c[2];
+        settings.crop_height = c[3];
+        gscl_image part = decode(f, &settings);
+        assert_int_equal(part.width, c[2]);
+        assert_int_equal(part.height, c[3]);
+        for (uint32_t y = 0; y < c[3]; y++) {
+            const uint8_t *row = (uint8_t *)whole.pixels + ((c[1] + y) * whole.width + c[0]) * 3;
+            for (uint32_t x = 0; x < c[2] * 3; x++) /* a splat's place in its frame is rounded differently */
+                assert_in_range(((uint8_t *)part.pixels)[y * c[2] * 3 + x] + 1, row[x], row[x] + 2);
+        }
+        gscl_free(part.pixels);
+    }
+    gscl_free(whole.pixels);
+}
+
+static void test_crops(void **state) {
+    (void)state;
+    const file f = encode_some(TEST_BUSY, 50, 40, 3, 60);
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    check_crops(&f, settings);
+    settings.width = 111;
+    settings.height = 63;
+    check_crops(&f, settings);
+    gscl_decode_settings_default(&settings);
+    settings.crop_x = 40;
+    settings.crop_width = 11;
+    gscl_image image = {0};
+    assert_result(gscl_decode(context, f.bytes, f.size, &settings, &image), GSCL_ERROR_INVALID_ARGUMENT);
+    settings.crop_x = UINT32_MAX;
+    settings.crop_width = 2;
+    assert_result(gscl_decode(context, f.bytes, f.size, &settings, &image), GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_free(f.bytes);
+}
+
+static double mean_of(const gscl_image *image) {
+    double sum = 0.0;
+    for (size_t i = 0; i < test_sample_count(image); i++)
+        sum += test_sample(image, i);
+    return sum / (double)test_sample_count(image);
+}
+
+static void test_sizes(void **state) {
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {25, 20}, {100, 80}, {50, 40}, {7, 200}, {16384, 1}};
+    const file f = encode_some(TEST_GRADIENT, 50, 40, 3, 20);
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    gscl_image whole = decode(&f, NULL), image = {0};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        settings.width = sizes[i][0];
+        settings.height = sizes[i][1];
+        gscl_image scaled = decode(&f, &settings);
+        assert_int_equal(scaled.width, sizes[i][0]);
+        assert_int_equal(scaled.height, sizes[i][1]);
+        assert_true(fabs(mean_of(&scaled) - mean_of(&whole)) < 0.05);
+        gscl_free(scaled.pixels);
+    }
+    settings.height = 0;
+    assert_result(gscl_decode(context, f.bytes, f.size, &settings, &image), GSCL_ERROR_INVALID_ARGUMENT);
+    settings.width = settings.height = GSCL_MAX_DIMENSION + 1;
+    assert_result(gscl_decode(context, f.bytes, f.size, &settings, &image), GSCL_ERROR_IMAGE_SIZE);
+    gscl_free(whole.pixels);
+    gscl_free(f.bytes);
+}
+
+static void test_sample_types(void **state) {
+    (void)state;
+    static const gscl_sample samples[] = {GSCL_SAMPLE_U8, GSCL_SAMPLE_U16, GSCL_SAMPLE_F32};
+    const file f = encode_some(TEST_SHAPES, 33, 22, 4, 20);
+    for (int premultiplied = 0; premultiplied < 2; premultiplied++) {
+        gscl_image images[3];
+        for (int i = 0; i < 3; i++) {
+            gscl_decode_settings settings;
+            gscl_decode_settings_default(&settings);
+            settings.sample = samples[i];
+            settings.premultiplied = premultiplied;
+            images[i] = decode(&f, &settings);
+            assert_true(images[i].sample == samples[i] && images[i].premultiplied == premultiplied);
+        }
+        for (size_t i = 0; i < test_sample_count(&images[0]); i++) {
+            const double exact = test_sample(&images[2], i);
+            assert_true(exact >= 0.0 && exact <= 1.0);
+            assert_true(fabs(test_sample(&images[0], i) - exact) <= 0.501 / 255.0);
+            assert_true(fabs(test_sample(&images[1], i) - exact) <= 0.51 / 65535.0);
+            if (premultiplied)
+                assert_true(exact <= test_sample(&images[2], i / 4 * 4 + 3));
+        }
+        for (int i = 0; i < 3; i++)
+            gscl_free(images[i].pixels);
+    }
+    gscl_free(f.bytes);
+}
+
+/* ---- Looking into files ---- */
+
+static void check_info(const file *f, uint32_t channels, uint32_t splats) {
+    gscl_info probe, inspect;
+    gscl_splat *list = NULL;
+    size_t count = 0;
+    assert_int_equal(gscl_probe(f->bytes, f->size, &probe), GSCL_OK);
+    assert_int_equal(gscl_inspect(f->bytes, f->size, &inspect), GSCL_OK);
+    assert_int_equal(gscl_read_splats(f->bytes, f->size, &list, &count), GSCL_OK);
+    assert_true(probe.format_version == 1 && inspect.format_version == 1);
+    assert_true(probe.width == 41 && probe.height == 26 && inspect.width == 41 && inspect.height == 26);
+    assert_true(probe.channels == channels && inspect.channels == channels);
+    assert_true(probe.sample == inspect.sample && probe.blend == inspect.blend && probe.profile == inspect.profile);
+    assert_true(probe.effects == inspect.effects && probe.bytes == f->size && inspect.bytes == f->size);
+    assert_true(probe.splats == count && inspect.splats == count && count <= splats);
+    assert_true(!(probe.effects & GSCL_EFFECT_CHROMA) == (channels < 3));
+    assert_true(!(probe.effects & GSCL_EFFECT_ALPHA_CHANNEL) == (channels % 2 == 1));
+    assert_int_equal(probe.stream_count, 0);
+    double bits = 0.0;
+    for (size_t i = 0; i < inspect.stream_count; i++) {
+        assert_true(inspect.streams[i].name && inspect.streams[i].bits > 0.0);
+        bits += inspect.streams[i].bits;
+    }
+    assert_true(fabs(bits - 8.0 * (double)f->size) < 1e-6);
+    for (size_t i = 0; i < count; i++) {
+        assert_true(list[i].sigma1 > 0.0f && list[i].sigma2 > 0.0f && list[i].opacity > 0.0f &&
+                    list[i].opacity <= 1.0f);
+        assert_true(list[i].theta >= 0.0f && list[i].theta < 3.1416f);
+        if (channels < 3)
+            assert_true(list[i].colour[0] == list[i].colour[1] && list[i].colour[0] == list[i].colour[2]);
+        if (channels % 2 == 1)
+            assert_true(list[i].colour[3] == 1.0f);
+    }
+    gscl_free(list);
+}
+
+static void test_looking_into_files(void **state) {
+    (void)state;
+    for (uint32_t channels = 1; channels <= 4; channels++) {
+        for (uint32_t splats = 0; splats <= 30; splats += 15) {
+            const file f = encode_some(TEST_SHAPES, 41, 26, channels, splats);
+            if (splats > 0)
+                check_info(&f, channels, splats);
+            assert_result(try_decode(f.bytes, f.size), GSCL_OK);
+            gscl_free(f.bytes);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_devices),
+        cmocka_unit_test(test_bad_images),
+        cmocka_unit_test(test_null_arguments),
+        cmocka_unit_test(test_bad_settings),
+        cmocka_unit_test(test_not_gscl),
+        cmocka_unit_test(test_every_truncation),
+        cmocka_unit_test(test_every_flipped_byte),
+        cmocka_unit_test(test_smallest_budget),
+        cmocka_unit_test(test_tiny_budgets),
+        cmocka_unit_test(test_budgets_are_used),
+        cmocka_unit_test(test_bits_per_pixel),
+        cmocka_unit_test(test_psnr),
+        cmocka_unit_test(test_flat_pictures),
+        cmocka_unit_test(test_long_pictures),
+        cmocka_unit_test(test_progress_and_cancel),
+        cmocka_unit_test(test_same_bytes_every_time),
+        cmocka_unit_test(test_decode_into_callers_memory),
+        cmocka_unit_test(test_decode_into_rows_that_are_too_short),
+        cmocka_unit_test(test_crops),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_sample_types),
+        cmocka_unit_test(test_looking_into_files),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
