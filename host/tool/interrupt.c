@@ -1,53 +1,83 @@
-#define _DEFAULT_SOURCE /* sigaction, PATH_MAX */
+#define _DEFAULT_SOURCE /* sigaction, mkstemp, PATH_MAX */
 #include "interrupt.h"
 
 #include <limits.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 #include <unistd.h>
 
-/* Signal handlers see nothing but global state. */
-static char guarded_path[PATH_MAX];
-static volatile sig_atomic_t has_guarded;
-static volatile sig_atomic_t is_patient;
-static volatile sig_atomic_t pending;
+/* Signals are blocked in every thread and fetched by one of our own: compilers inside OpenCL drivers install signal
+ * handlers while they work, which would else end the program in their own way. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all below */
+static sigset_t waited;
+static char guarded_path[PATH_MAX]; /* empty: none */
+static bool is_patient;
+static int pending;
 
-static void handle_signal(int number) {
-    if (is_patient && pending == 0 && number != SIGPIPE) {
+static void handle(int number) {
+    pthread_mutex_lock(&lock);
+    if (is_patient && pending == 0) {
         pending = number;
+        pthread_mutex_unlock(&lock);
         return;
     }
-    if (has_guarded)
+    if (guarded_path[0])
         unlink(guarded_path);
-    _exit(128 + number);
+    _exit(128 + number); /* still locked: nobody opens another file */
+}
+
+static void *wait_for_signals(void *unused) {
+    int number;
+    while (sigwait(&waited, &number) == 0)
+        handle(number);
+    return unused;
 }
 
 void interrupt_install(void) {
-    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
-    struct sigaction action = {.sa_handler = handle_signal, .sa_flags = SA_RESTART};
-    sigemptyset(&action.sa_mask);
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    pthread_t thread;
+    sigemptyset(&waited);
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         struct sigaction before;
         /* What the parent (nohup, a shell's background job) wants ignored stays ignored. */
         if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(signals[i], &action, NULL);
+            sigaddset(&waited, signals[i]);
     }
+    pthread_sigmask(SIG_BLOCK, &waited, NULL);
+    if (pthread_create(&thread, NULL, wait_for_signals, NULL) == 0)
+        pthread_detach(thread);
+    else
+        pthread_sigmask(SIG_UNBLOCK, &waited, NULL);
+    signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
 
-void interrupt_guard(const char *path) {
-    has_guarded = 0;
-    if (path) {
-        snprintf(guarded_path, sizeof guarded_path, "%s", path);
-        has_guarded = 1;
-    }
+int interrupt_make_guarded(char *pattern) {
+    pthread_mutex_lock(&lock);
+    const int file = mkstemp(pattern);
+    if (file >= 0)
+        snprintf(guarded_path, sizeof guarded_path, "%s", pattern);
+    pthread_mutex_unlock(&lock);
+    return file;
+}
+
+void interrupt_release_guarded(void) {
+    pthread_mutex_lock(&lock);
+    guarded_path[0] = '\0';
+    pthread_mutex_unlock(&lock);
 }
 
 void interrupt_set_patient(bool patient) {
+    pthread_mutex_lock(&lock);
     is_patient = patient;
+    pthread_mutex_unlock(&lock);
 }
 
 int interrupt_pending(void) {
-    return pending;
+    pthread_mutex_lock(&lock);
+    const int number = pending;
+    pthread_mutex_unlock(&lock);
+    return number;
 }

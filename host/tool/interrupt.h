@@ -4,15 +4,19 @@
 
 #include <stdbool.h>
 
-/* From here on SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the guarded file and end the program with
- * 128 + signal; a file that grows beyond the process's limit is an error of the write. */
+/* From here on SIGINT, SIGTERM and SIGHUP remove the guarded file and end the program with 128 + signal; a closed
+ * pipe, and a file that grows beyond the process's limit, are errors of the write.  To be called before any other
+ * thread starts. */
 void interrupt_install(void);
 
-/* The unfinished file that a signal removes; NULL: none (any more).  The text is copied. */
-void interrupt_guard(const char *path);
+/* Makes and opens a temporary file as mkstemp() does, which a signal removes from then on. */
+int interrupt_make_guarded(char *pattern);
+
+/* The file is finished, or gone: nothing is guarded any more. */
+void interrupt_release_guarded(void);
 
 /* While patient, the first signal is only noted, for a long computation to see and wind up by itself;
- * a second one (and SIGPIPE) ends the program at once. */
+ * a second one ends the program at once. */
 void interrupt_set_patient(bool patient);
 
 /* The signal noted so far, or 0. */

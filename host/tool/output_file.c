@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE /* mkstemp, realpath */
+#define _DEFAULT_SOURCE /* realpath, fchmod */
 #include "output_file.h"
 
 #include <errno.h>
@@ -54,13 +54,12 @@ static bool open_temporary(output_file *output, const struct stat *existing) {
     output->temporary = temporary_name(output->target);
     if (!output->temporary)
         return false;
-    const int file = mkstemp(output->temporary);
+    const int file = interrupt_make_guarded(output->temporary);
     if (file < 0) {
         free(output->temporary);
         output->temporary = NULL;
         return false;
     }
-    interrupt_guard(output->temporary);
     fchmod(file, target_mode(existing));
     output->stream = fdopen(file, "wb");
     if (!output->stream)
@@ -120,7 +119,7 @@ static void close_stream(output_file *output) {
 }
 
 static void release(output_file *output) {
-    interrupt_guard(NULL);
+    interrupt_release_guarded();
     free(output->temporary);
     free(output->target);
     output->temporary = output->target = NULL;

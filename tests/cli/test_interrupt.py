@@ -2,6 +2,7 @@
 import os
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 
@@ -19,17 +20,12 @@ class Interrupt(ToolTest):
     def setUp(self):
         super().setUp()
         self.write_png("in.png", scene(320, 240))
-        # Builds the kernels: a compiler inside the process has signal handlers of its own while it works.
-        self.write_png("warm.png", scene(64, 48))
-        self.gscl("encode", "warm.png", "-o", "warm.gscl", "--effort", "9", "--bpp", "1")
-        self.path("warm.png").unlink()
-        self.path("warm.gscl").unlink()
 
-    def start_encoding(self, *arguments):
+    def start_encoding(self, *arguments, env=None):
         """An encode that takes long, once it has opened its output."""
         process = subprocess.Popen([GSCL, "encode", "in.png", "--effort", "9", "--bpp", "1", *arguments],
                                    cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   preexec_fn=obey_signals)
+                                   env={**os.environ, **(env or {})}, preexec_fn=obey_signals)
         self.addCleanup(process.kill)
         deadline = time.monotonic() + TIMEOUT
         while not any(name.startswith(".gscl-") for name in os.listdir(self.folder)):
@@ -75,6 +71,25 @@ class Interrupt(ToolTest):
         process.send_signal(signal.SIGINT)
         self.ends(process, 130)
         self.assertEqual(self.files(), ["in.png"])
+
+    def test_signals_while_kernels_are_built(self):
+        """A compiler inside the process has signal handlers of its own while it works."""
+        for delay in (0, 0.1, 0.3):
+            with self.subTest(delay=delay), tempfile.TemporaryDirectory(prefix="gscl-test-cache-") as cache:
+                process = self.start_encoding(env={"POCL_CACHE_DIR": cache})
+                time.sleep(delay)
+                process.send_signal(signal.SIGINT)
+                process.send_signal(signal.SIGINT)
+                self.ends(process, 130)
+                self.assertEqual(self.files(), ["in.png"])
+
+    def test_closed_pipe_leaves_nothing(self):
+        """Whoever reads the progress may go away: the encode goes on, or fails, but leaves no partial file."""
+        process = self.start_encoding("--json", "-o", "out.gscl", "--effort", "0")
+        process.stdout.close()
+        process.stderr.close()
+        process.wait(timeout=TIMEOUT)
+        self.assertIn(self.files(), (["in.png"], ["in.png", "out.gscl"]))
 
     def test_ignored_signal_stays_ignored(self):
         """As nohup and shells' background jobs want it."""
