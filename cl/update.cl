@@ -101,7 +101,8 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
     slots_gather(sums, (uint)i, boxes[i], seen.tiles_x, entries, tile_ranges, slots);
     splat s = splat_quantise(splat_load(params + (size_t)i * GSCL_PARAMS), steps);
     gradient_from_sums(gradient, sums, s, drawn + (size_t)i * GSCL_DRAWN, seen);
-    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) gradients[(size_t)i * GSCL_PARAMS + k] = gradient[k];
+    for (int k = 0; k < GSCL_PARAMS; k++)
+        gradients[(size_t)i * GSCL_PARAMS + k] = k < GSCL_COLOUR + CHANNELS ? gradient[k] : 0.0f;
 }
 
 /* One step of Adam from the gradients, then the projection of the (quantised) result. */

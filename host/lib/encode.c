@@ -9,11 +9,12 @@
 #include "quantise.h"
 
 #define FIT_PIXELS (1u << 24) /* larger images are fitted at a smaller level; the splats draw at any size */
+#define AUTO_BPP 0.125        /* GSCL_TARGET_AUTO: this many bits per pixel, */
+#define AUTO_BYTES 256.0      /* but at least so many bytes */
 
 void gscl_encode_settings_default(gscl_encode_settings *settings) {
     if (settings)
-        *settings = (gscl_encode_settings){
-            .target = GSCL_TARGET_BPP, .target_value = 0.125, .effort = GSCL_DEFAULT_EFFORT, .seed = 1};
+        *settings = (gscl_encode_settings){.effort = GSCL_DEFAULT_EFFORT, .seed = 1};
 }
 
 static gscl_result check_settings(gscl_context *context, const gscl_encode_settings *s) {
@@ -144,9 +145,11 @@ static gscl_result check_budget(gscl_encoder *e, double budget) {
 }
 
 static gscl_result encode_to_bytes(gscl_encoder *e) {
+    const gscl_encode_settings *s = &e->settings;
     double pixels = (double)e->image->width * e->image->height;
-    double budget =
-        e->settings.target == GSCL_TARGET_BYTES ? e->settings.target_value : e->settings.target_value * pixels / 8;
+    double budget = s->target == GSCL_TARGET_AUTO    ? fmax(AUTO_BPP * pixels / 8, AUTO_BYTES)
+                    : s->target == GSCL_TARGET_BYTES ? s->target_value
+                                                     : s->target_value * pixels / 8;
     GSCL_TRY(check_budget(e, budget));
     if (e->content.flat)
         return GSCL_OK;
@@ -155,6 +158,7 @@ static gscl_result encode_to_bytes(gscl_encoder *e) {
 
 static gscl_result encode_target(gscl_encoder *e) {
     switch (e->settings.target) {
+    case GSCL_TARGET_AUTO:
     case GSCL_TARGET_BPP:
     case GSCL_TARGET_BYTES:
         return encode_to_bytes(e);

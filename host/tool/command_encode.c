@@ -173,7 +173,6 @@ static void fill_settings(encode_options *encode) {
     settings->effort = (int)encode->effort;
     settings->codebook_size = (uint32_t)encode->codebook;
     settings->seed = encode->seed;
-    encode->batch.default_target = !encode->has_bytes && !encode->has_bpp && !encode->has_psnr && !encode->has_splats;
     if (encode->has_bytes) {
         settings->target = GSCL_TARGET_BYTES;
         settings->target_value = (double)encode->bytes;

@@ -113,22 +113,11 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_close_object(json);
 }
 
-/* The batch's settings, with the target for this image. */
-static gscl_encode_settings settings_for(const encode_batch *batch, const gscl_image *image) {
-    gscl_encode_settings settings = batch->settings;
-    const double bytes = settings.target_value * image->width * image->height / 8.0;
-    if (batch->default_target && bytes < MIN_DEFAULT_BYTES) {
-        settings.target = GSCL_TARGET_BYTES;
-        settings.target_value = MIN_DEFAULT_BYTES;
-    }
-    return settings;
-}
-
 /* Encodes with a progress line; the signal handler leaves winding up to the library meanwhile. */
 static gscl_result encode_image(batch_state *state, const char *input, const gscl_image *image, uint8_t **bytes,
                                 size_t *size, gscl_encode_report *report) {
     const encode_batch *batch = state->batch;
-    gscl_encode_settings settings = settings_for(batch, image);
+    gscl_encode_settings settings = batch->settings;
     progress_line line;
     progress_start(&line, input, batch->quiet || batch->choice.verbose);
     settings.progress = progress_update;

@@ -8,16 +8,12 @@
 
 #include "device_choice.h"
 
-/* Bytes that an image without a target may always have: 0.125 bits per pixel are too few for an icon. */
-#define MIN_DEFAULT_BYTES 256
-
 typedef struct encode_batch {
     char *const *inputs;
     int count;
     const char *output;            /* of the only input; NULL: the input's name with .gscl, */
     const char *out_dir;           /* in this folder; NULL: beside the input */
     gscl_encode_settings settings; /* without the callback */
-    bool default_target;           /* the user gave none: settings.target is BPP, but see MIN_DEFAULT_BYTES */
     device_choice choice;
     bool json, quiet;
 } encode_batch;

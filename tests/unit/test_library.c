@@ -103,7 +103,7 @@ static void test_defaults(void **state) {
     gscl_decode_settings_default(&d);
     gscl_context_settings_default(&c);
     assert_true(e.profile == GSCL_PROFILE_DEFAULT && e.blend == GSCL_BLEND_AUTO && e.loss == GSCL_LOSS_AUTO);
-    assert_true(e.target == GSCL_TARGET_BPP && e.target_value == 0.125);
+    assert_true(e.target == GSCL_TARGET_AUTO);
     assert_true(e.effort == 5 && e.codebook_size == 0 && e.seed == 1 && !e.progress);
     assert_true(d.width == 0 && d.height == 0 && d.crop_x == 0 && d.crop_y == 0 && d.crop_width == 0);
     assert_true(d.crop_height == 0 && d.sample == GSCL_SAMPLE_AUTO && !d.premultiplied);
@@ -245,7 +245,7 @@ static void test_bad_settings(void **state) {
     bad[2].profile = (gscl_profile)2;
     bad[3].blend = (gscl_blend)4;
     bad[4].loss = (gscl_loss)4;
-    bad[5].target = (gscl_target)4;
+    bad[5].target = (gscl_target)5;
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;
@@ -422,6 +422,19 @@ static void test_psnr(void **state) {
     settings.target_value = 90.0;
     refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
     test_image_free(&image);
+}
+
+/* The default target has room for an icon. */
+static void test_default_target(void **state) {
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {2, 1}, {96, 64}, {192, 128}};
+    for (int i = 0; i < 4; i++) {
+        gscl_image image = test_image(TEST_SHAPES, sizes[i][0], sizes[i][1], 3, GSCL_SAMPLE_U8);
+        const file f = encode(&image, NULL);
+        assert_in_range(f.size, 1, i < 3 ? 256 : 384);
+        gscl_free(f.bytes);
+        test_image_free(&image);
+    }
 }
 
 /* ---- Flat and long pictures ---- */
@@ -736,6 +749,7 @@ int main(void) {
         cmocka_unit_test(test_budgets_are_used),
         cmocka_unit_test(test_bits_per_pixel),
         cmocka_unit_test(test_psnr),
+        cmocka_unit_test(test_default_target),
         cmocka_unit_test(test_flat_pictures),
         cmocka_unit_test(test_long_pictures),
         cmocka_unit_test(test_progress_and_cancel),

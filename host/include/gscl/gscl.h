@@ -155,10 +155,11 @@ typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM
 
 /* What the encoder aims at. */
 typedef enum gscl_target {
-    GSCL_TARGET_BPP = 0,   /* bits per pixel of the whole file */
-    GSCL_TARGET_BYTES = 1, /* size of the whole file, never exceeded */
-    GSCL_TARGET_PSNR = 2,  /* dB; met within +0.3 dB */
-    GSCL_TARGET_SPLATS = 3 /* number of splats */
+    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more */
+    GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, never exceeded */
+    GSCL_TARGET_BYTES = 2, /* size of the whole file, never exceeded */
+    GSCL_TARGET_PSNR = 3,  /* dB; met within +0.3 dB */
+    GSCL_TARGET_SPLATS = 4 /* number of splats */
 } gscl_target;
 
 typedef struct gscl_progress {
@@ -177,8 +178,8 @@ typedef struct gscl_encode_settings {
     gscl_profile profile;   /* default DEFAULT */
     gscl_blend blend;       /* default AUTO */
     gscl_loss loss;         /* default AUTO */
-    gscl_target target;     /* default BPP */
-    double target_value;    /* default 0.125; bytes, bpp, dB or count according to `target` */
+    gscl_target target;     /* default AUTO */
+    double target_value;    /* bpp, bytes, dB or count according to `target`; not used by AUTO */
     int effort;             /* 0 (fastest) .. 9 (best); default 5 */
     uint32_t codebook_size; /* paper profile: code words in each codebook, 2..1024; 0 (default): chosen by rate */
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
