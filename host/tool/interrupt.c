@@ -16,6 +16,12 @@ static char guarded_path[PATH_MAX]; /* empty: none */
 static bool is_patient;
 static int pending;
 
+static void end(int number) {
+    if (guarded_path[0])
+        unlink(guarded_path);
+    _exit(128 + number);
+}
+
 static void handle(int number) {
     pthread_mutex_lock(&lock);
     if (is_patient && pending == 0) {
@@ -23,9 +29,7 @@ static void handle(int number) {
         pthread_mutex_unlock(&lock);
         return;
     }
-    if (guarded_path[0])
-        unlink(guarded_path);
-    _exit(128 + number); /* still locked: nobody opens another file */
+    end(number); /* still locked: nobody opens another file */
 }
 
 static void *wait_for_signals(void *unused) {
@@ -50,7 +54,7 @@ void interrupt_install(void) {
         pthread_detach(thread);
     else
         pthread_sigmask(SIG_UNBLOCK, &waited, NULL);
-    signal(SIGPIPE, SIG_IGN);
+    signal(SIGPIPE, end); /* raised by a write of the thread itself, so never within the lock */
     signal(SIGXFSZ, SIG_IGN);
 }
 

@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-/* From here on SIGINT, SIGTERM and SIGHUP remove the guarded file and end the program with 128 + signal; a closed
- * pipe, and a file that grows beyond the process's limit, are errors of the write.  To be called before any other
- * thread starts. */
+/* From here on SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the guarded file and end the program with 128 + signal;
+ * a file that grows beyond the process's limit is an error of the write.  To be called before any other thread
+ * starts. */
 void interrupt_install(void);
 
 /* Makes and opens a temporary file as mkstemp() does, which a signal removes from then on. */
