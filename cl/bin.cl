@@ -4,23 +4,28 @@
  * atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity`
  * entries; what does not fit is left out and row_totals tells the host, which then grows the lists. */
 
-/* Rows (packed as in GSCL_ENTRY, without the splat) of tile (tx, ty) that the outline touches, or -1. */
-inline int rows_touched(__global const float *restrict drawn, __global const float *restrict extent, int tx, int ty) {
-    float x0 = (float)(tx * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_X];
+/* Tiles of a row that are looked at together. */
+#define ABREAST 4
+
+/* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last, no rows where first > last. */
+inline void rows_touched(__global const float *restrict drawn, __global const float *restrict extent, int tx, int ty,
+                         int *restrict first, int *restrict last) {
+    float4 x0 =
+        (float4)(0, GSCL_TILE, 2 * GSCL_TILE, 3 * GSCL_TILE) + ((float)(tx * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_X]);
     float y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
     float half_width = extent[GSCL_EXTENT_HALF_WIDTH];
-    float left = fmax(x0, -half_width), right = fmin(x0 + (GSCL_TILE - 1), half_width);
-    if (left > right) return -1;
+    float4 left = fmax(x0, -half_width), right = fmin(x0 + (float)(GSCL_TILE - 1), half_width);
     float slope = extent[GSCL_EXTENT_SLOPE], height2 = extent[GSCL_EXTENT_HEIGHT2], curve = extent[GSCL_EXTENT_CURVE];
-    float top = clamp(extent[GSCL_EXTENT_TOP_DX], left, right),
-          bottom = clamp(-extent[GSCL_EXTENT_TOP_DX], left, right);
-    float high = slope * top + sqrt(fmax(height2 - curve * top * top, 0.0f));
-    float low = slope * bottom - sqrt(fmax(height2 - curve * bottom * bottom, 0.0f));
+    float top_dx = extent[GSCL_EXTENT_TOP_DX];
+    float4 top = fmin(fmax((float4)(top_dx), left), right), bottom = fmin(fmax((float4)(-top_dx), left), right);
+    float4 high = slope * top + sqrt(fmax(height2 - curve * top * top, 0.0f));
+    float4 low = slope * bottom - sqrt(fmax(height2 - curve * bottom * bottom, 0.0f));
     /* A little wider than exact: rounding must not lose a row; weights beyond the outline are 0 anyway. */
     float margin = 1e-3f * (1.0f + extent[GSCL_EXTENT_HALF_HEIGHT]) + 1e-6f * fabs(drawn[GSCL_DRAWN_Y]);
-    float first = fmax(ceil(low - margin - y0), 0.0f), last = fmin(floor(high + margin - y0), (float)(GSCL_TILE - 1));
-    if (!(first <= last)) return -1;
-    return (int)GSCL_ENTRY(0u, (uint)first, (uint)last);
+    float4 from = fmax(ceil(low - margin - y0), 0.0f), to = fmin(floor(high + margin - y0), (float)(GSCL_TILE - 1));
+    from = select(from, (float4)(GSCL_TILE), isgreater(left, right)); /* beside the outline */
+    vstore4(convert_int4(fmin(from, (float)GSCL_TILE)), 0, first);
+    vstore4(convert_int4(fmax(to, -1.0f)), 0, last);
 }
 
 __kernel void bin(__global const float *restrict drawn, __global const float *restrict extents,
@@ -47,9 +52,12 @@ __kernel void bin(__global const float *restrict drawn, __global const float *re
     for (int i = 0; i < count; i++) {
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
-        for (int tx = box.x; tx <= box.y; tx++) {
-            int rows = rows_touched(drawn + (size_t)i * GSCL_DRAWN, extents + (size_t)i * GSCL_EXTENT, tx, ty);
-            if (rows >= 0 && ranges[tx].y < end) entries[ranges[tx].y++] = GSCL_ENTRY((uint)i, 0u, (uint)rows);
+        for (int tx = box.x; tx <= box.y; tx += ABREAST) {
+            int first[ABREAST], last[ABREAST];
+            rows_touched(drawn + (size_t)i * GSCL_DRAWN, extents + (size_t)i * GSCL_EXTENT, tx, ty, first, last);
+            for (int j = 0; j < ABREAST && tx + j <= box.y; j++)
+                if (first[j] <= last[j] && ranges[tx + j].y < end)
+                    entries[ranges[tx + j].y++] = GSCL_ENTRY((uint)i, (uint)first[j], (uint)last[j]);
         }
     }
 }

@@ -27,10 +27,14 @@
 #define GSCL_THETA 4   /* direction of the first axis, radians from +x towards +y */
 #define GSCL_OPACITY 5 /* logit of the opacity; no effect where the opacity effect is off */
 #define GSCL_COLOUR 6  /* up to four channels follow */
-#define GSCL_PARAMS 10
+#define GSCL_WAVE_X 10 /* the texture's wave: cycles per pixel along x and y, */
+#define GSCL_WAVE_Y 11
+#define GSCL_WAVE_PHASE 12     /* phase in cycles, */
+#define GSCL_WAVE_AMPLITUDE 13 /* amplitude; 0: none.  Drawn, not fitted */
+#define GSCL_PARAMS 14
 
 /* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
- * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; one unused; four channels. */
+ * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; one unused; four channels; the wave. */
 #define GSCL_DRAWN_X 0
 #define GSCL_DRAWN_Y 1
 #define GSCL_DRAWN_UX 2
@@ -39,7 +43,11 @@
 #define GSCL_DRAWN_VY 5
 #define GSCL_DRAWN_OPACITY 6
 #define GSCL_DRAWN_COLOUR 8
-#define GSCL_DRAWN 12
+#define GSCL_DRAWN_WAVE_X 12 /* cycles per pixel */
+#define GSCL_DRAWN_WAVE_Y 13
+#define GSCL_DRAWN_WAVE_PHASE 14 /* cycles */
+#define GSCL_DRAWN_WAVE_AMPLITUDE 15
+#define GSCL_DRAWN 16
 
 /* The outline q = GSCL_SUPPORT ("extent" record, floats): half width and half height; dx of the highest
  * point; and dy on the outline at a given dx: slope * dx +- sqrt(max(0, height2 - curve * dx^2)). */
@@ -85,8 +93,22 @@
 
 /* Rate-distortion refinement (cl/refine.cl): codes of a splat, the largest scale code (format), and entries of
  * a table over colour codes, which may be negative. */
-#define GSCL_CODES 9
+#define GSCL_CODES 13
 #define GSCL_MAX_SCALE 63
 #define GSCL_COLOUR_CODES 1024
+
+/* Format: a texture's codes. */
+#define GSCL_WAVES 16
+#define GSCL_DIRECTIONS 16
+#define GSCL_PHASES 8
+#define GSCL_AMPLITUDES 16
+
+/* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures. */
+#define GSCL_BITS_PLAIN (4 * GSCL_COLOUR_CODES)  /* a splat without a wave */
+#define GSCL_BITS_TEXTURED (GSCL_BITS_PLAIN + 1) /* one with a wave, its phase included */
+#define GSCL_BITS_WAVE (GSCL_BITS_PLAIN + 2)
+#define GSCL_BITS_DIRECTION (GSCL_BITS_WAVE + GSCL_WAVES)
+#define GSCL_BITS_AMPLITUDE (GSCL_BITS_DIRECTION + GSCL_DIRECTIONS) /* of amplitude 1, 2, ... */
+#define GSCL_BITS_COUNT (GSCL_BITS_AMPLITUDE + GSCL_AMPLITUDES)
 
 #endif

@@ -3,7 +3,8 @@
  * Each entry of a tile's list has a slot of its own for its sums over the tile's pixels, so no two
  * work-groups write the same place and no float atomics are needed (update.cl adds a splat's slots in a
  * fixed order).  With h = dL/dweight and t = h * opacity * gauss, a slot holds
- *     sum t u, t v, t u^2, t u v, t v^2, [h weight,] and w dL/dcolour for each channel. */
+ *     sum t u, t v, t u^2, t u v, t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
+ * quarter of a turn on, whose phase moves with the splat]. */
 #define SLOT_U 0
 #define SLOT_V 1
 #define SLOT_UU 2
@@ -11,7 +12,8 @@
 #define SLOT_VV 4
 #define SLOT_OPACITY 5
 #define SLOT_COLOUR (5 + OPACITY)
-#define SLOT (SLOT_COLOUR + CHANNELS)
+#define SLOT_WAVE (SLOT_COLOUR + CHANNELS)
+#define SLOT (SLOT_WAVE + TEXTURE)
 
 /* Per-pixel state of the backward pass. */
 typedef struct {
@@ -76,12 +78,18 @@ inline pix chain_begin(chain *b, const canvas *c, place p, __global const float 
 #endif
 
 /* Adds one row of one splat to its sums. */
-inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_weight s,
+inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_weight s, pix dx, float dy,
                          __global const float *restrict drawn) {
     pix w = WITH_OPACITY(s.weight, drawn);
     pix paint = (pix)(0.0f);
     UNROLL
     for (int k = 0; k < CHANNELS; k++) paint = fma((pix)(drawn[GSCL_DRAWN_COLOUR + k]), b->slope[k][r], paint);
+#if TEXTURE
+    pix waved = (pix)(0.0f); /* dL/dwave */
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) waved += b->slope[k][r];
+    paint = fma(wave_at(dx, dy, 0.0f, drawn), waved, paint);
+#endif
 #if BLEND == GSCL_NORMALIZED
     pix share = w * b->rest[r];
     pix h = b->rest[r] * (paint - b->mean[r]);
@@ -108,6 +116,9 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
 #endif
     UNROLL
     for (int k = 0; k < CHANNELS; k++) sums[SLOT_COLOUR + k] = fma(share, b->slope[k][r], sums[SLOT_COLOUR + k]);
+#if TEXTURE
+    sums[SLOT_WAVE] = fma(share * waved, wave_at(dx, dy, 0.25f, drawn), sums[SLOT_WAVE]);
+#endif
 }
 
 /* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
@@ -141,7 +152,8 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         pix sums[SLOT];
         UNROLL
         for (int k = 0; k < SLOT; k++) sums[k] = (pix)(0.0f);
-        for (int r = first; r <= last; r++) slot_add_row(sums, &b, r, weigh(dx, dy + (float)r, drawn), drawn);
+        for (int r = first; r <= last; r++)
+            slot_add_row(sums, &b, r, weigh(dx, dy + (float)r, drawn), dx, dy + (float)r, drawn);
         __global float *slot = slots + (size_t)j * SLOT;
         SLOT_STORE(slot, sums);
     }

@@ -4,6 +4,9 @@
 typedef struct {
     float x, y, log_s1, log_s2, theta, opacity;
     float colour[CHANNELS];
+#if TEXTURE
+    float wave_x, wave_y, wave_phase, wave_amplitude;
+#endif
 } splat;
 
 inline float logistic(float x) { return 1.0f / (1.0f + exp(-x)); }
@@ -17,6 +20,12 @@ inline splat splat_load(__global const float *restrict p) {
     s.theta = p[GSCL_THETA];
     s.opacity = OPACITY ? logistic(p[GSCL_OPACITY]) : 1.0f;
     for (int k = 0; k < CHANNELS; k++) s.colour[k] = p[GSCL_COLOUR + k];
+#if TEXTURE
+    s.wave_x = p[GSCL_WAVE_X];
+    s.wave_y = p[GSCL_WAVE_Y];
+    s.wave_phase = p[GSCL_WAVE_PHASE];
+    s.wave_amplitude = p[GSCL_WAVE_AMPLITUDE];
+#endif
     return s;
 }
 
@@ -54,6 +63,14 @@ inline appearance splat_appearance(splat s, view seen) {
     a.drawn[GSCL_DRAWN_VY] = c * i2;
     a.drawn[GSCL_DRAWN_OPACITY] = s.opacity;
     for (int k = 0; k < CHANNELS; k++) a.drawn[GSCL_DRAWN_COLOUR + k] = s.colour[k];
+#if TEXTURE
+    /* What a level's box filter leaves of the wave. */
+    float cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
+    a.drawn[GSCL_DRAWN_WAVE_X] = s.wave_x / seen.inv_scale;
+    a.drawn[GSCL_DRAWN_WAVE_Y] = s.wave_y / seen.inv_scale;
+    a.drawn[GSCL_DRAWN_WAVE_PHASE] = s.wave_phase;
+    a.drawn[GSCL_DRAWN_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * seen.blur);
+#endif
 
     /* Covariance entries; the outline's support function in x and y. */
     float xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
@@ -85,6 +102,9 @@ inline void splat_project(splat s, view seen, int i, __global float *restrict dr
                           __global int4 *restrict boxes) {
     appearance a = splat_appearance(s, seen);
     for (int k = 0; k < GSCL_DRAWN_COLOUR + CHANNELS; k++) drawn[(size_t)i * GSCL_DRAWN + k] = a.drawn[k];
+#if TEXTURE
+    for (int k = GSCL_DRAWN_WAVE_X; k < GSCL_DRAWN; k++) drawn[(size_t)i * GSCL_DRAWN + k] = a.drawn[k];
+#endif
     for (int k = 0; k <= GSCL_EXTENT_CURVE; k++) extents[(size_t)i * GSCL_EXTENT + k] = a.extent[k];
     boxes[i] = appearance_tiles(&a, seen);
 }

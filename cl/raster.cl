@@ -16,6 +16,16 @@ inline splat_weight weigh(pix dx, float dy, __global const float *restrict drawn
     return s;
 }
 
+#if TEXTURE
+/* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 where it has none. */
+inline pix wave_at(pix dx, float dy, float turns, __global const float *restrict drawn) {
+    float amplitude = drawn[GSCL_DRAWN_WAVE_AMPLITUDE];
+    if (!(amplitude > 0.0f)) return (pix)(0.0f);
+    float along_y = fma(dy, drawn[GSCL_DRAWN_WAVE_Y], -turns - drawn[GSCL_DRAWN_WAVE_PHASE]);
+    return amplitude * pix_cos_turns(fma(dx, (pix)(drawn[GSCL_DRAWN_WAVE_X]), (pix)(along_y)));
+}
+#endif
+
 #if OPACITY
 #define WITH_OPACITY(weight, drawn) ((weight) * (drawn)[GSCL_DRAWN_OPACITY])
 #else
@@ -66,6 +76,11 @@ inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const f
             UNROLL
             for (int k = 0; k < CHANNELS; k++)
                 c->colour[k][r] = fma(w, (pix)(drawn[GSCL_DRAWN_COLOUR + k]), c->colour[k][r]);
+#if TEXTURE
+            pix wave = w * wave_at(dx, dy + (float)r, 0.0f, drawn);
+            UNROLL
+            for (int k = 0; k < COLOURS; k++) c->colour[k][r] += wave;
+#endif
         }
     }
 }

@@ -7,98 +7,13 @@
  * so the error is a quadratic in c whose coefficients one walk over the outline adds up; the best colour codes
  * then cost no further walk.  Splats visited together do not touch each other's pixels (host/lib/refine.c). */
 
-/* A splat's codes (ints): minor, aspect, angle, x, y, luma, co, cg, alpha. */
-#define CODE_MINOR 0
-#define CODE_ASPECT 1
-#define CODE_ANGLE 2
-#define CODE_X 3
-#define CODE_Y 4
-#define CODE_LUMA 5
-#define CODE_ALPHA 8
-#define CODES GSCL_CODES
-
-/* Tables that the host makes from the steps and from the statistics of the codes: what a code means and
- * what it costs in bits. */
-typedef struct {
-    float step; /* of the position grid, pixels */
-    int cells_x, cells_y;
-    float bits; /* of the code and of a position on the grid */
-} minor_entry;
-typedef struct {
-    int angles;
-    float bits; /* of the code and of an angle */
-} aspect_entry;
-
-/* Bits of a colour code: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred. */
-typedef struct {
-    float lambda;
-    float scale_step; /* of ln sigma */
-    float luma_step, chroma_step, alpha_step;
-    int min[4], max[4]; /* of the colour codes */
-} refine_settings;
-
-typedef struct {
-    int code[CODES];
-} codes;
-
 /* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
 typedef struct {
     float fixed, linear[CHANNELS], square;
 } quadratic;
 
-inline splat codes_splat(const codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
-                         refine_settings t) {
-    splat s;
-    __global const minor_entry *m = minors + c->code[CODE_MINOR];
-    s.x = ((float)c->code[CODE_X] + 0.5f) * m->step;
-    s.y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
-    s.log_s1 =
-        fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
-    s.log_s2 = fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
-    s.theta = (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles;
-    s.opacity = 1.0f;
-    float y = (float)c->code[CODE_LUMA] * t.luma_step;
-#if COLOURS == 3
-    float co = (float)c->code[CODE_LUMA + 1] * t.chroma_step, cg = (float)c->code[CODE_LUMA + 2] * t.chroma_step;
-    s.colour[1] = y + 0.5f * cg;
-    s.colour[2] = y - 0.5f * cg - 0.5f * co;
-    s.colour[0] = s.colour[2] + co;
-#else
-    s.colour[0] = y;
-#endif
-#if ALPHA_CHANNEL
-    s.colour[COLOURS] = (float)c->code[CODE_ALPHA] * t.alpha_step;
-#endif
-    return s;
-}
-
-/* Puts the splat in (sign 1) or takes it out (sign -1). */
-inline void picture_change(const appearance *a, float sign, __global float *restrict picture,
-                           __global float *restrict weights, int width, int height, ulong plane) {
-    outline o = outline_of(a);
-    int2 rows = outline_rows(o, height);
-    for (int y = rows.x; y <= rows.y; y++) {
-        int2 columns = outline_columns(o, y, width);
-        for (int x = columns.x; x <= columns.y; x += LANES) {
-            size_t at = (size_t)y * width + x;
-            int lanes = columns.y - x + 1;
-            pix w = sign * private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a);
-#if BLEND == GSCL_NORMALIZED
-            pix sum = PIX_LOAD(weights + at) + w;
-            pix_store_clipped(sum, weights + at, lanes);
-            w /= sum;
-#endif
-            UNROLL
-            for (int k = 0; k < CHANNELS; k++) {
-                pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(a->drawn[GSCL_DRAWN_COLOUR + k]);
-                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p), picture + k * plane + at,
-                                  lanes);
-            }
-        }
-    }
-}
-
-/* The error as a function of colour, for a splat of this geometry that is not in the picture. */
+/* The error as a function of colour, for a splat of this geometry and wave that is not in the picture: it changes a
+ * pixel by s c - share. */
 inline quadratic picture_weigh(const appearance *a, __global const float *restrict picture,
                                __global const float *restrict weights, __global const float *restrict target, int width,
                                int height, ulong plane) {
@@ -110,8 +25,10 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
         int2 columns = outline_columns(o, y, width);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             size_t at = (size_t)y * width + x;
-            pix s = private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a) *
-                    pix_inside(columns.y - x + 1);
+            pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
+            float dy = (float)y + 0.5f - o.y;
+            pix s = private_weight(dx, dy, a) * pix_inside(columns.y - x + 1);
+            if (has_wave(a)) wave = private_wave(dx, dy, a);
 #if BLEND == GSCL_NORMALIZED
             s /= PIX_LOAD(weights + at) + s;
 #endif
@@ -119,13 +36,10 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 pix p = PIX_LOAD(picture + k * plane + at), e = p - PIX_LOAD(target + k * plane + at);
-#if BLEND == GSCL_NORMALIZED
-                pix share = s * p;
+                pix share = BLEND == GSCL_NORMALIZED ? s * p : (pix)(0.0f);
+                if (TEXTURE && k < COLOURS) share = fma(-s, wave, share);
                 linear[k] = fma(s, e - share, linear[k]);
                 fixed = fma(share, share - 2.0f * e, fixed);
-#else
-                linear[k] = fma(s, e, linear[k]);
-#endif
             }
         }
     }
@@ -231,7 +145,7 @@ __kernel void refine_visit(__global const int *restrict visits, int count, __glo
     codes now = all[i];
     appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
     picture_change(&a, -1.0f, picture, weights, width, height, plane);
-    float best = leave_out;
+    float best = leave_out, texture_bits = wave_bits(&now, tables);
     codes choice = now;
     choice.code[CODE_MINOR] = -1;
     for (int move = 0; move < MOVES; move++) {
@@ -241,12 +155,17 @@ __kernel void refine_visit(__global const int *restrict visits, int count, __glo
         if (move > 0 && !within(&a, owned[i])) continue;
         quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
         float cost = colour_descend(&q, &other, minors, aspects, tables, t);
-        cost += t.lambda * (existence + minors[other.code[CODE_MINOR]].bits + aspects[other.code[CODE_ASPECT]].bits);
+        cost += t.lambda * (existence + texture_bits + minors[other.code[CODE_MINOR]].bits +
+                            aspects[other.code[CODE_ASPECT]].bits);
         if (cost < best) {
             best = cost;
             choice = other;
         }
     }
+#if TEXTURE
+    if (choice.code[CODE_MINOR] >= 0)
+        texture_choose(&choice, minors, aspects, tables, t, seen, picture, weights, target, width, height, plane);
+#endif
     all[i] = choice;
     if (choice.code[CODE_MINOR] < 0) return;
     a = splat_appearance(codes_splat(&choice, minors, aspects, t), seen);

@@ -35,6 +35,12 @@ inline void gradient_from_sums(float *restrict gradient, const float *restrict s
     float du = factor * sums[SLOT_U], dv = factor * sums[SLOT_V];
     gradient[GSCL_X] = seen.inv_scale * fma(drawn[GSCL_DRAWN_UX], du, drawn[GSCL_DRAWN_VX] * dv);
     gradient[GSCL_Y] = seen.inv_scale * fma(drawn[GSCL_DRAWN_UY], du, drawn[GSCL_DRAWN_VY] * dv);
+#if TEXTURE
+    /* d/dcentre of cos(2 pi (k.d - h)) = 2 pi k sin(...), and sin is cos a quarter of a turn later. */
+    float dwave = 2.0f * M_PI_F * sums[SLOT_WAVE] * seen.inv_scale;
+    gradient[GSCL_X] = fma(drawn[GSCL_DRAWN_WAVE_X], dwave, gradient[GSCL_X]);
+    gradient[GSCL_Y] = fma(drawn[GSCL_DRAWN_WAVE_Y], dwave, gradient[GSCL_Y]);
+#endif
     gradient[GSCL_LOG_S1] = factor * sums[SLOT_UU] * (s1 / e1) * (s1 / e1);
     gradient[GSCL_LOG_S2] = factor * sums[SLOT_VV] * (s2 / e2) * (s2 / e2);
     gradient[GSCL_THETA] = factor * sums[SLOT_UV] * (e1 / e2 - e2 / e1);

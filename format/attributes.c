@@ -6,6 +6,9 @@ static const gsf_model_shape DIRECTION = {64, 0, 1, {16, 6, 0}, 256};
 static const gsf_model_shape LUMA = {8, 0, 1, {32, 20, 10}, 192};
 static const gsf_model_shape ALPHA = {4, 0, 1, {32, 8, 2}, 256};
 static const gsf_model_shape OPACITY = {16, 0, 1, {32, 8, 0}, 256};
+static const gsf_model_shape TEXTURED = {64, 0, 1, {24, 0, 0}, 1024};
+static const gsf_model_shape WAVE = {12, 0, 1, {24, 10, 0}, 192};
+static const gsf_model_shape AMPLITUDE = {2, 40, 2, {32, 12, 4}, 192};
 enum { LIKELY_ASPECT = 4 };
 
 void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_steps *steps) {
@@ -21,6 +24,10 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
     a->alpha_min = min;
     gsf_model_init(&a->alpha, &ALPHA, (uint32_t)(max - min + 1), 0);
     gsf_model_init(&a->opacity, &OPACITY, steps->opacity + 1u, 0);
+    gsf_model_init(&a->textured, &TEXTURED, 2, 0);
+    gsf_model_init(&a->amplitude, &AMPLITUDE, GSF_AMPLITUDES, 0);
+    gsf_model_init(&a->wave, &WAVE, GSF_WAVES, 0);
+    gsf_model_init(&a->wave_direction, &DIRECTION, GSF_DIRECTIONS, 0);
     gsf_chroma_range(steps->chroma, &min, &max);
     gsf_chroma_init(&a->chroma, max);
 }
@@ -94,6 +101,19 @@ static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     splat->cg = code[1];
 }
 
+static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_texture *t) {
+    if (!gsf_code_modelled(coder, t->amplitude > 0, &a->textured)) {
+        *t = (gsf_texture){0};
+        return;
+    }
+    t->amplitude = (uint8_t)(1 + gsf_code_modelled(coder, t->amplitude - 1u, &a->amplitude));
+    t->wave = (uint8_t)gsf_code_modelled(coder, t->wave, &a->wave);
+    gsf_model *directions = &a->wave_direction;
+    t->direction = (uint8_t)gsf_code_symbol(coder, t->direction, directions->freq, GSF_DIRECTIONS, directions->total);
+    learn_direction(directions, t->direction);
+    t->phase = (uint8_t)gsf_code_uniform(coder, t->phase, GSF_PHASES);
+}
+
 void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat *splat) {
     gsf_attributes *a = attributes;
     code_shape(coder, a, splat);
@@ -108,4 +128,7 @@ void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat
     coder->stream = GSF_STREAM_OPACITY;
     if (a->header.has_opacity)
         splat->opacity = (uint16_t)gsf_code_modelled(coder, splat->opacity, &a->opacity);
+    coder->stream = GSF_STREAM_TEXTURE;
+    if (a->header.has_texture)
+        code_texture(coder, a, &splat->texture);
 }

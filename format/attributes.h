@@ -5,13 +5,12 @@
 #include "chroma.h"
 #include "model.h"
 
-#define GSF_DIRECTIONS 16 /* bins of the angle's histogram */
-
 typedef struct gsf_attributes {
     gsf_header header;
     gsf_steps steps;
     int luma_min, alpha_min;
     gsf_model aspect, direction, luma, alpha, opacity;
+    gsf_model textured, amplitude, wave, wave_direction;
     gsf_chroma chroma;
 } gsf_attributes;
 

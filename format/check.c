@@ -77,6 +77,13 @@ static bool shape_is_valid(const gsf_picture *picture, const gsf_splat *splat) {
            (!header->has_rotation || splat->angle < gsf_angle_count(steps, splat->aspect));
 }
 
+static bool texture_is_valid(const gsf_texture *texture) {
+    if (texture->amplitude == 0)
+        return (texture->wave | texture->direction | texture->phase) == 0;
+    return texture->amplitude <= GSF_AMPLITUDES && texture->wave < GSF_WAVES && texture->direction < GSF_DIRECTIONS &&
+           texture->phase < GSF_PHASES;
+}
+
 static bool colour_is_valid(const gsf_picture *picture, const gsf_splat *splat) {
     const gsf_header *header = &picture->header;
     int min, max;
@@ -86,7 +93,8 @@ static bool colour_is_valid(const gsf_picture *picture, const gsf_splat *splat) 
     valid = valid && (!header->has_alpha || within(splat->alpha, min, max));
     gsf_chroma_range(picture->steps.chroma, &min, &max);
     valid = valid && (!header->has_chroma || (within(splat->co, min, max) && within(splat->cg, min, max)));
-    return valid && (!header->has_opacity || splat->opacity <= picture->steps.opacity);
+    valid = valid && (!header->has_opacity || splat->opacity <= picture->steps.opacity);
+    return valid && (!header->has_texture || texture_is_valid(&splat->texture));
 }
 
 static bool scalar_is_valid(const gsf_picture *picture) {

@@ -86,7 +86,7 @@ static size_t most_splits(const gsf_picture *picture) {
  * less than a bit.  A splat has 7 attributes; a split of n > 0 splats codes one urn (two symbols only when n > 255). */
 size_t gsf_write_bound(const gsf_picture *picture) {
     const gsf_header *header = &picture->header;
-    const size_t splat_bits = 17 * (7 + (header->splat_count > 0 ? most_splits(picture) : 0));
+    const size_t splat_bits = 17 * (13 + (header->splat_count > 0 ? most_splits(picture) : 0));
     const size_t class_bits = 2 * 17 * GSF_MAX_CLASSES;
     const size_t word_bits = GSF_MAX_CODEBOOK * 17 * (16 + GSF_SHAPE_DIMS + 16 + GSF_MAX_COLOUR_DIMS);
     const size_t book_bits = header->coding == GSF_CODING_CODEBOOK ? word_bits : 0;

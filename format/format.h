@@ -44,6 +44,7 @@ typedef struct gsf_header {
     bool has_chroma;        /* effect: colour differences are coded */
     bool has_alpha;         /* effect: an alpha plane is coded; else alpha is 1 everywhere */
     bool has_opacity;       /* effect: each splat has an opacity; else it is 1 (normalized: weight 1) */
+    bool has_texture;       /* effect: splats may carry a wave; scalar coding only */
     bool has_rotation;      /* effect: splats have an angle; else it is 0 */
     bool has_anisotropy;    /* effect: splats have two axes; else they are round (and have no angle) */
     uint32_t width, height; /* pixels, 1..GSF_MAX_DIMENSION */
@@ -79,6 +80,16 @@ void gsf_chroma_range(unsigned step_index, int *min, int *max);
 uint32_t gsf_octaves_to_pixels(unsigned octaves32);
 /* Opacity = (code + 1) / levels with levels = steps->opacity + 1. */
 
+/* A wave on a splat's colours: amplitude * cos(2 pi * distance along the direction / wavelength - phase). */
+#define GSF_WAVES 16      /* wavelength = 2.5 * 2^(7 * wave / 16) pixels */
+#define GSF_DIRECTIONS 16 /* of half a turn; also the bins of the angle's histogram */
+#define GSF_PHASES 8      /* of a turn */
+#define GSF_AMPLITUDES 16 /* amplitude = 4 * code / (3 * colour levels of the luma step); 0: no wave */
+typedef struct gsf_texture {
+    uint8_t wave, direction, phase; /* 0 where the amplitude is 0 */
+    uint8_t amplitude;              /* 0..GSF_AMPLITUDES */
+} gsf_texture;
+
 /* One splat in scalar coding.  The stored order is canonical (FORMAT.md, "Order"): the writer
  * sorts, the reader returns splats in that order, and `alpha` blends the last splat in front. */
 typedef struct gsf_splat {
@@ -88,6 +99,7 @@ typedef struct gsf_splat {
     uint16_t opacity;            /* 0..opacity levels - 1 */
     uint32_t x, y;               /* cell of the splat's own position grid */
     int16_t luma, co, cg, alpha; /* colour codes */
+    gsf_texture texture;
 } gsf_splat;
 
 /* One splat in codebook coding. */
@@ -133,6 +145,7 @@ typedef enum gsf_stream {
     GSF_STREAM_CHROMA,
     GSF_STREAM_ALPHA,
     GSF_STREAM_OPACITY,
+    GSF_STREAM_TEXTURE,
     GSF_STREAM_SHAPE_INDEX,
     GSF_STREAM_COLOUR_INDEX,
     GSF_STREAM_COUNT

@@ -12,7 +12,8 @@ enum {
     FLAG_OPACITY = 10,
     FLAG_ROTATION = 11,
     FLAG_ANISOTROPY = 12,
-    RESERVED_FLAGS = 0xE0C0
+    FLAG_TEXTURE = 13,
+    RESERVED_FLAGS = 0xC0C0
 };
 
 static const uint8_t MAGIC[3] = {'g', 's', 'c'};
@@ -23,8 +24,9 @@ bool gsf_header_is_valid(const gsf_header *header) {
     return (unsigned)header->blend <= GSF_BLEND_SUM && (unsigned)header->coding <= GSF_CODING_CODEBOOK &&
            (unsigned)header->layout <= GSF_RGBA && (rgb || !header->has_chroma) &&
            (transparent || !header->has_alpha) && (header->has_anisotropy || !header->has_rotation) &&
-           header->width >= 1 && header->width <= GSF_MAX_DIMENSION && header->height >= 1 &&
-           header->height <= GSF_MAX_DIMENSION && header->splat_count <= GSF_MAX_SPLATS;
+           (header->coding == GSF_CODING_SCALAR || !header->has_texture) && header->width >= 1 &&
+           header->width <= GSF_MAX_DIMENSION && header->height >= 1 && header->height <= GSF_MAX_DIMENSION &&
+           header->splat_count <= GSF_MAX_SPLATS;
 }
 
 static unsigned pack_flags(const gsf_header *header) {
@@ -32,7 +34,7 @@ static unsigned pack_flags(const gsf_header *header) {
            (unsigned)header->layout << FLAG_LAYOUT | (unsigned)header->deep << FLAG_DEEP |
            (unsigned)header->has_chroma << FLAG_CHROMA | (unsigned)header->has_alpha << FLAG_ALPHA |
            (unsigned)header->has_opacity << FLAG_OPACITY | (unsigned)header->has_rotation << FLAG_ROTATION |
-           (unsigned)header->has_anisotropy << FLAG_ANISOTROPY;
+           (unsigned)header->has_anisotropy << FLAG_ANISOTROPY | (unsigned)header->has_texture << FLAG_TEXTURE;
 }
 
 static void unpack_flags(unsigned flags, gsf_header *header) {
@@ -45,6 +47,7 @@ static void unpack_flags(unsigned flags, gsf_header *header) {
     header->has_opacity = flags >> FLAG_OPACITY & 1;
     header->has_rotation = flags >> FLAG_ROTATION & 1;
     header->has_anisotropy = flags >> FLAG_ANISOTROPY & 1;
+    header->has_texture = flags >> FLAG_TEXTURE & 1;
 }
 
 static size_t put_varint(uint8_t *bytes, uint32_t value) {

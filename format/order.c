@@ -40,10 +40,14 @@ static int compare(int a, int b) {
 
 /* Ties: the order of the attributes in the file. */
 static int compare_codes(const gsf_splat *a, const gsf_splat *b) {
-    const int order[7] = {compare(a->aspect, b->aspect),  compare(a->angle, b->angle), compare(a->luma, b->luma),
-                          compare(a->co, b->co),          compare(a->cg, b->cg),       compare(a->alpha, b->alpha),
-                          compare(a->opacity, b->opacity)};
-    for (int i = 0; i < 7; i++)
+    const gsf_texture *s = &a->texture, *t = &b->texture;
+    const int order[] = {compare(a->aspect, b->aspect),   compare(a->angle, b->angle),
+                         compare(a->luma, b->luma),       compare(a->co, b->co),
+                         compare(a->cg, b->cg),           compare(a->alpha, b->alpha),
+                         compare(a->opacity, b->opacity), compare(s->amplitude, t->amplitude),
+                         compare(s->wave, t->wave),       compare(s->direction, t->direction),
+                         compare(s->phase, t->phase)};
+    for (size_t i = 0; i < sizeof order / sizeof *order; i++)
         if (order[i] != 0)
             return order[i];
     return 0;
@@ -109,6 +113,8 @@ static void clear_unused(gsf_picture *picture) {
         splat->cg = header->has_chroma ? splat->cg : 0;
         splat->alpha = header->has_alpha ? splat->alpha : 0;
         splat->opacity = header->has_opacity ? splat->opacity : 0;
+        if (!header->has_texture)
+            splat->texture = (gsf_texture){0};
     }
 }
 

@@ -174,7 +174,7 @@ gscl_result gscl_fit_read(gscl_fit *f, float *params) {
 
 static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *picture) {
     gscl_renderer *r = &f->renderer;
-    size_t slot = (size_t)(5 + r->options.opacity + r->channels);
+    size_t slot = (size_t)(5 + r->options.opacity + r->channels + r->options.texture);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->slots, r->entries.size / sizeof(cl_uint) * slot * sizeof(float)));
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));

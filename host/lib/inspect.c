@@ -14,6 +14,7 @@ static const struct {
     {GSCL_EFFECT_CHROMA, "chroma"},         {GSCL_EFFECT_ALPHA_CHANNEL, "alpha-channel"},
     {GSCL_EFFECT_OPACITY, "opacity"},       {GSCL_EFFECT_ROTATION, "rotation"},
     {GSCL_EFFECT_ANISOTROPY, "anisotropy"}, {GSCL_EFFECT_CODEBOOKS, "codebooks"},
+    {GSCL_EFFECT_TEXTURE, "texture"},
 };
 
 const char *gscl_effect_name(gscl_effect effect) {
@@ -34,6 +35,7 @@ static const char *const stream_names[GSF_STREAM_COUNT] = {
     [GSF_STREAM_CHROMA] = "chroma",
     [GSF_STREAM_ALPHA] = "alpha",
     [GSF_STREAM_OPACITY] = "opacity",
+    [GSF_STREAM_TEXTURE] = "texture",
     [GSF_STREAM_SHAPE_INDEX] = "shape-index",
     [GSF_STREAM_COLOUR_INDEX] = "colour-index",
 };
@@ -55,7 +57,7 @@ static void describe(const gsf_header *header, size_t size, gscl_info *info) {
     info->effects =
         (header->has_chroma ? GSCL_EFFECT_CHROMA : 0u) | (header->has_alpha ? GSCL_EFFECT_ALPHA_CHANNEL : 0u) |
         (header->has_opacity ? GSCL_EFFECT_OPACITY : 0u) | (header->has_rotation ? GSCL_EFFECT_ROTATION : 0u) |
-        (header->has_anisotropy ? GSCL_EFFECT_ANISOTROPY : 0u) |
+        (header->has_anisotropy ? GSCL_EFFECT_ANISOTROPY : 0u) | (header->has_texture ? GSCL_EFFECT_TEXTURE : 0u) |
         (header->coding == GSF_CODING_CODEBOOK ? GSCL_EFFECT_CODEBOOKS : 0u);
 }
 

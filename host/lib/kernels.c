@@ -28,7 +28,8 @@ struct gscl_program {
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "bin.cl"},
     [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl"},
-    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "outline.cl", "refine.cl"},
+    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "outline.cl", "refine_codes.cl",
+                             "texture.cl", "refine.cl"},
     [GSCL_PROGRAM_CODEBOOK] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl",
                                "outline.cl", "codebook.cl", "codebook_choose.cl"},
     [GSCL_PROGRAM_SSIM] = {"constants.h", "pixel.cl", "ssim.cl"},
@@ -63,11 +64,12 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     int length = snprintf(text, MAX_OPTIONS, "-cl-std=CL1.2");
     if (kind == GSCL_PROGRAM_IMAGE)
         return;
+    bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
     length += snprintf(text + length, MAX_OPTIONS - (size_t)length,
-                       " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d",
+                       " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d",
                        mapping_lanes(context), mapping_rows(context), options->blend, options->colours,
-                       options->alpha_channel, options->opacity);
-    if (kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK)
+                       options->alpha_channel, options->opacity, options->texture);
+    if (fits)
         snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d", options->loss);
 }
 

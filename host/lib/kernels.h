@@ -11,6 +11,7 @@ typedef struct gscl_kernel_options {
     int colours;       /* 1 or 3 */
     int alpha_channel; /* 0 or 1 */
     int opacity;       /* 0 or 1 */
+    int texture;       /* 0 or 1 */
     int loss;          /* GSCL_LOSS_KIND_...; fit programs only */
 } gscl_kernel_options;
 

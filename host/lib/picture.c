@@ -155,7 +155,8 @@ gscl_kernel_options gscl_picture_options(const gsf_header *header) {
     return (gscl_kernel_options){.blend = blends[header->blend],
                                  .colours = header->has_chroma ? 3 : 1,
                                  .alpha_channel = header->has_alpha,
-                                 .opacity = header->has_opacity};
+                                 .opacity = header->has_opacity,
+                                 .texture = header->has_texture};
 }
 
 uint32_t gscl_picture_channels(const gsf_header *header) {

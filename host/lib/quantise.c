@@ -5,6 +5,9 @@
 
 #include "constants.h"
 
+#define HIGHEST_FREQUENCY 0.4 /* of a texture, cycles per pixel */
+#define OCTAVES_PER_WAVE 0.4375
+
 static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 
 static int clamp_int(int x, int min, int max) {
@@ -74,6 +77,18 @@ void gscl_quantise_placement(const gsf_picture *p, const float *params, gsf_spla
     s->angle = (uint16_t)(code < 0 ? code + count : code);
 }
 
+static void quantise_texture(const gsf_picture *p, const float *params, gsf_texture *t) {
+    double x = params[GSCL_WAVE_X], y = params[GSCL_WAVE_Y];
+    double amplitude = rint(params[GSCL_WAVE_AMPLITUDE] * 3 * gsf_colour_levels(p->steps.luma) / 4);
+    if (!p->header.has_texture || amplitude < 1)
+        return;
+    t->amplitude = (uint8_t)fmin(amplitude, GSF_AMPLITUDES);
+    t->wave =
+        (uint8_t)clamp_int((int)lrint(log2(HIGHEST_FREQUENCY / hypot(x, y)) / OCTAVES_PER_WAVE), 0, GSF_WAVES - 1);
+    t->direction = (uint8_t)(((int)lrint(atan2(y, x) * GSF_DIRECTIONS / pi) + GSF_DIRECTIONS) % GSF_DIRECTIONS);
+    t->phase = (uint8_t)((int)lrint(params[GSCL_WAVE_PHASE] * GSF_PHASES) % GSF_PHASES);
+}
+
 void gscl_quantise(const gsf_picture *p, const float *params, gsf_splat *s) {
     double step = scale_step(&p->steps);
     memset(s, 0, sizeof *s);
@@ -86,6 +101,7 @@ void gscl_quantise(const gsf_picture *p, const float *params, gsf_splat *s) {
     s->aspect = (uint16_t)(a < b ? b - a : a - b);
     gscl_quantise_placement(p, params, s);
     quantise_colour(p, params + GSCL_COLOUR, s);
+    quantise_texture(p, params, &s->texture);
     if (p->header.has_opacity) {
         int levels = p->steps.opacity + 1;
         double opacity = 1 / (1 + exp(-params[GSCL_OPACITY]));
@@ -106,6 +122,15 @@ static void dequantise_colour(const gsf_picture *p, const gsf_splat *s, float *c
         colour[p->header.has_chroma ? 3 : 1] = (float)((double)s->alpha / gsf_colour_levels(p->steps.alpha));
 }
 
+static void dequantise_texture(const gsf_picture *p, const gsf_texture *t, float *params) {
+    double frequency = HIGHEST_FREQUENCY * exp2(-OCTAVES_PER_WAVE * t->wave),
+           direction = t->direction * pi / GSF_DIRECTIONS;
+    params[GSCL_WAVE_X] = (float)(frequency * cos(direction));
+    params[GSCL_WAVE_Y] = (float)(frequency * sin(direction));
+    params[GSCL_WAVE_PHASE] = (float)t->phase / GSF_PHASES;
+    params[GSCL_WAVE_AMPLITUDE] = (float)(4.0 * t->amplitude / (3 * gsf_colour_levels(p->steps.luma)));
+}
+
 void gscl_dequantise(const gsf_picture *p, const gsf_splat *s, float *params) {
     double step = scale_step(&p->steps), position = gsf_position_step_q8(&p->steps, s->minor) / 256.0;
     params[GSCL_X] = (float)((s->x + 0.5) * position);
@@ -115,6 +140,7 @@ void gscl_dequantise(const gsf_picture *p, const gsf_splat *s, float *params) {
     params[GSCL_THETA] = p->header.has_rotation ? (float)(s->angle * pi / gsf_angle_count(&p->steps, s->aspect)) : 0.0f;
     params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
     dequantise_colour(p, s, params + GSCL_COLOUR);
+    dequantise_texture(p, &s->texture, params);
 }
 
 /* Paper eq. 7: a code between the ends of its range. */
@@ -123,6 +149,7 @@ static double from_range(const gsf_range *range, unsigned code, unsigned bits) {
 }
 
 void gscl_dequantise_indexed(const gsf_picture *p, const gsf_indexed_splat *s, float *params) {
+    memset(params, 0, GSCL_PARAMS * sizeof *params);
     const gsf_codebooks *books = &p->codebooks;
     const uint16_t *shape = books->shape_words[s->shape], *colour = books->colour_words[s->colour];
     double grid = (double)(1u << books->position_bits);

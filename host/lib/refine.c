@@ -14,6 +14,8 @@
 #define ROOM_PIXELS 3.0
 #define COUNT_FLOOR 0.05  /* what a code that does not occur counts as */
 #define COUNT_SPREAD 0.25 /* how much of its neighbours' counts a code borrows: the coder does so too */
+#define TEXTURED_SHARE 0.05
+#define GUESSED_COUNT 1.0
 
 /* Mirrors of the structs in cl/refine.cl. */
 typedef struct minor_entry {
@@ -26,11 +28,12 @@ typedef struct aspect_entry {
     cl_float bits;
 } aspect_entry;
 typedef struct settings {
-    cl_float lambda, scale_step, luma_step, chroma_step, alpha_step;
+    cl_float lambda, scale_step, luma_step, chroma_step, alpha_step, amplitude_step;
+    cl_int scan;
     cl_int min[4], max[4];
 } settings;
 typedef struct codes {
-    cl_int code[GSCL_CODES]; /* minor, aspect, angle, x, y, luma, co, cg, alpha */
+    cl_int code[GSCL_CODES]; /* minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase, amplitude */
 } codes;
 
 typedef struct pass {
@@ -42,7 +45,7 @@ typedef struct pass {
     minor_entry minors[GSCL_MAX_SCALE + 1];
     aspect_entry aspects[GSCL_MAX_SCALE + 1];
     cl_float existence;
-    float *tables; /* 4 * GSCL_COLOUR_CODES */
+    float *tables; /* GSCL_BITS_COUNT */
     codes *codes;
     cl_int *owned;  /* x0, x1, y0, y1 of each */
     cl_int *visits; /* splat numbers by group */
@@ -81,8 +84,9 @@ static void bits_of_counts(const double *counts, int n, bool smooth, float *bits
 }
 
 static void codes_of(const gsf_splat *s, codes *c) {
-    const cl_int code[GSCL_CODES] = {s->minor, s->aspect, s->angle, (cl_int)s->x, (cl_int)s->y,
-                                     s->luma,  s->co,     s->cg,    s->alpha};
+    const gsf_texture *t = &s->texture;
+    const cl_int code[GSCL_CODES] = {s->minor, s->aspect, s->angle, (cl_int)s->x, (cl_int)s->y, s->luma,     s->co,
+                                     s->cg,    s->alpha,  t->wave,  t->direction, t->phase,     t->amplitude};
     memcpy(c->code, code, sizeof code);
 }
 
@@ -95,7 +99,11 @@ static void splat_of(const codes *c, gsf_splat *s) {
                      .luma = (int16_t)c->code[5],
                      .co = (int16_t)c->code[6],
                      .cg = (int16_t)c->code[7],
-                     .alpha = (int16_t)c->code[8]};
+                     .alpha = (int16_t)c->code[8],
+                     .texture = {.wave = (uint8_t)c->code[9],
+                                 .direction = (uint8_t)c->code[10],
+                                 .phase = (uint8_t)c->code[11],
+                                 .amplitude = (uint8_t)c->code[12]}};
 }
 
 /* What axis and angle codes mean and cost, from how often they occur. */
@@ -131,6 +139,29 @@ static void make_colour_tables(pass *p) {
     }
 }
 
+/* Before there are waves, those that are coming are guessed: a share of the splats, any wave. */
+static void make_texture_tables(pass *p) {
+    double waves[GSCL_WAVES] = {0}, directions[GSCL_DIRECTIONS] = {0}, amplitudes[GSCL_AMPLITUDES] = {0};
+    double count = (double)p->count, textured = TEXTURED_SHARE * count;
+    for (int i = 0; i < GSCL_WAVES; i++)
+        waves[i] = directions[i] = amplitudes[i] = GUESSED_COUNT;
+    for (size_t i = 0; i < p->count; i++) {
+        const cl_int *code = p->codes[i].code;
+        if (code[12] == 0)
+            continue;
+        textured++;
+        waves[code[9]]++;
+        directions[code[10]]++;
+        amplitudes[code[12] - 1]++;
+    }
+    count *= 1 + TEXTURED_SHARE;
+    p->tables[GSCL_BITS_PLAIN] = (float)-log2(fmax(count - textured, 1) / (count + 1));
+    p->tables[GSCL_BITS_TEXTURED] = (float)(log2(GSCL_PHASES) - log2(fmax(textured, 1) / (count + 1)));
+    bits_of_counts(waves, GSCL_WAVES, true, p->tables + GSCL_BITS_WAVE);
+    bits_of_counts(directions, GSCL_DIRECTIONS, true, p->tables + GSCL_BITS_DIRECTION);
+    bits_of_counts(amplitudes, GSCL_AMPLITUDES, true, p->tables + GSCL_BITS_AMPLITUDE);
+}
+
 static void make_settings(pass *p) {
     const gsf_picture *file = &p->picture->file;
     float steps[GSCL_STEP_COUNT];
@@ -139,6 +170,7 @@ static void make_settings(pass *p) {
     p->settings.luma_step = steps[GSCL_STEP_LUMA];
     p->settings.chroma_step = steps[GSCL_STEP_CHROMA];
     p->settings.alpha_step = steps[GSCL_STEP_ALPHA];
+    p->settings.amplitude_step = 4.0f / (3.0f * (float)gsf_colour_levels(file->steps.luma));
     gsf_luma_range(file->header.blend, file->steps.luma, &p->settings.min[0], &p->settings.max[0]);
     gsf_chroma_range(file->steps.chroma, &p->settings.min[1], &p->settings.max[1]);
     gsf_chroma_range(file->steps.chroma, &p->settings.min[2], &p->settings.max[2]);
@@ -209,7 +241,7 @@ static gscl_result allocate(pass *p) {
     const gscl_renderer *r = &p->fit->renderer;
     size_t n = p->count + 1;
     size_t cells = (size_t)((r->width + CELL - 1) / CELL) * (size_t)((r->height + CELL - 1) / CELL);
-    p->tables = calloc(4 * GSCL_COLOUR_CODES, sizeof *p->tables);
+    p->tables = calloc(GSCL_BITS_COUNT, sizeof *p->tables);
     p->codes = malloc(n * sizeof *p->codes);
     p->owned = malloc(n * 4 * sizeof *p->owned);
     p->visits = malloc(n * sizeof *p->visits);
@@ -226,7 +258,7 @@ static gscl_result upload_all(pass *p) {
     GSCL_TRY(gscl_buffer_upload(context, &p->device_owned, p->owned, p->count * 4 * sizeof *p->owned));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_minors, p->minors, sizeof p->minors));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_aspects, p->aspects, sizeof p->aspects));
-    return gscl_buffer_upload(context, &p->device_tables, p->tables, 4 * GSCL_COLOUR_CODES * sizeof *p->tables);
+    return gscl_buffer_upload(context, &p->device_tables, p->tables, GSCL_BITS_COUNT * sizeof *p->tables);
 }
 
 /* Draws the picture, with its sums of weights, and measures its squared error. */
@@ -291,6 +323,7 @@ static gscl_result run(pass *p, double pressure) {
     make_settings(p);
     make_shape_tables(p);
     make_colour_tables(p);
+    make_texture_tables(p);
     int *groups = malloc((p->count + 1) * sizeof *groups);
     if (!groups)
         return gscl_fail(p->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -307,11 +340,16 @@ static gscl_result run(pass *p, double pressure) {
     return GSCL_OK;
 }
 
-gscl_result gscl_refine_pass(gscl_fit *fit, gscl_picture *picture, double pressure, bool keep_all) {
-    pass p = {.fit = fit, .picture = picture, .count = picture->file.header.splat_count, .keep_all = keep_all};
+gscl_result gscl_refine_pass(gscl_fit *fit, gscl_picture *picture, const gscl_refine_settings *how) {
+    pass p = {.fit = fit,
+              .picture = picture,
+              .count = picture->file.header.splat_count,
+              .keep_all = how->keep_all,
+              .settings.scan = how->scan_textures};
     if (p.count == 0)
         return GSCL_OK;
-    gscl_result result = run(&p, pressure);
+    fit->renderer.options.texture = picture->file.header.has_texture;
+    gscl_result result = run(&p, how->pressure);
     pass_free(&p);
     return result;
 }

@@ -5,10 +5,15 @@
 #include "fit.h"
 #include "picture.h"
 
+typedef struct gscl_refine_settings {
+    double pressure;    /* price of a bit: lambda = pressure * error / (2 * bits of the file) */
+    bool keep_all;      /* no splat is dropped */
+    bool scan_textures; /* with has_texture: splats may take any wave, else waves only change a little or go */
+} gscl_refine_settings;
+
 /* Makes one pass over all splats of `picture` (scalar coding, blend normalized or sum): each splat's codes
- * change, or the splat is dropped, where that lowers squared error + lambda * bits, with
- * lambda = pressure * error / (2 * bits of the file).  `keep_all`: no splat is dropped.
+ * change, or the splat is dropped, where that lowers squared error + lambda * bits.
  * Works at the fit's current level; the fit's splats are overwritten. */
-gscl_result gscl_refine_pass(gscl_fit *fit, gscl_picture *picture, double pressure, bool keep_all);
+gscl_result gscl_refine_pass(gscl_fit *fit, gscl_picture *picture, const gscl_refine_settings *settings);
 
 #endif

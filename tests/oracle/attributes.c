@@ -14,6 +14,15 @@ static int32_t bin_start(int32_t count, int32_t bin) {
     return scaled <= 0 ? -(-scaled / 32) : (scaled + 31) / 32;
 }
 
+/* The ends are neighbours. */
+static void learn_bin(oracle_model *directions, uint32_t bin) {
+    oracle_model_learn(directions, bin);
+    if (bin == 0)
+        oracle_model_add(directions, 15, 6);
+    if (bin == 15)
+        oracle_model_add(directions, 0, 6);
+}
+
 static uint32_t read_angle(oracle_decoder *decoder, oracle_model *directions, int32_t count) {
     const uint32_t per = ((uint32_t)count + BINS - 1) / BINS;
     uint32_t f[BINS];
@@ -24,11 +33,7 @@ static uint32_t read_angle(oracle_decoder *decoder, oracle_model *directions, in
     const int32_t bin = (int32_t)oracle_symbol(decoder, f, BINS);
     const int32_t codes = bin_start(count, bin + 1) - bin_start(count, bin);
     const int32_t within = (int32_t)oracle_uniform(decoder, (uint32_t)codes);
-    oracle_model_learn(directions, (uint32_t)bin);
-    if (bin == 0)
-        oracle_model_add(directions, 15, 6);
-    if (bin == 15)
-        oracle_model_add(directions, 0, 6);
+    learn_bin(directions, (uint32_t)bin);
     return (uint32_t)((bin_start(count, bin) + within + count) % count);
 }
 
@@ -123,7 +128,7 @@ static void read_chroma(oracle_decoder *decoder, chroma_coder *chroma, uint32_t 
 /* ---- All of a splat ---- */
 
 typedef struct {
-    oracle_model aspect, direction, luma, alpha, opacity;
+    oracle_model aspect, direction, luma, alpha, opacity, textured, amplitude, wave, wave_direction;
     chroma_coder chroma;
     int32_t luma_min, alpha_min;
 } attribute_coder;
@@ -138,7 +143,21 @@ static void attributes_init(attribute_coder *coder, const oracle_payload *payloa
     oracle_model_init(&coder->luma, ORACLE_MODEL_LUMA, (uint32_t)(oracle_luma_max(luma) - coder->luma_min + 1), 0);
     oracle_model_init(&coder->alpha, ORACLE_MODEL_ALPHA, (uint32_t)(oracle_luma_max(alpha) - coder->alpha_min + 1), 0);
     oracle_model_init(&coder->opacity, ORACLE_MODEL_OPACITY, steps->opacity + 1, 0);
+    oracle_model_init(&coder->textured, ORACLE_MODEL_TEXTURED, 2, 0);
+    oracle_model_init(&coder->amplitude, ORACLE_MODEL_AMPLITUDE, 16, 0);
+    oracle_model_init(&coder->wave, ORACLE_MODEL_WAVE, 16, 0);
+    oracle_model_init(&coder->wave_direction, ORACLE_MODEL_WAVE_DIRECTION, BINS, 0);
     chroma_init(&coder->chroma, oracle_levels(steps->chroma));
+}
+
+static void read_texture(oracle_decoder *decoder, attribute_coder *coder, oracle_codes *splat) {
+    if (oracle_model_decode(&coder->textured, decoder) == 0)
+        return;
+    splat->amplitude = 1 + oracle_model_decode(&coder->amplitude, decoder);
+    splat->wave = oracle_model_decode(&coder->wave, decoder);
+    splat->wave_direction = oracle_symbol(decoder, coder->wave_direction.f, BINS);
+    learn_bin(&coder->wave_direction, splat->wave_direction);
+    splat->phase = oracle_uniform(decoder, 8);
 }
 
 static void read_splat(oracle_payload *payload, attribute_coder *coder, oracle_codes *splat) {
@@ -159,6 +178,8 @@ static void read_splat(oracle_payload *payload, attribute_coder *coder, oracle_c
         splat->alpha = coder->alpha_min + (int32_t)oracle_model_decode(&coder->alpha, decoder);
     if (header->has_opacity)
         splat->opacity = oracle_model_decode(&coder->opacity, decoder);
+    if (header->has_texture)
+        read_texture(decoder, coder, splat);
 }
 
 bool oracle_read_attributes(oracle_payload *payload) {

@@ -88,6 +88,10 @@ static oracle_splat scalar_splat(const oracle_payload *payload, const oracle_cod
         .theta = codes->angle * pi / oracle_angle_count(steps, codes->aspect),
         .opacity = payload->header.has_opacity ? (codes->opacity + 1.0) / (steps->opacity + 1.0) : 1.0,
     };
+    splat.amplitude = 4.0 * codes->amplitude / (3.0 * oracle_levels(steps->luma));
+    splat.wavelength = 2.5 * exp2(7.0 * codes->wave / 16.0);
+    splat.direction = codes->wave_direction * pi / 16.0;
+    splat.phase = codes->phase * pi / 4.0;
     scalar_colour(payload, codes, splat.colour);
     return splat;
 }

@@ -3,6 +3,8 @@
 
 #include "oracle.h"
 
+static const double pi = 3.14159265358979323846;
+
 /* The value of a splat at a point: 0 beyond its border. */
 static double splat_value(const oracle_splat *splat, double x, double y) {
     const double dx = x - splat->x, dy = y - splat->y;
@@ -13,16 +15,27 @@ static double splat_value(const oracle_splat *splat, double x, double y) {
 }
 
 /* Puts one more splat on a pixel.  `weight` is the sum of the normalized blend's weights so far. */
-static void blend_splat(oracle_blend blend, const oracle_splat *splat, double strength, uint32_t channels,
-                        double *value, double *weight) {
+static void blend_splat(oracle_blend blend, const double *colour, double strength, uint32_t channels, double *value,
+                        double *weight) {
     const double a = fmin(strength, 0.999);
     *weight += strength;
     for (uint32_t c = 0; c < channels; c++) {
         if (blend == ORACLE_ALPHA)
-            value[c] = value[c] * (1.0 - a) + splat->colour[c] * a;
+            value[c] = value[c] * (1.0 - a) + colour[c] * a;
         else
-            value[c] += strength * splat->colour[c];
+            value[c] += strength * colour[c];
     }
+}
+
+/* The colour of a splat at a point. */
+static void splat_colour(const oracle_header *header, const oracle_splat *splat, double x, double y, double *colour) {
+    double wave = 0.0;
+    if (splat->amplitude > 0.0) {
+        const double along = (x - splat->x) * cos(splat->direction) + (y - splat->y) * sin(splat->direction);
+        wave = splat->amplitude * cos(2.0 * pi * along / splat->wavelength - splat->phase);
+    }
+    for (uint32_t c = 0; c < header->channels; c++)
+        colour[c] = splat->colour[c] + (c < header->colours ? wave : 0.0);
 }
 
 /* The pixels whose centres may lie within `reach` of `at`: from *first up to, but without, *end. */
@@ -41,9 +54,12 @@ static void draw_splat(const oracle_picture *picture, const oracle_splat *splat,
         for (uint32_t i = left; i < right; i++) {
             const double strength = splat->opacity * splat_value(splat, i + 0.5, j + 0.5);
             const size_t pixel = (size_t)j * header->width + i;
-            if (strength > 0.0)
-                blend_splat(header->blend, splat, strength, header->channels, &values[pixel * header->channels],
-                            &weights[pixel]);
+            double colour[ORACLE_CHANNELS];
+            if (strength <= 0.0)
+                continue;
+            splat_colour(header, splat, i + 0.5, j + 0.5, colour);
+            blend_splat(header->blend, colour, strength, header->channels, &values[pixel * header->channels],
+                        &weights[pixel]);
         }
     }
 }

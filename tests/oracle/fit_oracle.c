@@ -4,10 +4,13 @@
 
 #define STEP 1e-5
 
+static const double pi = 3.14159265358979323846;
+
 /* A splat as it appears at the level. */
 typedef struct {
     double x, y, i1, i2, c, s, opacity;
     const double *colour;
+    double wave_x, wave_y, phase, amplitude; /* cycles per pixel of the level, cycles */
 } appearance;
 
 static double seen_axis(double log_axis, int level) {
@@ -17,6 +20,7 @@ static double seen_axis(double log_axis, int level) {
 
 static appearance appear(const oracle_fit *fit, const double *p) {
     const double scale = ldexp(1.0, fit->level);
+    const double filtered = exp(-2.0 * pi * pi * (p[10] * p[10] + p[11] * p[11]) * (scale * scale - 1.0) / 12.0);
     return (appearance){
         .x = p[0] / scale,
         .y = p[1] / scale,
@@ -26,6 +30,10 @@ static appearance appear(const oracle_fit *fit, const double *p) {
         .s = sin(p[4]),
         .opacity = fit->opacity ? 1.0 / (1.0 + exp(-p[5])) : 1.0,
         .colour = p + 6,
+        .wave_x = p[10] * scale,
+        .wave_y = p[11] * scale,
+        .phase = p[12],
+        .amplitude = fit->texture ? p[13] * filtered : 0.0,
     };
 }
 
@@ -34,6 +42,10 @@ static double weight_at(const appearance *a, double x, double y) {
     const double u = (dx * a->c + dy * a->s) * a->i1, v = (dy * a->c - dx * a->s) * a->i2;
     const double q = 0.5 * (u * u + v * v);
     return q < 7.0 ? a->opacity * (exp(-q) - exp(-7.0)) : 0.0;
+}
+
+static double wave_at(const appearance *a, double x, double y) {
+    return a->amplitude * cos(2.0 * pi * ((x - a->x) * a->wave_x + (y - a->y) * a->wave_y - a->phase));
 }
 
 typedef struct {
@@ -55,10 +67,13 @@ static void draw_pixel(const oracle_fit *fit, const scene *s, int index, double 
     for (int k = 0; k < channels; k++)
         value[k] = e * fit->background[k];
     for (size_t i = 0; i < s->count; i++) {
-        const double w = weight_at(&s->splats[i], x, y), covered = fit->blend == ORACLE_ALPHA ? fmin(w, 0.999) : 0.0;
+        const double w = weight_at(&s->splats[i], x, y), wave = wave_at(&s->splats[i], x, y),
+                     covered = fit->blend == ORACLE_ALPHA ? fmin(w, 0.999) : 0.0;
         weights += w;
-        for (int k = 0; k < channels && w > 0.0; k++)
-            value[k] = value[k] * (1.0 - covered) + s->splats[i].colour[k] * (fit->blend == ORACLE_ALPHA ? covered : w);
+        for (int k = 0; k < channels && w > 0.0; k++) {
+            const double colour = s->splats[i].colour[k] + (k < fit->colours ? wave : 0.0);
+            value[k] = value[k] * (1.0 - covered) + colour * (fit->blend == ORACLE_ALPHA ? covered : w);
+        }
     }
     for (int k = 0; k < channels && fit->blend == ORACLE_NORMALIZED; k++)
         value[k] /= weights;

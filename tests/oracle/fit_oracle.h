@@ -7,14 +7,15 @@
 
 #include "oracle.h"
 
-/* The order of a splat's parameters (cl/constants.h): x, y, ln s1, ln s2, theta, logit of the opacity, colours. */
-#define ORACLE_PARAMS 10
+/* The order of a splat's parameters (cl/constants.h): x, y, ln s1, ln s2, theta, logit of the opacity, four
+ * colours, and of the wave: cycles per pixel along x and y, phase in cycles, amplitude. */
+#define ORACLE_PARAMS 14
 #define ORACLE_FIT_SPLATS 64 /* at most */
 
 typedef struct {
     oracle_blend blend;
     int colours, alpha_channel; /* coded channels: their sum */
-    bool opacity;
+    bool opacity, texture;
     bool absolute;     /* loss L1, else L2 */
     int level;         /* of the pyramid that is drawn */
     int width, height; /* of that level */

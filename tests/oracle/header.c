@@ -39,15 +39,16 @@ static void read_flags(uint32_t flags, oracle_header *header) {
     header->has_opacity = flags >> 10 & 1;
     header->has_rotation = flags >> 11 & 1;
     header->has_anisotropy = flags >> 12 & 1;
+    header->has_texture = flags >> 13 & 1;
     header->colours = header->has_chroma ? 3 : 1;
     header->channels = header->colours + (header->has_alpha ? 1 : 0);
 }
 
 static bool flags_allowed(uint32_t flags, const oracle_header *header) {
-    const bool reserved = flags & 0xE0C0;
+    const bool reserved = flags & 0xC0C0;
     return !reserved && (flags & 3) != 3 && (!header->has_chroma || header->layout >= 2) &&
            (!header->has_alpha || header->layout == 1 || header->layout == 3) &&
-           (!header->has_rotation || header->has_anisotropy);
+           (!header->has_rotation || header->has_anisotropy) && (!header->has_texture || !header->codebook);
 }
 
 oracle_result oracle_read_header(const uint8_t *bytes, size_t size, oracle_header *header, uint32_t *checksum) {

@@ -26,7 +26,7 @@ typedef struct {
     oracle_blend blend;
     bool codebook;   /* else scalar coding */
     uint32_t layout; /* 0 grey, 1 grey and alpha, 2 RGB, 3 RGB and alpha */
-    bool deep, has_chroma, has_alpha, has_opacity, has_rotation, has_anisotropy;
+    bool deep, has_chroma, has_alpha, has_opacity, has_rotation, has_anisotropy, has_texture;
     uint32_t colours;  /* coded colour channels: 1, or 3 with has_chroma */
     uint32_t channels; /* coded channels: the colours, then alpha when has_alpha is set */
     size_t bytes;      /* of the header with its checksum */
@@ -38,6 +38,7 @@ typedef struct {
     double s1, s2, theta;
     double colour[ORACLE_CHANNELS];
     double opacity;
+    double amplitude, wavelength, direction, phase; /* of the wave; no wave where the amplitude is 0 */
 } oracle_splat;
 
 typedef struct {

@@ -40,6 +40,10 @@ typedef enum {
     ORACLE_MODEL_LUMA,
     ORACLE_MODEL_ALPHA,
     ORACLE_MODEL_OPACITY,
+    ORACLE_MODEL_TEXTURED,
+    ORACLE_MODEL_AMPLITUDE,
+    ORACLE_MODEL_WAVE,
+    ORACLE_MODEL_WAVE_DIRECTION,
     ORACLE_MODEL_PLAIN_CHROMA,
     ORACLE_MODEL_RESIDUAL_CHROMA,
     ORACLE_MODEL_COLOUR_INDEX
@@ -98,6 +102,7 @@ typedef struct {
     oracle_cell cell;
     uint32_t class;
     uint32_t aspect, angle, opacity, colour_index;
+    uint32_t amplitude, wave, wave_direction, phase;
     int32_t luma, chroma[2], alpha;
 } oracle_codes;
 

@@ -62,6 +62,7 @@ gsf_header test_any_header(int number, gsf_coding coding) {
                         .has_opacity = test_pick(2),
                         .has_rotation = anisotropy && test_pick(4) > 0,
                         .has_anisotropy = anisotropy,
+                        .has_texture = coding == GSF_CODING_SCALAR && test_pick(2),
                         .width = 1 + test_pick(100),
                         .height = 1 + test_pick(100),
                         .splat_count = test_pick(150)};
@@ -91,6 +92,12 @@ void test_any_colour(const gsf_picture *picture, gsf_splat *splat) {
     splat->co = (int16_t)between(min, max);
     splat->cg = (int16_t)between(min, max);
     splat->opacity = (uint16_t)test_pick(picture->steps.opacity + 1u);
+    splat->texture = (gsf_texture){0};
+    if (picture->header.has_texture && test_pick(2))
+        splat->texture = (gsf_texture){.wave = (uint8_t)test_pick(GSF_WAVES),
+                                       .direction = (uint8_t)test_pick(GSF_DIRECTIONS),
+                                       .phase = (uint8_t)test_pick(GSF_PHASES),
+                                       .amplitude = (uint8_t)(1 + test_pick(GSF_AMPLITUDES))};
 }
 
 void test_any_splat(const gsf_picture *picture, gsf_splat *splat, unsigned minor, unsigned aspect) {

@@ -96,6 +96,11 @@ static void fill_splat(const gsf_picture *picture, gsf_splat *splat) {
     splat->co = h->has_chroma ? pick_between(min, max) : 0;
     splat->cg = h->has_chroma ? pick_between(min, max) : 0;
     splat->opacity = h->has_opacity ? (uint16_t)pick(steps->opacity + 1u) : 0;
+    if (h->has_texture && pick(3) > 0)
+        splat->texture = (gsf_texture){.wave = (uint8_t)pick(GSF_WAVES),
+                                       .direction = (uint8_t)pick(GSF_DIRECTIONS),
+                                       .phase = (uint8_t)pick(GSF_PHASES),
+                                       .amplitude = (uint8_t)(1 + pick(GSF_AMPLITUDES))};
 }
 
 static int descending(const void *a, const void *b) {
@@ -180,6 +185,7 @@ static void assert_same_header(const gsf_header *a, const gsf_header *b) {
     assert_true(a->deep == b->deep && a->has_chroma == b->has_chroma && a->has_alpha == b->has_alpha);
     assert_true(a->has_opacity == b->has_opacity && a->has_rotation == b->has_rotation);
     assert_true(a->has_anisotropy == b->has_anisotropy && a->width == b->width && a->height == b->height);
+    assert_int_equal(a->has_texture, b->has_texture);
     assert_int_equal(a->splat_count, b->splat_count);
 }
 
@@ -217,6 +223,7 @@ static gsf_header header_from_bits(unsigned choice) {
     h.has_opacity = choice >> 6 & 1;
     h.has_anisotropy = choice >> 7 & 1;
     h.has_rotation = (choice >> 8 & 1) && h.has_anisotropy;
+    h.has_texture = h.coding == GSF_CODING_SCALAR && pick(2);
     h.blend = (gsf_blend)pick(3);
     return h;
 }
@@ -313,13 +320,21 @@ static void test_largest_codes(void **unused) {
     header.splat_count = 2;
     header.layout = GSF_RGBA;
     header.blend = GSF_BLEND_SUM;
-    header.has_alpha = header.has_opacity = header.deep = true;
+    header.has_alpha = header.has_opacity = header.has_texture = header.deep = true;
     create(&f, &header);
     f.picture.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
     memset(f.picture.background, 0xFF, sizeof f.picture.background);
     for (int i = 0; i < 2; i++)
-        f.picture.splats[i] = (gsf_splat){
-            .minor = 63, .aspect = 63, .angle = 511, .opacity = 15, .luma = 286, .co = 255, .cg = -255, .alpha = -286};
+        f.picture.splats[i] =
+            (gsf_splat){.minor = 63,
+                        .aspect = 63,
+                        .angle = 511,
+                        .opacity = 15,
+                        .luma = 286,
+                        .co = 255,
+                        .cg = -255,
+                        .alpha = -286,
+                        .texture = {GSF_WAVES - 1, GSF_DIRECTIONS - 1, GSF_PHASES - 1, GSF_AMPLITUDES}};
     check_round_trip(&f);
     destroy(&f);
 }
@@ -330,11 +345,13 @@ static void test_unused_codes_are_cleared(void **unused) {
     fixture f;
     const gsf_header header = {.width = 9, .height = 9, .splat_count = 1};
     create(&f, &header);
-    f.picture.splats[0] = (gsf_splat){.aspect = 999, .angle = 999, .co = 999, .cg = 999, .alpha = 999, .opacity = 999};
+    f.picture.splats[0] = (gsf_splat){
+        .aspect = 999, .angle = 999, .co = 999, .cg = 999, .alpha = 999, .opacity = 999, .texture = {99, 99, 99, 99}};
     f.picture.steps.chroma = 3;
     check_round_trip(&f);
     assert_int_equal(f.picture.splats[0].aspect, 0);
     assert_int_equal(f.picture.splats[0].cg, 0);
+    assert_int_equal(f.picture.splats[0].texture.amplitude, 0);
     assert_int_equal(f.picture.steps.chroma, 0);
     destroy(&f);
 }
@@ -426,6 +443,8 @@ static void test_writer_refuses_scalar(void **unused) {
     REFUSES(splats[1].luma = 287);
     REFUSES(splats[1].co = -256);
     REFUSES(splats[1].cg = 256);
+    REFUSES(splats[1].texture.wave = f.picture.header.has_texture = true);
+    REFUSES(splats[1].texture.amplitude = GSF_AMPLITUDES + (f.picture.header.has_texture = true));
 #undef REFUSES
 }
 
@@ -562,7 +581,8 @@ static void test_header_errors(void **unused) {
         {{'g', 's', 'c', 2, 0, 0, 0, 0, 0, 0, 0, 0}, GSF_NEWER_VERSION},
         {{'g', 's', 'c', 1, 3, 0, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* blend 3 */
         {{'g', 's', 'c', 1, 0x40, 0, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* reserved */
-        {{'g', 's', 'c', 1, 0, 0x20, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* reserved */
+        {{'g', 's', 'c', 1, 0, 0x80, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* reserved */
+        {{'g', 's', 'c', 1, 4, 0x20, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* textures in codebook coding */
         {{'g', 's', 'c', 1, 0, 1, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* chroma without RGB */
         {{'g', 's', 'c', 1, 0, 2, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* alpha without alpha */
         {{'g', 's', 'c', 1, 0, 8, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* rotation of round splats */

@@ -82,7 +82,7 @@ static void ordinary_splat(float *p) {
     p[GSCL_LOG_S2] = uniform(log(0.7), log(15.0));
     p[GSCL_THETA] = uniform(-4.0, 4.0);
     p[GSCL_OPACITY] = uniform(-3.0, 3.0);
-    for (int k = GSCL_COLOUR; k < GSCL_PARAMS; k++)
+    for (int k = GSCL_COLOUR; k < GSCL_COLOUR + 4; k++)
         p[k] = uniform(-0.2, 1.2);
 }
 
@@ -92,7 +92,8 @@ static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int op
     snprintf(name, sizeof name, "blend %d, %d+%d channels, opacity %d, loss %d, level %d", blend, colours,
              alpha_channel, opacity, loss, level);
     c->name = name;
-    c->options = (gscl_kernel_options){blend, colours, alpha_channel, opacity, loss};
+    c->options = (gscl_kernel_options){
+        .blend = blend, .colours = colours, .alpha_channel = alpha_channel, .opacity = opacity, .loss = loss};
     c->level = level;
     c->count = SPLATS;
     test_random_state = (uint32_t)(blend + 3 * colours + 17 * alpha_channel + 31 * opacity + 101 * level);
@@ -121,6 +122,7 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
                           .colours = c->options.colours,
                           .alpha_channel = c->options.alpha_channel,
                           .opacity = c->options.opacity,
+                          .texture = c->options.texture,
                           .absolute = c->options.loss == GSCL_LOSS_KIND_L1,
                           .level = c->level,
                           .width = (int)gscl_level_size(WIDTH, c->level),
@@ -249,6 +251,26 @@ static void test_blurred_levels(void **state) {
     }
 }
 
+static void add_wave(float *p) {
+    p[GSCL_WAVE_X] = uniform(-0.3, 0.3);
+    p[GSCL_WAVE_Y] = uniform(-0.3, 0.3);
+    p[GSCL_WAVE_PHASE] = uniform(0.0, 1.0);
+    p[GSCL_WAVE_AMPLITUDE] = test_pick(3) ? uniform(0.0, 0.5) : 0.0f;
+}
+
+static void test_textures(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int level = 0; level < 2; level++) {
+            fit_case *c = ordinary_case(blend, level ? 1 : 3, 1, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, level);
+            c->options.texture = 1;
+            for (size_t i = 0; i < c->count; i++)
+                add_wave(c->params + i * GSCL_PARAMS);
+            check_case(c, ALLOWED);
+        }
+    }
+}
+
 /* The errors must be far from 0, where |e| has no derivative. */
 static void test_absolute_loss(void **state) {
     (void)state;
@@ -328,7 +350,7 @@ static void test_hard_scenes_are_finite(void **state) {
             p[GSCL_LOG_S1] = uniform(log(0.05), log(30000.0));
             p[GSCL_LOG_S2] = uniform(log(0.05), log(30000.0));
             p[GSCL_OPACITY] = uniform(-40.0, 40.0);
-            for (int k = GSCL_COLOUR; k < GSCL_PARAMS; k++)
+            for (int k = GSCL_COLOUR; k < GSCL_COLOUR + 4; k++)
                 p[k] = uniform(-2.0, 3.0);
         }
         check_hard(c);
@@ -381,6 +403,7 @@ int main(void) {
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_sum),
         cmocka_unit_test(test_blurred_levels),
+        cmocka_unit_test(test_textures),
         cmocka_unit_test(test_absolute_loss),
         cmocka_unit_test(test_isotropic_splats_have_no_angle),
         cmocka_unit_test(test_opaque_stacks_are_finite),

@@ -437,6 +437,49 @@ static void test_default_target(void **state) {
     }
 }
 
+/* ---- Textures ---- */
+
+/* A wave of 5 pixels across a round window, which no few plain splats can show. */
+static gscl_image striped_image(void) {
+    gscl_image image = test_image(TEST_FLAT, 96, 64, 1, GSCL_SAMPLE_U8);
+    uint8_t *pixels = image.pixels;
+    for (int y = 0; y < 64; y++) {
+        for (int x = 0; x < 96; x++) {
+            const double window = exp(-((x - 48.0) * (x - 48.0) + (y - 32.0) * (y - 32.0)) / 600.0);
+            pixels[96 * y + x] = (uint8_t)(128.0 + 100.0 * window * cos(1.1 * x + 0.6 * y));
+        }
+    }
+    return image;
+}
+
+static double psnr_of(const gscl_image *image, int effort, uint32_t *effects) {
+    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 100);
+    gscl_encode_report report;
+    gscl_info info;
+    file f = {NULL, 0};
+    settings.effort = effort;
+    assert_result(gscl_encode(context, image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
+    assert_int_equal(gscl_probe(f.bytes, f.size, &info), GSCL_OK);
+    assert_true(f.size <= 100);
+    *effects = info.effects;
+    gscl_free(f.bytes);
+    return report.psnr;
+}
+
+/* Stripes call for textures; the lowest efforts do not look for them. */
+static void test_textures(void **state) {
+    (void)state;
+    uint32_t effects;
+    gscl_image stripes = striped_image();
+    const double without = psnr_of(&stripes, 1, &effects);
+    assert_false(effects & GSCL_EFFECT_TEXTURE);
+    const double with = psnr_of(&stripes, 5, &effects);
+    assert_true(effects & GSCL_EFFECT_TEXTURE);
+    if (!(with > without + 3.0))
+        fail_msg("%.2f dB with textures, %.2f dB without", with, without);
+    test_image_free(&stripes);
+}
+
 /* ---- Flat and long pictures ---- */
 
 static void test_flat_pictures(void **state) {
@@ -750,6 +793,7 @@ int main(void) {
         cmocka_unit_test(test_bits_per_pixel),
         cmocka_unit_test(test_psnr),
         cmocka_unit_test(test_default_target),
+        cmocka_unit_test(test_textures),
         cmocka_unit_test(test_flat_pictures),
         cmocka_unit_test(test_long_pictures),
         cmocka_unit_test(test_progress_and_cancel),

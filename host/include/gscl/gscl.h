@@ -229,7 +229,8 @@ typedef enum gscl_effect {
     GSCL_EFFECT_OPACITY = 1u << 2,
     GSCL_EFFECT_ROTATION = 1u << 3,
     GSCL_EFFECT_ANISOTROPY = 1u << 4,
-    GSCL_EFFECT_CODEBOOKS = 1u << 5
+    GSCL_EFFECT_CODEBOOKS = 1u << 5,
+    GSCL_EFFECT_TEXTURE = 1u << 6 /* waves on some splats' colours */
 } gscl_effect;
 /* "chroma", "alpha-channel", ...; NULL when `effect` is not one effect. */
 GSCL_API const char *gscl_effect_name(gscl_effect effect);

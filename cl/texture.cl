@@ -1,0 +1,225 @@
+/* Choosing a splat's wave (the texture effect) by rate and distortion, while the splat is out of the picture.
+ *
+ * A wave a cos(2 pi k.d - h) under the splat's weight s changes the error by 2 a l + a^2 q, with l and q from the
+ * sums of s e cos, s e sin, s^2 cos^2, s^2 sin^2 and s^2 sin cos over the splat's pixels; e is the error of the
+ * picture with the plain splat in it, added up over the colour channels.  A scan looks at the first two sums alone,
+ * for all directions at once, and guesses the others from the splat's Gaussian; the best wave of the scan, the
+ * present one and its neighbours are then judged exactly. */
+
+inline float wave_bits(const codes *c, __global const float *restrict tables) {
+#if TEXTURE
+    if (c->code[CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
+    return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[CODE_WAVE]] +
+           tables[GSCL_BITS_DIRECTION + c->code[CODE_DIRECTION]] +
+           tables[GSCL_BITS_AMPLITUDE + c->code[CODE_AMPLITUDE] - 1];
+#else
+    return 0.0f;
+#endif
+}
+
+#if TEXTURE
+#define SCANNED_WAVES 12
+#define VECTORS (GSCL_DIRECTIONS / LANES) /* of directions */
+#define SHORTEST 0.45f                    /* cycles per drawn pixel: finer waves would alias */
+#define WIDEST 6.0f                       /* longest wavelength that is looked at, in major axes */
+
+/* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
+inline void share_and_error(const appearance *plain, outline o, int x, int y, int lanes,
+                            __global const float *restrict picture, __global const float *restrict weights,
+                            __global const float *restrict target, int width, ulong plane, pix *share, pix *error) {
+    size_t at = (size_t)y * width + x;
+    pix inside = pix_inside(lanes);
+    pix s = private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, plain) * inside;
+#if BLEND == GSCL_NORMALIZED
+    s /= PIX_LOAD(weights + at) + s;
+#endif
+    pix e = (pix)(0.0f);
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) {
+        pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(plain->drawn[GSCL_DRAWN_COLOUR + k]);
+        e += fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
+    }
+    *share = s;
+    *error = e * inside;
+}
+
+typedef struct {
+    float error_cos, error_sin; /* sums of s e cos, s e sin */
+    float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
+} wave_sums;
+
+inline wave_sums wave_weigh(const appearance *plain, float2 cycles, __global const float *restrict picture,
+                            __global const float *restrict weights, __global const float *restrict target, int width,
+                            int height, ulong plane) {
+    outline o = outline_of(plain);
+    int2 rows = outline_rows(o, height);
+    pix ec = (pix)(0.0f), es = (pix)(0.0f), cc = (pix)(0.0f), ss = (pix)(0.0f), cs = (pix)(0.0f);
+    for (int y = rows.x; y <= rows.y; y++) {
+        int2 columns = outline_columns(o, y, width);
+        for (int x = columns.x; x <= columns.y; x += LANES) {
+            pix s, e;
+            share_and_error(plain, o, x, y, columns.y - x + 1, picture, weights, target, width, plane, &s, &e);
+            pix turns = fma(pix_offsets() + ((float)x + 0.5f - o.x), (pix)(cycles.x),
+                            (pix)(((float)y + 0.5f - o.y) * cycles.y));
+            pix c = s * pix_cos_turns(turns), n = s * pix_cos_turns(turns - 0.25f);
+            ec = fma(c, e, ec);
+            es = fma(n, e, es);
+            cc = fma(c, c, cc);
+            ss = fma(n, n, ss);
+            cs = fma(c, n, cs);
+        }
+    }
+    wave_sums w = {pix_sum(ec), pix_sum(es), COLOURS * pix_sum(cc), COLOURS * pix_sum(ss), COLOURS * pix_sum(cs)};
+    return w;
+}
+
+/* Finds the phase and the amplitude that cost least for a wave and direction; returns that cost. */
+inline float wave_settle(codes *c, const wave_sums *w, float attenuation, __global const float *restrict tables,
+                         refine_settings t) {
+    float best = MAXFLOAT, step = t.amplitude_step * attenuation;
+    codes other = *c;
+    for (int phase = 0; phase < GSCL_PHASES; phase++) {
+        float turn = (float)phase * (2.0f * M_PI_F / GSCL_PHASES), co = cos(turn), si = sin(turn);
+        float l = fma(co, w->error_cos, si * w->error_sin);
+        float q = co * co * w->cos2 + 2.0f * co * si * w->both + si * si * w->sin2;
+        if (!(l < 0.0f)) continue;
+        other.code[CODE_PHASE] = phase;
+        float wanted = rint(-l / (fmax(q, 1e-12f) * step));
+        for (int less = 0; less < 2; less++) {
+            other.code[CODE_AMPLITUDE] = (int)clamp(wanted - (float)less, 1.0f, (float)GSCL_AMPLITUDES);
+            float a = (float)other.code[CODE_AMPLITUDE] * step;
+            float cost = a * fma(a, q, 2.0f * l) + t.lambda * wave_bits(&other, tables);
+            if (cost < best) {
+                best = cost;
+                *c = other;
+            }
+        }
+    }
+    return best;
+}
+
+/* Per wave and vector of directions: where the scan stands in a row, and what it has added up. */
+typedef struct {
+    pix step_x, step_y;     /* cycles per pixel */
+    pix turn_cos, turn_sin; /* rotation from one pixel to the next */
+    pix error_cos, error_sin;
+} scan_state;
+
+/* Adds the pixels of a vector, given as s e, to all waves; `dx`, `dy`: its first pixel from the centre. */
+inline void scan_add(scan_state *restrict states, int waves, pix shared_error, int lanes, float dx, float dy) {
+    float products[LANES];
+    PIX_STORE(shared_error, products);
+    for (int i = 0; i < waves * VECTORS; i++) {
+        scan_state *s = states + i;
+        pix turns = fma((pix)(dx), s->step_x, dy * s->step_y);
+        pix c = pix_cos_turns(turns), n = pix_cos_turns(turns - 0.25f);
+        pix ec = s->error_cos, es = s->error_sin, tc = s->turn_cos, ts = s->turn_sin;
+        for (int j = 0; j < lanes; j++) {
+            pix g = (pix)(products[j]);
+            ec = fma(g, c, ec);
+            es = fma(g, n, es);
+            pix next = fma(c, tc, -n * ts);
+            n = fma(c, ts, n * tc);
+            c = next;
+        }
+        s->error_cos = ec;
+        s->error_sin = es;
+    }
+}
+
+/* What each wave of a state would win, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
+ * (1 +- r) / 2, r = exp(-k' Sigma k). */
+inline pix scan_score(const appearance *plain, const scan_state *s) {
+    const float *d = plain->drawn;
+    float u2 = d[GSCL_DRAWN_UX] * d[GSCL_DRAWN_UX] + d[GSCL_DRAWN_UY] * d[GSCL_DRAWN_UY];
+    float v2 = d[GSCL_DRAWN_VX] * d[GSCL_DRAWN_VX] + d[GSCL_DRAWN_VY] * d[GSCL_DRAWN_VY];
+    pix u = fma(s->step_x, (pix)(d[GSCL_DRAWN_UX]), s->step_y * d[GSCL_DRAWN_UY]) / u2;
+    pix v = fma(s->step_x, (pix)(d[GSCL_DRAWN_VX]), s->step_y * d[GSCL_DRAWN_VY]) / v2;
+    /* (2 pi)^2 / (2 ln 2) brings the frame's units to sigmas, 1 / ln 2 e to 2 */
+    pix r = pix_exp2_minus((2.0f * M_PI_F * M_PI_F / (M_LN2_F * M_LN2_F)) * fma(u, u, v * v));
+    return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
+}
+
+/* The most promising wave and direction. */
+inline int2 wave_scan(const appearance *plain, float major, view seen, __global const float *restrict picture,
+                      __global const float *restrict weights, __global const float *restrict target, int width,
+                      int height, ulong plane) {
+    scan_state states[SCANNED_WAVES * VECTORS];
+    int waves = 0;
+    while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * WIDEST * major > 1.0f)) waves++;
+    for (int i = 0; i < waves * VECTORS; i++) {
+        pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
+        float cycles = wave_frequency(i / VECTORS) / seen.inv_scale;
+        states[i].step_x = cycles * pix_cos_turns(direction);
+        states[i].step_y = cycles * pix_cos_turns(direction - 0.25f);
+        states[i].turn_cos = pix_cos_turns(states[i].step_x);
+        states[i].turn_sin = pix_cos_turns(states[i].step_x - 0.25f);
+        states[i].error_cos = states[i].error_sin = (pix)(0.0f);
+    }
+    outline o = outline_of(plain);
+    int2 rows = outline_rows(o, height);
+    for (int y = rows.x; y <= rows.y; y++) {
+        int2 columns = outline_columns(o, y, width);
+        for (int x = columns.x; x <= columns.y; x += LANES) {
+            pix s, e;
+            int lanes = min(columns.y - x + 1, LANES);
+            share_and_error(plain, o, x, y, lanes, picture, weights, target, width, plane, &s, &e);
+            scan_add(states, waves, s * e, lanes, (float)x + 0.5f - o.x, (float)y + 0.5f - o.y);
+        }
+    }
+    int2 best = (int2)(0, 0);
+    float highest = -1.0f;
+    for (int i = 0; i < waves * VECTORS; i++) {
+        if (wave_frequency(i / VECTORS) > SHORTEST * seen.inv_scale) continue;
+        float scores[LANES];
+        PIX_STORE(scan_score(plain, states + i), scores);
+        for (int j = 0; j < LANES; j++)
+            if (scores[j] > highest) {
+                highest = scores[j];
+                best = (int2)(i / VECTORS, i % VECTORS * LANES + j);
+            }
+    }
+    return best;
+}
+
+/* Gives the splat, which is out of the picture, the wave that costs least, or none. */
+inline void texture_choose(codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
+                           __global const float *restrict tables, refine_settings t, view seen,
+                           __global const float *restrict picture, __global const float *restrict weights,
+                           __global const float *restrict target, int width, int height, ulong plane) {
+    codes now = *c, choice = *c;
+    for (int k = CODE_WAVE; k <= CODE_AMPLITUDE; k++) choice.code[k] = 0;
+    float best = t.lambda * tables[GSCL_BITS_PLAIN];
+    bool textured = now.code[CODE_AMPLITUDE] > 0;
+    splat s = codes_splat(&choice, minors, aspects, t);
+    appearance plain = splat_appearance(s, seen);
+    int2 tried[6];
+    int count = 0;
+    if (textured) {
+        int w = now.code[CODE_WAVE], d = now.code[CODE_DIRECTION];
+        tried[count++] = (int2)(w, d);
+        tried[count++] = (int2)(w, (d + 1) % GSCL_DIRECTIONS);
+        tried[count++] = (int2)(w, (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS);
+        if (w + 1 < GSCL_WAVES) tried[count++] = (int2)(w + 1, d);
+        if (w > 0) tried[count++] = (int2)(w - 1, d);
+    }
+    if (t.scan) tried[count++] = wave_scan(&plain, exp(s.log_s1), seen, picture, weights, target, width, height, plane);
+    for (int i = 0; i < count; i++) {
+        codes other = now;
+        other.code[CODE_WAVE] = tried[i].x;
+        other.code[CODE_DIRECTION] = tried[i].y;
+        other.code[CODE_AMPLITUDE] = 1;
+        splat waved = codes_splat(&other, minors, aspects, t);
+        appearance seen_so = splat_appearance(waved, seen);
+        float2 cycles = (float2)(seen_so.drawn[GSCL_DRAWN_WAVE_X], seen_so.drawn[GSCL_DRAWN_WAVE_Y]);
+        wave_sums w = wave_weigh(&plain, cycles, picture, weights, target, width, height, plane);
+        float attenuation = seen_so.drawn[GSCL_DRAWN_WAVE_AMPLITUDE] / waved.wave_amplitude;
+        float cost = wave_settle(&other, &w, attenuation, tables, t);
+        if (cost < best) {
+            best = cost;
+            choice = other;
+        }
+    }
+    *c = choice;
+}
+#endif
