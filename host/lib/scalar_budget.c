@@ -18,7 +18,7 @@
 #define FULL 0.985       /* of the budget: no more is asked for */
 #define MAX_LANDINGS 12
 #define MAX_FILLS 4
-#define LEAST_PRESSURE 0.1
+#define LEAST_PRESSURE 0.02
 #define MOST_PRESSURE 1e4
 
 typedef gscl_scalar_schedule schedule;
@@ -108,8 +108,8 @@ static gscl_result land(schedule *s, size_t *size) {
         result = refine_once(s, false, size);
         if (*size > s->bytes) {
             steer(s, (double)before, (double)*size, (double)s->bytes * BUDGET_AIM, LANDING_GAIN);
-        } else if ((double)*size < FULL * (double)s->bytes && pass < MAX_LANDINGS - 1) {
-            s->pressure *= 0.8;
+        } else if ((double)*size < (pass < MAX_LANDINGS - 1 ? FULL : REGROW_BELOW) * (double)s->bytes) {
+            s->pressure *= 0.7;
             memcpy(file->splats, kept, count * sizeof *kept);
             file->header.splat_count = count;
             *size = before;
@@ -123,8 +123,8 @@ static gscl_result land(schedule *s, size_t *size) {
 static gscl_result fill(schedule *s, size_t *size) {
     for (int pass = 0; pass < MAX_FILLS && (double)*size < FULL * (double)s->bytes; pass++) {
         bool most = s->encoder->picture.file.header.splat_count >= s->most;
-        s->keep_all = !most && (double)*size < REGROW_BELOW * (double)s->bytes;
-        if (s->keep_all) { /* else those just added would be the first to go */
+        s->keep_all = true; /* those just added would be the first to go */
+        if (!most && (double)*size < REGROW_BELOW * (double)s->bytes) {
             s->pressure = fmin(s->pressure, 1);
             s->surplus = 1;
             GSCL_TRY(regrow(s, *size));
