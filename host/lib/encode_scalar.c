@@ -25,13 +25,13 @@
 #define SORT_INTERVAL 25          /* steps; blend alpha */
 #define SURPLUS 1.08              /* where refinement follows, which drops splats again, */
 #define SPARSE_SURPLUS 0.2        /* and so much more where splats are sparse; */
-#define SPARSE_STEPS 0.4          /* there a step is quick, and more of them are made */
-#define TEXTURE_EFFORT 2          /* from here on textures are looked for */
+#define SPARSE_STEPS 0.6          /* there a step is quick, and more of them are made */
+#define TEXTURE_EFFORT 1          /* from here on textures are looked for */
 #define FIRST_PRESSURE 0.5        /* what is dropped too early does not come back */
 
 typedef gscl_scalar_schedule schedule;
 
-static const int steps_of_effort[GSCL_MAX_EFFORT + 1] = {100, 200, 300, 400, 550, 700, 1100, 2000, 3500, 6000};
+static const int steps_of_effort[GSCL_MAX_EFFORT + 1] = {100, 180, 260, 350, 450, 600, 1000, 1800, 3300, 6000};
 static const int passes_of_effort[GSCL_MAX_EFFORT + 1] = {1, 2, 3, 4, 5, 6, 8, 10, 14, 20};
 
 /* cosine decay over the second half */

@@ -9,7 +9,7 @@
 
 #define PRESSURE_GAIN 2.0    /* how strongly a file that is too large raises the price of a bit */
 #define BUDGET_AIM 0.99      /* of the budget */
-#define SCAN_INTERVAL 2      /* passes from one scan for textures to the next */
+#define SCAN_INTERVAL 3      /* passes from one scan for textures to the next */
 #define REGROW_BELOW 0.97    /* of the budget: then there is room for more splats */
 #define REGROW_STEPS_PART 12 /* part of the steps that a regrowth takes */
 #define MAX_REGROW_STEPS 80
