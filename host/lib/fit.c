@@ -9,6 +9,9 @@
 
 #define SMALLEST_LEVEL_SIDE 32 /* pixels: smaller levels would hold nothing to fit */
 #define CHECK_INTERVAL 8       /* steps between looks at how full the tiles' lists are */
+#define MOST_CROWD 80.0        /* splats on a tile at full size, on average: beyond, the longest axes are cut back, */
+#define MOST_ALPHA_CROWD 400.0 /* the same where splats hide each other and need to be many */
+#define CROWD_SHRINK 0.2f      /* by so much (ln) at a time: splats without end would cost time without end */
 
 static size_t level_pixels(const gscl_fit *f, int level) {
     return (size_t)gscl_level_size(f->width, level) * gscl_level_size(f->height, level);
@@ -213,6 +216,9 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
     bool check = f->steps_since_check >= CHECK_INTERVAL;
     GSCL_TRY(gscl_renderer_bin(&f->renderer, check));
     f->steps_since_check = check ? 1 : f->steps_since_check + 1;
+    double most = f->renderer.options.blend == GSCL_ALPHA ? MOST_ALPHA_CROWD : MOST_CROWD;
+    if (check && f->renderer.crowd > ldexp(most, 2 * (f->level - f->first_level)))
+        f->limits.log_max = fmaxf(f->limits.log_max - CROWD_SHRINK, f->limits.log_min);
     if (f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL) {
         gscl_renderer *r = &f->renderer;
         GSCL_TRY(gscl_renderer_draw(r));

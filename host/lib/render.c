@@ -69,17 +69,21 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
                        GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
 }
 
-/* The largest number of entries that a row of tiles wanted at the last binning. */
+/* The largest number of entries that a row of tiles wanted at the last binning; counts the crowd, too. */
 static gscl_result largest_row(gscl_renderer *r, cl_int *largest) {
     size_t rows = (size_t)r->view.tiles_y;
     cl_int *totals = malloc(rows * sizeof *totals);
     if (!totals)
         return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
     gscl_result result = gscl_buffer_read(r->context, &r->row_totals, 0, totals, rows * sizeof *totals);
+    double total = 0;
     *largest = 0;
-    for (size_t i = 0; i < rows && result == GSCL_OK; i++)
+    for (size_t i = 0; i < rows && result == GSCL_OK; i++) {
+        total += totals[i];
         if (totals[i] > *largest)
             *largest = totals[i];
+    }
+    r->crowd = total / ((double)rows * r->view.tiles_x);
     free(totals);
     return result;
 }
@@ -107,7 +111,7 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
     GSCL_TRY(launch_bin(r));
     if (!exact)
         return GSCL_OK;
-    cl_int largest; /* grow early: until the next exact binning the splats move */
+    cl_int largest = 0; /* grow early: until the next exact binning the splats move */
     GSCL_TRY(largest_row(r, &largest));
     if (largest + largest / 4 <= r->row_capacity)
         return GSCL_OK;

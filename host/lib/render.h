@@ -23,6 +23,7 @@ typedef struct gscl_renderer {
     cl_int width, height; /* of the view, pixels */
     cl_int count;         /* splats */
     cl_int row_capacity;  /* list entries that each row of tiles owns */
+    double crowd;         /* mean entries of a tile at the last exact binning */
     gscl_buffer params, steps, drawn, extents, boxes, entries, tile_ranges, row_totals, background, image;
 } gscl_renderer;
 
