@@ -85,7 +85,8 @@
 #define GSCL_STEP_LUMA 3
 #define GSCL_STEP_CHROMA 4
 #define GSCL_STEP_ALPHA 5
-#define GSCL_STEP_OPACITY 6 /* number of levels */
+#define GSCL_STEP_OPACITY 6   /* number of levels */
+#define GSCL_STEP_AMPLITUDE 7 /* of a texture */
 #define GSCL_STEP_COUNT 8
 
 /* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
@@ -102,6 +103,8 @@
 #define GSCL_DIRECTIONS 16
 #define GSCL_PHASES 8
 #define GSCL_AMPLITUDES 16
+#define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels; each wave is longer than the one before by */
+#define GSCL_OCTAVES_PER_WAVE 0.4375f /* so much */
 
 /* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures. */
 #define GSCL_BITS_PLAIN (4 * GSCL_COLOUR_CODES)  /* a splat without a wave */

@@ -89,3 +89,8 @@ inline pix pix_cos_turns(pix t) {
     p = fma(p, s2, (pix)(6.28318501e+00f));
     return s * p;
 }
+
+/* A wave of amplitude 1 at a row of pixels: cycles per pixel, and the phase in cycles. */
+inline pix pix_wave(pix dx, float dy, float cycles_x, float cycles_y, float phase) {
+    return pix_cos_turns(fma(dx, (pix)(cycles_x), (pix)(fma(dy, cycles_y, -phase))));
+}

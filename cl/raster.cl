@@ -21,8 +21,8 @@ inline splat_weight weigh(pix dx, float dy, __global const float *restrict drawn
 inline pix wave_at(pix dx, float dy, float turns, __global const float *restrict drawn) {
     float amplitude = drawn[GSCL_DRAWN_WAVE_AMPLITUDE];
     if (!(amplitude > 0.0f)) return (pix)(0.0f);
-    float along_y = fma(dy, drawn[GSCL_DRAWN_WAVE_Y], -turns - drawn[GSCL_DRAWN_WAVE_PHASE]);
-    return amplitude * pix_cos_turns(fma(dx, (pix)(drawn[GSCL_DRAWN_WAVE_X]), (pix)(along_y)));
+    return amplitude *
+           pix_wave(dx, dy, drawn[GSCL_DRAWN_WAVE_X], drawn[GSCL_DRAWN_WAVE_Y], turns + drawn[GSCL_DRAWN_WAVE_PHASE]);
 }
 #endif
 

@@ -41,7 +41,9 @@ typedef struct {
 } codes;
 
 /* Cycles per pixel (FORMAT.md, "Dequantisation"). */
-inline float wave_frequency(int wave) { return 0.4f * exp2(-0.4375f * (float)wave); }
+inline float wave_frequency(int wave) {
+    return (1.0f / GSCL_FIRST_WAVELENGTH) * exp2(-GSCL_OCTAVES_PER_WAVE * (float)wave);
+}
 
 inline splat codes_splat(const codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
                          refine_settings t) {
@@ -79,13 +81,9 @@ inline splat codes_splat(const codes *c, __global const minor_entry *minors, __g
 
 /* The wave of a splat at a row of pixels, `dx` and `dy` from its centre. */
 inline pix private_wave(pix dx, float dy, const appearance *a) {
-#if TEXTURE
-    float along_y = fma(dy, a->drawn[GSCL_DRAWN_WAVE_Y], -a->drawn[GSCL_DRAWN_WAVE_PHASE]);
-    return a->drawn[GSCL_DRAWN_WAVE_AMPLITUDE] *
-           pix_cos_turns(fma(dx, (pix)(a->drawn[GSCL_DRAWN_WAVE_X]), (pix)(along_y)));
-#else
-    return (pix)(0.0f);
-#endif
+    const float *d = a->drawn;
+    return d[GSCL_DRAWN_WAVE_AMPLITUDE] *
+           pix_wave(dx, dy, d[GSCL_DRAWN_WAVE_X], d[GSCL_DRAWN_WAVE_Y], d[GSCL_DRAWN_WAVE_PHASE]);
 }
 
 inline bool has_wave(const appearance *a) { return TEXTURE && a->drawn[GSCL_DRAWN_WAVE_AMPLITUDE] > 0.0f; }

@@ -177,7 +177,7 @@ static gscl_result encode_target(gscl_encoder *e) {
 static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_encode_report *report) {
     gsf_header *header = &e->picture.file.header;
     if (header->splat_count == 0)
-        header->has_opacity = header->has_rotation = header->has_anisotropy = false;
+        header->has_opacity = header->has_rotation = header->has_anisotropy = header->has_texture = false;
     gscl_result result = gscl_picture_write(&e->picture, bytes, size);
     if (result != GSCL_OK)
         return gscl_fail(e->context, result, "the picture could not be written: %s", gscl_result_text(result));

@@ -5,9 +5,6 @@
 
 #include "constants.h"
 
-#define HIGHEST_FREQUENCY 0.4 /* of a texture, cycles per pixel */
-#define OCTAVES_PER_WAVE 0.4375
-
 static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 
 static int clamp_int(int x, int min, int max) {
@@ -16,6 +13,9 @@ static int clamp_int(int x, int min, int max) {
 static double scale_step(const gsf_steps *s) {
     return (s->scale + 4) / 32.0 * ln2;
 } /* of ln sigma */
+static double amplitude_step(const gsf_steps *s) {
+    return 4.0 / (3 * gsf_colour_levels(s->luma));
+}
 
 void gscl_steps_to_floats(const gsf_steps *s, float *f) {
     memset(f, 0, GSCL_STEP_COUNT * sizeof *f);
@@ -26,6 +26,7 @@ void gscl_steps_to_floats(const gsf_steps *s, float *f) {
     f[GSCL_STEP_CHROMA] = 1.0f / (float)gsf_colour_levels(s->chroma);
     f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
     f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
+    f[GSCL_STEP_AMPLITUDE] = (float)amplitude_step(s);
 }
 
 uint16_t gscl_quantise_background(const gsf_header *header, float value) {
@@ -79,12 +80,12 @@ void gscl_quantise_placement(const gsf_picture *p, const float *params, gsf_spla
 
 static void quantise_texture(const gsf_picture *p, const float *params, gsf_texture *t) {
     double x = params[GSCL_WAVE_X], y = params[GSCL_WAVE_Y];
-    double amplitude = rint(params[GSCL_WAVE_AMPLITUDE] * 3 * gsf_colour_levels(p->steps.luma) / 4);
+    double amplitude = rint(params[GSCL_WAVE_AMPLITUDE] / amplitude_step(&p->steps));
     if (!p->header.has_texture || amplitude < 1)
         return;
     t->amplitude = (uint8_t)fmin(amplitude, GSF_AMPLITUDES);
-    t->wave =
-        (uint8_t)clamp_int((int)lrint(log2(HIGHEST_FREQUENCY / hypot(x, y)) / OCTAVES_PER_WAVE), 0, GSF_WAVES - 1);
+    t->wave = (uint8_t)clamp_int((int)lrint(-log2(hypot(x, y) * GSCL_FIRST_WAVELENGTH) / GSCL_OCTAVES_PER_WAVE), 0,
+                                 GSF_WAVES - 1);
     t->direction = (uint8_t)(((int)lrint(atan2(y, x) * GSF_DIRECTIONS / pi) + GSF_DIRECTIONS) % GSF_DIRECTIONS);
     t->phase = (uint8_t)((int)lrint(params[GSCL_WAVE_PHASE] * GSF_PHASES) % GSF_PHASES);
 }
@@ -123,12 +124,12 @@ static void dequantise_colour(const gsf_picture *p, const gsf_splat *s, float *c
 }
 
 static void dequantise_texture(const gsf_picture *p, const gsf_texture *t, float *params) {
-    double frequency = HIGHEST_FREQUENCY * exp2(-OCTAVES_PER_WAVE * t->wave),
+    double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH * exp2(-GSCL_OCTAVES_PER_WAVE * t->wave),
            direction = t->direction * pi / GSF_DIRECTIONS;
     params[GSCL_WAVE_X] = (float)(frequency * cos(direction));
     params[GSCL_WAVE_Y] = (float)(frequency * sin(direction));
     params[GSCL_WAVE_PHASE] = (float)t->phase / GSF_PHASES;
-    params[GSCL_WAVE_AMPLITUDE] = (float)(4.0 * t->amplitude / (3 * gsf_colour_levels(p->steps.luma)));
+    params[GSCL_WAVE_AMPLITUDE] = (float)(t->amplitude * amplitude_step(&p->steps));
 }
 
 void gscl_dequantise(const gsf_picture *p, const gsf_splat *s, float *params) {

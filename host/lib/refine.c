@@ -170,7 +170,7 @@ static void make_settings(pass *p) {
     p->settings.luma_step = steps[GSCL_STEP_LUMA];
     p->settings.chroma_step = steps[GSCL_STEP_CHROMA];
     p->settings.alpha_step = steps[GSCL_STEP_ALPHA];
-    p->settings.amplitude_step = 4.0f / (3.0f * (float)gsf_colour_levels(file->steps.luma));
+    p->settings.amplitude_step = steps[GSCL_STEP_AMPLITUDE];
     gsf_luma_range(file->header.blend, file->steps.luma, &p->settings.min[0], &p->settings.max[0]);
     gsf_chroma_range(file->steps.chroma, &p->settings.min[1], &p->settings.max[1]);
     gsf_chroma_range(file->steps.chroma, &p->settings.min[2], &p->settings.max[2]);

@@ -70,7 +70,7 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
 }
 
 /* The largest number of entries that a row of tiles wanted at the last binning; counts the crowd, too. */
-static gscl_result largest_row(gscl_renderer *r, cl_int *largest) {
+static gscl_result measure_rows(gscl_renderer *r, cl_int *largest) {
     size_t rows = (size_t)r->view.tiles_y;
     cl_int *totals = malloc(rows * sizeof *totals);
     if (!totals)
@@ -112,7 +112,7 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
     if (!exact)
         return GSCL_OK;
     cl_int largest = 0; /* grow early: until the next exact binning the splats move */
-    GSCL_TRY(largest_row(r, &largest));
+    GSCL_TRY(measure_rows(r, &largest));
     if (largest + largest / 4 <= r->row_capacity)
         return GSCL_OK;
     GSCL_TRY(set_row_capacity(r, largest + largest / 2));
