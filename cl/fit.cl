@@ -22,13 +22,18 @@ typedef struct {
     pix rest[ROWS];            /* `normalized`: 1 / sum of weights; `alpha`: transmittance so far */
 } chain;
 
-/* Turns the canvas into the chain; returns this work-item's part of the loss. `picture` is the target, or
- * with an external loss its derivative. */
+/* Turns the canvas into the chain; returns this work-item's part of the loss. `picture` is the target (WEIGHTED: with
+ * a plane of weights behind it), or with an external loss its derivative. */
 inline pix chain_begin(chain *b, const canvas *c, place p, __global const float *restrict picture, int width,
                        ulong plane, float gain) {
     pix loss = (pix)(0.0f);
     for (int r = 0; r < ROWS; r++) {
         b->mean[r] = (pix)(0.0f);
+#if WEIGHTED
+        pix weight = (pix)(0.0f);
+        if (r < p.rows && p.lanes > 0)
+            weight = pix_load_clipped(picture + CHANNELS * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+#endif
         UNROLL
         for (int k = 0; k < CHANNELS; k++) {
             pix d = (pix)(0.0f);
@@ -38,7 +43,10 @@ inline pix chain_begin(chain *b, const canvas *c, place p, __global const float 
                 d = value;
 #else
                 pix e = (c->colour[k][r] - value) * pix_inside(p.lanes);
-#if LOSS == GSCL_LOSS_KIND_L2
+#if WEIGHTED
+                d = weight * e;
+                loss = fma(d, e, loss);
+#elif LOSS == GSCL_LOSS_KIND_L2
                 loss = fma(e, e, loss);
                 d = e;
 #else

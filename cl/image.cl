@@ -13,9 +13,9 @@ __kernel void halve(__global const float *restrict from, ulong from_at, int from
     to[i] = 0.25f * ((row0[x] + row0[x1]) + (row1[x] + row1[x1]));
 }
 
-/* Squared error per pixel, added over channels. */
+/* Squared error per pixel, added over channels.  Where `weighted`, the target has a plane of weights behind it. */
 __kernel void squared_error(__global const float *restrict picture, __global const float *restrict target, int channels,
-                            int count, __global float *restrict error) {
+                            int weighted, int count, __global float *restrict error) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     float sum = 0.0f;
@@ -23,5 +23,14 @@ __kernel void squared_error(__global const float *restrict picture, __global con
         float e = picture[(size_t)k * count + i] - target[(size_t)k * count + i];
         sum = fma(e, e, sum);
     }
-    error[i] = sum;
+    error[i] = weighted ? sum * target[(size_t)channels * count + i] : sum;
+}
+
+/* Adds `share` times a plane that is 2^shift times smaller. */
+__kernel void add_enlarged(__global const float *restrict from, int from_width, int from_height, int shift, float share,
+                           __global float *restrict to, ulong to_at, int width, int height) {
+    int i = (int)get_global_id(0);
+    if (i >= width * height) return;
+    int x = min((i % width) >> shift, from_width - 1), y = min((i / width) >> shift, from_height - 1);
+    to[to_at + i] = fma(share, from[(size_t)y * from_width + x], to[to_at + i]);
 }

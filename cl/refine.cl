@@ -32,14 +32,19 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
 #if BLEND == GSCL_NORMALIZED
             s /= PIX_LOAD(weights + at) + s;
 #endif
-            square = fma(s, s, square);
+            pix weighted = s, weight = (pix)(1.0f);
+#if WEIGHTED
+            weight = PIX_LOAD(target + CHANNELS * plane + at);
+            weighted *= weight;
+#endif
+            square = fma(weighted, s, square);
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 pix p = PIX_LOAD(picture + k * plane + at), e = p - PIX_LOAD(target + k * plane + at);
                 pix share = BLEND == GSCL_NORMALIZED ? s * p : (pix)(0.0f);
                 if (TEXTURE && k < COLOURS) share = fma(-s, wave, share);
-                linear[k] = fma(s, e - share, linear[k]);
-                fixed = fma(share, share - 2.0f * e, fixed);
+                linear[k] = fma(weighted, e - share, linear[k]);
+                fixed = fma(weight * share, share - 2.0f * e, fixed);
             }
         }
     }

@@ -10,6 +10,7 @@
 #define MARGIN GSCL_SSIM_MARGIN
 #define C1 1e-4f /* (0.01 L)^2, L = 1 */
 #define C2 9e-4f /* (0.03 L)^2 */
+#define SMOOTHING 0.8f /* exponent on weights; below 1 measured better, by MS-SSIM */
 
 __constant float window[TAPS] = {0.00102838f, 0.00759876f, 0.03600077f, 0.10936069f, 0.21300553f, 0.26601172f,
                                  0.21300553f, 0.10936069f, 0.03600077f, 0.00759876f, 0.00102838f};
@@ -100,4 +101,45 @@ __kernel void ssim_slope(__global const float *restrict sums, __global const flo
     pix a = pix_load_clipped(picture + at, width - x), b = pix_load_clipped(target + at, width - x);
     pix by_ssim = s[0] + 2.0f * a * s[1] + b * s[2];
     pix_store_clipped(l1_share * sign(a - b) - share * by_ssim, derivative + at, width - x);
+}
+
+/* ---- Squared error in place of MS-SSIM --------------------------------------------------------------------------
+ *
+ * SSIM's contrast-structure factor is 1 - V / (B + C2), with the error's variance V in the window and the sum B of both
+ * images' variances there.  With the picture's variance taken to be small, a window's squared error counts as
+ * 1 / (variance + C2). */
+
+/* C2 / (variance + C2) of each window of the image that `moments` (ssim_rows of an image with itself) are of. */
+__kernel void ssim_smoothness(__global const float *restrict moments, int width, int height, int channels, int stride,
+                              ulong image, __global float *restrict smoothness) {
+    int x, y, k;
+    if (!ssim_place(width, height, channels, &x, &y, &k)) return;
+    pix mean = (pix)(0.0f), square = (pix)(0.0f);
+    for (int t = 0; t < TAPS; t++) {
+        mean = fma((pix)(window[t]), PIX_LOAD(moments + PADDED(x, y + t, k)), mean);
+        square = fma((pix)(window[t]), PIX_LOAD(moments + 2 * image + PADDED(x, y + t, k)), square);
+    }
+    pix there = y + TAPS <= height ? pix_inside(width - TAPS + 1 - x) : (pix)(0.0f);
+    pix_store_clipped(there * C2 / (fmax(square - mean * mean, (pix)(0.0f)) + C2), smoothness + PADDED(x, y, k),
+                      width - x);
+}
+
+/* What each pixel's squared error counts: the mean over the windows that see it (`sums`: ssim_columns of the
+ * smoothness), added over channels.  Images without windows count the same everywhere. */
+__kernel void ssim_weights(__global const float *restrict sums, int width, int height, int channels, int stride,
+                           ulong image, __global float *restrict weights) {
+    int x, y, unused;
+    if (!ssim_place(width, height, 1, &x, &y, &unused)) return;
+    pix sum = (pix)(0.0f), seen_x = (pix)(0.0f);
+    float seen_y = 0.0f;
+    for (int t = 0; t < TAPS; t++) {
+        for (int k = 0; k < channels; k++)
+            sum = fma((pix)(window[t]), PIX_LOAD(sums + PADDED(x, y, k) - t), sum);
+        pix from = pix_offsets() + (float)(x - t);
+        seen_x += select((pix)(0.0f), (pix)(window[t]), from >= (pix)(0.0f) && from <= (pix)((float)(width - TAPS)));
+        if (y - t >= 0 && y - t <= height - TAPS) seen_y += window[t];
+    }
+    bool windows = width >= TAPS && height >= TAPS;
+    pix weight = windows ? pow(sum / (seen_x * seen_y), (pix)(SMOOTHING)) : (pix)(1.0f);
+    pix_store_clipped(weight, weights + (size_t)y * width + x, width - x);
 }

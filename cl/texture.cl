@@ -39,6 +39,11 @@ inline void share_and_error(const appearance *plain, outline o, int x, int y, in
         pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(plain->drawn[GSCL_DRAWN_COLOUR + k]);
         e += fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
     }
+#if WEIGHTED /* both carry the root: sums of products then carry the weight */
+    pix root = sqrt(PIX_LOAD(target + CHANNELS * plane + at));
+    s *= root;
+    e *= root;
+#endif
     *share = s;
     *error = e * inside;
 }

@@ -19,7 +19,7 @@ void gscl_encode_settings_default(gscl_encode_settings *settings) {
 
 static gscl_result check_settings(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
-        s->target > GSCL_TARGET_SPLATS)
+        s->tune > GSCL_TUNE_SSIM || s->target > GSCL_TARGET_SPLATS)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
     if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
@@ -37,6 +37,10 @@ static gscl_result check_settings(gscl_context *context, const gscl_encode_setti
     if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
         return gscl_fail(context, GSCL_ERROR_CONFLICT,
                          "the paper profile blends by alpha; choose another profile for other blends");
+    if (s->tune == GSCL_TUNE_SSIM &&
+        (s->profile == GSCL_PROFILE_PAPER || s->loss == GSCL_LOSS_L1 || s->loss == GSCL_LOSS_L1_SSIM))
+        return gscl_fail(context, GSCL_ERROR_CONFLICT,
+                         "tuning for SSIM weighs squared errors; it needs the default profile and the loss L2");
     return GSCL_OK;
 }
 

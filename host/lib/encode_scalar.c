@@ -124,7 +124,9 @@ static gscl_result report(schedule *s, int step) {
         return GSCL_OK;
     double loss;
     GSCL_TRY(gscl_fit_loss(&s->fit, &loss));
-    progress->psnr = s->encoder->settings.loss == GSCL_LOSS_L2 && loss > 0 ? -10 * log10(loss) : 0;
+    const gscl_encode_settings *settings = &s->encoder->settings;
+    bool is_mse = settings->loss == GSCL_LOSS_L2 && settings->tune == GSCL_TUNE_PSNR;
+    progress->psnr = is_mse && loss > 0 ? -10 * log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
     return gscl_progress_report(s->encoder->context, progress, GSCL_SCALAR_FIT_SHARE * step / s->steps);
 }
@@ -173,6 +175,7 @@ static gscl_result fit_and_quantise(schedule *s) {
     gscl_encoder *e = s->encoder;
     gscl_kernel_options options = gscl_picture_options(&e->picture.file.header);
     options.loss = gscl_loss_kind(e->settings.loss);
+    options.weighted = e->settings.tune == GSCL_TUNE_SSIM;
     GSCL_TRY(
         gscl_fit_create(&s->fit, e->context, &options, e->image->width, e->image->height, e->first_level, e->planes));
     for (int k = 0; k < s->fit.renderer.channels; k++)

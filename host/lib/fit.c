@@ -39,19 +39,60 @@ static gscl_result halve_plane(gscl_fit *f, int level, size_t channel) {
 }
 
 static gscl_result build_pyramid(gscl_fit *f, const float *planes) {
-    size_t channels = (size_t)f->renderer.channels;
-    size_t size = level_pixels(f, f->first_level) * channels * sizeof(float);
-    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[f->first_level], size));
-    GSCL_TRY(gscl_buffer_write(f->context, &f->levels[f->first_level], 0, planes, size));
+    size_t channels = (size_t)f->renderer.channels, count = channels + (size_t)f->renderer.options.weighted;
+    size_t pixels = level_pixels(f, f->first_level);
+    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[f->first_level], pixels * count * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write(f->context, &f->levels[f->first_level], 0, planes, pixels * channels * sizeof(float)));
     uint32_t shorter = f->width < f->height ? f->width : f->height;
     f->last_level = f->first_level;
     while (f->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, f->last_level + 1) >= SMALLEST_LEVEL_SIDE) {
         int level = f->last_level++;
         GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[level + 1],
-                                           level_pixels(f, level + 1) * channels * sizeof(float)));
+                                           level_pixels(f, level + 1) * count * sizeof(float)));
         for (size_t k = 0; k < channels; k++)
             GSCL_TRY(halve_plane(f, level, k));
     }
+    return GSCL_OK;
+}
+
+/* The scales of MS-SSIM that count most, and their exponents (Wang et al. 2003).  The finest is left out: its windows
+ * are so small that in smooth places they see only noise. */
+#define WEIGHT_LEVELS 3
+static const float weight_shares[WEIGHT_LEVELS] = {0.2856f, 0.3001f, 0.2363f};
+
+/* Adds a level's part to the weights of the first level. */
+static gscl_result add_weights(gscl_fit *f, int level, float share) {
+    gscl_buffer part = {0};
+    cl_kernel kernel;
+    cl_int from_width = (cl_int)gscl_level_size(f->width, level),
+           from_height = (cl_int)gscl_level_size(f->height, level);
+    cl_int width = (cl_int)gscl_level_size(f->width, f->first_level),
+           height = (cl_int)gscl_level_size(f->height, f->first_level);
+    cl_int shift = level - f->first_level;
+    cl_ulong to_at = level_pixels(f, f->first_level) * (size_t)f->renderer.channels;
+    gscl_result result = gscl_ssim_weights(&f->ssim, f->context, &f->renderer.options, from_width, from_height,
+                                           &f->levels[level], &part);
+    if (result == GSCL_OK)
+        result = gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "add_enlarged", &kernel);
+    if (result == GSCL_OK)
+        result =
+            GSCL_LAUNCH(f->context, kernel, gscl_groups(level_pixels(f, f->first_level), 64), 64, GSCL_ARG_BUFFER(part),
+                        GSCL_ARG(from_width), GSCL_ARG(from_height), GSCL_ARG(shift), GSCL_ARG(share),
+                        GSCL_ARG_BUFFER(f->levels[f->first_level]), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
+    gscl_buffer_free(&part);
+    return result;
+}
+
+/* Puts a plane of weights behind each level's target. */
+static gscl_result build_weights(gscl_fit *f) {
+    size_t channels = (size_t)f->renderer.channels, plane = level_pixels(f, f->first_level) * sizeof(float);
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->levels[f->first_level], channels * plane, plane));
+    for (int i = 0; i < WEIGHT_LEVELS; i++) {
+        int level = i + 1 < f->first_level ? f->first_level : i + 1 > f->last_level ? f->last_level : i + 1;
+        GSCL_TRY(add_weights(f, level, weight_shares[i]));
+    }
+    for (int level = f->first_level; level < f->last_level; level++)
+        GSCL_TRY(halve_plane(f, level, channels));
     return GSCL_OK;
 }
 
@@ -77,6 +118,8 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
     GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
     GSCL_TRY(build_pyramid(f, planes));
+    if (options->weighted)
+        GSCL_TRY(build_weights(f));
     mean_colour(f, planes, f->background);
     float longer = (float)(width > height ? width : height);
     f->limits = (gscl_limits){.width = (float)width,
@@ -259,11 +302,11 @@ gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
 static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, float *error) {
     cl_kernel kernel;
     size_t pixels = level_pixels(f, f->level);
-    cl_int channels = f->renderer.channels, count = (cl_int)pixels;
+    cl_int channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (cl_int)pixels;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "squared_error", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, 64), 64, GSCL_ARG_BUFFER(*planes),
-                         GSCL_ARG_BUFFER(f->levels[f->level]), GSCL_ARG(channels), GSCL_ARG(count),
+                         GSCL_ARG_BUFFER(f->levels[f->level]), GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count),
                          GSCL_ARG_BUFFER(f->error)));
     return gscl_buffer_read(f->context, &f->error, 0, error, pixels * sizeof(float));
 }

@@ -37,7 +37,8 @@ typedef struct gscl_fit {
 } gscl_fit;
 
 /* Builds the pyramid of `planes` (renderer channels; the image at level `first_level`), down to a shorter
- * side of about 32 pixels.  `fit` may hold anything before. */
+ * side of about 32 pixels; where options->weighted, each level gets a plane of weights (gscl_ssim_weights) besides.
+ * `fit` may hold anything before. */
 gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes);
 /* Accepts a fit that was zeroed and never created. */
@@ -65,12 +66,12 @@ gscl_result gscl_fit_differentiate(gscl_fit *fit);
 gscl_result gscl_fit_adam(gscl_fit *fit, const gscl_buffer *params, float rate);
 /* Gradients of the loss at the current parameters (count * GSCL_PARAMS floats), without a step. */
 gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
-/* Mean loss per sample of the last step. */
+/* Mean loss per sample of the last step (weighted: no MSE). */
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
 /* Draws the splats as they are now (through the quantiser) and reads the squared error of each pixel of the
- * level, added over channels. */
+ * level, added over channels, times its weight. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
-/* Sum of squared errors of planes (of the level's size) against the level's target. */
+/* Sum of (weighted) squared errors of planes (of the level's size) against the level's target. */
 gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
 /* Reads the level's target planes. */
 gscl_result gscl_fit_target(gscl_fit *fit, float *planes);

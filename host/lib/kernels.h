@@ -13,6 +13,7 @@ typedef struct gscl_kernel_options {
     int opacity;       /* 0 or 1 */
     int texture;       /* 0 or 1 */
     int loss;          /* GSCL_LOSS_KIND_...; fit programs only */
+    int weighted;      /* 0 or 1: squared errors count as much as a plane behind the target says; L2 only */
 } gscl_kernel_options;
 
 /* Groups of kernels that are built together. */

@@ -14,29 +14,49 @@ void gscl_ssim_free(gscl_ssim *s) {
     memset(s, 0, sizeof *s);
 }
 
+/* What all kernels of cl/ssim.cl are told about an image. */
+typedef struct shape {
+    cl_int width, height, channels, stride;
+    cl_ulong image;
+    size_t groups;
+} shape;
+
+static shape shape_of(const gscl_context *context, const gscl_kernel_options *options, int width, int height) {
+    shape s = {.width = width, .height = height, .channels = options->colours + options->alpha_channel};
+    s.stride = width + 2 * GSCL_SSIM_MARGIN;
+    s.image = (cl_ulong)s.stride * (cl_ulong)(height + 2 * GSCL_SSIM_MARGIN) * (cl_ulong)s.channels;
+    s.groups = gscl_chunk_groups(context, width, height * s.channels, GROUP);
+    return s;
+}
+
+#define SHAPE_ARGS(s) \
+    GSCL_ARG((s).width), GSCL_ARG((s).height), GSCL_ARG((s).channels), GSCL_ARG((s).stride), GSCL_ARG((s).image)
+
+static bool has_windows(const shape *s) {
+    return s->width >= WINDOW && s->height >= WINDOW;
+}
+
 /* Makes room for the maps; margins are zeros, which kernels never overwrite. */
-static gscl_result prepare(gscl_ssim *s, gscl_context *context, int width, int height, int channels, size_t image) {
-    if (s->width == width && s->height == height && s->channels == channels)
+static gscl_result prepare(gscl_ssim *s, gscl_context *context, const shape *is) {
+    size_t map = (size_t)is->image * sizeof(float);
+    if (s->width == is->width && s->height == is->height && s->channels == is->channels)
         return GSCL_OK;
-    GSCL_TRY(gscl_buffer_reserve(context, &s->moments, MAPS * image * sizeof(float)));
-    GSCL_TRY(gscl_buffer_reserve(context, &s->slopes, 3 * image * sizeof(float)));
-    GSCL_TRY(gscl_buffer_zero(context, &s->moments, 0, MAPS * image * sizeof(float)));
-    GSCL_TRY(gscl_buffer_zero(context, &s->slopes, 0, 3 * image * sizeof(float)));
-    s->width = width;
-    s->height = height;
-    s->channels = channels;
+    GSCL_TRY(gscl_buffer_reserve(context, &s->moments, MAPS * map));
+    GSCL_TRY(gscl_buffer_reserve(context, &s->slopes, 3 * map));
+    GSCL_TRY(gscl_buffer_zero(context, &s->moments, 0, MAPS * map));
+    GSCL_TRY(gscl_buffer_zero(context, &s->slopes, 0, 3 * map));
+    s->width = is->width;
+    s->height = is->height;
+    s->channels = is->channels;
     return GSCL_OK;
 }
 
 gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
                                  int height, const gscl_buffer *picture, const gscl_buffer *target, float weight,
                                  gscl_buffer *derivative) {
-    cl_int w = width, h = height, channels = options->colours + options->alpha_channel,
-           stride = width + 2 * GSCL_SSIM_MARGIN;
-    cl_ulong image = (cl_ulong)stride * (cl_ulong)(height + 2 * GSCL_SSIM_MARGIN) * (cl_ulong)channels;
-    size_t samples = (size_t)width * (size_t)height * (size_t)channels;
-    size_t groups = gscl_chunk_groups(context, width, height * channels, GROUP);
-    bool windows = width >= WINDOW && height >= WINDOW;
+    shape is = shape_of(context, options, width, height);
+    size_t samples = (size_t)width * (size_t)height * (size_t)is.channels;
+    bool windows = has_windows(&is);
     cl_float l1_share = windows ? 1.0f - weight : 1.0f;
     cl_float share = windows ? 0.5f * weight * ((float)width * (float)height) /
                                    ((float)(width - WINDOW + 1) * (float)(height - WINDOW + 1))
@@ -46,17 +66,36 @@ gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl
     GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_windows", &per_window));
     GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_columns", &columns));
     GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_slope", &slope));
-    GSCL_TRY(prepare(s, context, width, height, channels, (size_t)image));
+    GSCL_TRY(prepare(s, context, &is));
     GSCL_TRY(gscl_buffer_reserve_image(context, derivative, samples * sizeof(float)));
-    GSCL_TRY(GSCL_LAUNCH(context, rows, groups, GROUP, GSCL_ARG_BUFFER(*picture), GSCL_ARG_BUFFER(*target), GSCL_ARG(w),
-                         GSCL_ARG(h), GSCL_ARG(channels), GSCL_ARG(stride), GSCL_ARG(image),
-                         GSCL_ARG_BUFFER(s->moments)));
-    GSCL_TRY(GSCL_LAUNCH(context, per_window, groups, GROUP, GSCL_ARG_BUFFER(s->moments), GSCL_ARG(w), GSCL_ARG(h),
-                         GSCL_ARG(channels), GSCL_ARG(stride), GSCL_ARG(image), GSCL_ARG_BUFFER(s->slopes)));
+    GSCL_TRY(GSCL_LAUNCH(context, rows, is.groups, GROUP, GSCL_ARG_BUFFER(*picture), GSCL_ARG_BUFFER(*target),
+                         SHAPE_ARGS(is), GSCL_ARG_BUFFER(s->moments)));
+    GSCL_TRY(GSCL_LAUNCH(context, per_window, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is),
+                         GSCL_ARG_BUFFER(s->slopes)));
     /* The moments are done with: the sums take their place. */
-    GSCL_TRY(GSCL_LAUNCH(context, columns, groups, GROUP, GSCL_ARG_BUFFER(s->slopes), GSCL_ARG(w), GSCL_ARG(h),
-                         GSCL_ARG(channels), GSCL_ARG(stride), GSCL_ARG(image), GSCL_ARG_BUFFER(s->moments)));
-    return GSCL_LAUNCH(context, slope, groups, GROUP, GSCL_ARG_BUFFER(s->moments), GSCL_ARG_BUFFER(*picture),
-                       GSCL_ARG_BUFFER(*target), GSCL_ARG(w), GSCL_ARG(h), GSCL_ARG(channels), GSCL_ARG(stride),
-                       GSCL_ARG(image), GSCL_ARG(l1_share), GSCL_ARG(share), GSCL_ARG_BUFFER(*derivative));
+    GSCL_TRY(GSCL_LAUNCH(context, columns, is.groups, GROUP, GSCL_ARG_BUFFER(s->slopes), SHAPE_ARGS(is),
+                         GSCL_ARG_BUFFER(s->moments)));
+    return GSCL_LAUNCH(context, slope, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), GSCL_ARG_BUFFER(*picture),
+                       GSCL_ARG_BUFFER(*target), SHAPE_ARGS(is), GSCL_ARG(l1_share), GSCL_ARG(share),
+                       GSCL_ARG_BUFFER(*derivative));
+}
+
+gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
+                              int height, const gscl_buffer *target, gscl_buffer *weights) {
+    shape is = shape_of(context, options, width, height);
+    cl_kernel rows, smoothness, columns, weigh;
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_rows", &rows));
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_smoothness", &smoothness));
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_columns", &columns));
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_weights", &weigh));
+    GSCL_TRY(prepare(s, context, &is));
+    GSCL_TRY(gscl_buffer_reserve_image(context, weights, (size_t)width * (size_t)height * sizeof(float)));
+    GSCL_TRY(GSCL_LAUNCH(context, rows, is.groups, GROUP, GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(*target),
+                         SHAPE_ARGS(is), GSCL_ARG_BUFFER(s->moments)));
+    GSCL_TRY(GSCL_LAUNCH(context, smoothness, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is),
+                         GSCL_ARG_BUFFER(s->slopes)));
+    GSCL_TRY(GSCL_LAUNCH(context, columns, is.groups, GROUP, GSCL_ARG_BUFFER(s->slopes), SHAPE_ARGS(is),
+                         GSCL_ARG_BUFFER(s->moments)));
+    return GSCL_LAUNCH(context, weigh, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is),
+                       GSCL_ARG_BUFFER(*weights));
 }

@@ -1,4 +1,5 @@
-/* The loss (1 - w) L1 + w (1 - SSIM) / 2 on the device (cl/ssim.cl). */
+/* Structural similarity on the device (cl/ssim.cl): the loss (1 - w) L1 + w (1 - SSIM) / 2, and weights that make
+ * squared error stand for MS-SSIM. */
 #ifndef GSCL_LIB_SSIM_H
 #define GSCL_LIB_SSIM_H
 
@@ -15,6 +16,10 @@ typedef struct gscl_ssim {
 gscl_result gscl_ssim_derivative(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options, int width,
                                  int height, const gscl_buffer *picture, const gscl_buffer *target, float weight,
                                  gscl_buffer *derivative);
+/* Writes what each pixel's squared error counts towards SSIM at this scale, 0..channels, into `weights` (a plane, which
+ * it makes): less where `target` is busy. */
+gscl_result gscl_ssim_weights(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options, int width,
+                              int height, const gscl_buffer *target, gscl_buffer *weights);
 /* Accepts a zeroed state. */
 void gscl_ssim_free(gscl_ssim *ssim);
 

@@ -14,7 +14,7 @@ typedef struct encode_options {
     encode_batch batch;
     uint64_t bytes, splats, effort, codebook, seed;
     double bpp, psnr;
-    int profile, blend, loss; /* indices into their words, which are the library's enums */
+    int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
     bool has_bytes, has_bpp, has_psnr, has_splats, has_codebook;
 } encode_options;
 
@@ -93,6 +93,12 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .words = loss_words,
          .argument = "L",
          .help = "what the fit minimises (default: auto, by the profile)"},
+        {.name = "tune",
+         .kind = OPTION_WORD,
+         .value = &encode->tune,
+         .words = tune_words,
+         .argument = "T",
+         .help = "what bits are spent on: psnr, or ssim for MS-SSIM (default psnr)"},
         {.name = "codebook",
          .kind = OPTION_INTEGER,
          .value = &encode->codebook,
@@ -170,6 +176,7 @@ static void fill_settings(encode_options *encode) {
     settings->profile = (gscl_profile)encode->profile;
     settings->blend = (gscl_blend)encode->blend;
     settings->loss = (gscl_loss)encode->loss;
+    settings->tune = (gscl_tune)encode->tune;
     settings->effort = (int)encode->effort;
     settings->codebook_size = (uint32_t)encode->codebook;
     settings->seed = encode->seed;

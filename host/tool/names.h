@@ -6,6 +6,7 @@
 extern const char *const profile_words[]; /* gscl_profile */
 extern const char *const blend_words[];   /* gscl_blend */
 extern const char *const loss_words[];    /* gscl_loss */
+extern const char *const tune_words[];    /* gscl_tune */
 extern const char *const mapping_words[]; /* gscl_mapping */
 
 /* "grey", "grey+alpha", "RGB", "RGBA"; "no" for any other number. */

@@ -98,6 +98,18 @@ def noise(width, height, channels=3, seed=1):
     return Picture(width, height, channels, 8, samples)
 
 
+def faint_and_strong(width, height):
+    """Blocks of random greys, the left half of little contrast, the right half of much."""
+    block = 8
+    greys = noise((width + block - 1) // block, (height + block - 1) // block, channels=1)
+    samples = []
+    for y in range(height):
+        row = greys.row(y // block)
+        for x in range(width):
+            samples += [128 + (row[x // block] - 128) // (12 if x < width // 2 else 1)] * 3
+    return Picture(width, height, 3, 8, samples)
+
+
 def flat(width, height, colour, depth=8):
     return Picture(width, height, len(colour), depth, list(colour) * (width * height))
 

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from pictures import noise, png_bytes, psnr, scene, textured
+from pictures import faint_and_strong, noise, png_bytes, psnr, scene, textured
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
 
@@ -93,6 +93,24 @@ class Settings(ToolTest):
             with self.subTest(loss=loss):
                 self.encode(picture, "--bytes", "500", "--loss", loss)
                 self.assertGreater(psnr(picture, self.decode()), 20)
+
+    def test_tuning_for_ssim(self):
+        """It wins MS-SSIM and pays in PSNR, at the same size."""
+        picture = faint_and_strong(192, 192)
+        figures = {}
+        for tune in ("psnr", "ssim"):
+            self.encode(picture, "--bytes", "700", "--effort", "2", "--tune", tune)
+            self.decode()
+            figures[tune] = self.gscl_json("compare", "in.image", "in.png")
+        self.assertGreater(figures["ssim"]["ms_ssim"], figures["psnr"]["ms_ssim"] + 0.02)
+        self.assertLess(figures["ssim"]["psnr"], figures["psnr"]["psnr"])
+
+    def test_tuning_for_ssim_weighs_squared_errors(self):
+        self.write_png("in.png", scene(16, 16))
+        for setting in (("--profile", "paper"), ("--loss", "l1")):
+            with self.subTest(setting=setting):
+                self.refused("in.png", "needs the default profile and the loss L2", "encode", "in.png", "--tune",
+                             "ssim", *setting, code=2)
 
 
 class Names(ToolTest):

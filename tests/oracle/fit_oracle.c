@@ -101,7 +101,8 @@ double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count
         draw_pixel(fit, &s, i, value);
         for (int k = 0; k < fit->colours + fit->alpha_channel; k++) {
             const double e = value[k] - fit->target[k * pixels + i];
-            loss += fit->absolute ? fabs(e) : 0.5 * e * e;
+            const double weight = fit->weights ? fit->weights[i] : 1.0;
+            loss += fit->absolute ? fabs(e) : 0.5 * weight * e * e;
         }
     }
     return ldexp(loss, 2 * fit->level);

@@ -20,17 +20,22 @@ typedef struct {
     int level;         /* of the pyramid that is drawn */
     int width, height; /* of that level */
     double background[ORACLE_CHANNELS];
-    const double *target; /* channels planes of width * height */
+    const double *target;  /* channels planes of width * height */
+    const double *weights; /* of pixels' squared errors; NULL: all 1 */
 } oracle_fit;
 
 /* Draws `count` splats of ORACLE_PARAMS parameters into planes. */
 void oracle_fit_draw(const oracle_fit *fit, const double *params, size_t count, double *planes);
 
 /* What the fit's gradient is the gradient of: 4^level times half the sum of squared errors (L1: the sum of absolute
- * errors) over all samples of the level. */
+ * errors) over all samples of the level, each times its pixel's weight. */
 double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count);
 
 /* The loss's derivative by each parameter; `params` is changed and restored. */
 void oracle_fit_gradient(const oracle_fit *fit, double *params, size_t count, double *gradient);
+
+/* What squared errors count towards MS-SSIM, by definition (cl/ssim.cl): from the levels 1 to 3 of the image's pyramid, or
+ * the last where it has fewer.  `planes`: `channels` planes of width * height, changed by the call. */
+void oracle_ssim_weights(double *planes, int channels, int width, int height, int last_level, double *weights);
 
 #endif

@@ -112,7 +112,7 @@ static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int op
 typedef struct {
     oracle_fit fit;
     double params[SPLATS * ORACLE_PARAMS];
-    double target[SAMPLES], planes[SAMPLES];
+    double target[SAMPLES], planes[SAMPLES], weights[WIDTH * HEIGHT];
     double gradient[SPLATS * ORACLE_PARAMS];
     double loss;
 } truth;
@@ -131,7 +131,11 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
     for (int k = 0; k < channels_of(c); k++)
         t->fit.background[k] = background[k];
     for (int i = 0; i < SAMPLES; i++)
-        t->target[i] = c->target[i];
+        t->target[i] = t->planes[i] = c->target[i];
+    if (c->options.weighted) { /* images of this size have one level */
+        oracle_ssim_weights(t->planes, channels_of(c), t->fit.width, t->fit.height, 0, t->weights);
+        t->fit.weights = t->weights;
+    }
     for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
         t->params[i] = c->params[i];
     oracle_fit_draw(&t->fit, t->params, c->count, t->planes);
@@ -271,6 +275,50 @@ static void test_textures(void **state) {
     }
 }
 
+static void test_weighted_errors(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int level = 0; level < 2; level++) {
+            fit_case *c = ordinary_case(blend, level ? 1 : 3, 1, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, level);
+            c->options.weighted = 1;
+            for (int i = 0; i < SAMPLES; i++) /* smooth on one side, so that weights differ */
+                c->target[i] = i % WIDTH < WIDTH / 2 ? 0.01f * (float)(i % WIDTH) : c->target[i];
+            check_case(c, ALLOWED);
+        }
+    }
+}
+
+/* The planes of weights behind the targets of all levels, in an image of three. */
+static void test_ssim_weights(void **state) {
+    (void)state;
+    enum { W = 150, H = 129, PLANE = W * H, HALF_PLANE = 75 * 65 };
+    static float planes[3 * PLANE], found[4 * PLANE];
+    static double wanted_planes[3 * PLANE], wanted[PLANE];
+    for (int i = 0; i < 3 * PLANE; i++)
+        planes[i] = i % W < W / 2 ? 0.004f * (float)(i % W) : uniform(0.2, i % PLANE < PLANE / 2 ? 0.3 : 0.9);
+    for (int i = 0; i < 3 * PLANE; i++)
+        wanted_planes[i] = planes[i];
+    oracle_ssim_weights(wanted_planes, 3, W, H, 2, wanted);
+    for (int m = 0; m < 2; m++) {
+        gscl_fit fit;
+        const gscl_kernel_options options = {.colours = 3, .weighted = 1};
+        check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
+        assert_int_equal(fit.last_level, 2);
+        check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.levels[0], 0, found, sizeof found));
+        for (int i = 0; i < PLANE; i++)
+            if (!(fabs(found[3 * PLANE + i] - wanted[i]) <= 2e-4 * wanted[i]))
+                fail_msg("pixel (%d, %d) weighs %.7g, %.7g expected", i % W, i / W, found[3 * PLANE + i], wanted[i]);
+        check_call(contexts[m], "read",
+                   gscl_buffer_read(contexts[m], &fit.levels[1], 0, found, 4 * HALF_PLANE * sizeof(float)));
+        for (int i = 0; i < W / 2 * (H / 2); i++) {
+            const double *at = wanted + 2 * (i / (W / 2)) * W + 2 * (i % (W / 2));
+            const double mean = (at[0] + at[1] + at[W] + at[W + 1]) / 4.0;
+            assert_float_equal(found[3 * HALF_PLANE + i], mean, 2e-4 * mean);
+        }
+        gscl_fit_free(&fit);
+    }
+}
+
 /* The errors must be far from 0, where |e| has no derivative. */
 static void test_absolute_loss(void **state) {
     (void)state;
@@ -404,6 +452,8 @@ int main(void) {
         cmocka_unit_test(test_sum),
         cmocka_unit_test(test_blurred_levels),
         cmocka_unit_test(test_textures),
+        cmocka_unit_test(test_weighted_errors),
+        cmocka_unit_test(test_ssim_weights),
         cmocka_unit_test(test_absolute_loss),
         cmocka_unit_test(test_isotropic_splats_have_no_angle),
         cmocka_unit_test(test_opaque_stacks_are_finite),

@@ -103,6 +103,7 @@ static void test_defaults(void **state) {
     gscl_decode_settings_default(&d);
     gscl_context_settings_default(&c);
     assert_true(e.profile == GSCL_PROFILE_DEFAULT && e.blend == GSCL_BLEND_AUTO && e.loss == GSCL_LOSS_AUTO);
+    assert_true(e.tune == GSCL_TUNE_PSNR);
     assert_true(e.target == GSCL_TARGET_AUTO);
     assert_true(e.effort == 5 && e.codebook_size == 0 && e.seed == 1 && !e.progress);
     assert_true(d.width == 0 && d.height == 0 && d.crop_x == 0 && d.crop_y == 0 && d.crop_width == 0);
@@ -237,8 +238,8 @@ static void test_bad_settings(void **state) {
     }
     const gscl_encode_settings many = quick(GSCL_TARGET_SPLATS, GSCL_MAX_SPLATS + 1.0);
     refuse_encode(&image, &many, GSCL_ERROR_INVALID_ARGUMENT);
-    gscl_encode_settings bad[8];
-    for (int i = 0; i < 8; i++)
+    gscl_encode_settings bad[9];
+    for (int i = 0; i < 9; i++)
         bad[i] = quick(GSCL_TARGET_SPLATS, 4);
     bad[0].effort = -1;
     bad[1].effort = GSCL_MAX_EFFORT + 1;
@@ -249,7 +250,8 @@ static void test_bad_settings(void **state) {
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;
-    for (int i = 0; i < 8; i++)
+    bad[8].tune = (gscl_tune)2;
+    for (int i = 0; i < 9; i++)
         refuse_encode(&image, &bad[i], GSCL_ERROR_INVALID_ARGUMENT);
     gscl_encode_settings conflict = quick(GSCL_TARGET_SPLATS, 4);
     conflict.codebook_size = 16;
@@ -257,6 +259,13 @@ static void test_bad_settings(void **state) {
     conflict = quick(GSCL_TARGET_SPLATS, 4);
     conflict.profile = GSCL_PROFILE_PAPER;
     conflict.blend = GSCL_BLEND_SUM;
+    refuse_encode(&image, &conflict, GSCL_ERROR_CONFLICT);
+    conflict = quick(GSCL_TARGET_SPLATS, 4);
+    conflict.tune = GSCL_TUNE_SSIM;
+    conflict.loss = GSCL_LOSS_L1;
+    refuse_encode(&image, &conflict, GSCL_ERROR_CONFLICT);
+    conflict.loss = GSCL_LOSS_AUTO;
+    conflict.profile = GSCL_PROFILE_PAPER;
     refuse_encode(&image, &conflict, GSCL_ERROR_CONFLICT);
     test_image_free(&image);
 }

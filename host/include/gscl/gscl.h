@@ -153,6 +153,12 @@ typedef enum gscl_blend {
 /* Loss of the fit; AUTO is L2 in the default profile and L1+SSIM in the paper's. */
 typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM = 2, GSCL_LOSS_L2 = 3 } gscl_loss;
 
+/* What the encoder spends bits on, where it has the choice. */
+typedef enum gscl_tune {
+    GSCL_TUNE_PSNR = 0, /* squared error, the same everywhere */
+    GSCL_TUNE_SSIM = 1  /* MS-SSIM: errors count more where the image is smooth.  Default profile, loss L2 */
+} gscl_tune;
+
 /* What the encoder aims at. */
 typedef enum gscl_target {
     GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more */
@@ -178,6 +184,7 @@ typedef struct gscl_encode_settings {
     gscl_profile profile;   /* default DEFAULT */
     gscl_blend blend;       /* default AUTO */
     gscl_loss loss;         /* default AUTO */
+    gscl_tune tune;         /* default PSNR */
     gscl_target target;     /* default AUTO */
     double target_value;    /* bpp, bytes, dB or count according to `target`; not used by AUTO */
     int effort;             /* 0 (fastest) .. 9 (best); default 5 */
