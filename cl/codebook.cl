@@ -56,6 +56,10 @@ __kernel void book_apply(__global const float *restrict learnt, __global const i
     to[GSCL_OPACITY] = colour[CHANNELS];
 }
 
+/* Words and the places of their members learn more slowly than free splats. */
+#define RATE_WORD_SHAPE 0.03f
+#define RATE_MEMBER_POSITION 0.04f /* of the geometric mean axis */
+
 /* One step of Adam for each word, from the gradients of its members added in their order. */
 __kernel void book_step(__global float *restrict words, __global float *restrict first_moment,
                         __global float *restrict second_moment, int book, int count, int age,
@@ -75,7 +79,7 @@ __kernel void book_step(__global float *restrict words, __global float *restrict
     float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
     for (int k = 0; k < dims; k++) {
         int at = w * BOOK_DIMS + k;
-        float rate = book == 0 ? RATE_SHAPE : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
+        float rate = book == 0 ? RATE_WORD_SHAPE : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
         float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * sums[k]);
         float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * sums[k] * sums[k]);
         float value = words[at] - bounds.rate * rate * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
@@ -102,8 +106,8 @@ __kernel void position_step(__global float *restrict learnt, __global float *res
         float g = gradients[at];
         float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * g);
         float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * g * g);
-        float value =
-            learnt[at] - bounds.rate * RATE_POSITION * size * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
+        float value = learnt[at] -
+                      bounds.rate * RATE_MEMBER_POSITION * size * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
         learnt[at] = clamp(value, 0.0f, k == GSCL_X ? bounds.width : bounds.height);
     }
 }

@@ -8,8 +8,8 @@
  * below, so that no work-item looks at a border.  One work-item: LANES pixels of a row of one channel. */
 #define TAPS 11
 #define MARGIN GSCL_SSIM_MARGIN
-#define C1 1e-4f /* (0.01 L)^2, L = 1 */
-#define C2 9e-4f /* (0.03 L)^2 */
+#define C1 1e-4f       /* (0.01 L)^2, L = 1 */
+#define C2 9e-4f       /* (0.03 L)^2 */
 #define SMOOTHING 0.8f /* exponent on weights; below 1 measured better, by MS-SSIM */
 
 __constant float window[TAPS] = {0.00102838f, 0.00759876f, 0.03600077f, 0.10936069f, 0.21300553f, 0.26601172f,
@@ -133,8 +133,7 @@ __kernel void ssim_weights(__global const float *restrict sums, int width, int h
     pix sum = (pix)(0.0f), seen_x = (pix)(0.0f);
     float seen_y = 0.0f;
     for (int t = 0; t < TAPS; t++) {
-        for (int k = 0; k < channels; k++)
-            sum = fma((pix)(window[t]), PIX_LOAD(sums + PADDED(x, y, k) - t), sum);
+        for (int k = 0; k < channels; k++) sum = fma((pix)(window[t]), PIX_LOAD(sums + PADDED(x, y, k) - t), sum);
         pix from = pix_offsets() + (float)(x - t);
         seen_x += select((pix)(0.0f), (pix)(window[t]), from >= (pix)(0.0f) && from <= (pix)((float)(width - TAPS)));
         if (y - t >= 0 && y - t <= height - TAPS) seen_y += window[t];

@@ -60,25 +60,44 @@ typedef struct {
 #define ADAM_BETA1 0.9f
 #define ADAM_BETA2 0.99f
 #define ADAM_EPSILON 1e-10f
-#define RATE_POSITION 0.04f /* of the splat's geometric mean axis */
-#define RATE_SHAPE 0.03f
+#define RATE_POSITION 0.06f /* of an axis, along it */
+#define RATE_SHAPE 0.08f
+#define RATE_TURN 0.06f /* of a round splat; the longer, the less, by this power */
+#define TURN_POWER 0.75f
 #define RATE_COLOUR 0.012f
 #define RATE_OPACITY 0.04f
 
-/* Adam with the bias correction of each splat's own age. */
+/* Turns (x, y) by the angle whose cosine and sine are given. */
+inline void turn(float *restrict x, float *restrict y, float c, float s) {
+    float turned = c * *x - s * *y;
+    *y = fma(c, *y, s * *x);
+    *x = turned;
+}
+
+/* The learning rate of parameter k.  The centre moves along the axes in units of each, and needles turn slowly: both
+ * keep a step's effect on the picture alike for all shapes. */
+inline float learning_rate(int k, __global const float *restrict p) {
+    if (k == GSCL_X) return RATE_POSITION * exp(p[GSCL_LOG_S1]);
+    if (k == GSCL_Y) return RATE_POSITION * exp(p[GSCL_LOG_S2]);
+    float aspect = exp(fabs(p[GSCL_LOG_S1] - p[GSCL_LOG_S2]));
+    if (k == GSCL_THETA) return RATE_TURN * pow(2.0f / (1.0f + aspect), TURN_POWER);
+    return k < GSCL_THETA ? RATE_SHAPE : k == GSCL_OPACITY ? RATE_OPACITY : RATE_COLOUR;
+}
+
+/* Adam with the bias correction of each splat's own age; moments of the centre are in the splat's own frame. */
 inline void adam(__global float *restrict p, __global float *restrict m, __global float *restrict v, int age,
                  __global const float *restrict gradient, limits bounds) {
     float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
-    float size = exp(0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]));
+    float c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]), steps[GSCL_COLOUR + CHANNELS];
+    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) steps[k] = gradient[k];
+    turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
     for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) {
-        float rate = k <= GSCL_Y         ? RATE_POSITION * size
-                     : k <= GSCL_THETA   ? RATE_SHAPE
-                     : k == GSCL_OPACITY ? RATE_OPACITY
-                                         : RATE_COLOUR;
-        m[k] = fma(ADAM_BETA1, m[k], (1.0f - ADAM_BETA1) * gradient[k]);
-        v[k] = fma(ADAM_BETA2, v[k], (1.0f - ADAM_BETA2) * gradient[k] * gradient[k]);
-        p[k] -= bounds.rate * rate * (m[k] * correct1) / (sqrt(v[k] * correct2) + ADAM_EPSILON);
+        m[k] = fma(ADAM_BETA1, m[k], (1.0f - ADAM_BETA1) * steps[k]);
+        v[k] = fma(ADAM_BETA2, v[k], (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
+        steps[k] = bounds.rate * learning_rate(k, p) * (m[k] * correct1) / (sqrt(v[k] * correct2) + ADAM_EPSILON);
     }
+    turn(&steps[GSCL_X], &steps[GSCL_Y], c, s);
+    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) p[k] -= steps[k];
 }
 
 inline void keep_within(__global float *restrict p, limits b) {

@@ -162,14 +162,15 @@ static float log_size(const float *p) {
     return 0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]);
 }
 
-/* A copy, moved half its size against the gradient. */
-static void clone(const float *from, const float *gradient, float *to) {
-    float norm = hypotf(gradient[GSCL_X], gradient[GSCL_Y]), step = 0.5f * expf(log_size(from));
+/* A copy, moved half its size against the gradient; `moment`: the first moments, in the splat's frame (cl/update.cl). */
+static void clone(const float *from, const float *moment, float *to) {
+    float norm = hypotf(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * expf(log_size(from));
+    float c = cosf(from[GSCL_THETA]), s = sinf(from[GSCL_THETA]);
     memcpy(to, from, GSCL_PARAMS * sizeof(float));
     if (!(norm > 0))
         return;
-    to[GSCL_X] -= step * gradient[GSCL_X] / norm;
-    to[GSCL_Y] -= step * gradient[GSCL_Y] / norm;
+    to[GSCL_X] -= step * (c * moment[GSCL_X] - s * moment[GSCL_Y]) / norm;
+    to[GSCL_Y] -= step * (s * moment[GSCL_X] + c * moment[GSCL_Y]) / norm;
 }
 
 /* Two splats instead of one, apart along the longer axis. */

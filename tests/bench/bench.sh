@@ -1,0 +1,13 @@
+#!/bin/sh
+# Runs a benchmark script that needs packages from PyPI, in a Python environment of its own:
+#     sh tests/bench/bench.sh compare_codecs FOLDER [OPTIONS]
+set -eu
+here=$(dirname "$0")
+script=$1
+shift
+environment=${BENCH_ENVIRONMENT:-build/bench-python}
+if [ ! -x "$environment/bin/python" ]; then
+    python3 -m venv "$environment"
+fi
+"$environment/bin/python" -m pip install --quiet --disable-pip-version-check -r "$here/requirements.txt"
+exec "$environment/bin/python" "$here/$script.py" "$@"
