@@ -23,16 +23,26 @@
 #define LEAST_BITS_PER_SPLAT 26.0 /* less is what a half-done fit pretends */
 #define REPORT_INTERVAL 25        /* steps */
 #define SORT_INTERVAL 25          /* steps; blend alpha */
-#define SURPLUS 1.08              /* where refinement follows, which drops splats again, */
-#define SPARSE_SURPLUS 0.2        /* and so much more where splats are sparse; */
+#define SPARSE_SURPLUS 0.2        /* more surplus where splats are sparse; */
 #define SPARSE_STEPS 0.6          /* there a step is quick, and more of them are made */
 #define TEXTURE_EFFORT 1          /* from here on textures are looked for */
-#define FIRST_PRESSURE 0.5        /* what is dropped too early does not come back */
 
 typedef gscl_scalar_schedule schedule;
 
-static const int steps_of_effort[GSCL_MAX_EFFORT + 1] = {100, 180, 260, 350, 450, 600, 1000, 1800, 3300, 6000};
-static const int passes_of_effort[GSCL_MAX_EFFORT + 1] = {1, 2, 3, 4, 5, 6, 8, 10, 14, 20};
+/* What an effort pays for. */
+typedef struct rung {
+    int steps;       /* of the fit */
+    int passes;      /* of refinement, besides the first and those that meet the budget */
+    int finest;      /* level of the pyramid, counted from the fitted image */
+    double surplus;  /* splats are fitted beyond the budget where refinement follows, which drops some again */
+    double pressure; /* of the first pass: what is dropped too early does not come back */
+} rung;
+
+static const rung ladder[GSCL_MAX_EFFORT + 1] = {
+    {60, 0, 1, 1.12, 1.0},    {100, 2, 0, 1.08, 0.5},   {180, 3, 0, 1.08, 0.5},  {300, 4, 0, 1.08, 0.5},
+    {430, 5, 0, 1.08, 0.5},   {600, 6, 0, 1.08, 0.5},   {1000, 8, 0, 1.08, 0.5}, {1800, 10, 0, 1.08, 0.5},
+    {3300, 14, 0, 1.08, 0.5}, {6000, 20, 0, 1.08, 0.5},
+};
 
 /* cosine decay over the second half */
 double gscl_scalar_rate(double fraction) {
@@ -49,9 +59,10 @@ static double sparseness(const schedule *s) {
 /* The level of the pyramid for this part of the steps: what splats are to show must be there to see. */
 static int level_at(const schedule *s, double fraction) {
     double sparse = sparseness(s);
-    return s->encoder->first_level + (fraction < fmin(QUARTER_UNTIL * sparse, LONGEST_QUARTER) ? 2
-                                      : fraction < fmin(HALF_UNTIL * sparse, LONGEST_HALF)     ? 1
-                                                                                               : 0);
+    int level = fraction < fmin(QUARTER_UNTIL * sparse, LONGEST_QUARTER) ? 2
+                : fraction < fmin(HALF_UNTIL * sparse, LONGEST_HALF)     ? 1
+                                                                         : 0;
+    return s->encoder->first_level + (level > s->finest ? level : s->finest);
 }
 
 static gscl_result reserve_params(schedule *s, size_t count) {
@@ -188,20 +199,22 @@ static gscl_result fit_and_quantise(schedule *s) {
 }
 
 gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
+    const rung *r = &ladder[e->settings.effort];
     schedule s = {.encoder = e,
-                  .steps = steps_of_effort[e->settings.effort],
-                  .passes = passes_of_effort[e->settings.effort],
+                  .steps = r->steps,
+                  .passes = r->passes,
+                  .finest = r->finest,
                   .textures = e->settings.effort >= TEXTURE_EFFORT,
                   .bytes = bytes,
                   .keep_all = bytes == 0,
                   .target = splats,
-                  .pressure = bytes ? FIRST_PRESSURE : 1};
+                  .pressure = bytes ? r->pressure : 1};
     default_steps(&e->picture.file.steps);
     e->picture.file.header.has_texture = false; /* a trial before may have had textures */
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;
     double sparse = fmin(fmax(sparseness(&s) - 1, 0), 1);
-    s.surplus = can_refine(e) ? SURPLUS + SPARSE_SURPLUS * sparse : 1.0;
+    s.surplus = can_refine(e) ? r->surplus + SPARSE_SURPLUS * sparse : 1.0;
     s.steps += (int)(SPARSE_STEPS * sparse * s.steps);
     s.most = gscl_most_splats(e, bytes);
     if (s.target > s.most)

@@ -10,6 +10,7 @@ typedef struct gscl_scalar_schedule {
     gscl_encoder *encoder;
     gscl_fit fit;
     int steps;
+    int finest;              /* level of the pyramid that is fitted, counted from the first */
     size_t start, target;    /* splats */
     size_t bytes;            /* budget, or 0 */
     size_t most;             /* splats that the image can use */
