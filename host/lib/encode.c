@@ -11,6 +11,7 @@
 #define FIT_PIXELS (1u << 24) /* larger images are fitted at a smaller level; the splats draw at any size */
 #define AUTO_BPP 0.125        /* GSCL_TARGET_AUTO: this many bits per pixel, */
 #define AUTO_BYTES 256.0      /* but at least so many bytes */
+#define FEW_SPLATS 2
 
 void gscl_encode_settings_default(gscl_encode_settings *settings) {
     if (settings)
@@ -148,6 +149,21 @@ static gscl_result check_budget(gscl_encoder *e, double budget) {
     return GSCL_OK;
 }
 
+/* A few splats may be worse than none: what they show can be less than what their weight spoils. */
+static gscl_result prefer_flat(gscl_encoder *e) {
+    gsf_header *header = &e->picture.file.header;
+    const uint32_t count = header->splat_count;
+    double with, without;
+    if (count == 0 || count > FEW_SPLATS)
+        return GSCL_OK;
+    GSCL_TRY(gscl_encoder_psnr(e, &with));
+    header->splat_count = 0; /* the background is the mean colour */
+    GSCL_TRY(gscl_encoder_psnr(e, &without));
+    if (with >= without)
+        header->splat_count = count;
+    return GSCL_OK;
+}
+
 static gscl_result encode_to_bytes(gscl_encoder *e) {
     const gscl_encode_settings *s = &e->settings;
     double pixels = (double)e->image->width * e->image->height;
@@ -157,7 +173,8 @@ static gscl_result encode_to_bytes(gscl_encoder *e) {
     GSCL_TRY(check_budget(e, budget));
     if (e->content.flat)
         return GSCL_OK;
-    return gscl_encode_fit(e, (size_t)fmin(budget, 1e12), 0);
+    GSCL_TRY(gscl_encode_fit(e, (size_t)fmin(budget, 1e12), 0));
+    return prefer_flat(e);
 }
 
 static gscl_result encode_target(gscl_encoder *e) {

@@ -18,6 +18,7 @@
 #define DENSE 12.0                /* pixels from splat to splat; */
 #define LONGEST_QUARTER 0.5       /* sparser ones stay longer with the small sizes, */
 #define LONGEST_HALF 0.85         /* at most so long */
+#define SMALL_IMAGE 65536         /* pixels: up to here the finest level costs no time to speak of */
 #define RATE 2.0                  /* on the learning rates in cl/update.cl */
 #define BITS_PER_SPLAT 34.0       /* first estimate */
 #define LEAST_BITS_PER_SPLAT 26.0 /* less is what a half-done fit pretends */
@@ -200,10 +201,11 @@ static gscl_result fit_and_quantise(schedule *s) {
 
 gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
     const rung *r = &ladder[e->settings.effort];
+    uint64_t pixels = (uint64_t)e->image->width * e->image->height >> 2 * e->first_level;
     schedule s = {.encoder = e,
                   .steps = r->steps,
                   .passes = r->passes,
-                  .finest = r->finest,
+                  .finest = pixels > SMALL_IMAGE ? r->finest : 0,
                   .textures = e->settings.effort >= TEXTURE_EFFORT,
                   .bytes = bytes,
                   .keep_all = bytes == 0,

@@ -110,6 +110,23 @@ def faint_and_strong(width, height):
     return Picture(width, height, 3, 8, samples)
 
 
+def checkerboard(width, height, side):
+    return Picture(width, height, 1, 8, [255 * ((x // side + y // side) % 2) for y in range(height) for x in range(width)])
+
+
+def sawtooth(width, height):
+    """Slanted ramps with hard edges."""
+    return Picture(width, height, 1, 8, [(7 * x + 3 * y) % 256 for y in range(height) for x in range(width)])
+
+
+def document(width, height):
+    """Black strokes on white, in lines, like a page of text."""
+    strokes = noise(width, height, channels=1, seed=9)
+    samples = [0 if y % 8 in (2, 3, 4, 5) and strokes.samples[y // 8 * width + x // 2] < 110 else 255
+               for y in range(height) for x in range(width)]
+    return Picture(width, height, 1, 8, samples)
+
+
 def flat(width, height, colour, depth=8):
     return Picture(width, height, len(colour), depth, list(colour) * (width * height))
 

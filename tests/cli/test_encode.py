@@ -8,7 +8,8 @@ import subprocess
 import time
 import unittest
 
-from pictures import faint_and_strong, noise, png_bytes, psnr, scene, textured
+from pictures import (Picture, checkerboard, document, faint_and_strong, flat, noise, png_bytes, psnr, sawtooth, scene,
+                      textured)
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
 
@@ -58,6 +59,32 @@ class Targets(ToolTest):
             self.encode(picture, "--bytes", "500", "--effort", effort)
             reached.append(psnr(picture, self.decode()))
         self.assertGreater(reached[1], reached[0])
+
+
+class Kinds(ToolTest):
+    def test_quality_grows_with_the_file(self):
+        """Pictures that are no photographs, at three sizes."""
+        two_pixels = Picture(2, 1, 3, 8, [255, 0, 0, 0, 0, 255])
+        for name, picture, budgets in (
+                ("noise", noise(96, 64), (150, 500, 1500)), ("checkerboard", checkerboard(96, 64, 4), (150, 500, 1500)),
+                ("sawtooth", sawtooth(96, 64), (150, 500, 1500)), ("document", document(128, 64), (150, 500, 1500)),
+                ("column", noise(1, 300), (60, 200, 600)), ("two pixels", two_pixels, (20, 24, 40))):
+            reached = 0
+            for budget in budgets:
+                with self.subTest(picture=name, budget=budget):
+                    size = len(self.encode(png_bytes(picture), "--bytes", budget, "--effort", "2"))
+                    self.assertLessEqual(size, budget)
+                    quality = psnr(picture, self.decode())
+                    self.assertGreaterEqual(quality, reached - 0.05)
+                    reached = quality
+
+    def test_one_colour_takes_a_few_bytes(self):
+        self.assertLessEqual(len(self.encode(flat(640, 480, (12, 200, 99)))), 24)
+
+    def test_icon_from_48_bytes(self):
+        picture = scene(64, 64)
+        self.assertLessEqual(len(self.encode(picture, "--bytes", "48", "--effort", "5")), 48)
+        self.assertGreater(psnr(picture, self.decode()), 15)
 
 
 class Settings(ToolTest):

@@ -462,14 +462,14 @@ static gscl_image striped_image(void) {
 }
 
 static double psnr_of(const gscl_image *image, int effort, uint32_t *effects) {
-    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 100);
+    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 60);
     gscl_encode_report report;
     gscl_info info;
     file f = {NULL, 0};
     settings.effort = effort;
     assert_result(gscl_encode(context, image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
     assert_int_equal(gscl_probe(f.bytes, f.size, &info), GSCL_OK);
-    assert_true(f.size <= 100);
+    assert_true(f.size <= 60);
     *effects = info.effects;
     gscl_free(f.bytes);
     return report.psnr;
