@@ -34,3 +34,17 @@ __kernel void add_enlarged(__global const float *restrict from, int from_width, 
     int x = min((i % width) >> shift, from_width - 1), y = min((i / width) >> shift, from_height - 1);
     to[to_at + i] = fma(share, from[(size_t)y * from_width + x], to[to_at + i]);
 }
+
+/* Raises the contrast of `channels` planes: by gains, around means, that are of half the size (ssim_gains). */
+__kernel void raise_contrast(__global const float *restrict from, __global const float *restrict gains, int channels,
+                             int width, int height, __global float *restrict to) {
+    int i = (int)get_global_id(0);
+    if (i >= width * height) return;
+    int half_width = (width + 1) / 2, half_height = (height + 1) / 2;
+    size_t at = (size_t)(i / width / 2) * half_width + i % width / 2, half_plane = (size_t)half_width * half_height;
+    for (int k = 0; k < channels; k++) {
+        float value = from[(size_t)k * width * height + i];
+        float gain = gains[k * half_plane + at], mean = gains[(channels + k) * half_plane + at];
+        to[(size_t)k * width * height + i] = fma(gain, value - mean, value);
+    }
+}

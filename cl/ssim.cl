@@ -105,40 +105,82 @@ __kernel void ssim_slope(__global const float *restrict sums, __global const flo
 
 /* ---- Squared error in place of MS-SSIM --------------------------------------------------------------------------
  *
- * SSIM's contrast-structure factor is 1 - V / (B + C2), with the error's variance V in the window and the sum B of both
- * images' variances there.  With the picture's variance taken to be small, a window's squared error counts as
- * 1 / (variance + C2). */
+ * SSIM's contrast-structure factor of a window, S = 2 cov / (A + B) with the variances A of the image and B of the
+ * picture (C2 left out), has the derivative 2 (a / S - b) S / (A + B) by the picture's b, means taken off: that of
+ * squared error against an image of 1 / S times the contrast, weighed by 1 / (A + B).  Where the picture is not
+ * yet known, B counts as 0 and S as 1. */
 
-/* C2 / (variance + C2) of each window of the image that `moments` (ssim_rows of an image with itself) are of. */
-__kernel void ssim_smoothness(__global const float *restrict moments, int width, int height, int channels, int stride,
-                              ulong image, __global float *restrict smoothness) {
+#define MAPS 3
+#define MAP_WEIGHT 0
+#define MAP_GAIN 1 /* of contrast: 1 / S - 1 */
+#define MAP_MEAN 2 /* of the image */
+#define MOST_GAIN 0.5f
+#define SMOOTHING 0.8f /* exponent on weights before the picture is known; below 1 measured better */
+
+/* Judges each window: writes MAPS padded images.  `moments`: ssim_rows of the picture and the image; not `known`: of the
+ * image with itself. */
+__kernel void ssim_judge(__global const float *restrict moments, int width, int height, int channels, int stride,
+                         ulong image, int known, __global float *restrict maps) {
     int x, y, k;
     if (!ssim_place(width, height, channels, &x, &y, &k)) return;
-    pix mean = (pix)(0.0f), square = (pix)(0.0f);
-    for (int t = 0; t < TAPS; t++) {
-        mean = fma((pix)(window[t]), PIX_LOAD(moments + PADDED(x, y + t, k)), mean);
-        square = fma((pix)(window[t]), PIX_LOAD(moments + 2 * image + PADDED(x, y + t, k)), square);
+    pix m[5];
+    for (int j = 0; j < 5; j++) {
+        m[j] = (pix)(0.0f);
+        for (int t = 0; t < TAPS; t++)
+            m[j] = fma((pix)(window[t]), PIX_LOAD(moments + j * image + PADDED(x, y + t, k)), m[j]);
     }
+    pix drawn = fmax(m[2] - m[0] * m[0], (pix)(0.0f)) * (float)known;
+    pix variances = fmax(m[3] - m[1] * m[1], (pix)(0.0f)) + drawn + C2;
+    pix similarity = fma((pix)(2.0f), m[4] - m[0] * m[1], (pix)(C2)) / variances;
+    pix gain = fmin(1.0f / fmax(similarity, (pix)(0.1f)) - 1.0f, (pix)(MOST_GAIN));
     pix there = y + TAPS <= height ? pix_inside(width - TAPS + 1 - x) : (pix)(0.0f);
-    pix_store_clipped(there * C2 / (fmax(square - mean * mean, (pix)(0.0f)) + C2), smoothness + PADDED(x, y, k),
-                      width - x);
+    pix_store_clipped(there * C2 / variances, maps + MAP_WEIGHT * image + PADDED(x, y, k), width - x);
+    pix_store_clipped(there * gain * (float)known, maps + MAP_GAIN * image + PADDED(x, y, k), width - x);
+    pix_store_clipped(there * m[1], maps + MAP_MEAN * image + PADDED(x, y, k), width - x);
 }
 
-/* What each pixel's squared error counts: the mean over the windows that see it (`sums`: ssim_columns of the
- * smoothness), added over channels.  Images without windows count the same everywhere. */
-__kernel void ssim_weights(__global const float *restrict sums, int width, int height, int channels, int stride,
-                           ulong image, __global float *restrict weights) {
-    int x, y, unused;
-    if (!ssim_place(width, height, 1, &x, &y, &unused)) return;
-    pix sum = (pix)(0.0f), seen_x = (pix)(0.0f);
+/* Adds the windows to the left in a map that ssim_columns has blurred. */
+inline pix map_sum(__global const float *restrict sums, int x, int y, int k, int height, int stride) {
+    pix sum = (pix)(0.0f);
+    for (int t = 0; t < TAPS; t++) sum = fma((pix)(window[t]), PIX_LOAD(sums + PADDED(x, y, k) - t), sum);
+    return sum;
+}
+
+/* How much of a whole window's weight sees these pixels. */
+inline pix window_cover(int x, int y, int width, int height) {
+    pix seen_x = (pix)(0.0f);
     float seen_y = 0.0f;
     for (int t = 0; t < TAPS; t++) {
-        for (int k = 0; k < channels; k++) sum = fma((pix)(window[t]), PIX_LOAD(sums + PADDED(x, y, k) - t), sum);
         pix from = pix_offsets() + (float)(x - t);
         seen_x += select((pix)(0.0f), (pix)(window[t]), from >= (pix)(0.0f) && from <= (pix)((float)(width - TAPS)));
         if (y - t >= 0 && y - t <= height - TAPS) seen_y += window[t];
     }
-    bool windows = width >= TAPS && height >= TAPS;
-    pix weight = windows ? pow(sum / (seen_x * seen_y), (pix)(SMOOTHING)) : (pix)(1.0f);
+    return seen_x * seen_y;
+}
+
+/* What each pixel's squared error counts: the mean over the windows that see it, added over channels.  Images without
+ * windows count the same everywhere. */
+__kernel void ssim_weights(__global const float *restrict sums, int width, int height, int channels, int stride,
+                           ulong image, int known, __global float *restrict weights) {
+    int x, y, unused;
+    if (!ssim_place(width, height, 1, &x, &y, &unused)) return;
+    pix sum = (pix)(0.0f);
+    for (int k = 0; k < channels; k++) sum += map_sum(sums + MAP_WEIGHT * image, x, y, k, height, stride);
+    pix weight = (pix)(1.0f);
+    if (width >= TAPS && height >= TAPS) weight = sum / window_cover(x, y, width, height);
+    if (!known) weight = pow(weight, (pix)(SMOOTHING));
     pix_store_clipped(weight, weights + (size_t)y * width + x, width - x);
+}
+
+/* The gain and the mean at each pixel: `channels` planes of gains, then as many of means. */
+__kernel void ssim_gains(__global const float *restrict sums, int width, int height, int channels, int stride,
+                         ulong image, __global float *restrict gains) {
+    int x, y, k;
+    if (!ssim_place(width, height, channels, &x, &y, &k)) return;
+    pix cover = window_cover(x, y, width, height);
+    size_t at = ((size_t)k * height + y) * width + x, plane = (size_t)width * height;
+    pix gain = map_sum(sums + MAP_GAIN * image, x, y, k, height, stride) / cover;
+    pix mean = map_sum(sums + MAP_MEAN * image, x, y, k, height, stride) / cover;
+    pix_store_clipped(gain, gains + at, width - x);
+    pix_store_clipped(mean, gains + channels * plane + at, width - x);
 }

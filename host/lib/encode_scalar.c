@@ -22,11 +22,13 @@
 #define RATE 2.0                  /* on the learning rates in cl/update.cl */
 #define BITS_PER_SPLAT 34.0       /* first estimate */
 #define LEAST_BITS_PER_SPLAT 26.0 /* less is what a half-done fit pretends */
-#define REPORT_INTERVAL 25        /* steps */
-#define SORT_INTERVAL 25          /* steps; blend alpha */
-#define SPARSE_SURPLUS 0.2        /* more surplus where splats are sparse; */
-#define SPARSE_STEPS 0.6          /* there a step is quick, and more of them are made */
-#define TEXTURE_EFFORT 1          /* from here on textures are looked for */
+#define ADAPT_AT 0.6              /* of the steps: tuned for SSIM, the target is adapted to what can be drawn */
+#define ADAPT_AGAIN_AT 0.95
+#define REPORT_INTERVAL 25 /* steps */
+#define SORT_INTERVAL 25   /* steps; blend alpha */
+#define SPARSE_SURPLUS 0.2 /* more surplus where splats are sparse; */
+#define SPARSE_STEPS 0.6   /* there a step is quick, and more of them are made */
+#define TEXTURE_EFFORT 1   /* from here on textures are looked for */
 
 typedef gscl_scalar_schedule schedule;
 
@@ -168,6 +170,8 @@ static gscl_result run_steps(schedule *s) {
             GSCL_TRY(grow_round(s, ++round));
         if (s->encoder->settings.blend == GSCL_BLEND_ALPHA && step % SORT_INTERVAL == 0)
             GSCL_TRY(sort_for_alpha(s));
+        if (step == (int)(ADAPT_AT * s->steps) || step == (int)(ADAPT_AGAIN_AT * s->steps))
+            GSCL_TRY(gscl_fit_adapt(&s->fit));
         GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_rate(fraction)));
         GSCL_TRY(report(s, step));
     }

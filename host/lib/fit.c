@@ -13,7 +13,7 @@
 #define MOST_ALPHA_CROWD 400.0 /* the same where splats hide each other and need to be many */
 #define CROWD_SHRINK 0.2f      /* by so much (ln) at a time: splats without end would cost time without end */
 
-static size_t level_pixels(const gscl_fit *f, int level) {
+size_t gscl_fit_level_pixels(const gscl_fit *f, int level) {
     return (size_t)gscl_level_size(f->width, level) * gscl_level_size(f->height, level);
 }
 
@@ -24,23 +24,22 @@ uint32_t gscl_fit_level_height(const gscl_fit *f) {
     return gscl_level_size(f->height, f->level);
 }
 
-/* Halves one plane of a level into the next. */
-static gscl_result halve_plane(gscl_fit *f, int level, size_t channel) {
+gscl_result gscl_fit_halve(gscl_fit *f, int level, size_t channel, const gscl_buffer *from, const gscl_buffer *to) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "halve", &kernel));
     cl_int from_width = (cl_int)gscl_level_size(f->width, level),
            from_height = (cl_int)gscl_level_size(f->height, level);
     cl_int width = (cl_int)gscl_level_size(f->width, level + 1), height = (cl_int)gscl_level_size(f->height, level + 1);
-    cl_ulong from_at = channel * level_pixels(f, level), to_at = channel * level_pixels(f, level + 1);
-    return GSCL_LAUNCH(f->context, kernel, gscl_groups(level_pixels(f, level + 1), 64), 64,
-                       GSCL_ARG_BUFFER(f->levels[level]), GSCL_ARG(from_at), GSCL_ARG(from_width),
-                       GSCL_ARG(from_height), GSCL_ARG_BUFFER(f->levels[level + 1]), GSCL_ARG(to_at), GSCL_ARG(width),
-                       GSCL_ARG(height));
+    size_t pixels = gscl_fit_level_pixels(f, level + 1);
+    cl_ulong from_at = channel * gscl_fit_level_pixels(f, level), to_at = channel * pixels;
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, 64), 64, GSCL_ARG_BUFFER(*from), GSCL_ARG(from_at),
+                       GSCL_ARG(from_width), GSCL_ARG(from_height), GSCL_ARG_BUFFER(*to), GSCL_ARG(to_at),
+                       GSCL_ARG(width), GSCL_ARG(height));
 }
 
 static gscl_result build_pyramid(gscl_fit *f, const float *planes) {
     size_t channels = (size_t)f->renderer.channels, count = channels + (size_t)f->renderer.options.weighted;
-    size_t pixels = level_pixels(f, f->first_level);
+    size_t pixels = gscl_fit_level_pixels(f, f->first_level);
     GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[f->first_level], pixels * count * sizeof(float)));
     GSCL_TRY(gscl_buffer_write(f->context, &f->levels[f->first_level], 0, planes, pixels * channels * sizeof(float)));
     uint32_t shorter = f->width < f->height ? f->width : f->height;
@@ -48,57 +47,16 @@ static gscl_result build_pyramid(gscl_fit *f, const float *planes) {
     while (f->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, f->last_level + 1) >= SMALLEST_LEVEL_SIDE) {
         int level = f->last_level++;
         GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->levels[level + 1],
-                                           level_pixels(f, level + 1) * count * sizeof(float)));
+                                           gscl_fit_level_pixels(f, level + 1) * count * sizeof(float)));
         for (size_t k = 0; k < channels; k++)
-            GSCL_TRY(halve_plane(f, level, k));
+            GSCL_TRY(gscl_fit_halve(f, level, k, &f->levels[level], &f->levels[level + 1]));
     }
-    return GSCL_OK;
-}
-
-/* The scales of MS-SSIM that count most, and their exponents (Wang et al. 2003).  The finest is left out: its windows
- * are so small that in smooth places they see only noise. */
-#define WEIGHT_LEVELS 3
-static const float weight_shares[WEIGHT_LEVELS] = {0.2856f, 0.3001f, 0.2363f};
-
-/* Adds a level's part to the weights of the first level. */
-static gscl_result add_weights(gscl_fit *f, int level, float share) {
-    gscl_buffer part = {0};
-    cl_kernel kernel;
-    cl_int from_width = (cl_int)gscl_level_size(f->width, level),
-           from_height = (cl_int)gscl_level_size(f->height, level);
-    cl_int width = (cl_int)gscl_level_size(f->width, f->first_level),
-           height = (cl_int)gscl_level_size(f->height, f->first_level);
-    cl_int shift = level - f->first_level;
-    cl_ulong to_at = level_pixels(f, f->first_level) * (size_t)f->renderer.channels;
-    gscl_result result = gscl_ssim_weights(&f->ssim, f->context, &f->renderer.options, from_width, from_height,
-                                           &f->levels[level], &part);
-    if (result == GSCL_OK)
-        result = gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "add_enlarged", &kernel);
-    if (result == GSCL_OK)
-        result =
-            GSCL_LAUNCH(f->context, kernel, gscl_groups(level_pixels(f, f->first_level), 64), 64, GSCL_ARG_BUFFER(part),
-                        GSCL_ARG(from_width), GSCL_ARG(from_height), GSCL_ARG(shift), GSCL_ARG(share),
-                        GSCL_ARG_BUFFER(f->levels[f->first_level]), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
-    gscl_buffer_free(&part);
-    return result;
-}
-
-/* Puts a plane of weights behind each level's target. */
-static gscl_result build_weights(gscl_fit *f) {
-    size_t channels = (size_t)f->renderer.channels, plane = level_pixels(f, f->first_level) * sizeof(float);
-    GSCL_TRY(gscl_buffer_zero(f->context, &f->levels[f->first_level], channels * plane, plane));
-    for (int i = 0; i < WEIGHT_LEVELS; i++) {
-        int level = i + 1 < f->first_level ? f->first_level : i + 1 > f->last_level ? f->last_level : i + 1;
-        GSCL_TRY(add_weights(f, level, weight_shares[i]));
-    }
-    for (int level = f->first_level; level < f->last_level; level++)
-        GSCL_TRY(halve_plane(f, level, channels));
     return GSCL_OK;
 }
 
 /* The mean of each plane: the background that fits best where no splat reaches. */
 static void mean_colour(const gscl_fit *f, const float *planes, float background[4]) {
-    size_t pixels = level_pixels(f, f->first_level);
+    size_t pixels = gscl_fit_level_pixels(f, f->first_level);
     for (int k = 0; k < f->renderer.channels; k++) {
         double sum = 0;
         for (size_t i = 0; i < pixels; i++)
@@ -119,7 +77,7 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
     GSCL_TRY(build_pyramid(f, planes));
     if (options->weighted)
-        GSCL_TRY(build_weights(f));
+        GSCL_TRY(gscl_fit_build_weights(f));
     mean_colour(f, planes, f->background);
     float longer = (float)(width > height ? width : height);
     f->limits = (gscl_limits){.width = (float)width,
@@ -139,6 +97,7 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_renderer_free(&f->renderer);
     gscl_ssim_free(&f->ssim);
     gscl_buffer_free(&f->derivative);
+    gscl_buffer_free(&f->adapted);
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
         gscl_buffer_free(&f->levels[i]);
     gscl_buffer *buffers[] = {&f->gradients, &f->first_moment, &f->second_moment, &f->ages,
@@ -269,7 +228,7 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
                                       &f->levels[f->level], f->ssim_weight, &f->derivative));
         GSCL_TRY(launch_tiles(f, &f->derivative));
     } else {
-        GSCL_TRY(launch_tiles(f, &f->levels[f->level]));
+        GSCL_TRY(launch_tiles(f, gscl_fit_goal(f)));
     }
     return launch_gather(f);
 }
@@ -294,19 +253,19 @@ gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, 1, 1, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
                          GSCL_ARG_BUFFER(f->loss)));
     GSCL_TRY(gscl_buffer_read(f->context, &f->loss, 0, &sum, sizeof sum));
-    *loss = (double)sum / ((double)level_pixels(f, f->level) * f->renderer.channels);
+    *loss = (double)sum / ((double)gscl_fit_level_pixels(f, f->level) * f->renderer.channels);
     return GSCL_OK;
 }
 
 /* Squared error of planes against the level's target, per pixel, read into `error`. */
 static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, float *error) {
     cl_kernel kernel;
-    size_t pixels = level_pixels(f, f->level);
+    size_t pixels = gscl_fit_level_pixels(f, f->level);
     cl_int channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (cl_int)pixels;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "squared_error", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, 64), 64, GSCL_ARG_BUFFER(*planes),
-                         GSCL_ARG_BUFFER(f->levels[f->level]), GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count),
+                         GSCL_ARG_BUFFER(*gscl_fit_goal(f)), GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count),
                          GSCL_ARG_BUFFER(f->error)));
     return gscl_buffer_read(f->context, &f->error, 0, error, pixels * sizeof(float));
 }
@@ -318,7 +277,7 @@ gscl_result gscl_fit_error(gscl_fit *f, float *error) {
 }
 
 gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *sum) {
-    size_t pixels = level_pixels(f, f->level);
+    size_t pixels = gscl_fit_level_pixels(f, f->level);
     float *error = malloc(pixels * sizeof *error);
     if (!error)
         return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -332,5 +291,5 @@ gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *s
 
 gscl_result gscl_fit_target(gscl_fit *f, float *planes) {
     return gscl_buffer_read(f->context, &f->levels[f->level], 0, planes,
-                            level_pixels(f, f->level) * (size_t)f->renderer.channels * sizeof(float));
+                            gscl_fit_level_pixels(f, f->level) * (size_t)f->renderer.channels * sizeof(float));
 }

@@ -34,6 +34,7 @@ typedef struct gscl_fit {
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
     gscl_buffer derivative; /* of the loss by the picture */
+    gscl_buffer adapted;    /* what gscl_fit_adapt makes of the first level's target; else empty */
 } gscl_fit;
 
 /* Builds the pyramid of `planes` (renderer channels; the image at level `first_level`), down to a shorter
@@ -46,6 +47,19 @@ void gscl_fit_free(gscl_fit *fit);
 
 uint32_t gscl_fit_level_width(const gscl_fit *fit);
 uint32_t gscl_fit_level_height(const gscl_fit *fit);
+
+/* Pixels of a level. */
+size_t gscl_fit_level_pixels(const gscl_fit *fit, int level);
+/* Halves one plane of an image of this level's size into an image of the next one's. */
+gscl_result gscl_fit_halve(gscl_fit *fit, int level, size_t channel, const gscl_buffer *from, const gscl_buffer *to);
+
+/* Where errors are weighted (fit_weights.c).  Puts a plane of weights behind each level's target; part of creation. */
+gscl_result gscl_fit_build_weights(gscl_fit *fit);
+/* Adapts target and weights of the first level to what the splats draw now, so that squared error leads where MS-SSIM
+ * does (cl/ssim.cl).  Does nothing where errors are not weighted, at other levels, or when the image is too small. */
+gscl_result gscl_fit_adapt(gscl_fit *fit);
+/* What the splats are to look like at this level: the target's planes and, where errors are weighted, the weights. */
+const gscl_buffer *gscl_fit_goal(const gscl_fit *fit);
 
 /* Works on this level (clamped to those that exist) from now on. */
 gscl_result gscl_fit_set_level(gscl_fit *fit, int level);

@@ -297,7 +297,7 @@ static gscl_result visit_group(pass *p, int group) {
         GSCL_ARG_BUFFER(p->device_codes), GSCL_ARG_BUFFER(p->device_owned), GSCL_ARG_BUFFER(p->device_minors),
         GSCL_ARG_BUFFER(p->device_aspects), GSCL_ARG_BUFFER(p->device_tables), GSCL_ARG(p->settings), GSCL_ARG(r->view),
         GSCL_ARG(p->existence), GSCL_ARG(leave_out), GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights),
-        GSCL_ARG_BUFFER(p->fit->levels[p->fit->level]), GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane));
+        GSCL_ARG_BUFFER(*gscl_fit_goal(p->fit)), GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane));
 }
 
 /* Takes the codes back into the picture, without the splats that were dropped. */

@@ -80,22 +80,44 @@ gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl
                        GSCL_ARG_BUFFER(*derivative));
 }
 
-gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
-                              int height, const gscl_buffer *target, gscl_buffer *weights) {
-    shape is = shape_of(context, options, width, height);
-    cl_kernel rows, smoothness, columns, weigh;
+/* Judges the windows of `target` (of `picture` and it, if there is one) and blurs the maps back along y: into
+ * s->moments. */
+static gscl_result judge(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, const shape *is,
+                         const gscl_buffer *picture, const gscl_buffer *target) {
+    const gscl_buffer *first = picture ? picture : target;
+    cl_kernel rows, windows, columns;
+    cl_int known = picture != NULL;
     GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_rows", &rows));
-    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_smoothness", &smoothness));
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_judge", &windows));
     GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_columns", &columns));
+    GSCL_TRY(prepare(s, context, is));
+    GSCL_TRY(GSCL_LAUNCH(context, rows, is->groups, GROUP, GSCL_ARG_BUFFER(*first), GSCL_ARG_BUFFER(*target),
+                         SHAPE_ARGS(*is), GSCL_ARG_BUFFER(s->moments)));
+    GSCL_TRY(GSCL_LAUNCH(context, windows, is->groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(*is),
+                         GSCL_ARG(known), GSCL_ARG_BUFFER(s->slopes)));
+    return GSCL_LAUNCH(context, columns, is->groups, GROUP, GSCL_ARG_BUFFER(s->slopes), SHAPE_ARGS(*is),
+                       GSCL_ARG_BUFFER(s->moments));
+}
+
+gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
+                              int height, const gscl_buffer *picture, const gscl_buffer *target, gscl_buffer *weights) {
+    shape is = shape_of(context, options, width, height);
+    cl_int known = picture != NULL;
+    cl_kernel weigh;
+    GSCL_TRY(judge(s, context, options, &is, picture, target));
     GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_weights", &weigh));
-    GSCL_TRY(prepare(s, context, &is));
     GSCL_TRY(gscl_buffer_reserve_image(context, weights, (size_t)width * (size_t)height * sizeof(float)));
-    GSCL_TRY(GSCL_LAUNCH(context, rows, is.groups, GROUP, GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(*target),
-                         SHAPE_ARGS(is), GSCL_ARG_BUFFER(s->moments)));
-    GSCL_TRY(GSCL_LAUNCH(context, smoothness, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is),
-                         GSCL_ARG_BUFFER(s->slopes)));
-    GSCL_TRY(GSCL_LAUNCH(context, columns, is.groups, GROUP, GSCL_ARG_BUFFER(s->slopes), SHAPE_ARGS(is),
-                         GSCL_ARG_BUFFER(s->moments)));
-    return GSCL_LAUNCH(context, weigh, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is),
+    return GSCL_LAUNCH(context, weigh, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is), GSCL_ARG(known),
                        GSCL_ARG_BUFFER(*weights));
+}
+
+gscl_result gscl_ssim_gains(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
+                            int height, gscl_buffer *gains) {
+    shape is = shape_of(context, options, width, height);
+    cl_kernel kernel;
+    size_t plane = (size_t)width * (size_t)height * sizeof(float);
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SSIM, options, "ssim_gains", &kernel));
+    GSCL_TRY(gscl_buffer_reserve_image(context, gains, 2 * (size_t)is.channels * plane));
+    return GSCL_LAUNCH(context, kernel, is.groups, GROUP, GSCL_ARG_BUFFER(s->moments), SHAPE_ARGS(is),
+                       GSCL_ARG_BUFFER(*gains));
 }

@@ -17,16 +17,26 @@ static double tap(int i) {
     return exp(-(i - 5) * (i - 5) / 4.5) / sum;
 }
 
-/* C2 / (variance + C2) of the window that begins at (x, y). */
-static double smoothness(const image *m, int x, int y) {
-    double mean = 0.0, square = 0.0;
+/* What a window of the target, and of the picture if there is one, says. */
+typedef struct {
+    double weight, gain, mean;
+} judgement;
+
+static judgement judge(const image *target, const image *picture, int x, int y) {
+    double mean = 0.0, square = 0.0, drawn = 0.0, drawn_square = 0.0, product = 0.0;
     for (int v = 0; v < TAPS; v++)
         for (int u = 0; u < TAPS; u++) {
-            const double value = m->plane[(y + v) * m->width + x + u];
-            mean += tap(u) * tap(v) * value;
-            square += tap(u) * tap(v) * value * value;
+            const int at = (y + v) * target->width + x + u;
+            const double share = tap(u) * tap(v), value = target->plane[at], other = picture ? picture->plane[at] : 0.0;
+            mean += share * value;
+            square += share * value * value;
+            drawn += share * other;
+            drawn_square += share * other * other;
+            product += share * value * other;
         }
-    return 9e-4 / (square - mean * mean + 9e-4);
+    const double variances = square - mean * mean + drawn_square - drawn * drawn + 9e-4;
+    const double similarity = (2.0 * (product - mean * drawn) + 9e-4) / variances;
+    return (judgement){9e-4 / variances, fmin(1.0 / fmax(similarity, 0.1) - 1.0, 0.5), mean};
 }
 
 /* Mean over the windows that see a pixel; `smooth` has a value for each window. */
@@ -51,7 +61,7 @@ static void add_smoothness(const image *m, double *sums) {
     if (!smooth)
         abort();
     for (int i = 0; i < columns * rows; i++)
-        smooth[i] = smoothness(m, i % columns, i / columns);
+        smooth[i] = judge(m, NULL, i % columns, i / columns).weight;
     for (int i = 0; i < m->width * m->height; i++)
         sums[i] += mean_around(smooth, m, i % m->width, i / m->width);
     free(smooth);
@@ -93,4 +103,53 @@ void oracle_ssim_weights(double *planes, int channels, int width, int height, in
             weights[i] += shares[scale - 1] * pow(sums[(i / width >> level) * w + (i % width >> level)], 0.8);
     }
     free(sums);
+}
+
+/* One channel at half size: adds to the weights, and makes gain and mean at each pixel. */
+static void adapt_channel(const image *target, const image *picture, double *weights, double *gains, double *means) {
+    const int columns = target->width - TAPS + 1, windows = columns * (target->height - TAPS + 1);
+    double *maps = malloc(3 * sizeof *maps * (size_t)windows);
+    if (!maps)
+        abort();
+    for (int i = 0; i < windows; i++) {
+        const judgement j = judge(target, picture, i % columns, i / columns);
+        maps[i] = j.weight;
+        maps[windows + i] = j.gain;
+        maps[2 * windows + i] = j.mean;
+    }
+    for (int i = 0; i < target->width * target->height; i++) {
+        const int x = i % target->width, y = i / target->width;
+        weights[i] += mean_around(maps, target, x, y);
+        gains[i] = mean_around(maps + windows, target, x, y);
+        means[i] = mean_around(maps + 2 * windows, target, x, y);
+    }
+    free(maps);
+}
+
+void oracle_ssim_adapt(double *planes, double *picture, int channels, int width, int height, int last_level,
+                       double *adapted) {
+    const int plane = width * height;
+    int w = width, h = height, w2 = width, h2 = height;
+    double *weights = adapted + channels * plane, *work = calloc(3 * sizeof *work, (size_t)plane);
+    double *half_weights = work, *gains = work + plane, *means = work + 2 * plane;
+    if (!work)
+        abort();
+    for (int i = 0; i < channels * plane; i++)
+        adapted[i] = planes[i];
+    oracle_ssim_weights(planes, channels, width, height, last_level, weights);
+    for (int i = 0; i < channels * plane; i++)
+        planes[i] = adapted[i];
+    halve(planes, channels, &w, &h);
+    halve(picture, channels, &w2, &h2);
+    for (int k = 0; k < channels; k++) {
+        adapt_channel(&(image){planes + k * w * h, w, h}, &(image){picture + k * w * h, w, h}, half_weights, gains,
+                      means);
+        for (int i = 0; i < plane; i++) {
+            const int at = i / width / 2 * w + i % width / 2;
+            adapted[k * plane + i] += gains[at] * (adapted[k * plane + i] - means[at]);
+        }
+    }
+    for (int i = 0; i < plane; i++)
+        weights[i] += half_weights[i / width / 2 * w + i % width / 2];
+    free(work);
 }

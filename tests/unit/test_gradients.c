@@ -319,6 +319,45 @@ static void test_ssim_weights(void **state) {
     }
 }
 
+/* The target of more contrast, and its weights, once splats are drawn. */
+static void test_ssim_adaptation(void **state) {
+    (void)state;
+    enum { W = 149, H = 131, PLANE = W * H };
+    static float planes[3 * PLANE], drawn[3 * PLANE], found[4 * PLANE], params[SPLATS * GSCL_PARAMS];
+    static double wanted_planes[3 * PLANE], picture[3 * PLANE], wanted[4 * PLANE];
+    test_random_state = 3;
+    for (int i = 0; i < 3 * PLANE; i++)
+        planes[i] = 0.5f + 0.2f * sinf(0.1f * (float)(i % W)) * cosf(0.12f * (float)(i / W % H)) + uniform(-0.1, 0.1);
+    for (int i = 0; i < SPLATS; i++) {
+        ordinary_splat(params + i * GSCL_PARAMS);
+        params[i * GSCL_PARAMS + GSCL_X] = uniform(0, W);
+        params[i * GSCL_PARAMS + GSCL_Y] = uniform(0, H);
+    }
+    for (int m = 0; m < 2; m++) {
+        gscl_fit fit;
+        const gscl_kernel_options options = {.colours = 3, .weighted = 1};
+        check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
+        check_call(contexts[m], "append", gscl_fit_append(&fit, params, SPLATS));
+        assert_ptr_equal(gscl_fit_goal(&fit), &fit.levels[0]);
+        check_call(contexts[m], "adapt", gscl_fit_adapt(&fit));
+        assert_ptr_equal(gscl_fit_goal(&fit), &fit.adapted);
+        check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.adapted, 0, found, sizeof found));
+        check_call(contexts[m], "planes", gscl_renderer_planes(&fit.renderer, drawn));
+        for (int i = 0; i < 3 * PLANE; i++) {
+            wanted_planes[i] = planes[i];
+            picture[i] = drawn[i];
+        }
+        oracle_ssim_adapt(wanted_planes, picture, 3, W, H, fit.last_level, wanted);
+        for (int i = 0; i < 4 * PLANE; i++)
+            if (!(fabs(found[i] - wanted[i]) <= 5e-4))
+                fail_msg("plane %d, pixel (%d, %d) is %.7g, %.7g expected", i / PLANE, i % W, i / W % H, found[i],
+                         wanted[i]);
+        check_call(contexts[m], "level", gscl_fit_set_level(&fit, 1));
+        assert_ptr_equal(gscl_fit_goal(&fit), &fit.levels[1]);
+        gscl_fit_free(&fit);
+    }
+}
+
 /* The errors must be far from 0, where |e| has no derivative. */
 static void test_absolute_loss(void **state) {
     (void)state;
@@ -454,6 +493,7 @@ int main(void) {
         cmocka_unit_test(test_textures),
         cmocka_unit_test(test_weighted_errors),
         cmocka_unit_test(test_ssim_weights),
+        cmocka_unit_test(test_ssim_adaptation),
         cmocka_unit_test(test_absolute_loss),
         cmocka_unit_test(test_isotropic_splats_have_no_angle),
         cmocka_unit_test(test_opaque_stacks_are_finite),

@@ -142,7 +142,8 @@ static void check_minimum(scene *s, int variant) {
             const double error = error_of(s);
             *splat = kept;
             if (!(error >= least * (1 - 1e-4)))
-                fail_msg("variant %d: splat %u: the error is %.7g, but %.7g with another colour", variant, i, least, error);
+                fail_msg("variant %d: splat %u: the error is %.7g, but %.7g with another colour", variant, i, least,
+                         error);
         }
     }
 }
