@@ -6,8 +6,8 @@
 The other codecs are those inside Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet), libwebp (method 6) and
 libavif (speed 4).  Each picture is coded at many qualities; between two of them quality is interpolated linearly in
 the logarithm of the rate.  A curve is the mean over all pictures, and is drawn where every picture reaches the
-rate.  --points adds curves that were measured elsewhere: a CSV file with the columns image, bpp, psnr, and if known
-msssim and codec.
+rate.  --points adds what was measured elsewhere or before (--csv): a file with the columns image, bpp, psnr, and if
+known msssim and codec ("the paper" where there is none).
 """
 import argparse
 import collections
@@ -64,8 +64,10 @@ def measure_other(gscl, name, image, value):
 def measure_all(arguments):
     """Rows (codec, image, bpp, psnr, ms_ssim)."""
     images = codec.images_of(arguments.folder, arguments.only)
-    tasks = [(measure_other, name, image, value) for image in images for name in OTHERS for value in OTHERS[name][2]]
-    tasks += [(measure_gscl, name, image, rate) for image in images for name in VARIANTS for rate in RATES]
+    chosen = arguments.codecs.split(",") if arguments.codecs else [*VARIANTS, *OTHERS]
+    others = [name for name in OTHERS if name in chosen]
+    tasks = [(measure_other, name, image, value) for image in images for name in others for value in OTHERS[name][2]]
+    tasks += [(measure_gscl, name, image, rate) for image in images for name in VARIANTS if name in chosen for rate in RATES]
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         return list(pool.map(lambda task: task[0](arguments.gscl, *task[1:]), tasks))
 
@@ -137,6 +139,7 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("--gscl", default="build/gscl")
     parser.add_argument("--only", default="", help="names of images, separated by commas")
+    parser.add_argument("--codecs", default="", help="measure these alone, separated by commas: " + ", ".join([*VARIANTS, *OTHERS]))
     parser.add_argument("--plot", default="quality.svg", help="picture to write (default %(default)s)")
     parser.add_argument("--points", action="append", default=[], help="CSV of points measured elsewhere")
     parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")

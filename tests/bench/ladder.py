@@ -1,0 +1,33 @@
+#!/usr/bin/env python3
+"""What each effort costs and gives: mean PSNR, MS-SSIM and encode time over a folder of PNG images, as a Markdown table.
+
+    tests/bench/ladder.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rates 0.042,0.183] [-- ENCODE OPTIONS]
+"""
+import argparse
+import pathlib
+import tempfile
+
+import codec
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder")
+    parser.add_argument("--gscl", default="build/gscl")
+    parser.add_argument("--only", default="", help="names of images, separated by commas")
+    parser.add_argument("--rates", default="0.042,0.183", help="bits per pixel (default %(default)s)")
+    parser.add_argument("options", nargs="*", help="more words for gscl encode, after --")
+    arguments = parser.parse_args()
+    images = codec.images_of(arguments.folder, arguments.only)
+    print("| effort | bpp | PSNR dB | MS-SSIM | encode s |\n|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        for effort in range(10):
+            for rate in arguments.rates.split(","):
+                options = ["--effort", str(effort), *arguments.options]
+                rows = [codec.measure(arguments.gscl, image, float(rate), options, pathlib.Path(folder)) for image in images]
+                print("| {} | {:.4f} | {:.2f} | {:.4f} | {:.2f} |".format(
+                    effort, *(codec.mean(rows, key) for key in ("bpp", "psnr", "ms_ssim", "encode_s"))), flush=True)
+
+
+if __name__ == "__main__":
+    main()
