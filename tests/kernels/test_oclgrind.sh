@@ -20,10 +20,10 @@ silent() {
     oclgrind --check-api --data-races "$gscl" "$@" >"$work/said" 2>&1 && ! grep -q . "$work/said"
 }
 
-echo 1..8
+echo 1..10
 number=0
 for mapping in cpu gpu; do
-    for mode in "--effort 1 --blend normalized" "--effort 0 --blend alpha" "--effort 1 --blend sum" "--effort 0 --profile paper"; do
+    for mode in "--effort 1 --blend normalized" "--effort 0 --tune ssim" "--effort 0 --blend alpha" "--effort 1 --blend sum" "--effort 0 --profile paper"; do
         number=$((number + 1))
         if silent encode "$picture" -o "$work/coded.gscl" --splats 4 $mode --mapping $mapping --quiet &&
             silent decode "$work/coded.gscl" -o "$work/decoded.png" --mapping $mapping; then
