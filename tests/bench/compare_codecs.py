@@ -3,8 +3,8 @@
 
     sh tests/bench/bench.sh compare_codecs FOLDER [--gscl build/gscl] [--plot FILE.svg] [--points FILE.csv] [--jobs 2]
 
-The other codecs are those inside Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet), libwebp (method 6) and
-libavif (speed 4).  Each picture is coded at many qualities; between two of them quality is interpolated linearly in
+The other codecs are those inside Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet, colour
+transform), libwebp (method 6) and libavif (speed 4, tuned for PSNR).  Each picture is coded at many qualities; between two of them quality is interpolated linearly in
 the logarithm of the rate.  A curve is the mean over all pictures, and is drawn where every picture reaches the
 rate.  --points adds what was measured elsewhere or before (--csv): a file with the columns image, bpp, psnr, and if
 known msssim and codec ("the paper" where there is none).
@@ -34,9 +34,9 @@ VARIANTS = {"gscl": (), "gscl --tune ssim": ("--tune", "ssim")}
 OTHERS = {
     "JPEG": (".jpg", "quality", (1, 2, 3, 5, 8, 12, 17, 24, 33, 45, 58, 72, 84, 92), dict(optimize=True, subsampling="4:2:0")),
     "JPEG 2000": (".jp2", "quality_layers", tuple([24 / rate] for rate in (0.025, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.45, 0.7, 1.1)),
-                  dict(irreversible=True, quality_mode="rates")),
+                  dict(irreversible=True, mct=1, quality_mode="rates")),
     "WebP": (".webp", "quality", (0, 1, 3, 6, 10, 16, 25, 36, 50, 65, 78, 88), dict(method=6)),
-    "AVIF": (".avif", "quality", (0, 2, 5, 9, 14, 20, 27, 35, 44, 54, 64, 74), dict(speed=4)),
+    "AVIF": (".avif", "quality", (0, 2, 5, 9, 14, 20, 27, 35, 44, 54, 64, 74), dict(speed=4, advanced={"tune": "psnr"})),
 }
 COLOURS = {"gscl": "tab:red", "gscl --tune ssim": "tab:orange", "JPEG": "tab:gray", "JPEG 2000": "tab:blue", "WebP": "tab:green",
            "AVIF": "tab:purple", "the paper": "black"}
