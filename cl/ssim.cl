@@ -47,18 +47,24 @@ __kernel void ssim_rows(__global const float *restrict picture, __global const f
     for (int j = 0; j < 5; j++) pix_store_clipped(m[j], moments + j * image + PADDED(x, y, k), width - x);
 }
 
-/* Vertical sums, SSIM of each window, and its derivatives by E[x], E[xx] and E[xy] (three padded images, zero
+/* Vertical sums of what ssim_rows left: E[x], E[y], E[xx], E[yy], E[xy] of the windows that begin here. */
+inline void window_moments(pix *restrict m, __global const float *restrict moments, int x, int y, int k, int height,
+                           int stride, ulong image) {
+    for (int j = 0; j < 5; j++) {
+        m[j] = (pix)(0.0f);
+        for (int t = 0; t < TAPS; t++)
+            m[j] = fma((pix)(window[t]), PIX_LOAD(moments + j * image + PADDED(x, y + t, k)), m[j]);
+    }
+}
+
+/* SSIM of each window, and its derivatives by E[x], E[xx] and E[xy] (three padded images, zero
  * where there is no window). */
 __kernel void ssim_windows(__global const float *restrict moments, int width, int height, int channels, int stride,
                            ulong image, __global float *restrict slopes) {
     int x, y, k;
     if (!ssim_place(width, height, channels, &x, &y, &k)) return;
     pix m[5];
-    for (int j = 0; j < 5; j++) {
-        m[j] = (pix)(0.0f);
-        for (int t = 0; t < TAPS; t++)
-            m[j] = fma((pix)(window[t]), PIX_LOAD(moments + j * image + PADDED(x, y + t, k)), m[j]);
-    }
+    window_moments(m, moments, x, y, k, height, stride, image);
     pix a1 = 2.0f * m[0] * m[1] + C1, b1 = m[0] * m[0] + m[1] * m[1] + C1;
     pix a2 = 2.0f * (m[4] - m[0] * m[1]) + C2;
     pix b2 = fmax(m[2] - m[0] * m[0], (pix)(0.0f)) + fmax(m[3] - m[1] * m[1], (pix)(0.0f)) + C2;
@@ -124,11 +130,7 @@ __kernel void ssim_judge(__global const float *restrict moments, int width, int 
     int x, y, k;
     if (!ssim_place(width, height, channels, &x, &y, &k)) return;
     pix m[5];
-    for (int j = 0; j < 5; j++) {
-        m[j] = (pix)(0.0f);
-        for (int t = 0; t < TAPS; t++)
-            m[j] = fma((pix)(window[t]), PIX_LOAD(moments + j * image + PADDED(x, y + t, k)), m[j]);
-    }
+    window_moments(m, moments, x, y, k, height, stride, image);
     pix drawn = fmax(m[2] - m[0] * m[0], (pix)(0.0f)) * (float)known;
     pix variances = fmax(m[3] - m[1] * m[1], (pix)(0.0f)) + drawn + C2;
     pix similarity = fma((pix)(2.0f), m[4] - m[0] * m[1], (pix)(C2)) / variances;
