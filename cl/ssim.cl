@@ -8,9 +8,8 @@
  * below, so that no work-item looks at a border.  One work-item: LANES pixels of a row of one channel. */
 #define TAPS 11
 #define MARGIN GSCL_SSIM_MARGIN
-#define C1 1e-4f       /* (0.01 L)^2, L = 1 */
-#define C2 9e-4f       /* (0.03 L)^2 */
-#define SMOOTHING 0.8f /* exponent on weights; below 1 measured better, by MS-SSIM */
+#define C1 1e-4f /* (0.01 L)^2, L = 1 */
+#define C2 9e-4f /* (0.03 L)^2 */
 
 __constant float window[TAPS] = {0.00102838f, 0.00759876f, 0.03600077f, 0.10936069f, 0.21300553f, 0.26601172f,
                                  0.21300553f, 0.10936069f, 0.03600077f, 0.00759876f, 0.00102838f};

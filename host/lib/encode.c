@@ -11,7 +11,7 @@
 #define FIT_PIXELS (1u << 24) /* larger images are fitted at a smaller level; the splats draw at any size */
 #define AUTO_BPP 0.125        /* GSCL_TARGET_AUTO: this many bits per pixel, */
 #define AUTO_BYTES 256.0      /* but at least so many bytes */
-#define FEW_SPLATS 2
+#define FEW_SPLATS 2          /* so few may be worse than none */
 
 void gscl_encode_settings_default(gscl_encode_settings *settings) {
     if (settings)
@@ -38,8 +38,8 @@ static gscl_result check_settings(gscl_context *context, const gscl_encode_setti
     if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
         return gscl_fail(context, GSCL_ERROR_CONFLICT,
                          "the paper profile blends by alpha; choose another profile for other blends");
-    if (s->tune == GSCL_TUNE_SSIM &&
-        (s->profile == GSCL_PROFILE_PAPER || s->loss == GSCL_LOSS_L1 || s->loss == GSCL_LOSS_L1_SSIM))
+    bool squared = s->loss == GSCL_LOSS_AUTO || s->loss == GSCL_LOSS_L2;
+    if (s->tune == GSCL_TUNE_SSIM && (s->profile == GSCL_PROFILE_PAPER || !squared))
         return gscl_fail(context, GSCL_ERROR_CONFLICT,
                          "tuning for SSIM weighs squared errors; it needs the default profile and the loss L2");
     return GSCL_OK;
@@ -149,7 +149,7 @@ static gscl_result check_budget(gscl_encoder *e, double budget) {
     return GSCL_OK;
 }
 
-/* A few splats may be worse than none: what they show can be less than what their weight spoils. */
+/* Leaves out a few splats that show less than their weight spoils. */
 static gscl_result prefer_flat(gscl_encoder *e) {
     gsf_header *header = &e->picture.file.header;
     const uint32_t count = header->splat_count;

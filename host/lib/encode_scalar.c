@@ -23,12 +23,12 @@
 #define BITS_PER_SPLAT 34.0       /* first estimate */
 #define LEAST_BITS_PER_SPLAT 26.0 /* less is what a half-done fit pretends */
 #define ADAPT_AT 0.6              /* of the steps: tuned for SSIM, the target is adapted to what can be drawn */
-#define ADAPT_AGAIN_AT 0.95
-#define REPORT_INTERVAL 25 /* steps */
-#define SORT_INTERVAL 25   /* steps; blend alpha */
-#define SPARSE_SURPLUS 0.2 /* more surplus where splats are sparse; */
-#define SPARSE_STEPS 0.6   /* there a step is quick, and more of them are made */
-#define TEXTURE_EFFORT 1   /* from here on textures are looked for */
+#define ADAPT_AGAIN_AT 0.95       /* and once more */
+#define REPORT_INTERVAL 25        /* steps */
+#define SORT_INTERVAL 25          /* steps; blend alpha */
+#define SPARSE_SURPLUS 0.2        /* more surplus where splats are sparse; */
+#define SPARSE_STEPS 0.6          /* there a step is quick, and more of them are made */
+#define TEXTURE_EFFORT 1          /* from here on textures are looked for */
 
 typedef gscl_scalar_schedule schedule;
 
@@ -52,11 +52,14 @@ double gscl_scalar_rate(double fraction) {
     return RATE * (fraction < 0.5 ? 1.0 : 0.02 + 0.98 * 0.5 * (1 + cos(3.14159265 * (fraction - 0.5) / 0.5)));
 }
 
+/* Pixels of the fitted image. */
+static double fitted_pixels(const gscl_encoder *e) {
+    return ldexp((double)e->image->width * e->image->height, -2 * e->first_level);
+}
+
 /* Distance from splat to splat in the fitted image, in units of DENSE pixels. */
 static double sparseness(const schedule *s) {
-    const gscl_image *image = s->encoder->image;
-    double pixels = ldexp((double)image->width * image->height, -2 * s->encoder->first_level);
-    return sqrt(pixels / (double)(s->target + 1)) / DENSE;
+    return sqrt(fitted_pixels(s->encoder) / (double)(s->target + 1)) / DENSE;
 }
 
 /* The level of the pyramid for this part of the steps: what splats are to show must be there to see. */
@@ -205,11 +208,10 @@ static gscl_result fit_and_quantise(schedule *s) {
 
 gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
     const rung *r = &ladder[e->settings.effort];
-    uint64_t pixels = (uint64_t)e->image->width * e->image->height >> 2 * e->first_level;
     schedule s = {.encoder = e,
                   .steps = r->steps,
                   .passes = r->passes,
-                  .finest = pixels > SMALL_IMAGE ? r->finest : 0,
+                  .finest = fitted_pixels(e) > SMALL_IMAGE ? r->finest : 0,
                   .textures = e->settings.effort >= TEXTURE_EFFORT,
                   .bytes = bytes,
                   .keep_all = bytes == 0,

@@ -35,20 +35,14 @@ static gscl_result add_weights(gscl_fit *f, int level, const gscl_buffer *pictur
     return result;
 }
 
-/* The weights behind `planes` of the first level, before there is a picture. */
-static gscl_result begin_weights(gscl_fit *f, const gscl_buffer *planes) {
+gscl_result gscl_fit_build_weights(gscl_fit *f) {
+    const gscl_buffer *first = &f->levels[f->first_level];
     size_t channels = (size_t)f->renderer.channels, plane = gscl_fit_level_pixels(f, f->first_level) * sizeof(float);
-    GSCL_TRY(gscl_buffer_zero(f->context, planes, channels * plane, plane));
+    GSCL_TRY(gscl_buffer_zero(f->context, first, channels * plane, plane));
     for (int i = 0; i < SCALES; i++) {
         int level = i + 1 < f->first_level ? f->first_level : i + 1 > f->last_level ? f->last_level : i + 1;
-        GSCL_TRY(add_weights(f, level, NULL, shares[i], planes));
+        GSCL_TRY(add_weights(f, level, NULL, shares[i], first));
     }
-    return GSCL_OK;
-}
-
-gscl_result gscl_fit_build_weights(gscl_fit *f) {
-    size_t channels = (size_t)f->renderer.channels;
-    GSCL_TRY(begin_weights(f, &f->levels[f->first_level]));
     for (int level = f->first_level; level < f->last_level; level++)
         GSCL_TRY(gscl_fit_halve(f, level, channels, &f->levels[level], &f->levels[level + 1]));
     return GSCL_OK;
@@ -68,13 +62,12 @@ static gscl_result raise_contrast(gscl_fit *f, const gscl_buffer *gains) {
 /* With the picture at half its size: judges it, and makes the adapted target and weights. */
 static gscl_result adapt_to(gscl_fit *f, gscl_buffer *half, gscl_buffer *gains) {
     int level = f->first_level + 1;
-    size_t channels = (size_t)f->renderer.channels;
+    size_t channels = (size_t)f->renderer.channels, plane = gscl_fit_level_pixels(f, f->first_level) * sizeof(float);
     GSCL_TRY(gscl_buffer_reserve_image(f->context, half, gscl_fit_level_pixels(f, level) * channels * sizeof(float)));
     for (size_t k = 0; k < channels; k++)
         GSCL_TRY(gscl_fit_halve(f, f->first_level, k, &f->renderer.image, half));
-    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->adapted,
-                                       gscl_fit_level_pixels(f, f->first_level) * (channels + 1) * sizeof(float)));
-    GSCL_TRY(begin_weights(f, &f->adapted));
+    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->adapted, (channels + 1) * plane));
+    GSCL_TRY(gscl_buffer_copy(f->context, &f->levels[f->first_level], &f->adapted, channels * plane, plane));
     GSCL_TRY(add_weights(f, level, half, 1.0f, &f->adapted));
     GSCL_TRY(gscl_ssim_gains(&f->ssim, f->context, &f->renderer.options, (int)gscl_level_size(f->width, level),
                              (int)gscl_level_size(f->height, level), gains));

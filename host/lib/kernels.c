@@ -64,14 +64,15 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     int length = snprintf(text, MAX_OPTIONS, "-cl-std=CL1.2");
     if (kind == GSCL_PROGRAM_IMAGE)
         return;
-    bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_REFINE || kind == GSCL_PROGRAM_CODEBOOK;
+    bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
     length += snprintf(text + length, MAX_OPTIONS - (size_t)length,
                        " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d",
                        mapping_lanes(context), mapping_rows(context), options->blend, options->colours,
                        options->alpha_channel, options->opacity, options->texture);
+    if (fits || kind == GSCL_PROGRAM_REFINE)
+        length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);
     if (fits)
-        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d -DWEIGHTED=%d", options->loss,
-                 options->weighted);
+        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d", options->loss);
 }
 
 static const struct gscl_kernel_source *find_source(const char *name) {

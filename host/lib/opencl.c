@@ -122,6 +122,13 @@ gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const
     return gscl_buffer_write(context, buffer, 0, data, size);
 }
 
+gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,
+                             size_t size) {
+    GSCL_CL(context,
+            clEnqueueCopyBuffer(context->queue, from->memory, to->memory, offset, offset, size, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
 gscl_result gscl_buffer_zero(gscl_context *context, const gscl_buffer *buffer, size_t offset, size_t size) {
     if (size == 0)
         return GSCL_OK;

@@ -39,6 +39,9 @@ gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const
 gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
                               size_t size);
 gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, size_t offset, void *data, size_t size);
+/* Copies bytes to the same place in another buffer. */
+gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,
+                             size_t size);
 gscl_result gscl_buffer_zero(gscl_context *context, const gscl_buffer *buffer, size_t offset, size_t size);
 
 /* Sets arguments 0, 1, ... of a kernel from (size, pointer) pairs and enqueues `groups` work-groups of

@@ -4,7 +4,6 @@ fixed ones, each as the difference to the full scheme at the same rate.
 
     tests/bench/ablation.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rate 0.125]
 """
-import argparse
 import pathlib
 import tempfile
 
@@ -15,10 +14,7 @@ VARIANTS = [("full scheme (L1 + SSIM, k by rate)", []), ("L1 alone", ["--loss", 
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder")
-    parser.add_argument("--gscl", default="build/gscl")
-    parser.add_argument("--only", default="", help="names of images, separated by commas")
+    parser = codec.parser(__doc__)
     parser.add_argument("--rate", type=float, default=0.125, help="bits per pixel (default %(default)s)")
     arguments = parser.parse_args()
     print("| variant | PSNR dB | difference | SSIM | difference |\n|---|---|---|---|---|")

@@ -3,10 +3,12 @@
 #     sh tests/bench/bench.sh compare_codecs FOLDER [OPTIONS]
 set -eu
 here=$(dirname "$0")
+. "$here/../setup.sh"
 script=$1
 shift
 environment=${BENCH_ENVIRONMENT:-build/bench-python}
 if [ ! -x "$environment/bin/python" ]; then
+    install_packages python3-venv
     python3 -m venv "$environment"
 fi
 "$environment/bin/python" -m pip install --quiet --disable-pip-version-check -r "$here/requirements.txt"

@@ -3,10 +3,20 @@
 Every figure comes from a real file: encoded under a byte budget, decoded, and compared with the original by
 `gscl compare`; rate is the size of the file.
 """
+import argparse
 import json
 import pathlib
 import subprocess
 import time
+
+
+def parser(about):
+    """Options that all scripts have."""
+    result = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    result.add_argument("folder", help="of PNG images")
+    result.add_argument("--gscl", default="build/gscl")
+    result.add_argument("--only", default="", help="names of images, separated by commas")
+    return result
 
 
 def run(*words):

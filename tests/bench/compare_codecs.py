@@ -3,13 +3,12 @@
 
     sh tests/bench/bench.sh compare_codecs FOLDER [--gscl build/gscl] [--plot FILE.svg] [--points FILE.csv] [--jobs 2]
 
-The other codecs are those inside Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet, colour
-transform), libwebp (method 6) and libavif (speed 4, tuned for PSNR).  Each picture is coded at many qualities; between two of them quality is interpolated linearly in
-the logarithm of the rate.  A curve is the mean over all pictures, and is drawn where every picture reaches the
-rate.  --points adds what was measured elsewhere or before (--csv): a file with the columns image, bpp, psnr, and if
+The other codecs are those inside Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet, colour transform),
+libwebp (method 6) and libavif (speed 4, tuned for PSNR).  Each picture is coded at many qualities; between two of them
+quality is interpolated linearly in the logarithm of the rate.  A curve is the mean over all pictures, and is drawn
+where every picture reaches the rate.  --points adds what was measured elsewhere or before (--csv): a file with the columns image, bpp, psnr, and if
 known msssim and codec ("the paper" where there is none).
 """
-import argparse
 import collections
 import concurrent.futures
 import csv
@@ -126,7 +125,7 @@ def draw(rows, path):
 def print_table(rows):
     names = [name for name in COLOURS if any(row[0] == name for row in rows)]
     for column, title, digits in ((3, "PSNR dB", 2), (4, "MS-SSIM", 3)):
-        print(f"| {title} | " + " | ".join(f"{rate:g}" for rate in TABLE_RATES) + " |\n|---" * 1 + "|---" * len(TABLE_RATES) + "|")
+        print(f"| {title} | " + " | ".join(f"{rate:g}" for rate in TABLE_RATES) + " |\n|---" + "|---" * len(TABLE_RATES) + "|")
         for name in names:
             found = {rate: dict(mean_curve(rows, name, column, [rate])).get(rate) for rate in TABLE_RATES}
             if any(value is not None for value in found.values()):
@@ -135,10 +134,7 @@ def print_table(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder")
-    parser.add_argument("--gscl", default="build/gscl")
-    parser.add_argument("--only", default="", help="names of images, separated by commas")
+    parser = codec.parser(__doc__)
     parser.add_argument("--codecs", default="", help="measure these alone, separated by commas: " + ", ".join([*VARIANTS, *OTHERS]))
     parser.add_argument("--plot", default="quality.svg", help="picture to write (default %(default)s)")
     parser.add_argument("--points", action="append", default=[], help="CSV of points measured elsewhere")

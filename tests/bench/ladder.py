@@ -3,7 +3,6 @@
 
     tests/bench/ladder.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rates 0.042,0.183] [-- ENCODE OPTIONS]
 """
-import argparse
 import pathlib
 import tempfile
 
@@ -11,10 +10,7 @@ import codec
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder")
-    parser.add_argument("--gscl", default="build/gscl")
-    parser.add_argument("--only", default="", help="names of images, separated by commas")
+    parser = codec.parser(__doc__)
     parser.add_argument("--rates", default="0.042,0.183", help="bits per pixel (default %(default)s)")
     parser.add_argument("options", nargs="*", help="more words for gscl encode, after --")
     arguments = parser.parse_args()

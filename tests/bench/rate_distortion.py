@@ -3,7 +3,6 @@
 
     tests/bench/rate_distortion.py FOLDER [--gscl build/gscl] [--rates 0.042,0.066,0.125,0.183] [--csv FILE] [-- ENCODE OPTIONS]
 """
-import argparse
 import csv
 import pathlib
 import tempfile
@@ -12,11 +11,8 @@ import codec
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder")
-    parser.add_argument("--gscl", default="build/gscl")
+    parser = codec.parser(__doc__)
     parser.add_argument("--rates", default="0.042,0.066,0.125,0.183", help="bits per pixel (default %(default)s)")
-    parser.add_argument("--only", default="", help="names of images, separated by commas")
     parser.add_argument("--csv", help="one row for each image and rate")
     parser.add_argument("options", nargs="*", help="more words for gscl encode, after --")
     arguments = parser.parse_args()

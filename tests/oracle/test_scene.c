@@ -10,6 +10,10 @@ uint32_t test_pick(uint32_t count) {
     return (test_random_state >> 8) % count;
 }
 
+float test_uniform(double low, double high) {
+    return (float)(low + (high - low) * test_pick(1 << 20) / (1 << 20));
+}
+
 static int between(int min, int max) {
     return min + (int)test_pick((uint32_t)(max - min + 1));
 }

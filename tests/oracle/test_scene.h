@@ -19,6 +19,8 @@ gsf_result test_scene_write(test_scene *scene, uint8_t **bytes, size_t *size);
 extern uint32_t test_random_state;
 /* 0..count - 1 */
 uint32_t test_pick(uint32_t count);
+/* Anywhere between the two. */
+float test_uniform(double low, double high);
 
 /* Number `number` of a row of headers that visits all blends and layouts. */
 gsf_header test_any_header(int number, gsf_coding coding);

@@ -34,23 +34,20 @@ static void check(const scene *s, gscl_result result) {
         fail_msg("%s", gscl_context_message(s->context));
 }
 
-static float uniform(double low, double high) {
-    return (float)(low + (high - low) * test_pick(1 << 20) / (1 << 20));
-}
-
 /* Smooth on the left, waves and noise on the right: the weights of its pixels are far apart. */
 static void make_target(float *planes) {
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
         const int x = i % WIDTH, y = i / WIDTH % HEIGHT;
-        const float wave = 0.3f * sinf(0.7f * (float)x + 0.3f * (float)y) + uniform(-0.15, 0.15);
+        const float wave = 0.3f * sinf(0.7f * (float)x + 0.3f * (float)y) + test_uniform(-0.15, 0.15);
         planes[i] = 0.4f + 0.003f * (float)y + (x < WIDTH / 2 ? 0.02f * sinf(0.2f * (float)x) : wave);
     }
 }
 
 static void make_splat(scene *s, gsf_splat *splat) {
-    float p[GSCL_PARAMS] = {uniform(0, WIDTH), uniform(0, HEIGHT), uniform(0.5, 2.5), uniform(0.5, 2.5), uniform(0, 3)};
+    float p[GSCL_PARAMS] = {test_uniform(0, WIDTH), test_uniform(0, HEIGHT), test_uniform(0.5, 2.5),
+                            test_uniform(0.5, 2.5), test_uniform(0, 3)};
     for (int k = 0; k < 3; k++)
-        p[GSCL_COLOUR + k] = uniform(0.2, 0.7);
+        p[GSCL_COLOUR + k] = test_uniform(0.2, 0.7);
     gscl_quantise(&s->picture.file, p, splat);
 }
 
