@@ -160,8 +160,12 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         pix sums[SLOT];
         UNROLL
         for (int k = 0; k < SLOT; k++) sums[k] = (pix)(0.0f);
-        for (int r = first; r <= last; r++)
-            slot_add_row(sums, &b, r, weigh(dx, dy + (float)r, drawn), dx, dy + (float)r, drawn);
+        splat_weight s;
+        weigh_begin(&s, dx, dy + (float)first, drawn);
+        for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
+            weigh(&s);
+            slot_add_row(sums, &b, r, s, dx, dy + (float)r, drawn);
+        }
         __global float *slot = slots + (size_t)j * SLOT;
         SLOT_STORE(slot, sums);
     }

@@ -7,13 +7,21 @@ typedef struct {
     pix weight; /* max(0, gauss - floor) */
 } splat_weight;
 
-inline splat_weight weigh(pix dx, float dy, __global const float *restrict drawn) {
-    splat_weight s;
-    s.u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
-    s.v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
-    s.gauss = pix_exp2_minus(fma(s.u, s.u, s.v * s.v));
-    s.weight = fmax(s.gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
-    return s;
+/* Frame coordinates at a row, `dx` and `dy` from the centre. */
+inline void weigh_begin(splat_weight *s, pix dx, float dy, __global const float *restrict drawn) {
+    s->u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
+    s->v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
+}
+
+inline void weigh(splat_weight *s) {
+    s->gauss = pix_exp2_minus(fma(s->u, s->u, s->v * s->v));
+    s->weight = fmax(s->gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
+}
+
+/* Goes on to the next row. */
+inline void weigh_next(splat_weight *s, __global const float *restrict drawn) {
+    s->u += drawn[GSCL_DRAWN_UY];
+    s->v += drawn[GSCL_DRAWN_VY];
 }
 
 #if TEXTURE
@@ -65,8 +73,11 @@ inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const f
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
         pix dx = px - drawn[GSCL_DRAWN_X];
         float dy = py - drawn[GSCL_DRAWN_Y];
-        for (int r = first; r <= last; r++) {
-            pix w = WITH_OPACITY(weigh(dx, dy + (float)r, drawn).weight, drawn);
+        splat_weight s;
+        weigh_begin(&s, dx, dy + (float)first, drawn);
+        for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
+            weigh(&s);
+            pix w = WITH_OPACITY(s.weight, drawn);
 #if BLEND == GSCL_ALPHA
             w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->rest[r];
             c->rest[r] -= w;

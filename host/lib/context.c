@@ -8,6 +8,7 @@
 #include "device.h"
 #include "kernels.h"
 #include "opencl.h"
+#include "timing.h"
 
 gscl_result gscl_fail(gscl_context *context, gscl_result result, const char *format, ...) {
     va_list arguments;
@@ -39,7 +40,8 @@ static gscl_result open_device(gscl_context *context) {
     context->cl = clCreateContext(properties, 1, &context->device, NULL, NULL, &error);
     if (error != CL_SUCCESS)
         return gscl_cl_fail(context, error, "clCreateContext");
-    context->queue = clCreateCommandQueue(context->cl, context->device, 0, &error);
+    cl_command_queue_properties measured = context->timings ? CL_QUEUE_PROFILING_ENABLE : 0;
+    context->queue = clCreateCommandQueue(context->cl, context->device, measured, &error);
     if (error != CL_SUCCESS)
         return gscl_cl_fail(context, error, "clCreateCommandQueue");
     return GSCL_OK;
@@ -67,6 +69,8 @@ gscl_result gscl_context_create(gscl_context **context, const gscl_context_setti
         settings->mapping == GSCL_MAPPING_AUTO ? !(type & CL_DEVICE_TYPE_CPU) : settings->mapping == GSCL_MAPPING_GPU;
     gscl_log(c, GSCL_LOG_INFO, "device %s: %s (%s mapping)", c->info.id, c->info.device_name,
              c->gpu_mapping ? "GPU" : "CPU");
+    if (settings->timing)
+        GSCL_TRY(gscl_timing_create(c));
     return open_device(c);
 }
 
@@ -74,6 +78,7 @@ void gscl_context_free(gscl_context **context) {
     if (!context || !*context)
         return;
     gscl_context *c = *context;
+    gscl_timing_free(c);
     gscl_programs_free(c);
     if (c->queue)
         clReleaseCommandQueue(c->queue);

@@ -8,6 +8,7 @@
 #define GSCL_MESSAGE_SIZE 512
 
 struct gscl_program; /* kernels.h */
+struct gscl_timings; /* timing.h */
 
 struct gscl_context {
     cl_platform_id platform;
@@ -17,6 +18,7 @@ struct gscl_context {
     gscl_device_info info;
     bool gpu_mapping;
     struct gscl_program *programs; /* built so far, a list */
+    struct gscl_timings *timings;  /* NULL when nothing is measured */
     gscl_log_callback log;
     void *log_opaque;
     char message[GSCL_MESSAGE_SIZE];

@@ -7,6 +7,7 @@
 #include "picture.h"
 #include "render.h"
 #include "resize.h"
+#include "timing.h"
 
 #define BAND_FLOATS (16u << 20) /* largest image buffer of a band: 64 MiB */
 
@@ -88,9 +89,11 @@ static gscl_result draw_bands(gscl_renderer *r, const frame *f, const gscl_image
     gscl_result result = GSCL_OK;
     for (uint32_t y = 0; y < f->height && result == GSCL_OK; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;
+        gscl_stage(r->context, "draw");
         result = gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n);
         if (result == GSCL_OK)
             result = gscl_renderer_planes(r, planes);
+        gscl_stage(r->context, "samples");
         if (result == GSCL_OK)
             gscl_image_from_planes(planes, r->options.colours, r->options.alpha_channel, y, n, image);
     }
@@ -105,6 +108,7 @@ static gscl_result draw(gscl_context *context, const gscl_picture *picture, cons
     float background[4], *params = malloc((count + 1) * GSCL_PARAMS * sizeof(float));
     if (!params)
         return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_stage(context, "dequantise");
     gscl_picture_params(picture, params, background);
     gscl_resize_splats(params, count, (double)f->full_width / header->width, (double)f->full_height / header->height);
     gscl_renderer renderer;
@@ -129,9 +133,12 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)settings->sample);
     context->message[0] = 0;
     gscl_picture picture;
+    gscl_stage(context, "entropy decoding");
     gscl_result result = gscl_picture_read(&picture, bytes, size);
-    if (result != GSCL_OK)
+    if (result != GSCL_OK) {
+        gscl_stage(context, NULL);
         return gscl_picture_fail(context, result, bytes, size);
+    }
     frame f = {0};
     gscl_image decoded = {0};
     result = resolve_frame(context, settings, &picture.file.header, &f);
@@ -146,5 +153,6 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     else if (!image->pixels)
         free(decoded.pixels);
     gscl_picture_free(&picture);
+    gscl_stage(context, NULL);
     return result;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "constants.h"
+#include "timing.h"
 #include "random.h"
 
 #define SEED_SIZE 0.4f      /* first axes, in mean distances between neighbours */
@@ -240,11 +241,13 @@ static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t coun
     if (count == 0)
         return GSCL_OK;
     placement p = {0};
+    const char *before = gscl_stage(f->context, "density control");
     float *params = calloc(count, GSCL_PARAMS * sizeof(float));
     gscl_result result = params ? place_splats(f, &p, count, random, params)
                                 : gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
     placement_free(&p);
     free(params);
+    gscl_stage(f->context, before);
     return result;
 }
 

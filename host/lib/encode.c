@@ -7,6 +7,7 @@
 #include "encoder.h"
 #include "metrics.h"
 #include "quantise.h"
+#include "timing.h"
 
 #define FIT_PIXELS (1u << 24) /* larger images are fitted at a smaller level; the splats draw at any size */
 #define AUTO_BPP 0.125        /* GSCL_TARGET_AUTO: this many bits per pixel, */
@@ -137,11 +138,18 @@ gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
     return result;
 }
 
+gscl_result gscl_encoder_size(gscl_encoder *e, size_t *size) {
+    const char *before = gscl_stage(e->context, "entropy coding");
+    gscl_result result = gscl_picture_size(&e->picture, size);
+    gscl_stage(e->context, before);
+    return result;
+}
+
 /* The smallest file that this image can have: no splats. */
 static gscl_result check_budget(gscl_encoder *e, double budget) {
     size_t smallest;
     encode_flat(e);
-    GSCL_TRY(gscl_picture_size(&e->picture, &smallest));
+    GSCL_TRY(gscl_encoder_size(e, &smallest));
     if (budget < (double)smallest)
         return gscl_fail(e->context, GSCL_ERROR_BUDGET_TOO_SMALL,
                          "a budget of %.0f bytes is too small; the smallest file of this image has %zu bytes",
@@ -199,7 +207,9 @@ static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_e
     gsf_header *header = &e->picture.file.header;
     if (header->splat_count == 0)
         header->has_opacity = header->has_rotation = header->has_anisotropy = header->has_texture = false;
+    gscl_stage(e->context, "write");
     gscl_result result = gscl_picture_write(&e->picture, bytes, size);
+    gscl_stage(e->context, NULL);
     if (result != GSCL_OK)
         return gscl_fail(e->context, result, "the picture could not be written: %s", gscl_result_text(result));
     if (!report)
@@ -221,6 +231,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     if (settings)
         e.settings = *settings;
     GSCL_TRY(check_settings(context, &e.settings));
+    gscl_stage(context, "prepare");
     GSCL_TRY(gscl_image_examine(context, image, &e.content));
     resolve_auto(&e.settings);
     gscl_progress_begin(&e.progress, &e.settings);
@@ -244,5 +255,6 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     }
     free(e.planes);
     gscl_picture_free(&e.picture);
+    gscl_stage(context, NULL);
     return result;
 }

@@ -12,6 +12,7 @@
 #include "density.h"
 #include "encoder.h"
 #include "quantise.h"
+#include "timing.h"
 
 #define START_SHARE 0.3     /* of the splats are there at the first step */
 #define GROW_ROUNDS 10      /* in which the others are added */
@@ -145,8 +146,10 @@ static gscl_result fit_freely(trainer *t, int last_step) {
     for (int step = 0; step < last_step; step++) {
         double fraction = (double)step / t->steps;
         int level = level_at(fraction, t->encoder->first_level);
-        if (step == 0 || level != t->fit.level)
+        if (step == 0 || level != t->fit.level) {
             GSCL_TRY(gscl_fit_set_level(&t->fit, level));
+            gscl_stage(t->encoder->context, gscl_fit_stage(&t->fit));
+        }
         if (step == 0)
             GSCL_TRY(gscl_density_seed(&t->fit, t->start, &t->encoder->random));
         while (round < GROW_ROUNDS && fraction >= GROW_UNTIL * (round + 1) / GROW_ROUNDS)
@@ -183,7 +186,7 @@ static gscl_result fit_through(trainer *t, int first_step) {
 static gscl_result write_size(trainer *t, size_t *size) {
     GSCL_TRY(gscl_codebook_pull(&t->codebook));
     GSCL_TRY(gscl_codebook_to_picture(&t->codebook, &t->encoder->picture));
-    return gscl_picture_size(&t->encoder->picture, size);
+    return gscl_encoder_size(t->encoder, size);
 }
 
 /* Squared error of what is projected. */
@@ -202,6 +205,7 @@ static gscl_result choose(trainer *t, double factor, size_t *size) {
     GSCL_TRY(write_size(t, size));
     double bits = 8.0 * (double)(t->bytes ? t->bytes : *size);
     bool keep_all = t->bytes == 0 || *size < t->bytes;
+    gscl_stage(t->encoder->context, "choose words");
     GSCL_TRY(gscl_codebook_choose(&t->codebook, factor * t->lambda * t->error / bits, keep_all));
     GSCL_TRY(write_size(t, size));
     gscl_log(t->encoder->context, GSCL_LOG_DEBUG,
@@ -214,6 +218,7 @@ static gscl_result choose(trainer *t, double factor, size_t *size) {
 
 /* Learns words and positions for the picture. */
 static gscl_result learn(trainer *t, double rate, int steps) {
+    gscl_stage(t->encoder->context, "learn words");
     GSCL_TRY(gscl_codebook_rest(&t->codebook));
     for (int step = 0; step < steps; step++) {
         if (step % SORT_INTERVAL == 0)
@@ -257,7 +262,7 @@ static gscl_result trim(trainer *t, size_t size) {
     while (size > t->bytes && header->splat_count > 0) {
         size_t excess = (size - t->bytes) / 6 + 1;
         header->splat_count -= (uint32_t)(excess < header->splat_count ? excess : header->splat_count);
-        GSCL_TRY(gscl_picture_size(&t->encoder->picture, &size));
+        GSCL_TRY(gscl_encoder_size(t->encoder, &size));
     }
     return GSCL_OK;
 }
@@ -290,6 +295,7 @@ static gscl_result train(trainer *t) {
     GSCL_TRY(measure_error(t, &t->error));
     GSCL_TRY(gscl_codebook_create(&t->codebook, &t->fit, POSITION_BITS, bits, bits));
     gscl_log(e->context, GSCL_LOG_DEBUG, "free fit: %d of %zu splats", (int)t->fit.renderer.count, t->target);
+    gscl_stage(e->context, "fit, through codebooks");
     GSCL_TRY(fit_through(t, through));
     GSCL_TRY(run_rounds(t));
     return meet_budget(t);

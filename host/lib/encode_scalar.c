@@ -7,6 +7,7 @@
 #include "density.h"
 #include "quantise.h"
 #include "scalar_schedule.h"
+#include "timing.h"
 
 #define START_SHARE 0.3           /* of the splats are there at the first step */
 #define GROW_ROUNDS 12            /* in which the others are added */
@@ -106,7 +107,7 @@ gscl_result gscl_scalar_quantise(schedule *s) {
 static gscl_result measure_target(schedule *s) {
     size_t size;
     GSCL_TRY(gscl_scalar_quantise(s));
-    GSCL_TRY(gscl_picture_size(&s->encoder->picture, &size));
+    GSCL_TRY(gscl_encoder_size(s->encoder, &size));
     double count = s->fit.renderer.count, side = 20;
     double bits = fmax(((double)size - side) * 8 / count, LEAST_BITS_PER_SPLAT);
     double target = ((double)s->bytes - side) * 8 / bits * s->surplus;
@@ -161,8 +162,10 @@ static gscl_result run_steps(schedule *s) {
     for (int step = 0; step < s->steps; step++) {
         double fraction = (double)step / s->steps;
         int level = level_at(s, fraction);
-        if (step == 0 || level != s->fit.level)
+        if (step == 0 || level != s->fit.level) {
             GSCL_TRY(gscl_fit_set_level(&s->fit, level));
+            gscl_stage(s->encoder->context, gscl_fit_stage(&s->fit));
+        }
         if (step == 0)
             GSCL_TRY(gscl_density_seed(&s->fit, s->start, &s->encoder->random));
         if (!quantising && fraction >= QUANTISE_FROM) {
@@ -200,6 +203,7 @@ static gscl_result fit_and_quantise(schedule *s) {
     for (int k = 0; k < s->fit.renderer.channels; k++)
         e->picture.file.background[k] = gscl_quantise_background(&e->picture.file.header, s->fit.background[k]);
     GSCL_TRY(run_steps(s));
+    gscl_stage(e->context, "quantise");
     GSCL_TRY(gscl_scalar_quantise(s));
     if (can_refine(e))
         GSCL_TRY(gscl_scalar_refine(s));

@@ -35,6 +35,8 @@ int gscl_loss_kind(gscl_loss loss);
 /* The one of the two that the settings ask for. */
 gscl_result gscl_encode_fit(gscl_encoder *encoder, size_t bytes, size_t splats);
 
+/* Size of the encoder's picture as a file. */
+gscl_result gscl_encoder_size(gscl_encoder *encoder, size_t *size);
 /* PSNR of the encoder's picture as its decoder draws it, against the image. */
 gscl_result gscl_encoder_psnr(gscl_encoder *encoder, double *psnr);
 

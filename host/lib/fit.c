@@ -6,6 +6,7 @@
 
 #include "constants.h"
 #include "image.h"
+#include "timing.h"
 
 #define SMALLEST_LEVEL_SIDE 32 /* pixels: smaller levels would hold nothing to fit */
 #define CHECK_INTERVAL 8       /* steps between looks at how full the tiles' lists are */
@@ -22,6 +23,11 @@ uint32_t gscl_fit_level_width(const gscl_fit *f) {
 }
 uint32_t gscl_fit_level_height(const gscl_fit *f) {
     return gscl_level_size(f->height, f->level);
+}
+
+const char *gscl_fit_stage(const gscl_fit *f) {
+    static const char *const names[] = {"fit, full size", "fit, 1/2 size", "fit, 1/4 size", "fit, 1/8 size"};
+    return f->level < 4 ? names[f->level] : "fit, smaller";
 }
 
 gscl_result gscl_fit_halve(gscl_fit *f, int level, size_t channel, const gscl_buffer *from, const gscl_buffer *to) {
@@ -68,6 +74,7 @@ static void mean_colour(const gscl_fit *f, const float *planes, float background
 gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes) {
     memset(f, 0, sizeof *f);
+    gscl_stage(context, "pyramid");
     f->context = context;
     f->width = width;
     f->height = height;

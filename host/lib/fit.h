@@ -48,6 +48,9 @@ void gscl_fit_free(gscl_fit *fit);
 uint32_t gscl_fit_level_width(const gscl_fit *fit);
 uint32_t gscl_fit_level_height(const gscl_fit *fit);
 
+/* What fitting at the current level is called among the stages of an encode (timing.h). */
+const char *gscl_fit_stage(const gscl_fit *fit);
+
 /* Pixels of a level. */
 size_t gscl_fit_level_pixels(const gscl_fit *fit, int level);
 /* Halves one plane of an image of this level's size into an image of the next one's. */

@@ -34,6 +34,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
                                "outline.cl", "codebook.cl", "codebook_choose.cl"},
     [GSCL_PROGRAM_SSIM] = {"constants.h", "pixel.cl", "ssim.cl"},
     [GSCL_PROGRAM_IMAGE] = {"constants.h", "image.cl"},
+    [GSCL_PROGRAM_BENCHMARK] = {"constants.h", "pixel.cl", "benchmark.cl"},
 };
 
 /* The two mappings of pixels to work-items (cl/pixel.cl). */
@@ -42,7 +43,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
 #define GPU_LANES 4
 #define GPU_ROWS 1
 
-static int mapping_lanes(const gscl_context *context) {
+int gscl_mapping_lanes(const gscl_context *context) {
     return context->gpu_mapping ? GPU_LANES : CPU_LANES;
 }
 static int mapping_rows(const gscl_context *context) {
@@ -50,11 +51,11 @@ static int mapping_rows(const gscl_context *context) {
 }
 
 size_t gscl_tile_group_size(const gscl_context *context) {
-    return (size_t)(GSCL_TILE / mapping_lanes(context)) * (size_t)(GSCL_TILE / mapping_rows(context));
+    return (size_t)(GSCL_TILE / gscl_mapping_lanes(context)) * (size_t)(GSCL_TILE / mapping_rows(context));
 }
 
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {
-    int lanes = mapping_lanes(context);
+    int lanes = gscl_mapping_lanes(context);
     size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;
     return (chunks + group_size - 1) / group_size;
 }
@@ -67,7 +68,7 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
     length += snprintf(text + length, MAX_OPTIONS - (size_t)length,
                        " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d",
-                       mapping_lanes(context), mapping_rows(context), options->blend, options->colours,
+                       gscl_mapping_lanes(context), mapping_rows(context), options->blend, options->colours,
                        options->alpha_channel, options->opacity, options->texture);
     if (fits || kind == GSCL_PROGRAM_REFINE)
         length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);

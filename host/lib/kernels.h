@@ -18,12 +18,13 @@ typedef struct gscl_kernel_options {
 
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
-    GSCL_PROGRAM_RENDER,   /* project, bin, raster_forward: all that decoding needs */
-    GSCL_PROGRAM_FIT,      /* and fit_tiles, sum_loss, gather_gradients, adam_step, ... */
-    GSCL_PROGRAM_REFINE,   /* refine_begin, refine_visit */
-    GSCL_PROGRAM_CODEBOOK, /* codebooks while fitting, and choosing their words */
-    GSCL_PROGRAM_SSIM,     /* the SSIM loss */
-    GSCL_PROGRAM_IMAGE,    /* pyramid and losses over images; no options */
+    GSCL_PROGRAM_RENDER,    /* project, bin, raster_forward: all that decoding needs */
+    GSCL_PROGRAM_FIT,       /* and fit_tiles, sum_loss, gather_gradients, adam_step, ... */
+    GSCL_PROGRAM_REFINE,    /* refine_begin, refine_visit */
+    GSCL_PROGRAM_CODEBOOK,  /* codebooks while fitting, and choosing their words */
+    GSCL_PROGRAM_SSIM,      /* the SSIM loss */
+    GSCL_PROGRAM_IMAGE,     /* pyramid and losses over images; no options */
+    GSCL_PROGRAM_BENCHMARK, /* what the device can do at best */
     GSCL_PROGRAM_KINDS
 } gscl_program_kind;
 
@@ -32,6 +33,8 @@ typedef enum gscl_program_kind {
 gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                         const char *name, cl_kernel *kernel);
 
+/* Pixels of a row that a work-item of this context's mapping handles at once. */
+int gscl_mapping_lanes(const gscl_context *context);
 /* Work-items of a group that draws one tile in this context's mapping. */
 size_t gscl_tile_group_size(const gscl_context *context);
 

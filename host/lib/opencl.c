@@ -2,6 +2,8 @@
 
 #include <inttypes.h>
 
+#include "timing.h"
+
 #define LARGEST_PIXEL_VECTOR 64 /* bytes: 16 floats */
 
 const char *gscl_cl_error_name(cl_int error) {
@@ -145,6 +147,7 @@ gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups,
     if (groups == 0)
         return GSCL_OK;
     size_t global = groups * group_size;
-    GSCL_CL(context, clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global, &group_size, 0, NULL, NULL));
+    GSCL_CL(context, clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global, &group_size, 0, NULL,
+                                            gscl_timing_event(context, kernel)));
     return GSCL_OK;
 }

@@ -1,13 +1,6 @@
-#define _POSIX_C_SOURCE 200112L
 #include "progress.h"
 
-#include <time.h>
-
-double gscl_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+#include "timing.h"
 
 void gscl_progress_begin(gscl_progress_state *p, const gscl_encode_settings *settings) {
     *p = (gscl_progress_state){

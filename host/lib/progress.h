@@ -13,8 +13,6 @@ typedef struct gscl_progress_state {
     uint32_t splats;
 } gscl_progress_state;
 
-/* Seconds of a monotonic clock. */
-double gscl_now(void);
 void gscl_progress_begin(gscl_progress_state *progress, const gscl_encode_settings *settings);
 /* What follows covers this part of the whole. */
 void gscl_progress_stage(gscl_progress_state *progress, double from, double to);

@@ -7,6 +7,7 @@
 
 #include "constants.h"
 #include "quantise.h"
+#include "timing.h"
 
 #define CELL 16   /* pixels of the map that keeps visits apart */
 #define GROUPS 64 /* sets of splats that are visited one after another; one bit each */
@@ -349,6 +350,7 @@ gscl_result gscl_refine_pass(gscl_fit *fit, gscl_picture *picture, const gscl_re
     if (p.count == 0)
         return GSCL_OK;
     fit->renderer.options.texture = picture->file.header.has_texture;
+    gscl_stage(fit->context, "rate-distortion passes");
     gscl_result result = run(&p, how->pressure);
     pass_free(&p);
     return result;

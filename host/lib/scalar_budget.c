@@ -6,6 +6,7 @@
 #include "density.h"
 #include "refine.h"
 #include "scalar_schedule.h"
+#include "timing.h"
 
 #define PRESSURE_GAIN 2.0    /* how strongly a file that is too large raises the price of a bit */
 #define BUDGET_AIM 0.99      /* of the budget */
@@ -28,7 +29,7 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
     gscl_picture *picture = &s->encoder->picture;
     gscl_refine_settings settings = {.pressure = s->pressure, .keep_all = s->keep_all, .scan_textures = scan_textures};
     GSCL_TRY(gscl_refine_pass(&s->fit, picture, &settings));
-    GSCL_TRY(gscl_picture_size(picture, size));
+    GSCL_TRY(gscl_encoder_size(s->encoder, size));
     gscl_log(s->encoder->context, GSCL_LOG_DEBUG, "%.2f s, pass: %u splats, %zu bytes, pressure %.2f%s",
              gscl_now() - s->encoder->progress.start_s, picture->file.header.splat_count, *size, s->pressure,
              scan_textures ? ", scan" : "");
@@ -42,6 +43,7 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
 /* Fits all splats for a while, `more` of them new where the picture is worst. */
 static gscl_result refit(schedule *s, size_t more, int steps) {
     s->fit.renderer.options.texture = s->encoder->picture.file.header.has_texture;
+    gscl_stage(s->encoder->context, "refit");
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));
     GSCL_TRY(gscl_density_grow(&s->fit, more, &s->encoder->random));
@@ -169,14 +171,13 @@ static void drop_smallest(gsf_picture *file) {
 }
 
 gscl_result gscl_scalar_trim(schedule *s) {
-    gscl_picture *picture = &s->encoder->picture;
-    gsf_picture *file = &picture->file;
+    gsf_picture *file = &s->encoder->picture.file;
     size_t size;
-    GSCL_TRY(gscl_picture_size(picture, &size));
+    GSCL_TRY(gscl_encoder_size(s->encoder, &size));
     while (size > s->bytes && file->header.splat_count > 0) {
         for (size_t excess = (size - s->bytes) / 5 + 1; excess > 0 && file->header.splat_count > 0; excess--)
             drop_smallest(file);
-        GSCL_TRY(gscl_picture_size(picture, &size));
+        GSCL_TRY(gscl_encoder_size(s->encoder, &size));
     }
     return GSCL_OK;
 }

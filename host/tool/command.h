@@ -10,5 +10,6 @@ int command_info(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_draw(int argc, char **argv);
 int command_devices(int argc, char **argv);
+int command_bench(int argc, char **argv);
 
 #endif

@@ -41,6 +41,7 @@ int open_device(const device_choice *choice, gscl_context **context) {
     gscl_context_settings_default(&settings);
     settings.device = choice->device;
     settings.mapping = (gscl_mapping)choice->mapping;
+    settings.timing = choice->timing;
     if (choice->verbose)
         settings.log = log_message;
     const gscl_result result = gscl_context_create(context, &settings);

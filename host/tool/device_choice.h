@@ -13,6 +13,7 @@ typedef struct device_choice {
     const char *device; /* NULL: the library's choice */
     int mapping;        /* index into mapping_words, which is a gscl_mapping */
     bool verbose;       /* the library's messages on stderr */
+    bool timing;        /* see gscl_context_settings */
 } device_choice;
 
 #define DEVICE_OPTIONS(choice)                                                                                       \

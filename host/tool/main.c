@@ -22,6 +22,7 @@ static const command commands[] = {
     {"compare", command_compare, "measure the difference of two images: PSNR, SSIM, MS-SSIM"},
     {"draw", command_draw, "draw a gscl file's splats as ellipses over its picture"},
     {"devices", command_devices, "list OpenCL devices, and which is the default and why"},
+    {"bench", command_bench, "measure how fast this machine draws, fits, encodes and decodes"},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof *commands)
 

@@ -102,6 +102,7 @@ typedef struct gscl_context_settings {
     gscl_mapping mapping;  /* default AUTO */
     gscl_log_callback log; /* default NULL: silent */
     void *log_opaque;
+    bool timing; /* default false; true: gscl_context_timings tells where time goes, at the price of a little of it */
 } gscl_context_settings;
 
 typedef struct gscl_context gscl_context;
@@ -116,6 +117,19 @@ GSCL_API void gscl_context_free(gscl_context **context);
 GSCL_API const char *gscl_context_message(const gscl_context *context);
 /* The device of this context. */
 GSCL_API void gscl_context_device(const gscl_context *context, gscl_device_info *device);
+
+/* Time that a context spent on one thing since it was made or its timings were reset. */
+typedef struct gscl_timing {
+    const char *name;      /* of a stage, "pyramid", or of a kernel, "fit_tiles" */
+    bool is_kernel;        /* kernels run within stages: do not add up the two kinds */
+    uint64_t count;        /* stages begun, kernels launched */
+    double seconds;        /* stages: wall clock, the device's work included; kernels: the device's clock */
+    double kernel_seconds; /* of a stage: what its kernels took */
+} gscl_timing;
+/* Stages and kernels in the order in which they first came; returns their number, 0 for a context without timing.
+ * *timings is valid until the context's next call. */
+GSCL_API size_t gscl_context_timings(const gscl_context *context, const gscl_timing **timings);
+GSCL_API void gscl_context_reset_timings(gscl_context *context);
 
 /* ---- Images ------------------------------------------------------------------------------ */
 
@@ -291,6 +305,36 @@ typedef struct gscl_comparison {
 } gscl_comparison;
 /* Compares two images of the same size and kind (sample types may differ). */
 GSCL_API GSCL_CHECKED gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison);
+
+/* ---- Speed -------------------------------------------------------------------------------- */
+
+typedef struct gscl_benchmark_settings {
+    uint32_t width, height; /* of the picture, pixels; default 768x512 */
+    uint32_t splats;        /* default 2500: made up, of the sizes and shapes that fits leave */
+    uint32_t repetitions;   /* 1..1000, default 20; a few more warm up */
+} gscl_benchmark_settings;
+
+/* Seconds that one thing takes. */
+typedef struct gscl_measurement {
+    const char *name; /* of a kernel, or "fit step": all of its kernels, on the wall clock */
+    const char *unit; /* of `work`: "flop", "byte", or "evaluation" of a splat at a pixel */
+    gscl_blend blend; /* AUTO where it does not apply */
+    uint32_t splats;  /* 0 where it does not apply */
+    double work;      /* of one run */
+    double needed;    /* evaluations inside the splats' outlines, which no renderer could do without */
+    double flop; /* of one run, nominal: 28 an evaluation forward, 100 in a whole step; 0 where it has no meaning */
+    double median_s, fastest_s, slowest_s;
+} gscl_measurement;
+typedef void (*gscl_measurement_callback)(void *opaque, const gscl_measurement *measurement);
+
+GSCL_API void gscl_benchmark_settings_default(gscl_benchmark_settings *settings);
+/* Measures what the device can do: "multiply_add" and "copy".  Like the next, it needs a context with timing, takes
+ * NULL for the default settings, and resets the context's timings. */
+GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_settings *settings,
+                                                        gscl_measurement_callback callback, void *opaque);
+/* Measures the kernels of drawing and fitting, for each blend. */
+GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_kernels(gscl_context *context, const gscl_benchmark_settings *settings,
+                                                         gscl_measurement_callback callback, void *opaque);
 
 #ifdef __cplusplus
 }

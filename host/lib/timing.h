@@ -1,0 +1,22 @@
+/* Where time goes: stages of an encode or decode on the wall clock, and kernels on the device's own.
+ *
+ * Nothing is measured, and nothing waits, unless gscl_context_settings.timing asks for it. */
+#ifndef GSCL_LIB_TIMING_H
+#define GSCL_LIB_TIMING_H
+
+#include "context.h"
+
+/* Ends the stage under way, once the device has done its work, and begins the stage `name` (static; NULL: none).
+ * Returns the name of the one that ended, so that a stage within another can give the clock back. */
+const char *gscl_stage(gscl_context *context, const char *name);
+
+/* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
+cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
+
+/* Seconds on a clock that only goes forward. */
+double gscl_now(void);
+
+gscl_result gscl_timing_create(gscl_context *context);
+void gscl_timing_free(gscl_context *context);
+
+#endif
