@@ -1,6 +1,6 @@
 /* Binning: for every tile the ascending list of the splats whose outline touches it.
  *
- * One work-item per row of tiles walks all splats in their order, so the lists come out sorted without
+ * One work-item per row of tiles walks the splats in their order, so the lists come out sorted without
  * atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity`
  * entries; what does not fit is left out and row_totals tells the host, which then grows the lists. */
 
@@ -28,18 +28,39 @@ inline void rows_touched(__global const float *restrict drawn, __global const fl
     vstore4(convert_int4(fmax(to, -1.0f)), 0, last);
 }
 
+/* Rows of tiles share the walk over all splats: each band of rows lists those whose box touches it.  One work-item a
+ * band, `count` places each. */
+__kernel void bin_bands(__global const int4 *restrict boxes, int count, int bands, int band_rows,
+                        __global int *restrict listed, __global int *restrict listed_counts) {
+    int band = (int)get_global_id(0), n = 0;
+    if (band >= bands) return;
+    int first = band * band_rows, last = first + band_rows - 1;
+    __global int *list = listed + (size_t)band * count;
+    for (int i = 0; i < count; i++) {
+        int4 box = boxes[i];
+        list[n] = i; /* n <= i */
+        n += box.z <= last && box.w >= first && box.x <= box.y;
+    }
+    listed_counts[band] = n;
+}
+
 __kernel void bin(__global const float *restrict drawn, __global const float *restrict extents,
-                  __global const int4 *restrict boxes, int count, int tiles_x, int tiles_y, int row_capacity,
+                  __global const int4 *restrict boxes, int count, __global const int *restrict listed,
+                  __global const int *restrict listed_counts, int band_rows, int tiles_x, int tiles_y, int row_capacity,
                   __global uint *restrict entries, __global int2 *restrict tile_ranges,
                   __global int *restrict row_totals) {
     int ty = (int)get_global_id(0);
     if (ty >= tiles_y) return;
     __global int2 *ranges = tile_ranges + (size_t)ty * tiles_x;
+    __global const int *list = listed + (size_t)(ty / band_rows) * count;
+    int listed_count = listed_counts[ty / band_rows];
     for (int tx = 0; tx < tiles_x; tx++) ranges[tx] = (int2)(0, 0);
-    for (int i = 0; i < count; i++) {
+    for (int j = 0; j < listed_count; j++) {
+        size_t i = (size_t)list[j];
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
-        for (int tx = box.x; tx <= box.y; tx++) ranges[tx].y++;
+        int2 tiles = tiles_touched(drawn + i * GSCL_DRAWN, extents + i * GSCL_EXTENT, box, ty, 1.0f);
+        for (int tx = tiles.x; tx <= tiles.y; tx++) ranges[tx].y++;
     }
     /* Counts become the first entry of each tile; lists that would not fit are cut short below. */
     int total = 0, base = ty * row_capacity, end = base + row_capacity;
@@ -49,15 +70,18 @@ __kernel void bin(__global const float *restrict drawn, __global const float *re
         total += n;
     }
     row_totals[ty] = total;
-    for (int i = 0; i < count; i++) {
+    for (int j = 0; j < listed_count; j++) {
+        size_t i = (size_t)list[j];
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
-        for (int tx = box.x; tx <= box.y; tx += ABREAST) {
+        __global const float *record = drawn + i * GSCL_DRAWN, *extent = extents + i * GSCL_EXTENT;
+        int2 tiles = tiles_touched(record, extent, box, ty, 1.0f);
+        for (int tx = tiles.x; tx <= tiles.y; tx += ABREAST) {
             int first[ABREAST], last[ABREAST];
-            rows_touched(drawn + (size_t)i * GSCL_DRAWN, extents + (size_t)i * GSCL_EXTENT, tx, ty, first, last);
-            for (int j = 0; j < ABREAST && tx + j <= box.y; j++)
-                if (first[j] <= last[j] && ranges[tx + j].y < end)
-                    entries[ranges[tx + j].y++] = GSCL_ENTRY((uint)i, (uint)first[j], (uint)last[j]);
+            rows_touched(record, extent, tx, ty, first, last);
+            for (int k = 0; k < ABREAST && tx + k <= tiles.y; k++)
+                if (first[k] <= last[k] && ranges[tx + k].y < end)
+                    entries[ranges[tx + k].y++] = GSCL_ENTRY((uint)i, (uint)first[k], (uint)last[k]);
         }
     }
 }

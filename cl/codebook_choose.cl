@@ -128,8 +128,7 @@ inline appearance word_appearance(int2 cell, __global const float *restrict shap
     splat s;
     s.x = ((float)cell.x + 0.5f) * t.cell_x;
     s.y = ((float)cell.y + 0.5f) * t.cell_y;
-    s.log_s1 = shape[0];
-    s.log_s2 = shape[1];
+    splat_set_axes(&s, shape[0], shape[1]);
     s.theta = shape[2];
     s.opacity = logistic(colour[CHANNELS]);
     for (int k = 0; k < CHANNELS; k++) s.colour[k] = colour[k];

@@ -2,7 +2,9 @@
 
 /* A splat after quantisation, in pixels of the full-size image. */
 typedef struct {
-    float x, y, log_s1, log_s2, theta, opacity;
+    float x, y, theta, opacity;
+    float log_s1, log_s2; /* axes, */
+    float s1, s2;         /* pixels: splat_set_axes */
     float colour[CHANNELS];
 #if TEXTURE
     float wave_x, wave_y, wave_phase, wave_amplitude;
@@ -11,6 +13,14 @@ typedef struct {
 
 inline float logistic(float x) { return 1.0f / (1.0f + exp(-x)); }
 
+inline void splat_set_axes(splat *s, float log_s1, float log_s2) {
+    s->log_s1 = log_s1;
+    s->log_s2 = log_s2;
+    s->s1 = exp(log_s1);
+    s->s2 = exp(log_s2);
+}
+
+/* All but the axes, which the quantiser sets. */
 inline splat splat_load(__global const float *restrict p) {
     splat s;
     s.x = p[GSCL_X];
@@ -38,10 +48,7 @@ typedef struct {
 
 /* Axes as seen at a level that shows 1 pixel for 1 / inv_scale of the full image: a smaller level is
  * box-filtered, which widens a splat by `blur` = ((1 / inv_scale)^2 - 1) / 12 square pixels. */
-inline float seen_axis(float log_sigma, float blur) {
-    float sigma = exp(log_sigma);
-    return sqrt(fma(sigma, sigma, blur));
-}
+inline float seen_axis(float sigma, float blur) { return sqrt(fma(sigma, sigma, blur)); }
 
 /* What is drawn of a splat: the records of constants.h in private memory. */
 typedef struct {
@@ -53,7 +60,7 @@ inline appearance splat_appearance(splat s, view seen) {
     const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
     appearance a;
     float c = cos(s.theta), n = sin(s.theta);
-    float s1 = seen_axis(s.log_s1, seen.blur) * seen.inv_scale, s2 = seen_axis(s.log_s2, seen.blur) * seen.inv_scale;
+    float s1 = seen_axis(s.s1, seen.blur) * seen.inv_scale, s2 = seen_axis(s.s2, seen.blur) * seen.inv_scale;
     float i1 = to_frame / s1, i2 = to_frame / s2;
     a.drawn[GSCL_DRAWN_X] = s.x * seen.inv_scale - seen.x;
     a.drawn[GSCL_DRAWN_Y] = s.y * seen.inv_scale - seen.y;
@@ -82,6 +89,7 @@ inline appearance splat_appearance(splat s, view seen) {
     float ratio = s1 * s2 / xx; /* det / xx^2 without overflow */
     a.extent[GSCL_EXTENT_HEIGHT2] = 2.0f * GSCL_SUPPORT * (s1 * (s1 / xx)) * (s2 * s2);
     a.extent[GSCL_EXTENT_CURVE] = ratio * ratio;
+    a.extent[GSCL_EXTENT_WIDTH2] = 2.0f * GSCL_SUPPORT * (s1 * (s1 / yy)) * (s2 * s2);
     return a;
 }
 
@@ -97,6 +105,26 @@ inline int4 appearance_tiles(const appearance *a, view seen) {
                   min((int)edges.w, seen.tiles_y - 1));
 }
 
+/* First and last tile of row `ty` of its box that the outline touches; a little more than that (by `slack` = 1, or
+ * more) where rounding might lose one. */
+inline int2 tiles_touched(__global const float *restrict drawn, __global const float *restrict extent, int4 box, int ty,
+                          float slack) {
+    float half_width = extent[GSCL_EXTENT_HALF_WIDTH], half_height = extent[GSCL_EXTENT_HALF_HEIGHT];
+    float y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
+    float low = fmax(y0, -half_height), high = fmin(y0 + (float)(GSCL_TILE - 1), half_height);
+    if (!(low <= high)) return box.xy;
+    float right_dy = extent[GSCL_EXTENT_SLOPE] * half_width, slope = extent[GSCL_EXTENT_TOP_DX] / half_height;
+    float width2 = extent[GSCL_EXTENT_WIDTH2], curve = width2 / (half_height * half_height);
+    float dy1 = clamp(right_dy, low, high), dy0 = clamp(-right_dy, low, high);
+    float right = slope * dy1 + sqrt(fmax(width2 - curve * dy1 * dy1, 0.0f));
+    float left = slope * dy0 - sqrt(fmax(width2 - curve * dy0 * dy0, 0.0f));
+    float margin = slack * (1e-3f * (1.0f + half_width) + 1e-6f * fabs(drawn[GSCL_DRAWN_X]));
+    /* clamped as floats: a giant's do not fit an int */
+    float2 edges = drawn[GSCL_DRAWN_X] + (float2)(fmax(left, -half_width) - margin, fmin(right, half_width) + margin);
+    edges = clamp(floor(edges * (1.0f / GSCL_TILE)), (float)box.x, (float)box.y);
+    return (int2)((int)edges.x, (int)edges.y);
+}
+
 /* Stores what is drawn of splat `i`, and its box of tiles. */
 inline void splat_project(splat s, view seen, int i, __global float *restrict drawn, __global float *restrict extents,
                           __global int4 *restrict boxes) {
@@ -105,7 +133,7 @@ inline void splat_project(splat s, view seen, int i, __global float *restrict dr
 #if TEXTURE
     for (int k = GSCL_DRAWN_WAVE_X; k < GSCL_DRAWN; k++) drawn[(size_t)i * GSCL_DRAWN + k] = a.drawn[k];
 #endif
-    for (int k = 0; k <= GSCL_EXTENT_CURVE; k++) extents[(size_t)i * GSCL_EXTENT + k] = a.extent[k];
+    for (int k = 0; k <= GSCL_EXTENT_WIDTH2; k++) extents[(size_t)i * GSCL_EXTENT + k] = a.extent[k];
     boxes[i] = appearance_tiles(&a, seen);
 }
 
@@ -113,13 +141,16 @@ inline void splat_project(splat s, view seen, int i, __global float *restrict dr
  * through the quantiser so that it learns to live with it.  steps[GSCL_STEP_SCALE] = 0 switches it off. */
 inline splat splat_quantise(splat s, __global const float *restrict steps) {
     float scale = steps[GSCL_STEP_SCALE];
-    if (!(scale > 0.0f)) return s;
-    s.log_s1 = fmax(rint((s.log_s1 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F;
-    s.log_s2 = fmax(rint((s.log_s2 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F;
-    float position = fmax(steps[GSCL_STEP_POSITION] * exp(fmin(s.log_s1, s.log_s2)), 1.0f / 32.0f);
+    if (!(scale > 0.0f)) {
+        splat_set_axes(&s, s.log_s1, s.log_s2);
+        return s;
+    }
+    splat_set_axes(&s, fmax(rint((s.log_s1 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F,
+                   fmax(rint((s.log_s2 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F);
+    float position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), 1.0f / 32.0f);
     s.x = (floor(s.x / position) + 0.5f) * position;
     s.y = (floor(s.y / position) + 0.5f) * position;
-    float aspect = exp(fabs(s.log_s1 - s.log_s2));
+    float aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
     float angles = clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), 1.0f, 512.0f);
     float turn = s.log_s1 < s.log_s2 ? M_PI_2_F : 0.0f; /* codes count from the major axis */
     s.theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles - turn;

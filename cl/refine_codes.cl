@@ -51,9 +51,9 @@ inline splat codes_splat(const codes *c, __global const minor_entry *minors, __g
     __global const minor_entry *m = minors + c->code[CODE_MINOR];
     s.x = ((float)c->code[CODE_X] + 0.5f) * m->step;
     s.y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
-    s.log_s1 =
-        fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
-    s.log_s2 = fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
+    splat_set_axes(
+        &s, fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS),
+        fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
     s.theta = (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles;
     s.opacity = 1.0f;
     float y = (float)c->code[CODE_LUMA] * t.luma_step;

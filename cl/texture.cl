@@ -208,7 +208,7 @@ inline void texture_choose(codes *c, __global const minor_entry *minors, __globa
         if (w + 1 < GSCL_WAVES) tried[count++] = (int2)(w + 1, d);
         if (w > 0) tried[count++] = (int2)(w - 1, d);
     }
-    if (t.scan) tried[count++] = wave_scan(&plain, exp(s.log_s1), seen, picture, weights, target, width, height, plane);
+    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, seen, picture, weights, target, width, height, plane);
     for (int i = 0; i < count; i++) {
         codes other = now;
         other.code[CODE_WAVE] = tried[i].x;

@@ -1,35 +1,37 @@
 /* From slots to parameters: a splat's gradient, Adam, and the projection for the next step. */
 
-/* The slot of splat `i` in a tile's sorted list, or -1. */
+/* The slot of splat `i` in a tile's sorted list, or -1.  No branch depends on what is compared: none is guessed wrong. */
 inline int slot_find(__global const uint *restrict entries, int2 range, uint i) {
-    int low = range.x, high = range.y - 1;
-    while (low <= high) {
-        int mid = (low + high) >> 1;
-        uint splat = GSCL_ENTRY_SPLAT(entries[mid]);
-        if (splat == i) return mid;
-        if (splat < i) low = mid + 1;
-        else high = mid - 1;
+    int low = range.x;
+    for (int n = range.y - range.x; n > 1;) {
+        int step = n >> 1;
+        low += GSCL_ENTRY_SPLAT(entries[low + step]) <= i ? step : 0;
+        n -= step;
     }
-    return -1;
+    return low < range.y && GSCL_ENTRY_SPLAT(entries[low]) == i ? low : -1;
 }
 
 /* Adds a splat's slots over the tiles of its box, row by row: always the same order. */
-inline void slots_gather(float *restrict sums, uint i, int4 box, int tiles_x, __global const uint *restrict entries,
+inline void slots_gather(float *restrict sums, uint i, int4 box, int tiles_x, __global const float *restrict drawn,
+                         __global const float *restrict extent, __global const uint *restrict entries,
                          __global const int2 *restrict tile_ranges, __global const float *restrict slots) {
+    UNROLL
     for (int k = 0; k < SLOT; k++) sums[k] = 0.0f;
-    for (int ty = box.z; ty <= box.w; ty++)
-        for (int tx = box.x; tx <= box.y; tx++) {
+    for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
+        int2 tiles = tiles_touched(drawn, extent, box, ty, 2.0f); /* no tighter than the lists were made */
+        for (int tx = tiles.x; tx <= tiles.y; tx++) {
             int at = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], i);
             if (at < 0) continue;
+            UNROLL
             for (int k = 0; k < SLOT; k++) sums[k] += slots[(size_t)at * SLOT + k];
         }
+    }
 }
 
 /* Chain rule from the frame's sums to the parameters.  `s` is the splat that was drawn. */
 inline void gradient_from_sums(float *restrict gradient, const float *restrict sums, splat s,
                                __global const float *restrict drawn, view seen) {
-    float e1 = seen_axis(s.log_s1, seen.blur), e2 = seen_axis(s.log_s2, seen.blur);
-    float s1 = exp(s.log_s1), s2 = exp(s.log_s2);
+    float e1 = seen_axis(s.s1, seen.blur), e2 = seen_axis(s.s2, seen.blur);
     /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
     const float factor = 2.0f * M_LN2_F;
     float du = factor * sums[SLOT_U], dv = factor * sums[SLOT_V];
@@ -41,8 +43,8 @@ inline void gradient_from_sums(float *restrict gradient, const float *restrict s
     gradient[GSCL_X] = fma(drawn[GSCL_DRAWN_WAVE_X], dwave, gradient[GSCL_X]);
     gradient[GSCL_Y] = fma(drawn[GSCL_DRAWN_WAVE_Y], dwave, gradient[GSCL_Y]);
 #endif
-    gradient[GSCL_LOG_S1] = factor * sums[SLOT_UU] * (s1 / e1) * (s1 / e1);
-    gradient[GSCL_LOG_S2] = factor * sums[SLOT_VV] * (s2 / e2) * (s2 / e2);
+    gradient[GSCL_LOG_S1] = factor * sums[SLOT_UU] * (s.s1 / e1) * (s.s1 / e1);
+    gradient[GSCL_LOG_S2] = factor * sums[SLOT_VV] * (s.s2 / e2) * (s.s2 / e2);
     gradient[GSCL_THETA] = factor * sums[SLOT_UV] * (e1 / e2 - e2 / e1);
     gradient[GSCL_OPACITY] = OPACITY ? sums[SLOT_OPACITY] * s.opacity * (1.0f - s.opacity) : 0.0f;
     for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = sums[SLOT_COLOUR + k];
@@ -59,11 +61,12 @@ typedef struct {
 
 #define ADAM_BETA1 0.9f
 #define ADAM_BETA2 0.99f
+#define LOG2_BETA1 -0.152003093f
+#define LOG2_BETA2 -0.0144995697f
 #define ADAM_EPSILON 1e-10f
 #define RATE_POSITION 0.06f /* of an axis, along it */
 #define RATE_SHAPE 0.08f
-#define RATE_TURN 0.06f /* of a round splat; the longer, the less, by this power */
-#define TURN_POWER 0.75f
+#define RATE_TURN 0.06f /* of a round splat; less for long ones */
 #define RATE_COLOUR 0.012f
 #define RATE_OPACITY 0.04f
 
@@ -74,27 +77,32 @@ inline void turn(float *restrict x, float *restrict y, float c, float s) {
     *x = turned;
 }
 
-/* The learning rate of parameter k.  The centre moves along the axes in units of each, and needles turn slowly: both
- * keep a step's effect on the picture alike for all shapes. */
-inline float learning_rate(int k, __global const float *restrict p) {
-    if (k == GSCL_X) return RATE_POSITION * exp(p[GSCL_LOG_S1]);
-    if (k == GSCL_Y) return RATE_POSITION * exp(p[GSCL_LOG_S2]);
-    float aspect = exp(fabs(p[GSCL_LOG_S1] - p[GSCL_LOG_S2]));
-    if (k == GSCL_THETA) return RATE_TURN * pow(2.0f / (1.0f + aspect), TURN_POWER);
-    return k < GSCL_THETA ? RATE_SHAPE : k == GSCL_OPACITY ? RATE_OPACITY : RATE_COLOUR;
+/* The learning rate of each parameter.  The centre moves along the axes in units of each, and needles turn slowly, by
+ * the power 3/4: both keep a step's effect on the picture alike for all shapes. */
+inline void learning_rates(float *restrict rates, __global const float *restrict p) {
+    float s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
+    float roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
+    rates[GSCL_X] = RATE_POSITION * s1;
+    rates[GSCL_Y] = RATE_POSITION * s2;
+    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = RATE_SHAPE;
+    rates[GSCL_THETA] = RATE_TURN * roundness * sqrt(roundness);
+    rates[GSCL_OPACITY] = RATE_OPACITY;
+    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = RATE_COLOUR;
 }
 
 /* Adam with the bias correction of each splat's own age; moments of the centre are in the splat's own frame. */
 inline void adam(__global float *restrict p, __global float *restrict m, __global float *restrict v, int age,
                  __global const float *restrict gradient, limits bounds) {
-    float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
-    float c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]), steps[GSCL_COLOUR + CHANNELS];
+    float correct1 = bounds.rate / (1.0f - exp2(LOG2_BETA1 * (float)age));
+    float correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * (float)age));
+    float c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]), steps[GSCL_COLOUR + CHANNELS], rates[GSCL_COLOUR + CHANNELS];
+    learning_rates(rates, p);
     for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) steps[k] = gradient[k];
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
     for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) {
         m[k] = fma(ADAM_BETA1, m[k], (1.0f - ADAM_BETA1) * steps[k]);
         v[k] = fma(ADAM_BETA2, v[k], (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
-        steps[k] = bounds.rate * learning_rate(k, p) * (m[k] * correct1) / (sqrt(v[k] * correct2) + ADAM_EPSILON);
+        steps[k] = rates[k] * (m[k] * correct1) / (sqrt(v[k] * correct2) + ADAM_EPSILON);
     }
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, s);
     for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) p[k] -= steps[k];
@@ -118,12 +126,13 @@ inline void keep_within(__global float *restrict p, limits b) {
 /* Writes every splat's gradient (GSCL_PARAMS floats each). */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
                                view seen, __global const int4 *restrict boxes, __global const float *restrict drawn,
-                               __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
+                               __global const float *restrict extents, __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
                                __global const float *restrict slots, __global float *restrict gradients) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     float sums[SLOT], gradient[GSCL_PARAMS];
-    slots_gather(sums, (uint)i, boxes[i], seen.tiles_x, entries, tile_ranges, slots);
+    slots_gather(sums, (uint)i, boxes[i], seen.tiles_x, drawn + (size_t)i * GSCL_DRAWN,
+                 extents + (size_t)i * GSCL_EXTENT, entries, tile_ranges, slots);
     splat s = splat_quantise(splat_load(params + (size_t)i * GSCL_PARAMS), steps);
     gradient_from_sums(gradient, sums, s, drawn + (size_t)i * GSCL_DRAWN, seen);
     for (int k = 0; k < GSCL_PARAMS; k++)

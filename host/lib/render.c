@@ -6,6 +6,8 @@
 
 #include "constants.h"
 
+#define MOST_BANDS 32 /* of rows of tiles: work for many cores, and few enough lists for many splats */
+
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
     r->context = context;
@@ -17,7 +19,8 @@ gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const 
 
 void gscl_renderer_free(gscl_renderer *r) {
     gscl_buffer *buffers[] = {&r->params,  &r->steps,       &r->drawn,      &r->extents,    &r->boxes,
-                              &r->entries, &r->tile_ranges, &r->row_totals, &r->background, &r->image};
+                              &r->entries, &r->tile_ranges, &r->row_totals, &r->background, &r->image,
+                              &r->listed,  &r->listed_counts};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
 }
@@ -95,11 +98,27 @@ static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
     return gscl_buffer_reserve(r->context, &r->entries, (size_t)capacity * (size_t)r->view.tiles_y * sizeof(cl_uint));
 }
 
+/* Which splats touch which band of rows of tiles. */
+static gscl_result launch_bands(gscl_renderer *r, cl_int *band_rows) {
+    cl_kernel kernel;
+    cl_int bands = r->view.tiles_y < MOST_BANDS ? r->view.tiles_y : MOST_BANDS;
+    *band_rows = (r->view.tiles_y + bands - 1) / bands;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, MOST_BANDS * sizeof(cl_int)));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "bin_bands", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, 1, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
+                       GSCL_ARG(bands), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
+                       GSCL_ARG_BUFFER(r->listed_counts));
+}
+
 static gscl_result launch_bin(gscl_renderer *r) {
     cl_kernel kernel;
+    cl_int band_rows;
+    GSCL_TRY(launch_bands(r, &band_rows));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->drawn),
                        GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
+                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(band_rows),
                        GSCL_ARG(r->view.tiles_x), GSCL_ARG(r->view.tiles_y), GSCL_ARG(r->row_capacity),
                        GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
 }

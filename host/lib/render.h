@@ -25,6 +25,7 @@ typedef struct gscl_renderer {
     cl_int row_capacity;  /* list entries that each row of tiles owns */
     double crowd;         /* mean entries of a tile at the last exact binning */
     gscl_buffer params, steps, drawn, extents, boxes, entries, tile_ranges, row_totals, background, image;
+    gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
 } gscl_renderer;
 
 /* `renderer` may hold anything before. */

@@ -130,17 +130,14 @@ static int bench_kernels(const bench_options *bench, bench_output *output) {
     return status;
 }
 
-static int bench_picture(const bench_options *bench, gscl_context *context, bench_output *output) {
-    gscl_image image;
-    if (bench->picture ? !image_read(bench->picture, &image) : !test_picture_make(&image, WIDTH, HEIGHT))
-        return EXIT_FAILURE;
+static int bench_picture(const bench_options *bench, const gscl_image *image, gscl_context *context,
+                         bench_output *output) {
     const bench_codec codec = {.context = context,
-                               .image = &image,
+                               .image = image,
                                .encodes = (unsigned)bench->encodes,
                                .decodes = (unsigned)bench->repetitions,
                                .json = output->as_json ? &output->json : NULL};
     const gscl_result result = bench_codec_run(&codec);
-    free(image.pixels);
     return result == GSCL_OK ? EXIT_SUCCESS : report_result(context, bench->picture ? bench->picture : "bench", result);
 }
 
@@ -157,7 +154,7 @@ static void print_device(const gscl_context *context, bench_output *output) {
     json_integer(&output->json, "compute_units", device.compute_units);
 }
 
-static int run(const bench_options *bench) {
+static int run(const bench_options *bench, const gscl_image *image) {
     gscl_context *context;
     bench_output output = {.as_json = bench->as_json};
     int status = open_device(&bench->choice, &context);
@@ -169,7 +166,7 @@ static int run(const bench_options *bench) {
     print_device(context, &output);
     status = bench_kernels(bench, &output);
     if (status == EXIT_SUCCESS)
-        status = bench_picture(bench, context, &output);
+        status = bench_picture(bench, image, context, &output);
     if (output.as_json)
         json_close_object(&output.json);
     gscl_context_free(&context);
@@ -211,5 +208,14 @@ int command_bench(int argc, char **argv) {
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (first < argc)
         bench.picture = argv[first];
-    return run(&bench);
+    gscl_image image;
+    if (bench.picture && !image_read(bench.picture, &image))
+        return EXIT_FAILURE;
+    if (!bench.picture && !test_picture_make(&image, WIDTH, HEIGHT)) {
+        report_error("bench", "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
+        return EXIT_FAILURE;
+    }
+    const int status = run(&bench, &image);
+    free(image.pixels);
+    return status;
 }
