@@ -97,6 +97,7 @@
 /* Rate-distortion refinement (cl/refine.cl): codes of a splat, the largest scale code (format), and entries of
  * a table over colour codes, which may be negative. */
 #define GSCL_CODES 13
+#define GSCL_REFINE_MOVES 13 /* geometries that a visit looks at */
 #define GSCL_MAX_SCALE 63
 #define GSCL_COLOUR_CODES 1024
 

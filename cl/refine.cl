@@ -104,7 +104,7 @@ inline float colour_descend(const quadratic *q, codes *c, __global const minor_e
 }
 
 /* Neighbouring geometries: 0 is the splat itself. */
-#define MOVES 13
+#define MOVES GSCL_REFINE_MOVES
 
 /* Makes move `move`; false when it leaves the code's range.  When an axis changes, position and angle are
  * written anew on their new steps. */
@@ -136,44 +136,86 @@ inline bool codes_move(codes *c, int move, __global const minor_entry *minors, _
     return c->code[CODE_X] >= 0 && c->code[CODE_X] < m->cells_x && c->code[CODE_Y] >= 0 && c->code[CODE_Y] < m->cells_y;
 }
 
-/* One visit each of the splats `visits[0..count)`.  A splat that is not worth its bits gets minor code -1.
- * `owned`: pixels (x0, x1, y0, y1) that each visit may change; `existence`: bits that any splat costs.
- * `leave_out`: what leaving a splat out costs, 0 (no change of error, no bits), or more than anything. */
-__kernel void refine_visit(__global const int *restrict visits, int count, __global codes *restrict all,
-                           __global const int4 *restrict owned, __global const minor_entry *restrict minors,
-                           __global const aspect_entry *restrict aspects, __global const float *restrict tables,
-                           refine_settings t, view seen, float existence, float leave_out,
-                           __global float *restrict picture, __global float *restrict weights,
-                           __global const float *restrict target, int width, int height, ulong plane) {
-    if ((int)get_global_id(0) >= count) return;
-    int i = visits[get_global_id(0)];
-    codes now = all[i];
+/* The visits of one group: visits[start .. start + count). */
+
+/* First the splats are taken out of the picture. */
+__kernel void refine_take_out(__global const int *restrict visits, int start, int count,
+                              __global const codes *restrict all, __global const minor_entry *restrict minors,
+                              __global const aspect_entry *restrict aspects, refine_settings t, view seen,
+                              __global float *restrict picture, __global float *restrict weights, int width, int height,
+                              ulong plane) {
+    int visit = (int)get_global_id(0);
+    if (visit >= count) return;
+    codes now = all[visits[start + visit]];
     appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
     picture_change(&a, -1.0f, picture, weights, width, height, plane);
-    float best = leave_out, texture_bits = wave_bits(&now, tables);
-    codes choice = now;
-    choice.code[CODE_MINOR] = -1;
-    for (int move = 0; move < MOVES; move++) {
-        codes other = now;
-        if (!codes_move(&other, move, minors, aspects)) continue;
-        a = splat_appearance(codes_splat(&other, minors, aspects, t), seen);
-        if (move > 0 && !within(&a, owned[i])) continue;
-        quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
-        float cost = colour_descend(&q, &other, minors, aspects, tables, t);
-        cost += t.lambda * (existence + texture_bits + minors[other.code[CODE_MINOR]].bits +
-                            aspects[other.code[CODE_ASPECT]].bits);
-        if (cost < best) {
-            best = cost;
-            choice = other;
+}
+
+/* What a move comes to with its best colour codes; a cost of MAXFLOAT: the move is not to be made. */
+typedef struct {
+    float cost;
+    int colour[4]; /* codes from CODE_LUMA on */
+} move_outcome;
+
+/* Then every move of each is judged.  `owned`: pixels (x0, x1, y0, y1) that each splat's visit may change; `existence`:
+ * bits that any splat costs. */
+__kernel void refine_weigh(__global const int *restrict visits, int start, int count,
+                           __global const codes *restrict all, __global const int4 *restrict owned,
+                           __global const minor_entry *restrict minors, __global const aspect_entry *restrict aspects,
+                           __global const float *restrict tables, refine_settings t, view seen, float existence,
+                           __global const float *restrict picture, __global const float *restrict weights,
+                           __global const float *restrict target, int width, int height, ulong plane,
+                           __global move_outcome *restrict outcomes) {
+    int visit = (int)get_global_id(0) / MOVES, move = (int)get_global_id(0) % MOVES;
+    if (visit >= count) return;
+    int i = visits[start + visit];
+    codes now = all[i];
+    move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
+    float texture_bits = wave_bits(&now, tables);
+    bool possible = codes_move(&now, move, minors, aspects);
+    if (possible) {
+        appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
+        if (move == 0 || within(&a, owned[i])) {
+            quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
+            outcome.cost = colour_descend(&q, &now, minors, aspects, tables, t);
+            outcome.cost += t.lambda * (existence + texture_bits + minors[now.code[CODE_MINOR]].bits +
+                                        aspects[now.code[CODE_ASPECT]].bits);
+            for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[CODE_LUMA + k];
         }
     }
+    outcomes[(size_t)visit * MOVES + move] = outcome;
+}
+
+/* Last the best is put into the picture.  A splat that is not worth its bits gets minor code -1.  `leave_out`: what
+ * leaving a splat out costs, 0 (no change of error, no bits), or more than anything. */
+__kernel void refine_settle(__global const int *restrict visits, int start, int count,
+                            __global const move_outcome *restrict outcomes, __global codes *restrict all,
+                            __global const minor_entry *restrict minors, __global const aspect_entry *restrict aspects,
+                            __global const float *restrict tables, refine_settings t, view seen, float leave_out,
+                            __global float *restrict picture, __global float *restrict weights,
+                            __global const float *restrict target, int width, int height, ulong plane) {
+    int visit = (int)get_global_id(0), best = -1;
+    if (visit >= count) return;
+    int i = visits[start + visit];
+    outcomes += (size_t)visit * MOVES;
+    float lowest = leave_out;
+    for (int move = 0; move < MOVES; move++)
+        if (outcomes[move].cost < lowest) {
+            lowest = outcomes[move].cost;
+            best = move;
+        }
+    codes choice = all[i];
+    if (best < 0) {
+        all[i].code[CODE_MINOR] = -1;
+        return;
+    }
+    codes_move(&choice, best, minors, aspects);
+    for (int k = 0; k < 4; k++) choice.code[CODE_LUMA + k] = outcomes[best].colour[k];
 #if TEXTURE
-    if (choice.code[CODE_MINOR] >= 0)
-        texture_choose(&choice, minors, aspects, tables, t, seen, picture, weights, target, width, height, plane);
+    texture_choose(&choice, minors, aspects, tables, t, seen, picture, weights, target, width, height, plane);
 #endif
     all[i] = choice;
-    if (choice.code[CODE_MINOR] < 0) return;
-    a = splat_appearance(codes_splat(&choice, minors, aspects, t), seen);
+    appearance a = splat_appearance(codes_splat(&choice, minors, aspects, t), seen);
     picture_change(&a, 1.0f, picture, weights, width, height, plane);
 }
 

@@ -126,8 +126,9 @@ inline void keep_within(__global float *restrict p, limits b) {
 /* Writes every splat's gradient (GSCL_PARAMS floats each). */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
                                view seen, __global const int4 *restrict boxes, __global const float *restrict drawn,
-                               __global const float *restrict extents, __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
-                               __global const float *restrict slots, __global float *restrict gradients) {
+                               __global const float *restrict extents, __global const uint *restrict entries,
+                               __global const int2 *restrict tile_ranges, __global const float *restrict slots,
+                               __global float *restrict gradients) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     float sums[SLOT], gradient[GSCL_PARAMS];

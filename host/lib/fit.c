@@ -206,7 +206,8 @@ static gscl_result launch_gather(gscl_fit *f) {
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
                        GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view),
                        GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->gradients));
+                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->slots),
+                       GSCL_ARG_BUFFER(f->gradients));
 }
 
 gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {

@@ -33,6 +33,10 @@ typedef struct settings {
     cl_int scan;
     cl_int min[4], max[4];
 } settings;
+typedef struct move_outcome {
+    cl_float cost;
+    cl_int colour[4];
+} move_outcome;
 typedef struct codes {
     cl_int code[GSCL_CODES]; /* minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase, amplitude */
 } codes;
@@ -50,11 +54,11 @@ typedef struct pass {
     codes *codes;
     cl_int *owned;  /* x0, x1, y0, y1 of each */
     cl_int *visits; /* splat numbers by group */
-    size_t group_start[GROUPS + 1];
+    size_t group_start[GROUPS + 1], largest_group;
     uint64_t *map; /* groups that have a splat in each cell */
     float *params;
-    gscl_buffer device_codes, device_owned, device_visits, device_minors, device_aspects, device_tables, picture_planes,
-        weights;
+    gscl_buffer device_codes, device_owned, device_visits, device_minors, device_aspects, device_tables,
+        device_outcomes, picture_planes, weights;
 } pass;
 
 static void pass_free(pass *p) {
@@ -64,8 +68,9 @@ static void pass_free(pass *p) {
     free(p->visits);
     free(p->map);
     free(p->params);
-    gscl_buffer *buffers[] = {&p->device_codes,   &p->device_owned,  &p->device_visits,  &p->device_minors,
-                              &p->device_aspects, &p->device_tables, &p->picture_planes, &p->weights};
+    gscl_buffer *buffers[] = {&p->device_codes,    &p->device_owned,   &p->device_visits,
+                              &p->device_minors,   &p->device_aspects, &p->device_tables,
+                              &p->device_outcomes, &p->picture_planes, &p->weights};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
 }
@@ -218,24 +223,41 @@ static int find_group(pass *p, const cl_int box[4]) {
     return group;
 }
 
-/* Sorts splats that do not touch each other into groups; those that find no group wait for the next pass. */
-static void make_groups(pass *p, int *groups) {
-    size_t sizes[GROUPS] = {0}, at = 0;
+typedef struct visit {
+    int group;
+    int64_t area; /* pixels, about: what the visit costs */
+    cl_int splat;
+} visit;
+
+static int compare_visits(const void *a, const void *b) {
+    const visit *p = a, *q = b;
+    if (p->group != q->group)
+        return p->group < q->group ? -1 : 1;
+    if (p->area != q->area)
+        return p->area < q->area ? -1 : 1;
+    return p->splat < q->splat ? -1 : p->splat > q->splat;
+}
+
+/* Sorts splats that do not touch each other into groups; those that find no group wait for the next pass.  Within a
+ * group the large ones come last: devices that hand out work in ever smaller shares then finish together. */
+static void make_groups(pass *p, visit *visits) {
+    size_t at = 0, sizes[GROUPS] = {0};
     for (size_t i = 0; i < p->count; i++) {
+        const cl_int *box = p->owned + 4 * i;
         own_box(p, p->params + i * GSCL_PARAMS, p->owned + 4 * i);
-        groups[i] = find_group(p, p->owned + 4 * i);
-        if (groups[i] >= 0)
-            sizes[groups[i]]++;
+        int group = find_group(p, box);
+        if (group < 0)
+            continue;
+        visits[at++] = (visit){group, (int64_t)(box[1] - box[0]) * (box[3] - box[2]), (cl_int)i};
+        sizes[group]++;
     }
+    qsort(visits, at, sizeof *visits, compare_visits);
+    for (size_t i = 0; i < at; i++)
+        p->visits[i] = visits[i].splat;
     for (int g = 0; g < GROUPS; g++) {
-        p->group_start[g] = at;
-        at += sizes[g];
-        sizes[g] = p->group_start[g];
+        p->group_start[g + 1] = p->group_start[g] + sizes[g];
+        p->largest_group = sizes[g] > p->largest_group ? sizes[g] : p->largest_group;
     }
-    p->group_start[GROUPS] = at;
-    for (size_t i = 0; i < p->count; i++)
-        if (groups[i] >= 0)
-            p->visits[sizes[groups[i]]++] = (cl_int)i;
 }
 
 static gscl_result allocate(pass *p) {
@@ -256,6 +278,9 @@ static gscl_result allocate(pass *p) {
 static gscl_result upload_all(pass *p) {
     gscl_context *context = p->fit->context;
     GSCL_TRY(gscl_buffer_upload(context, &p->device_codes, p->codes, p->count * sizeof *p->codes));
+    GSCL_TRY(gscl_buffer_upload(context, &p->device_visits, p->visits, p->group_start[GROUPS] * sizeof *p->visits));
+    GSCL_TRY(
+        gscl_buffer_reserve(context, &p->device_outcomes, p->largest_group * GSCL_REFINE_MOVES * sizeof(move_outcome)));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_owned, p->owned, p->count * 4 * sizeof *p->owned));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_minors, p->minors, sizeof p->minors));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_aspects, p->aspects, sizeof p->aspects));
@@ -282,23 +307,35 @@ static gscl_result begin(pass *p, double *error) {
     return gscl_fit_error_sum(p->fit, &p->picture_planes, error);
 }
 
+/* All splats of a group change at once; none touches another's pixels. */
 static gscl_result visit_group(pass *p, int group) {
     gscl_renderer *r = &p->fit->renderer;
     cl_float leave_out = p->keep_all ? FLT_MAX : 0.0f;
-    size_t start = p->group_start[group];
-    cl_int count = (cl_int)(p->group_start[group + 1] - start);
+    cl_int start = (cl_int)p->group_start[group], count = (cl_int)(p->group_start[group + 1] - p->group_start[group]);
     cl_ulong plane = gscl_renderer_plane(r);
-    cl_kernel kernel;
-    if (count == 0)
-        return GSCL_OK;
-    GSCL_TRY(gscl_buffer_upload(r->context, &p->device_visits, p->visits + start, (size_t)count * sizeof *p->visits));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_REFINE, &r->options, "refine_visit", &kernel));
-    return GSCL_LAUNCH(
-        r->context, kernel, (size_t)count, 1, GSCL_ARG_BUFFER(p->device_visits), GSCL_ARG(count),
-        GSCL_ARG_BUFFER(p->device_codes), GSCL_ARG_BUFFER(p->device_owned), GSCL_ARG_BUFFER(p->device_minors),
-        GSCL_ARG_BUFFER(p->device_aspects), GSCL_ARG_BUFFER(p->device_tables), GSCL_ARG(p->settings), GSCL_ARG(r->view),
-        GSCL_ARG(p->existence), GSCL_ARG(leave_out), GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights),
-        GSCL_ARG_BUFFER(*gscl_fit_goal(p->fit)), GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane));
+    const gscl_buffer *goal = gscl_fit_goal(p->fit);
+    cl_kernel take_out, weigh, settle;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_REFINE, &r->options, "refine_take_out", &take_out));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_REFINE, &r->options, "refine_weigh", &weigh));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_REFINE, &r->options, "refine_settle", &settle));
+    GSCL_TRY(GSCL_LAUNCH(r->context, take_out, (size_t)count, 1, GSCL_ARG_BUFFER(p->device_visits), GSCL_ARG(start),
+                         GSCL_ARG(count), GSCL_ARG_BUFFER(p->device_codes), GSCL_ARG_BUFFER(p->device_minors),
+                         GSCL_ARG_BUFFER(p->device_aspects), GSCL_ARG(p->settings), GSCL_ARG(r->view),
+                         GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights), GSCL_ARG(r->width),
+                         GSCL_ARG(r->height), GSCL_ARG(plane)));
+    GSCL_TRY(GSCL_LAUNCH(r->context, weigh, (size_t)count * GSCL_REFINE_MOVES, 1, GSCL_ARG_BUFFER(p->device_visits),
+                         GSCL_ARG(start), GSCL_ARG(count), GSCL_ARG_BUFFER(p->device_codes),
+                         GSCL_ARG_BUFFER(p->device_owned), GSCL_ARG_BUFFER(p->device_minors),
+                         GSCL_ARG_BUFFER(p->device_aspects), GSCL_ARG_BUFFER(p->device_tables), GSCL_ARG(p->settings),
+                         GSCL_ARG(r->view), GSCL_ARG(p->existence), GSCL_ARG_BUFFER(p->picture_planes),
+                         GSCL_ARG_BUFFER(p->weights), GSCL_ARG_BUFFER(*goal), GSCL_ARG(r->width), GSCL_ARG(r->height),
+                         GSCL_ARG(plane), GSCL_ARG_BUFFER(p->device_outcomes)));
+    return GSCL_LAUNCH(r->context, settle, (size_t)count, 1, GSCL_ARG_BUFFER(p->device_visits), GSCL_ARG(start),
+                       GSCL_ARG(count), GSCL_ARG_BUFFER(p->device_outcomes), GSCL_ARG_BUFFER(p->device_codes),
+                       GSCL_ARG_BUFFER(p->device_minors), GSCL_ARG_BUFFER(p->device_aspects),
+                       GSCL_ARG_BUFFER(p->device_tables), GSCL_ARG(p->settings), GSCL_ARG(r->view), GSCL_ARG(leave_out),
+                       GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights), GSCL_ARG_BUFFER(*goal),
+                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane));
 }
 
 /* Takes the codes back into the picture, without the splats that were dropped. */
@@ -325,11 +362,11 @@ static gscl_result run(pass *p, double pressure) {
     make_shape_tables(p);
     make_colour_tables(p);
     make_texture_tables(p);
-    int *groups = malloc((p->count + 1) * sizeof *groups);
-    if (!groups)
+    visit *visits = malloc((p->count + 1) * sizeof *visits);
+    if (!visits)
         return gscl_fail(p->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
-    make_groups(p, groups);
-    free(groups);
+    make_groups(p, visits);
+    free(visits);
     GSCL_TRY(upload_all(p));
     GSCL_TRY(begin(p, &error));
     p->settings.lambda = (float)(pressure * error / (2.0 * 8.0 * (double)size));

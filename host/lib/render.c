@@ -18,9 +18,9 @@ gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const 
 }
 
 void gscl_renderer_free(gscl_renderer *r) {
-    gscl_buffer *buffers[] = {&r->params,  &r->steps,       &r->drawn,      &r->extents,    &r->boxes,
-                              &r->entries, &r->tile_ranges, &r->row_totals, &r->background, &r->image,
-                              &r->listed,  &r->listed_counts};
+    gscl_buffer *buffers[] = {&r->params,     &r->steps,   &r->drawn,       &r->extents,
+                              &r->boxes,      &r->entries, &r->tile_ranges, &r->row_totals,
+                              &r->background, &r->image,   &r->listed,      &r->listed_counts};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
 }
