@@ -1,5 +1,7 @@
 #include "coder.h"
 
+#include <limits.h>
+
 /* 256 * log2(1 + i / 256).  For accounting only: no decoder needs it. */
 static const uint16_t LOG2[257] = {
     0,   1,   3,   4,   6,   7,   9,   10,  11,  13,  14,  16,  17,  18,  20,  21,  22,  24,  25,  26,  28,  29,
@@ -16,10 +18,20 @@ static const uint16_t LOG2[257] = {
     246, 247, 247, 248, 249, 249, 250, 251, 252, 252, 253, 254, 255, 255, 256,
 };
 
+/* The place of the highest bit that is set, of 16 or 17 at most. */
+static unsigned highest_bit(uint32_t value) {
+#if defined(__GNUC__)
+    return (unsigned)(sizeof(unsigned) * CHAR_BIT - 1) - (unsigned)__builtin_clz(value);
+#else
+    unsigned place = 0;
+    while (value >> (place + 1) != 0)
+        place++;
+    return place;
+#endif
+}
+
 static uint32_t log2_256(uint32_t value) {
-    unsigned exponent = 0;
-    while (value >> (exponent + 1) != 0)
-        exponent++;
+    const unsigned exponent = highest_bit(value);
     const uint32_t mantissa = exponent >= 8 ? value >> (exponent - 8) : value << (8 - exponent);
     return exponent * 256 + LOG2[mantissa - 256];
 }
@@ -50,10 +62,21 @@ static void code_interval(gsf_coder *coder, uint32_t cum, uint32_t freq, uint32_
     coder->stream_bits256[coder->stream] += gsf_cost256(freq, total);
 }
 
+#define STRIDE 16
+
 /* The symbol whose interval contains `target`; *cum is where the interval starts. */
 static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t target, uint32_t *cum) {
     uint32_t value = 0;
     *cum = 0;
+    while (value + STRIDE < count) { /* whole strides, which compilers add up at once */
+        uint32_t sum = 0;
+        for (uint32_t i = 0; i < STRIDE; i++)
+            sum += freq[value + i];
+        if (*cum + sum > target)
+            break;
+        *cum += sum;
+        value += STRIDE;
+    }
     while (value + 1 < count && *cum + freq[value] <= target)
         *cum += freq[value++];
     return value;

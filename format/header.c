@@ -118,10 +118,13 @@ size_t gsf_put_header(const gsf_header *header, uint8_t *bytes) {
 }
 
 static uint32_t crc24(uint32_t crc, const uint8_t *bytes, size_t size) {
+    /* What four bits at the top leave behind. */
+    static const uint32_t left[16] = {0x000000, 0x864CFB, 0x8AD50D, 0x0C99F6, 0x93E6E1, 0x15AA1A, 0x1933EC, 0x9F7F17,
+                                      0xA18139, 0x27CDC2, 0x2B5434, 0xAD18CF, 0x3267D8, 0xB42B23, 0xB8B2D5, 0x3EFE2E};
     for (size_t i = 0; i < size; i++) {
         crc ^= (uint32_t)bytes[i] << 16;
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc << 1) ^ (crc & 0x800000 ? 0x1864CFB : 0);
+        crc = (crc << 4 & 0xFFFFFF) ^ left[crc >> 20];
+        crc = (crc << 4 & 0xFFFFFF) ^ left[crc >> 20];
     }
     return crc;
 }

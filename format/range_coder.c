@@ -4,8 +4,7 @@
 
 /* The upper end of the last symbol is the upper end of the interval: what the division leaves over
  * is not lost. */
-static uint32_t narrowed(uint32_t range, uint32_t cum, uint32_t freq, uint32_t total) {
-    const uint32_t unit = range / total;
+static uint32_t narrowed(uint32_t range, uint32_t unit, uint32_t cum, uint32_t freq, uint32_t total) {
     return cum + freq == total ? range - cum * unit : freq * unit;
 }
 
@@ -39,8 +38,9 @@ void gsf_range_encoder_init(gsf_range_encoder *encoder, uint8_t *bytes, size_t c
 }
 
 void gsf_range_encode(gsf_range_encoder *encoder, uint32_t cum, uint32_t freq, uint32_t total) {
-    encoder->low += (uint64_t)cum * (encoder->range / total);
-    encoder->range = narrowed(encoder->range, cum, freq, total);
+    const uint32_t unit = encoder->range / total;
+    encoder->low += (uint64_t)cum * unit;
+    encoder->range = narrowed(encoder->range, unit, cum, freq, total);
     while (encoder->range < TOP) {
         encoder->range <<= 8;
         shift_low(encoder);
@@ -68,14 +68,15 @@ void gsf_range_decoder_init(gsf_range_decoder *decoder, const uint8_t *bytes, si
         decoder->code = decoder->code << 8 | next_byte(decoder);
 }
 
-uint32_t gsf_range_decode_target(const gsf_range_decoder *decoder, uint32_t total) {
-    const uint32_t target = decoder->code / (decoder->range / total);
+uint32_t gsf_range_decode_target(gsf_range_decoder *decoder, uint32_t total) {
+    decoder->unit = decoder->range / total;
+    const uint32_t target = decoder->code / decoder->unit;
     return target < total ? target : total - 1;
 }
 
 void gsf_range_decode_consume(gsf_range_decoder *decoder, uint32_t cum, uint32_t freq, uint32_t total) {
-    decoder->code -= cum * (decoder->range / total);
-    decoder->range = narrowed(decoder->range, cum, freq, total);
+    decoder->code -= cum * decoder->unit;
+    decoder->range = narrowed(decoder->range, decoder->unit, cum, freq, total);
     while (decoder->range < TOP) {
         decoder->range <<= 8;
         decoder->code = decoder->code << 8 | next_byte(decoder);

@@ -30,6 +30,7 @@ typedef struct gsf_range_decoder {
     size_t size;
     size_t position; /* bytes consumed; more than `size` when zeros were implied */
     uint32_t code, range;
+    uint32_t unit; /* of the range, for each of the current symbol's total */
 } gsf_range_decoder;
 
 void gsf_range_encoder_init(gsf_range_encoder *encoder, uint8_t *bytes, size_t capacity);
@@ -40,7 +41,7 @@ void gsf_range_encoder_finish(gsf_range_encoder *encoder);
 
 void gsf_range_decoder_init(gsf_range_decoder *decoder, const uint8_t *bytes, size_t size);
 /* The number in 0..total-1 that the next symbol's [cum, cum + freq) contains. */
-uint32_t gsf_range_decode_target(const gsf_range_decoder *decoder, uint32_t total);
+uint32_t gsf_range_decode_target(gsf_range_decoder *decoder, uint32_t total);
 /* Removes the symbol that was found with the target, of the same total. */
 void gsf_range_decode_consume(gsf_range_decoder *decoder, uint32_t cum, uint32_t freq, uint32_t total);
 /* More bytes were wanted than any complete payload lacks. */

@@ -106,11 +106,11 @@ static uint32_t partition(gsf_prior *list, uint32_t n, const gsf_split *split, c
     const uint32_t bound = 2 * split->at * (split->along_x ? grid->pitch_x : grid->pitch_y);
     uint32_t left = 0;
     for (uint32_t i = 0; i < n; i++) {
+        /* No branch that half of the priors would send the wrong way: what does not belong changes places, too. */
         const gsf_prior prior = list[i];
-        if ((split->along_x ? prior.x : prior.y) < bound) {
-            list[i] = list[left];
-            list[left++] = prior;
-        }
+        list[i] = list[left];
+        list[left] = prior;
+        left += (split->along_x ? prior.x : prior.y) < bound;
     }
     return left;
 }
@@ -180,18 +180,34 @@ static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigne
     return depth;
 }
 
+/* The splits around a single point, which most splits are: as code_split, with one half to go on with. */
+static void code_point(gsf_coder *coder, const task *t, node at) {
+    gsf_point *point = &t->points[at.first];
+    while ((at.rect.width > 1 || at.rect.height > 1) && !gsf_coder_starved(coder)) {
+        const gsf_split split = gsf_split_rect(t->grid, at.rect);
+        uint32_t weight[2], near;
+        weigh(t, &at, &split, weight, &near);
+        const bool known = !coder->decoding && (split.along_x ? point->x : point->y) < split.at;
+        const bool left = gsf_code_urn(coder, known, 1, weight[0], weight[1]) != 0;
+        at.rect = split.half[!left];
+        at.prior_first += left ? 0 : near;
+        at.prior_n = left ? near : at.prior_n - near;
+    }
+    *point = (gsf_point){at.rect.x, at.rect.y};
+}
+
 static void code_class(gsf_coder *coder, const task *t) {
     node stack[MAX_DEPTH];
     unsigned depth = 1;
     stack[0] = (node){{0, 0, t->grid->cells_x, t->grid->cells_y}, 0, t->n, 0, t->prior_n};
     while (depth > 0 && !gsf_coder_starved(coder)) {
         const node *top = &stack[depth - 1];
-        if (top->rect.width > 1 || top->rect.height > 1) {
+        if (top->n == 1)
+            code_point(coder, t, stack[--depth]);
+        else if (top->rect.width > 1 || top->rect.height > 1)
             depth = code_split(coder, t, stack, depth);
-        } else {
-            place(t->points, top);
-            depth--;
-        }
+        else
+            place(t->points, &stack[--depth]);
     }
 }
 

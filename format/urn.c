@@ -30,8 +30,21 @@ static uint32_t likeliest(const urn *u) {
     return (uint32_t)((excess + slope - 1) / slope);
 }
 
+/* fill_table for one ball, which most urns hold: the likelier side weighs PEAK. */
+static uint32_t fill_pair(const urn *u, uint16_t *freq) {
+    const bool left = u->left > u->right;
+    const uint64_t less = left ? PEAK * u->right / u->left : PEAK * u->left / u->right, sum = PEAK + less;
+    const uint64_t share = PEAK * (GSF_MAX_TOTAL - 2) / sum;
+    const bool whole = share * sum == PEAK * (GSF_MAX_TOTAL - 2); /* else both shares are rounded down */
+    freq[left] = (uint16_t)(1 + share);
+    freq[!left] = (uint16_t)(1 + GSF_MAX_TOTAL - 2 - share - !whole);
+    return (uint32_t)freq[0] + freq[1];
+}
+
 /* Frequencies of 0..n; returns their sum. */
 static uint32_t fill_table(const urn *u, uint16_t *freq) {
+    if (u->n == 1)
+        return fill_pair(u, freq);
     uint64_t weight[MAX_TABLE + 1], sum = PEAK;
     const uint32_t n = (uint32_t)u->n, peak = likeliest(u);
     weight[peak] = PEAK;
