@@ -73,6 +73,9 @@ inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const f
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
         pix dx = px - drawn[GSCL_DRAWN_X];
         float dy = py - drawn[GSCL_DRAWN_Y];
+#if TEXTURE
+        bool waved = drawn[GSCL_DRAWN_WAVE_AMPLITUDE] > 0.0f;
+#endif
         splat_weight s;
         weigh_begin(&s, dx, dy + (float)first, drawn);
         for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
@@ -88,6 +91,7 @@ inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const f
             for (int k = 0; k < CHANNELS; k++)
                 c->colour[k][r] = fma(w, (pix)(drawn[GSCL_DRAWN_COLOUR + k]), c->colour[k][r]);
 #if TEXTURE
+            if (!waved) continue;
             pix wave = w * wave_at(dx, dy + (float)r, 0.0f, drawn);
             UNROLL
             for (int k = 0; k < COLOURS; k++) c->colour[k][r] += wave;

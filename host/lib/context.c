@@ -78,6 +78,7 @@ void gscl_context_free(gscl_context **context) {
     if (!context || !*context)
         return;
     gscl_context *c = *context;
+    gscl_decoder_free(c);
     gscl_timing_free(c);
     gscl_programs_free(c);
     if (c->queue)

@@ -7,8 +7,9 @@
 
 #define GSCL_MESSAGE_SIZE 512
 
-struct gscl_program; /* kernels.h */
-struct gscl_timings; /* timing.h */
+struct gscl_program;  /* kernels.h */
+struct gscl_timings;  /* timing.h */
+struct gscl_renderer; /* render.h */
 
 struct gscl_context {
     cl_platform_id platform;
@@ -17,8 +18,9 @@ struct gscl_context {
     cl_command_queue queue;
     gscl_device_info info;
     bool gpu_mapping;
-    struct gscl_program *programs; /* built so far, a list */
-    struct gscl_timings *timings;  /* NULL when nothing is measured */
+    struct gscl_program *programs;  /* built so far, a list */
+    struct gscl_timings *timings;   /* NULL when nothing is measured */
+    struct gscl_renderer *renderer; /* of the last decode, or NULL */
     gscl_log_callback log;
     void *log_opaque;
     char message[GSCL_MESSAGE_SIZE];
@@ -36,6 +38,9 @@ gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
 __attribute__((format(printf, 3, 4)))
 #endif
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...);
+
+/* Releases what decodes have left in the context (decode.c). */
+void gscl_decoder_free(gscl_context *context);
 
 /* Forwards an error. */
 #define GSCL_TRY(call)                    \

@@ -77,47 +77,62 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
 
 /* Draws the frame band by band, so that no buffer grows with the picture. */
 static gscl_result draw_bands(gscl_renderer *r, const frame *f, const gscl_image *image) {
-    size_t row = (size_t)f->width * (size_t)r->channels;
-    uint32_t rows = (uint32_t)(BAND_FLOATS / row / GSCL_TILE * GSCL_TILE);
+    gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
+    uint32_t rows = (uint32_t)(BAND_FLOATS / ((size_t)f->width * (size_t)r->channels) / GSCL_TILE * GSCL_TILE);
     if (rows < GSCL_TILE)
         rows = GSCL_TILE;
-    if (rows > f->height)
-        rows = f->height;
-    float *planes = malloc(row * rows * sizeof(float));
-    if (!planes)
-        return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
-    gscl_result result = GSCL_OK;
-    for (uint32_t y = 0; y < f->height && result == GSCL_OK; y += rows) {
+    for (uint32_t y = 0; y < f->height; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;
+        size_t stride = gscl_image_stride(image);
         gscl_stage(r->context, "draw");
-        result = gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n);
-        if (result == GSCL_OK)
-            result = gscl_renderer_planes(r, planes);
+        GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n));
+        GSCL_TRY(gscl_renderer_render(r));
         gscl_stage(r->context, "samples");
-        if (result == GSCL_OK)
-            gscl_image_from_planes(planes, r->options.colours, r->options.alpha_channel, y, n, image);
+        GSCL_TRY(gscl_renderer_read_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
     }
-    free(planes);
-    return result;
+    return GSCL_OK;
+}
+
+/* The renderer that the context keeps from decode to decode: making its buffers takes as long as drawing. */
+static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_options *options) {
+    if (!context->renderer) {
+        context->renderer = calloc(1, sizeof *context->renderer);
+        if (!context->renderer)
+            return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        GSCL_TRY(gscl_renderer_create(context->renderer, context, options));
+    }
+    context->renderer->options = *options;
+    context->renderer->channels = options->colours + options->alpha_channel;
+    return GSCL_OK;
+}
+
+void gscl_decoder_free(gscl_context *context) {
+    if (context->renderer)
+        gscl_renderer_free(context->renderer);
+    free(context->renderer);
+    context->renderer = NULL;
+}
+
+static gscl_result draw_splats(gscl_context *context, const gscl_picture *picture, const frame *f,
+                               const gscl_image *image, float *params) {
+    const gsf_header *header = &picture->file.header;
+    gscl_kernel_options options = gscl_picture_options(header);
+    float background[4];
+    gscl_stage(context, "dequantise");
+    gscl_picture_params(picture, params, background);
+    gscl_resize_splats(params, header->splat_count, (double)f->full_width / header->width,
+                       (double)f->full_height / header->height);
+    gscl_stage(context, "draw");
+    GSCL_TRY(reuse_renderer(context, &options));
+    GSCL_TRY(gscl_renderer_set_splats(context->renderer, params, header->splat_count, background));
+    return draw_bands(context->renderer, f, image);
 }
 
 static gscl_result draw(gscl_context *context, const gscl_picture *picture, const frame *f, const gscl_image *image) {
-    const gsf_header *header = &picture->file.header;
-    size_t count = header->splat_count;
-    gscl_kernel_options options = gscl_picture_options(header);
-    float background[4], *params = malloc((count + 1) * GSCL_PARAMS * sizeof(float));
+    float *params = malloc(((size_t)picture->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
         return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
-    gscl_stage(context, "dequantise");
-    gscl_picture_params(picture, params, background);
-    gscl_resize_splats(params, count, (double)f->full_width / header->width, (double)f->full_height / header->height);
-    gscl_renderer renderer;
-    gscl_result result = gscl_renderer_create(&renderer, context, &options);
-    if (result == GSCL_OK)
-        result = gscl_renderer_set_splats(&renderer, params, count, background);
-    if (result == GSCL_OK)
-        result = draw_bands(&renderer, f, image);
-    gscl_renderer_free(&renderer);
+    gscl_result result = draw_splats(context, picture, f, image, params);
     free(params);
     return result;
 }

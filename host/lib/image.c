@@ -122,37 +122,3 @@ void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int 
                 to[(size_t)colours * plane] = sum[3] / count;
         }
 }
-
-static void store_sample(unsigned char *row, gscl_sample sample, size_t i, float value) {
-    if (sample == GSCL_SAMPLE_U8)
-        row[i] = (unsigned char)(value * 255.0f + 0.5f);
-    else if (sample == GSCL_SAMPLE_U16)
-        ((uint16_t *)(void *)row)[i] = (uint16_t)(value * 65535.0f + 0.5f);
-    else
-        ((float *)(void *)row)[i] = value;
-}
-
-void gscl_image_from_planes(const float *planes, int colours, bool alpha, uint32_t first_row, uint32_t rows,
-                            const gscl_image *image) {
-    size_t plane = (size_t)image->width * rows;
-    uint32_t out_colours = image->channels >= 3 ? 3 : 1;
-    for (uint32_t y = 0; y < rows; y++) {
-        unsigned char *row = (unsigned char *)image->pixels + (size_t)(first_row + y) * gscl_image_stride(image);
-        for (uint32_t x = 0; x < image->width; x++) {
-            const float *from = planes + (size_t)y * image->width + x;
-            float a = alpha ? clamp_unit(from[(size_t)colours * plane]) : 1.0f;
-            size_t at = (size_t)x * image->channels;
-            for (uint32_t k = 0; k < out_colours; k++) {
-                float c = clamp_unit(from[(colours == 3 ? k : 0) * plane]);
-                if (alpha) {
-                    c = c < a ? c : a;
-                    if (!image->premultiplied)
-                        c = a > 0.0f ? c / a : 0.0f;
-                }
-                store_sample(row, image->sample, at + k, c);
-            }
-            if (has_alpha(image))
-                store_sample(row, image->sample, at + out_colours, a);
-        }
-    }
-}

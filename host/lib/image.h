@@ -24,11 +24,6 @@ static inline uint32_t gscl_level_size(uint32_t size, int level) {
  * premultiplied by alpha, then alpha when `alpha`.  0..1.  `planes` holds them one after another. */
 void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int level, float *planes);
 
-/* Writes rows [first_row, first_row + rows) of `image` from planes that hold those rows only; clamps,
- * un-premultiplies if the image wants it, rounds. */
-void gscl_image_from_planes(const float *planes, int colours, bool alpha, uint32_t first_row, uint32_t rows,
-                            const gscl_image *image);
-
 /* Bytes of a sample of this kind. */
 size_t gscl_sample_size(gscl_sample sample);
 /* Bytes from row to row. */

@@ -26,7 +26,7 @@ struct gscl_program {
 
 /* Source files of each kind, in the order in which the compiler reads them. */
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "bin.cl"},
+    [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "bin.cl", "samples.cl"},
     [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl"},
     [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "outline.cl", "refine_codes.cl",
                              "texture.cl", "refine.cl"},

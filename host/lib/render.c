@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "constants.h"
+#include "image.h"
 
 #define MOST_BANDS 32 /* of rows of tiles: work for many cores, and few enough lists for many splats */
 
@@ -18,9 +19,9 @@ gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const 
 }
 
 void gscl_renderer_free(gscl_renderer *r) {
-    gscl_buffer *buffers[] = {&r->params,     &r->steps,   &r->drawn,       &r->extents,
-                              &r->boxes,      &r->entries, &r->tile_ranges, &r->row_totals,
-                              &r->background, &r->image,   &r->listed,      &r->listed_counts};
+    gscl_buffer *buffers[] = {&r->params,  &r->steps,         &r->drawn,      &r->extents,    &r->boxes,
+                              &r->entries, &r->tile_ranges,   &r->row_totals, &r->background, &r->image,
+                              &r->listed,  &r->listed_counts, &r->samples};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
 }
@@ -149,10 +150,25 @@ gscl_result gscl_renderer_draw(gscl_renderer *r) {
                        GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
 }
 
-gscl_result gscl_renderer_planes(gscl_renderer *r, float *planes) {
+gscl_result gscl_renderer_render(gscl_renderer *r) {
     GSCL_TRY(gscl_renderer_project(r));
     GSCL_TRY(gscl_renderer_bin(r, true));
-    GSCL_TRY(gscl_renderer_draw(r));
-    return gscl_buffer_read(r->context, &r->image, 0, planes,
-                            (size_t)gscl_renderer_plane(r) * (size_t)r->channels * sizeof(float));
+    return gscl_renderer_draw(r);
+}
+
+gscl_result gscl_renderer_read_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
+    size_t row = (size_t)r->width * (size_t)layout.channels * gscl_sample_size((gscl_sample)layout.sample);
+    size_t rows = (size_t)r->height, origin[3] = {0}, region[3] = {row, rows, 1};
+    cl_ulong plane = gscl_renderer_plane(r);
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->samples, row * rows));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "to_samples", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(r->context, kernel, gscl_chunk_groups(r->context, r->width, r->height, 64), 64,
+                         GSCL_ARG_BUFFER(r->image), GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane),
+                         GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples)));
+    if (stride == row)
+        return gscl_buffer_read(r->context, &r->samples, 0, pixels, row * rows);
+    GSCL_CL(r->context, clEnqueueReadBufferRect(r->context->queue, r->samples.memory, CL_TRUE, origin, origin, region,
+                                                row, 0, stride, 0, pixels, 0, NULL, NULL));
+    return GSCL_OK;
 }

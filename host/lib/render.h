@@ -15,6 +15,13 @@ typedef struct gscl_view {
     cl_int tiles_x, tiles_y;
 } gscl_view;
 
+/* Samples of an image in memory (mirrors `sample_layout` in cl/samples.cl). */
+typedef struct gscl_sample_layout {
+    cl_int channels;
+    cl_int sample;        /* gscl_sample, not AUTO */
+    cl_int premultiplied; /* 0 or 1 */
+} gscl_sample_layout;
+
 typedef struct gscl_renderer {
     gscl_context *context;
     gscl_kernel_options options;
@@ -26,6 +33,7 @@ typedef struct gscl_renderer {
     double crowd;         /* mean entries of a tile at the last exact binning */
     gscl_buffer params, steps, drawn, extents, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
+    gscl_buffer samples;
 } gscl_renderer;
 
 /* `renderer` may hold anything before. */
@@ -51,8 +59,10 @@ gscl_result gscl_renderer_project(gscl_renderer *renderer);
 gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
 /* Draws the binned splats into renderer->image: planes of width * height floats. */
 gscl_result gscl_renderer_draw(gscl_renderer *renderer);
-/* Project, bin, draw and read the planes (channels * width * height floats). */
-gscl_result gscl_renderer_planes(gscl_renderer *renderer, float *planes);
+/* All three. */
+gscl_result gscl_renderer_render(gscl_renderer *renderer);
+/* Turns what was drawn into `layout` and reads it, rows `stride` bytes apart. */
+gscl_result gscl_renderer_read_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
 
 /* Floats from the start of one plane of renderer->image to the next. */
 static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
