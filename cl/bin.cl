@@ -16,7 +16,7 @@ inline void rows_touched(__global const float *restrict drawn, __global const fl
     float half_width = extent[GSCL_EXTENT_HALF_WIDTH];
     float4 left = fmax(x0, -half_width), right = fmin(x0 + (float)(GSCL_TILE - 1), half_width);
     float slope = extent[GSCL_EXTENT_SLOPE], height2 = extent[GSCL_EXTENT_HEIGHT2], curve = extent[GSCL_EXTENT_CURVE];
-    float top_dx = extent[GSCL_EXTENT_TOP_DX];
+    float top_dx = extent[GSCL_EXTENT_SLOPE_X] * extent[GSCL_EXTENT_HALF_HEIGHT];
     float4 top = fmin(fmax((float4)(top_dx), left), right), bottom = fmin(fmax((float4)(-top_dx), left), right);
     float4 high = slope * top + sqrt(fmax(height2 - curve * top * top, 0.0f));
     float4 low = slope * bottom - sqrt(fmax(height2 - curve * bottom * bottom, 0.0f));

@@ -49,16 +49,16 @@
 #define GSCL_DRAWN_WAVE_AMPLITUDE 15
 #define GSCL_DRAWN 16
 
-/* The outline q = GSCL_SUPPORT ("extent" record, floats): half width and half height; dx of the highest
- * point; dy on the outline at a given dx: slope * dx +- sqrt(max(0, height2 - curve * dx^2)); and the like for dx at a
- * given dy, by top_dx / half_height, width2 and width2 / half_height^2. */
+/* The outline q = GSCL_SUPPORT ("extent" record, floats): half width and half height; dy on the outline at a given dx:
+ * slope * dx +- sqrt(max(0, height2 - curve * dx^2)), and likewise dx at a given dy. */
 #define GSCL_EXTENT_HALF_WIDTH 0
 #define GSCL_EXTENT_HALF_HEIGHT 1
-#define GSCL_EXTENT_TOP_DX 2
-#define GSCL_EXTENT_SLOPE 3
-#define GSCL_EXTENT_HEIGHT2 4
-#define GSCL_EXTENT_CURVE 5
+#define GSCL_EXTENT_SLOPE 2
+#define GSCL_EXTENT_HEIGHT2 3
+#define GSCL_EXTENT_CURVE 4
+#define GSCL_EXTENT_SLOPE_X 5
 #define GSCL_EXTENT_WIDTH2 6
+#define GSCL_EXTENT_CURVE_X 7
 #define GSCL_EXTENT 8
 
 /* An entry of a tile's list: splat number and the rows of the tile that its outline touches. */

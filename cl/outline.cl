@@ -7,14 +7,12 @@ typedef struct {
 
 inline outline outline_of(const appearance *a) {
     outline o;
-    float ratio = a->extent[GSCL_EXTENT_HALF_WIDTH] / a->extent[GSCL_EXTENT_HALF_HEIGHT];
-    float ratio2 = ratio * ratio; /* xx / yy turns the outline's dy(dx) into dx(dy) */
     o.x = a->drawn[GSCL_DRAWN_X];
     o.y = a->drawn[GSCL_DRAWN_Y];
     o.half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
-    o.slope = a->extent[GSCL_EXTENT_SLOPE] * ratio2;
-    o.width2 = a->extent[GSCL_EXTENT_HEIGHT2] * ratio2;
-    o.curve = a->extent[GSCL_EXTENT_CURVE] * ratio2 * ratio2;
+    o.slope = a->extent[GSCL_EXTENT_SLOPE_X];
+    o.width2 = a->extent[GSCL_EXTENT_WIDTH2];
+    o.curve = a->extent[GSCL_EXTENT_CURVE_X];
     return o;
 }
 

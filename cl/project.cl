@@ -84,12 +84,14 @@ inline appearance splat_appearance(splat s, view seen) {
     float xy = c * n * (s1 * s1 - s2 * s2);
     a.extent[GSCL_EXTENT_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
     a.extent[GSCL_EXTENT_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy);
-    a.extent[GSCL_EXTENT_TOP_DX] = a.extent[GSCL_EXTENT_HALF_HEIGHT] * (xy / yy);
     a.extent[GSCL_EXTENT_SLOPE] = xy / xx;
-    float ratio = s1 * s2 / xx; /* det / xx^2 without overflow */
-    a.extent[GSCL_EXTENT_HEIGHT2] = 2.0f * GSCL_SUPPORT * (s1 * (s1 / xx)) * (s2 * s2);
-    a.extent[GSCL_EXTENT_CURVE] = ratio * ratio;
-    a.extent[GSCL_EXTENT_WIDTH2] = 2.0f * GSCL_SUPPORT * (s1 * (s1 / yy)) * (s2 * s2);
+    a.extent[GSCL_EXTENT_SLOPE_X] = xy / yy;
+    float by_xx = s1 * (s1 / xx), by_yy = s1 * (s1 / yy); /* det / xx^2 and the like without overflow */
+    a.extent[GSCL_EXTENT_HEIGHT2] = 2.0f * GSCL_SUPPORT * by_xx * (s2 * s2);
+    a.extent[GSCL_EXTENT_WIDTH2] = 2.0f * GSCL_SUPPORT * by_yy * (s2 * s2);
+    float ratio_x = s1 * s2 / xx, ratio_y = s1 * s2 / yy;
+    a.extent[GSCL_EXTENT_CURVE] = ratio_x * ratio_x;
+    a.extent[GSCL_EXTENT_CURVE_X] = ratio_y * ratio_y;
     return a;
 }
 
@@ -113,14 +115,14 @@ inline int2 tiles_touched(__global const float *restrict drawn, __global const f
     float y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
     float low = fmax(y0, -half_height), high = fmin(y0 + (float)(GSCL_TILE - 1), half_height);
     if (!(low <= high)) return box.xy;
-    float right_dy = extent[GSCL_EXTENT_SLOPE] * half_width, slope = extent[GSCL_EXTENT_TOP_DX] / half_height;
-    float width2 = extent[GSCL_EXTENT_WIDTH2], curve = width2 / (half_height * half_height);
-    float dy1 = clamp(right_dy, low, high), dy0 = clamp(-right_dy, low, high);
-    float right = slope * dy1 + sqrt(fmax(width2 - curve * dy1 * dy1, 0.0f));
-    float left = slope * dy0 - sqrt(fmax(width2 - curve * dy0 * dy0, 0.0f));
+    /* dy of the leftmost and of the rightmost point, within the row */
+    float right_dy = extent[GSCL_EXTENT_SLOPE] * half_width;
+    float2 dy = clamp((float2)(-right_dy, right_dy), low, high);
+    float2 arc = sqrt(fmax(extent[GSCL_EXTENT_WIDTH2] - extent[GSCL_EXTENT_CURVE_X] * dy * dy, 0.0f));
+    float2 edges = extent[GSCL_EXTENT_SLOPE_X] * dy + (float2)(-arc.x, arc.y);
     float margin = slack * (1e-3f * (1.0f + half_width) + 1e-6f * fabs(drawn[GSCL_DRAWN_X]));
     /* clamped as floats: a giant's do not fit an int */
-    float2 edges = drawn[GSCL_DRAWN_X] + (float2)(fmax(left, -half_width) - margin, fmin(right, half_width) + margin);
+    edges = drawn[GSCL_DRAWN_X] + clamp(edges, -half_width, half_width) + (float2)(-margin, margin);
     edges = clamp(floor(edges * (1.0f / GSCL_TILE)), (float)box.x, (float)box.y);
     return (int2)((int)edges.x, (int)edges.y);
 }
@@ -133,7 +135,7 @@ inline void splat_project(splat s, view seen, int i, __global float *restrict dr
 #if TEXTURE
     for (int k = GSCL_DRAWN_WAVE_X; k < GSCL_DRAWN; k++) drawn[(size_t)i * GSCL_DRAWN + k] = a.drawn[k];
 #endif
-    for (int k = 0; k <= GSCL_EXTENT_WIDTH2; k++) extents[(size_t)i * GSCL_EXTENT + k] = a.extent[k];
+    for (int k = 0; k < GSCL_EXTENT; k++) extents[(size_t)i * GSCL_EXTENT + k] = a.extent[k];
     boxes[i] = appearance_tiles(&a, seen);
 }
 
