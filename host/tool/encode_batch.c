@@ -1,6 +1,7 @@
 #define _DEFAULT_SOURCE /* strdup, access */
 #include "encode_batch.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,10 +18,31 @@
 
 #define SUFFIX ".gscl"
 
+/* Images that are encoded at a time: what one does on the host alone, the other fills with kernels. */
+#define JOBS 2
+#define LARGE_IMAGE (4u << 20) /* pixels: a larger one takes the memory of both */
+
+/* An image on its way.  Its thread does nothing but encode: files and messages are the main thread's. */
+typedef struct encode_job {
+    gscl_context *context; /* opened for the first image that can be read, and kept */
+    const char *input;
+    gscl_image image;
+    output_file output;
+    gscl_encode_settings settings;
+    progress_line line;
+    pthread_t thread;
+    int status; /* exit code, where the thread was not started */
+    bool started;
+    uint8_t *bytes;
+    size_t size;
+    gscl_encode_report report;
+    gscl_result result;
+} encode_job;
+
 /* What changes while a batch runs. */
 typedef struct batch_state {
     const encode_batch *batch;
-    gscl_context *context; /* opened for the first image that can be read */
+    encode_job jobs[JOBS];
     json_writer json;
     bool stop; /* a failure that all further inputs would share, or a signal */
 } batch_state;
@@ -113,69 +135,96 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_close_object(json);
 }
 
-/* Encodes with a progress line; the signal handler leaves winding up to the library meanwhile. */
-static gscl_result encode_image(batch_state *state, const char *input, const gscl_image *image, uint8_t **bytes,
-                                size_t *size, gscl_encode_report *report) {
-    const encode_batch *batch = state->batch;
-    gscl_encode_settings settings = batch->settings;
-    progress_line line;
-    progress_start(&line, input, batch->quiet || batch->choice.verbose);
-    settings.progress = progress_update;
-    settings.progress_opaque = &line;
-    interrupt_set_patient(true);
-    const gscl_result result = gscl_encode(state->context, image, &settings, bytes, size, report);
-    interrupt_set_patient(false);
-    progress_finish(&line);
-    /* A signal may come too late for the library to see it. */
-    if (result == GSCL_OK && interrupt_pending()) {
-        gscl_free(*bytes);
-        return GSCL_ERROR_CANCELLED;
-    }
-    return result;
+static void *encode(void *opaque) {
+    encode_job *job = opaque;
+    job->result = gscl_encode(job->context, &job->image, &job->settings, &job->bytes, &job->size, &job->report);
+    return NULL;
 }
 
-/* Encodes into `output`, which is closed in any case.  Returns the exit code. */
-static int encode_to(batch_state *state, const char *input, const gscl_image *image, output_file *output) {
-    uint8_t *bytes;
-    size_t size;
-    gscl_encode_report report;
-    const gscl_result result = encode_image(state, input_label(input), image, &bytes, &size, &report);
-    if (result != GSCL_OK) {
-        output_discard(output);
-        state->stop = interrupt_pending() != 0;
-        return report_result(state->context, input_label(input), result);
+/* Starts the thread; the signal handler leaves winding up to the library meanwhile. */
+static bool start_thread(batch_state *state, encode_job *job) {
+    const encode_batch *batch = state->batch;
+    job->settings = batch->settings;
+    progress_start(&job->line, input_label(job->input), batch->quiet || batch->choice.verbose);
+    job->settings.progress = progress_update;
+    job->settings.progress_opaque = &job->line;
+    interrupt_set_patient(true);
+    job->started = pthread_create(&job->thread, NULL, encode, job) == 0;
+    if (!job->started) {
+        output_discard(&job->output);
+        report_error(input_label(job->input), "cannot be encoded: no thread could be started");
     }
-    output_write(output, bytes, size);
-    gscl_free(bytes);
-    if (!output_commit(output))
+    return job->started;
+}
+
+/* Begins with an image; what goes wrong is reported and left in job->status. */
+static void start_job(batch_state *state, encode_job *job, const char *input, const char *output_name) {
+    job->input = input;
+    job->status = EXIT_FAILURE;
+    job->started = false;
+    if (!image_read(input, &job->image))
+        return;
+    if (!job->context) {
+        job->status = open_device(&state->batch->choice, &job->context);
+        state->stop = job->status != EXIT_SUCCESS;
+    }
+    if (job->context && (!output_open(&job->output, output_name) || !start_thread(state, job)))
+        job->status = EXIT_FAILURE;
+    if (!job->started)
+        free(job->image.pixels);
+}
+
+/* Writes what the thread has left.  Returns the exit code. */
+static int write_output(batch_state *state, encode_job *job) {
+    if (job->result != GSCL_OK) {
+        output_discard(&job->output);
+        return report_result(job->context, input_label(job->input), job->result);
+    }
+    output_write(&job->output, job->bytes, job->size);
+    gscl_free(job->bytes);
+    if (!output_commit(&job->output))
         return EXIT_FAILURE;
-    print_report(state, input_label(input), output->label, image, &report);
+    print_report(state, input_label(job->input), job->output.label, &job->image, &job->report);
     return EXIT_SUCCESS;
 }
 
-static int encode_file(batch_state *state, const char *input, const char *output_name) {
-    gscl_image image;
-    output_file output;
-    int status = EXIT_FAILURE;
-    if (!image_read(input, &image))
-        return EXIT_FAILURE;
-    if (!state->context) {
-        status = open_device(&state->batch->choice, &state->context);
-        state->stop = status != EXIT_SUCCESS;
+/* Waits for the image to be done.  Returns the exit code. */
+static int finish_job(batch_state *state, encode_job *job, bool is_last) {
+    if (!job->started)
+        return job->status;
+    pthread_join(job->thread, NULL);
+    if (is_last)
+        interrupt_set_patient(false);
+    progress_finish(&job->line);
+    /* A signal may come too late for the library to see it. */
+    if (job->result == GSCL_OK && interrupt_pending()) {
+        gscl_free(job->bytes);
+        job->result = GSCL_ERROR_CANCELLED;
     }
-    if (state->context)
-        status = output_open(&output, output_name) ? encode_to(state, input, &image, &output) : EXIT_FAILURE;
-    free(image.pixels);
+    state->stop = state->stop || interrupt_pending() != 0;
+    const int status = write_output(state, job);
+    free(job->image.pixels);
     return status;
 }
 
 /* ---- All images -------------------------------------------------------------------------------- */
 
+/* How many images may be on their way.  The first is alone: it has the kernels built that all others share. */
+static int jobs_allowed(const batch_state *state, int started, int finished) {
+    const gscl_image *last = &state->jobs[(started + JOBS - 1) % JOBS].image;
+    return finished == 0 || (uint64_t)last->width * last->height > LARGE_IMAGE ? 1 : JOBS;
+}
+
 static int encode_files(batch_state *state, char *const *names) {
     const encode_batch *batch = state->batch;
-    int status = EXIT_SUCCESS;
-    for (int i = 0; i < batch->count && !state->stop; i++) {
-        const int one = encode_file(state, batch->inputs[i], names[i]);
+    int status = EXIT_SUCCESS, started = 0, finished = 0;
+    while (finished < started || (started < batch->count && !state->stop)) {
+        while (started < batch->count && !state->stop && started - finished < jobs_allowed(state, started, finished)) {
+            start_job(state, &state->jobs[started % JOBS], batch->inputs[started], names[started]);
+            started++;
+        }
+        const int one = finish_job(state, &state->jobs[finished % JOBS], started == finished + 1);
+        finished++;
         status = one != EXIT_SUCCESS ? one : status;
     }
     return status;
@@ -198,7 +247,8 @@ int encode_batch_run(const encode_batch *batch) {
         if (as_array)
             json_close_array(&state.json);
     }
-    gscl_context_free(&state.context);
+    for (int i = 0; i < JOBS; i++)
+        gscl_context_free(&state.jobs[i].context);
     free_names(names, batch->count);
     return status;
 }

@@ -1,4 +1,4 @@
-/* Encoding one image or many on one context. */
+/* Encoding one image or many on one device. */
 #ifndef GSCL_TOOL_ENCODE_BATCH_H
 #define GSCL_TOOL_ENCODE_BATCH_H
 

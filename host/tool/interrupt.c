@@ -6,19 +6,23 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
+
+#define MAX_GUARDED 4
 
 /* Signals are blocked in every thread and fetched by one of our own: compilers inside OpenCL drivers install signal
  * handlers while they work, which would else end the program in their own way. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all below */
 static sigset_t waited;
-static char guarded_path[PATH_MAX]; /* empty: none */
+static char guarded_paths[MAX_GUARDED][PATH_MAX]; /* empty: none */
 static bool is_patient;
 static int pending;
 
 static void end(int number) {
-    if (guarded_path[0])
-        unlink(guarded_path);
+    for (int i = 0; i < MAX_GUARDED; i++)
+        if (guarded_paths[i][0])
+            unlink(guarded_paths[i]);
     _exit(128 + number);
 }
 
@@ -60,16 +64,21 @@ void interrupt_install(void) {
 
 int interrupt_make_guarded(char *pattern) {
     pthread_mutex_lock(&lock);
+    int i = 0;
+    while (i + 1 < MAX_GUARDED && guarded_paths[i][0])
+        i++;
     const int file = mkstemp(pattern);
     if (file >= 0)
-        snprintf(guarded_path, sizeof guarded_path, "%s", pattern);
+        snprintf(guarded_paths[i], sizeof guarded_paths[i], "%s", pattern);
     pthread_mutex_unlock(&lock);
     return file;
 }
 
-void interrupt_release_guarded(void) {
+void interrupt_release_guarded(const char *path) {
     pthread_mutex_lock(&lock);
-    guarded_path[0] = '\0';
+    for (int i = 0; i < MAX_GUARDED; i++)
+        if (strcmp(guarded_paths[i], path) == 0)
+            guarded_paths[i][0] = '\0';
     pthread_mutex_unlock(&lock);
 }
 

@@ -4,16 +4,16 @@
 
 #include <stdbool.h>
 
-/* From here on SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the guarded file and end the program with 128 + signal;
+/* From here on SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the guarded files and end the program with 128 + signal;
  * a file that grows beyond the process's limit is an error of the write.  To be called before any other thread
  * starts. */
 void interrupt_install(void);
 
-/* Makes and opens a temporary file as mkstemp() does, which a signal removes from then on. */
+/* Makes and opens a temporary file as mkstemp() does, which a signal removes from then on: up to four at a time. */
 int interrupt_make_guarded(char *pattern);
 
-/* The file is finished, or gone: nothing is guarded any more. */
-void interrupt_release_guarded(void);
+/* The file is finished, or gone: it is guarded no more. */
+void interrupt_release_guarded(const char *path);
 
 /* While patient, the first signal is only noted, for a long computation to see and wind up by itself;
  * a second one ends the program at once. */

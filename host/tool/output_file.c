@@ -119,7 +119,8 @@ static void close_stream(output_file *output) {
 }
 
 static void release(output_file *output) {
-    interrupt_release_guarded();
+    if (output->temporary)
+        interrupt_release_guarded(output->temporary);
     free(output->temporary);
     free(output->target);
     output->temporary = output->target = NULL;

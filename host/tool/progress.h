@@ -1,4 +1,4 @@
-/* The progress line of a long computation, on a terminal only. */
+/* The progress line of a long computation, on a terminal only.  Of several at a time one is shown. */
 #ifndef GSCL_TOOL_PROGRESS_H
 #define GSCL_TOOL_PROGRESS_H
 
