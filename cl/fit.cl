@@ -144,7 +144,13 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     float py = (float)p.y + 0.5f;
     canvas c;
     canvas_begin(&c, background);
-    canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x);
+#if KEPT_ROWS
+    pix kept[KEPT_ROWS];
+#else
+    pix *kept = NULL;
+#endif
+    int row = 0;
+    canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, kept);
     canvas_end(&c, background);
     chain b;
     pix loss = chain_begin(&b, &c, p, picture, width, plane, gain);
@@ -163,7 +169,8 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         splat_weight s;
         weigh_begin(&s, dx, dy + (float)first, drawn);
         for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
-            weigh(&s);
+            if (row < KEPT_ROWS) weigh_again(&s, kept[row++]);
+            else weigh(&s);
             slot_add_row(sums, &b, r, s, dx, dy + (float)r, drawn);
         }
         __global float *slot = slots + (size_t)j * SLOT;

@@ -18,6 +18,17 @@ inline void weigh(splat_weight *s) {
     s->weight = fmax(s->gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
+inline void weigh_again(splat_weight *s, pix gauss) {
+    s->gauss = gauss;
+    s->weight = fmax(gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
+}
+
+/* A fit sees each row of each splat twice, forward and backward in the same order: KEPT_ROWS Gaussians of a tile are
+ * kept from the first time to the second.  0: none. */
+#ifndef KEPT_ROWS
+#define KEPT_ROWS 0
+#endif
+
 /* Goes on to the next row. */
 inline void weigh_next(splat_weight *s, __global const float *restrict drawn) {
     s->u += drawn[GSCL_DRAWN_UY];
@@ -63,9 +74,10 @@ inline void canvas_begin(canvas *c, __constant float *background) {
     }
 }
 
-/* Adds a tile's splats.  `alpha` goes from the front (the last stored) to the back. */
+/* Adds a tile's splats; `kept`: KEPT_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the back. */
 inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const float *restrict splats,
-                         __global const uint *restrict entries, int count) {
+                         __global const uint *restrict entries, int count, pix *restrict kept) {
+    int row = 0;
     for (int i = 0; i < count; i++) {
         uint entry = entries[BLEND == GSCL_ALPHA ? count - 1 - i : i];
         __global const float *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
@@ -80,6 +92,7 @@ inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const f
         weigh_begin(&s, dx, dy + (float)first, drawn);
         for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
             weigh(&s);
+            if (row < KEPT_ROWS) kept[row++] = s.gauss;
             pix w = WITH_OPACITY(s.weight, drawn);
 #if BLEND == GSCL_ALPHA
             w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->rest[r];
@@ -144,7 +157,7 @@ __kernel void raster_forward(__global const float *restrict splats, __global con
     int2 range = tile_ranges[p.tile];
     canvas_begin(&c, background);
     canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
-                 range.y - range.x);
+                 range.y - range.x, NULL);
     canvas_end(&c, background);
     for (int r = 0; r < p.rows; r++) UNROLL
     for (int k = 0; k < CHANNELS; k++)

@@ -229,7 +229,7 @@ __kernel void refine_begin(__global const float *restrict splats, __global const
     int2 range = tile_ranges[p.tile];
     canvas_begin(&c, background);
     canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
-                 range.y - range.x);
+                 range.y - range.x, NULL);
     for (int r = 0; r < p.rows; r++) pix_store_clipped(c.rest[r], weights + (size_t)(p.y + r) * width + p.x, p.lanes);
     canvas_end(&c, background);
     for (int r = 0; r < p.rows; r++)

@@ -40,6 +40,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
 /* The two mappings of pixels to work-items (cl/pixel.cl). */
 #define CPU_LANES 16
 #define CPU_ROWS 16
+#define CPU_KEPT_ROWS 512 /* 32 KB of a work-item's own memory */
 #define GPU_LANES 4
 #define GPU_ROWS 1
 
@@ -73,7 +74,8 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     if (fits || kind == GSCL_PROGRAM_REFINE)
         length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);
     if (fits)
-        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d", options->loss);
+        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d -DKEPT_ROWS=%d", options->loss,
+                 context->gpu_mapping ? 0 : CPU_KEPT_ROWS);
 }
 
 static const struct gscl_kernel_source *find_source(const char *name) {
