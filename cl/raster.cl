@@ -147,6 +147,15 @@ inline place place_of(int tiles_x, int width, int height) {
     return p;
 }
 
+/* Draws a tile. */
+inline void canvas_draw(canvas *c, place p, __global const float *restrict splats,
+                        __global const uint *restrict entries, int2 range, __constant float *background) {
+    canvas_begin(c, background);
+    canvas_blend(c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
+                 range.y - range.x, NULL);
+    canvas_end(c, background);
+}
+
 /* Draws all tiles into CHANNELS planes of `plane` floats, rows of `width` floats.
  * `origin_y` moves the drawing up: row 0 of the image is row origin_y of the picture (bands). */
 __kernel void raster_forward(__global const float *restrict splats, __global const uint *restrict entries,
@@ -154,11 +163,7 @@ __kernel void raster_forward(__global const float *restrict splats, __global con
                              __global float *restrict image, int width, int height, int tiles_x, ulong plane) {
     place p = place_of(tiles_x, width, height);
     canvas c;
-    int2 range = tile_ranges[p.tile];
-    canvas_begin(&c, background);
-    canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
-                 range.y - range.x, NULL);
-    canvas_end(&c, background);
+    canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);
     for (int r = 0; r < p.rows; r++) UNROLL
     for (int k = 0; k < CHANNELS; k++)
         pix_store_clipped(c.colour[k][r], image + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);

@@ -1,4 +1,4 @@
-/* From planes to the samples of an image in memory: clamped, straight or premultiplied, interleaved. */
+/* Drawing straight into the samples of an image in memory: clamped, straight or premultiplied, interleaved. */
 
 #define SAMPLE_U8 1 /* gscl_sample */
 #define SAMPLE_U16 2
@@ -24,16 +24,11 @@ inline void store_samples(pix value, int sample, __global uchar *restrict to, si
     }
 }
 
-/* A clamped vector of plane k. */
-inline pix plane_values(__global const float *restrict planes, int k, ulong plane, size_t from, int count) {
-    return clamp(pix_load_clipped(planes + k * plane + from, count), 0.0f, 1.0f);
-}
-
 #if COLOURS == 3 && !ALPHA_CHANNEL && LANES == 16
 /* What most pictures are: 16 pixels of 8-bit RGB. */
-inline void store_rgb8(pix red, pix green, pix blue, __global uchar *restrict to) {
-    uchar16 r = convert_uchar16(red * 255.0f + 0.5f), g = convert_uchar16(green * 255.0f + 0.5f),
-            b = convert_uchar16(blue * 255.0f + 0.5f);
+inline void store_rgb8(const pix *values, __global uchar *restrict to) {
+    uchar16 r = convert_uchar16(values[0] * 255.0f + 0.5f), g = convert_uchar16(values[1] * 255.0f + 0.5f),
+            b = convert_uchar16(values[2] * 255.0f + 0.5f);
     vstore16((uchar16)(r.s0, g.s0, b.s0, r.s1, g.s1, b.s1, r.s2, g.s2, b.s2, r.s3, g.s3, b.s3, r.s4, g.s4, b.s4, r.s5),
              0, to);
     vstore16((uchar16)(g.s5, b.s5, r.s6, g.s6, b.s6, r.s7, g.s7, b.s7, r.s8, g.s8, b.s8, r.s9, g.s9, b.s9, r.sa, g.sa),
@@ -43,33 +38,46 @@ inline void store_rgb8(pix red, pix green, pix blue, __global uchar *restrict to
 }
 #endif
 
-/* One work-item: LANES pixels of a row. */
-__kernel void to_samples(__global const float *restrict planes, int width, int rows, ulong plane, sample_layout layout,
-                         __global uchar *restrict samples) {
-    int chunks = (width + LANES - 1) / LANES, i = (int)get_global_id(0);
-    int x = i % chunks * LANES, y = i / chunks;
-    if (y >= rows) return;
-    int count = min(width - x, LANES), colours = layout.channels >= 3 ? 3 : 1;
-    size_t from = (size_t)y * width + x, to = from * layout.channels;
+/* Stores `count` pixels, given as vectors of each channel, from pixel `first` of the image on. */
+inline void store_pixels(pix *restrict values, sample_layout layout, __global uchar *restrict samples, size_t first,
+                         int count) {
+    int colours = layout.channels >= 3 ? 3 : 1;
+    size_t to = first * layout.channels;
+    pix alpha = (pix)(1.0f);
+    UNROLL
+    for (int k = 0; k < CHANNELS; k++) values[k] = clamp(values[k], 0.0f, 1.0f);
 #if COLOURS == 3 && !ALPHA_CHANNEL && LANES == 16
-    if (layout.sample == SAMPLE_U8 && layout.channels == 3 && count == LANES) {
-        store_rgb8(plane_values(planes, 0, plane, from, LANES), plane_values(planes, 1, plane, from, LANES),
-                   plane_values(planes, 2, plane, from, LANES), samples + to);
+    if (layout.sample == SAMPLE_U8 && layout.channels == 3 && count >= LANES) {
+        store_rgb8(values, samples + to);
         return;
     }
 #endif
-    pix alpha = (pix)(1.0f);
 #if ALPHA_CHANNEL
-    alpha = plane_values(planes, COLOURS, plane, from, count);
-#endif
-    for (int k = 0; k < colours; k++) {
-        pix c = plane_values(planes, COLOURS == 3 ? k : 0, plane, from, count);
-#if ALPHA_CHANNEL
-        c = fmin(c, alpha);
-        if (!layout.premultiplied) c = select((pix)(0.0f), c / alpha, alpha > (pix)(0.0f));
-#endif
-        store_samples(c, layout.sample, samples, to + k, layout.channels, count);
+    alpha = values[COLOURS];
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) {
+        values[k] = fmin(values[k], alpha);
+        if (!layout.premultiplied) values[k] = select((pix)(0.0f), values[k] / alpha, alpha > (pix)(0.0f));
     }
+#endif
+    for (int k = 0; k < colours; k++)
+        store_samples(values[COLOURS == 3 ? k : 0], layout.sample, samples, to + k, layout.channels, count);
     if (layout.channels == 2 || layout.channels == 4)
         store_samples(alpha, layout.sample, samples, to + colours, layout.channels, count);
+}
+
+/* As raster_forward, into an image in memory with packed rows. */
+__kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
+                             __global const int2 *restrict tile_ranges, __constant float *background, int width,
+                             int height, int tiles_x, sample_layout layout, __global uchar *restrict samples) {
+    place p = place_of(tiles_x, width, height);
+    canvas c;
+    canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);
+    if (p.lanes <= 0) return;
+    for (int r = 0; r < p.rows; r++) {
+        pix values[CHANNELS];
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) values[k] = c.colour[k][r];
+        store_pixels(values, layout, samples, (size_t)(p.y + r) * width + p.x, min(p.lanes, LANES));
+    }
 }

@@ -9,7 +9,7 @@
 #include "resize.h"
 #include "timing.h"
 
-#define BAND_FLOATS (16u << 20) /* largest image buffer of a band: 64 MiB */
+#define BAND_SAMPLES (16u << 20) /* of a band: 64 MiB of floats */
 
 void gscl_decode_settings_default(gscl_decode_settings *settings) {
     if (settings)
@@ -78,17 +78,14 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
 /* Draws the frame band by band, so that no buffer grows with the picture. */
 static gscl_result draw_bands(gscl_renderer *r, const frame *f, const gscl_image *image) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
-    uint32_t rows = (uint32_t)(BAND_FLOATS / ((size_t)f->width * (size_t)r->channels) / GSCL_TILE * GSCL_TILE);
+    uint32_t rows = (uint32_t)(BAND_SAMPLES / ((size_t)f->width * image->channels) / GSCL_TILE * GSCL_TILE);
     if (rows < GSCL_TILE)
         rows = GSCL_TILE;
     for (uint32_t y = 0; y < f->height; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;
         size_t stride = gscl_image_stride(image);
-        gscl_stage(r->context, "draw");
         GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n));
-        GSCL_TRY(gscl_renderer_render(r));
-        gscl_stage(r->context, "samples");
-        GSCL_TRY(gscl_renderer_read_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
+        GSCL_TRY(gscl_renderer_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
     }
     return GSCL_OK;
 }

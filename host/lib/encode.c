@@ -9,7 +9,7 @@
 #include "quantise.h"
 #include "timing.h"
 
-#define FIT_PIXELS (1u << 24) /* larger images are fitted at a smaller level; the splats draw at any size */
+#define FIT_PIXELS (1u << 25) /* larger images are fitted at a smaller level; the splats draw at any size */
 #define AUTO_BPP 0.125        /* GSCL_TARGET_AUTO: this many bits per pixel, */
 #define AUTO_BYTES 256.0      /* but at least so many bytes */
 #define FEW_SPLATS 2          /* so few may be worse than none */

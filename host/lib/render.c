@@ -156,16 +156,22 @@ gscl_result gscl_renderer_render(gscl_renderer *r) {
     return gscl_renderer_draw(r);
 }
 
-gscl_result gscl_renderer_read_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
+static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_samples", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
+                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG(r->width),
+                       GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
+}
+
+gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
     size_t row = (size_t)r->width * (size_t)layout.channels * gscl_sample_size((gscl_sample)layout.sample);
     size_t rows = (size_t)r->height, origin[3] = {0}, region[3] = {row, rows, 1};
-    cl_ulong plane = gscl_renderer_plane(r);
-    cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->samples, row * rows));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "to_samples", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(r->context, kernel, gscl_chunk_groups(r->context, r->width, r->height, 64), 64,
-                         GSCL_ARG_BUFFER(r->image), GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane),
-                         GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples)));
+    GSCL_TRY(gscl_renderer_project(r));
+    GSCL_TRY(gscl_renderer_bin(r, true));
+    GSCL_TRY(launch_samples(r, layout));
     if (stride == row)
         return gscl_buffer_read(r->context, &r->samples, 0, pixels, row * rows);
     GSCL_CL(r->context, clEnqueueReadBufferRect(r->context->queue, r->samples.memory, CL_TRUE, origin, origin, region,

@@ -61,8 +61,8 @@ gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
 gscl_result gscl_renderer_draw(gscl_renderer *renderer);
 /* All three. */
 gscl_result gscl_renderer_render(gscl_renderer *renderer);
-/* Turns what was drawn into `layout` and reads it, rows `stride` bytes apart. */
-gscl_result gscl_renderer_read_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
+/* Likewise, but straight into an image in memory, rows `stride` bytes apart. */
+gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
 
 /* Floats from the start of one plane of renderer->image to the next. */
 static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
