@@ -71,8 +71,8 @@ static uint32_t mix(const gsf_chroma_channel *channel, const uint16_t *residual,
     uint32_t total = 0;
     const uint32_t plain_scale = channel->plain_weight * 16384u / channel->plain.total;
     const uint32_t residual_scale = (MIX_ONE - channel->plain_weight) * 16384u / residual_total;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint64_t sum = (uint64_t)channel->plain.freq[i] * plain_scale + (uint64_t)residual[i] * residual_scale;
+    for (uint32_t i = 0; i < count; i++) { /* at most 2^30: a frequency is no more than its total */
+        const uint32_t sum = channel->plain.freq[i] * plain_scale + residual[i] * residual_scale;
         freq[i] = (uint16_t)(1 + (sum >> 15));
         total += freq[i];
     }
@@ -95,7 +95,7 @@ static int16_t code_channel(gsf_coder *coder, gsf_chroma_channel *channel, int32
     const uint32_t shift = (uint32_t)(levels - around);
     const uint16_t *residual = channel->residual.freq + shift;
     const uint32_t residual_total = sum(residual, count);
-    uint16_t freq[MAX_CODES] = {0};
+    uint16_t freq[MAX_CODES];
     const uint32_t total = mix(channel, residual, residual_total, freq);
     const uint32_t value = gsf_code_symbol(coder, (uint32_t)(code + levels), freq, count, total);
     learn_weight(channel, channel->plain.freq[value] * 16384u / channel->plain.total + 1,

@@ -62,7 +62,7 @@ static void code_interval(gsf_coder *coder, uint32_t cum, uint32_t freq, uint32_
     coder->stream_bits256[coder->stream] += gsf_cost256(freq, total);
 }
 
-#define STRIDE 16
+#define STRIDE 8
 
 /* The symbol whose interval contains `target`; *cum is where the interval starts. */
 static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t target, uint32_t *cum) {
@@ -92,6 +92,15 @@ uint32_t gsf_code_symbol(gsf_coder *coder, uint32_t value, const uint16_t *freq,
             cum += freq[i];
     }
     code_interval(coder, cum, freq[value], total);
+    return value;
+}
+
+uint32_t gsf_code_either(gsf_coder *coder, uint32_t value, uint32_t first, uint32_t total) {
+    if (coder->decoding)
+        value = !gsf_range_decode_first(&coder->decoder, first, total);
+    else
+        gsf_range_encode(&coder->encoder, value ? first : 0, value ? total - first : first, total);
+    coder->stream_bits256[coder->stream] += gsf_cost256(value ? total - first : first, total);
     return value;
 }
 

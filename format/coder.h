@@ -23,6 +23,8 @@ bool gsf_coder_starved(const gsf_coder *coder);
 
 /* A value below `count`, symbol frequencies `freq[0..count)` that add up to `total`. */
 uint32_t gsf_code_symbol(gsf_coder *coder, uint32_t value, const uint16_t *freq, uint32_t count, uint32_t total);
+/* The same for two symbols, of which the one for 0 owns `first`. */
+uint32_t gsf_code_either(gsf_coder *coder, uint32_t value, uint32_t first, uint32_t total);
 /* A value below `count`, 1 <= count <= GSF_MAX_TOTAL, all equally likely. */
 uint32_t gsf_code_uniform(gsf_coder *coder, uint32_t value, uint32_t count);
 /* A value of `bits` bits, at most 16. */

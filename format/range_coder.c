@@ -74,13 +74,27 @@ uint32_t gsf_range_decode_target(gsf_range_decoder *decoder, uint32_t total) {
     return target < total ? target : total - 1;
 }
 
-void gsf_range_decode_consume(gsf_range_decoder *decoder, uint32_t cum, uint32_t freq, uint32_t total) {
-    decoder->code -= cum * decoder->unit;
-    decoder->range = narrowed(decoder->range, decoder->unit, cum, freq, total);
+static void fill_range(gsf_range_decoder *decoder) {
     while (decoder->range < TOP) {
         decoder->range <<= 8;
         decoder->code = decoder->code << 8 | next_byte(decoder);
     }
+}
+
+void gsf_range_decode_consume(gsf_range_decoder *decoder, uint32_t cum, uint32_t freq, uint32_t total) {
+    decoder->code -= cum * decoder->unit;
+    decoder->range = narrowed(decoder->range, decoder->unit, cum, freq, total);
+    fill_range(decoder);
+}
+
+bool gsf_range_decode_first(gsf_range_decoder *decoder, uint32_t first, uint32_t total) {
+    const uint32_t bound = first * (decoder->range / total);
+    const bool is_first = decoder->code < bound;
+    const uint32_t mask = (uint32_t)is_first - 1; /* all ones for the second */
+    decoder->range = is_first ? bound : decoder->range - bound;
+    decoder->code -= bound & mask;
+    fill_range(decoder);
+    return is_first;
 }
 
 bool gsf_range_decoder_starved(const gsf_range_decoder *decoder) {

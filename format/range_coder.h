@@ -42,6 +42,9 @@ void gsf_range_encoder_finish(gsf_range_encoder *encoder);
 void gsf_range_decoder_init(gsf_range_decoder *decoder, const uint8_t *bytes, size_t size);
 /* The number in 0..total-1 that the next symbol's [cum, cum + freq) contains. */
 uint32_t gsf_range_decode_target(gsf_range_decoder *decoder, uint32_t total);
+/* Decodes one of two symbols that own `first` and the rest of `total`; true: the first.  For both at once, without a
+ * branch on which it is. */
+bool gsf_range_decode_first(gsf_range_decoder *decoder, uint32_t first, uint32_t total);
 /* Removes the symbol that was found with the target, of the same total. */
 void gsf_range_decode_consume(gsf_range_decoder *decoder, uint32_t cum, uint32_t freq, uint32_t total);
 /* More bytes were wanted than any complete payload lacks. */

@@ -30,21 +30,8 @@ static uint32_t likeliest(const urn *u) {
     return (uint32_t)((excess + slope - 1) / slope);
 }
 
-/* fill_table for one ball, which most urns hold: the likelier side weighs PEAK. */
-static uint32_t fill_pair(const urn *u, uint16_t *freq) {
-    const bool left = u->left > u->right;
-    const uint64_t less = left ? PEAK * u->right / u->left : PEAK * u->left / u->right, sum = PEAK + less;
-    const uint64_t share = PEAK * (GSF_MAX_TOTAL - 2) / sum;
-    const bool whole = share * sum == PEAK * (GSF_MAX_TOTAL - 2); /* else both shares are rounded down */
-    freq[left] = (uint16_t)(1 + share);
-    freq[!left] = (uint16_t)(1 + GSF_MAX_TOTAL - 2 - share - !whole);
-    return (uint32_t)freq[0] + freq[1];
-}
-
 /* Frequencies of 0..n; returns their sum. */
 static uint32_t fill_table(const urn *u, uint16_t *freq) {
-    if (u->n == 1)
-        return fill_pair(u, freq);
     uint64_t weight[MAX_TABLE + 1], sum = PEAK;
     const uint32_t n = (uint32_t)u->n, peak = likeliest(u);
     weight[peak] = PEAK;
@@ -61,6 +48,15 @@ static uint32_t fill_table(const urn *u, uint16_t *freq) {
     return total;
 }
 
+/* An urn of one ball, which most are: what fill_table and gsf_code_symbol come to.  The likelier side weighs PEAK. */
+static uint32_t code_ball(gsf_coder *coder, uint32_t value, const urn *u) {
+    const bool left = u->left > u->right;
+    const uint64_t less = left ? PEAK * u->right / u->left : PEAK * u->left / u->right, sum = PEAK + less;
+    const uint64_t shared = PEAK * (GSF_MAX_TOTAL - 2), share = shared / sum;
+    const uint32_t rest = (uint32_t)(GSF_MAX_TOTAL - 2 - share - (share * sum != shared)); /* both are rounded down */
+    return gsf_code_either(coder, value, 1 + (left ? rest : (uint32_t)share), 2 + (uint32_t)share + rest);
+}
+
 uint32_t gsf_code_urn(gsf_coder *coder, uint32_t left, uint32_t n, uint32_t left_weight, uint32_t right_weight) {
     unsigned shift = 0; /* low bits of the count that are coded as they are */
     while (n >> shift > MAX_TABLE)
@@ -70,6 +66,8 @@ uint32_t gsf_code_urn(gsf_coder *coder, uint32_t left, uint32_t n, uint32_t left
         right_weight = (right_weight + 1) / 2;
     }
     const urn u = {n >> shift, left_weight, right_weight};
+    if (n == 1)
+        return code_ball(coder, left, &u);
     uint16_t freq[MAX_TABLE + 1];
     const uint32_t total = fill_table(&u, freq);
     const uint32_t base = gsf_code_symbol(coder, left >> shift, freq, (n >> shift) + 1, total) << shift;
