@@ -13,19 +13,25 @@ inline void rows_touched(__global const float *restrict drawn, __global const fl
     float4 x0 =
         (float4)(0, GSCL_TILE, 2 * GSCL_TILE, 3 * GSCL_TILE) + ((float)(tx * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_X]);
     float y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
-    float half_width = extent[GSCL_EXTENT_HALF_WIDTH];
-    float4 left = fmax(x0, -half_width), right = fmin(x0 + (float)(GSCL_TILE - 1), half_width);
+    float half_height = extent[GSCL_EXTENT_HALF_HEIGHT];
+    float4 half_width = (float4)(extent[GSCL_EXTENT_HALF_WIDTH]), zero = (float4)(0.0f);
+    float4 left = LARGER(x0, -half_width), right = LESSER(x0 + (float)(GSCL_TILE - 1), half_width);
     float slope = extent[GSCL_EXTENT_SLOPE], height2 = extent[GSCL_EXTENT_HEIGHT2], curve = extent[GSCL_EXTENT_CURVE];
-    float top_dx = extent[GSCL_EXTENT_SLOPE_X] * extent[GSCL_EXTENT_HALF_HEIGHT];
-    float4 top = fmin(fmax((float4)(top_dx), left), right), bottom = fmin(fmax((float4)(-top_dx), left), right);
-    float4 high = slope * top + sqrt(fmax(height2 - curve * top * top, 0.0f));
-    float4 low = slope * bottom - sqrt(fmax(height2 - curve * bottom * bottom, 0.0f));
+    float4 top_dx = (float4)(extent[GSCL_EXTENT_SLOPE_X] * half_height), top = LARGER(top_dx, left),
+           bottom = LARGER(-top_dx, left);
+    top = LESSER(top, right);
+    bottom = LESSER(bottom, right);
+    float4 arc_top = height2 - curve * top * top, arc_bottom = height2 - curve * bottom * bottom;
+    float4 high = slope * top + sqrt(LARGER(arc_top, zero)), low = slope * bottom - sqrt(LARGER(arc_bottom, zero));
     /* A little wider than exact: rounding must not lose a row; weights beyond the outline are 0 anyway. */
-    float margin = 1e-3f * (1.0f + extent[GSCL_EXTENT_HALF_HEIGHT]) + 1e-6f * fabs(drawn[GSCL_DRAWN_Y]);
-    float4 from = fmax(ceil(low - margin - y0), 0.0f), to = fmin(floor(high + margin - y0), (float)(GSCL_TILE - 1));
-    from = select(from, (float4)(GSCL_TILE), isgreater(left, right)); /* beside the outline */
-    vstore4(convert_int4(fmin(from, (float)GSCL_TILE)), 0, first);
-    vstore4(convert_int4(fmax(to, -1.0f)), 0, last);
+    float margin = 1e-3f * (1.0f + half_height) + 1e-6f * fabs(drawn[GSCL_DRAWN_Y]);
+    /* Rows from the lower end of the tile for the first, from the upper for the last: cutting off rounds down. */
+    float4 most = (float4)(GSCL_TILE), from = most - (low - margin - y0), to = high + margin - y0 + 1.0f;
+    from = LESSER(LARGER(from, zero), most);
+    from = left > right ? zero : from; /* beside the outline */
+    to = LESSER(LARGER(to, zero), most);
+    vstore4(GSCL_TILE - convert_int4(from), 0, first);
+    vstore4(convert_int4(to) - 1, 0, last);
 }
 
 /* Rows of tiles share the walk over all splats: each band of rows lists those whose box touches it.  One work-item a
@@ -60,14 +66,17 @@ __kernel void bin(__global const float *restrict drawn, __global const float *re
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
         int2 tiles = tiles_touched(drawn + i * GSCL_DRAWN, extents + i * GSCL_EXTENT, box, ty, 1.0f);
-        for (int tx = tiles.x; tx <= tiles.y; tx++) ranges[tx].y++;
+        ranges[tiles.x].x++; /* begin here, */
+        ranges[tiles.y].y++; /* end here */
     }
     /* Counts become the first entry of each tile; lists that would not fit are cut short below. */
-    int total = 0, base = ty * row_capacity, end = base + row_capacity;
+    int total = 0, open = 0, base = ty * row_capacity, end = base + row_capacity;
     for (int tx = 0; tx < tiles_x; tx++) {
-        int n = ranges[tx].y;
+        int2 change = ranges[tx];
         ranges[tx] = (int2)(min(base + total, end));
-        total += n;
+        open += change.x;
+        total += open;
+        open -= change.y;
     }
     row_totals[ty] = total;
     for (int j = 0; j < listed_count; j++) {

@@ -107,24 +107,33 @@ inline int4 appearance_tiles(const appearance *a, view seen) {
                   min((int)edges.w, seen.tiles_y - 1));
 }
 
+/* For values that are never NaN: fmin and fmax take three instructions, and floor and ceil a dozen. */
+#define LESSER(a, b) ((a) < (b) ? (a) : (b))
+#define LARGER(a, b) ((a) > (b) ? (a) : (b))
+
 /* First and last tile of row `ty` of its box that the outline touches; a little more than that (by `slack` = 1, or
  * more) where rounding might lose one. */
-inline int2 tiles_touched(__global const float *restrict drawn, __global const float *restrict extent, int4 box, int ty,
-                          float slack) {
+__attribute__((always_inline)) inline int2 tiles_touched(__global const float *restrict drawn,
+                                                         __global const float *restrict extent, int4 box, int ty,
+                                                         float slack) {
     float half_width = extent[GSCL_EXTENT_HALF_WIDTH], half_height = extent[GSCL_EXTENT_HALF_HEIGHT];
-    float y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
-    float low = fmax(y0, -half_height), high = fmin(y0 + (float)(GSCL_TILE - 1), half_height);
-    if (!(low <= high)) return box.xy;
+    float x = drawn[GSCL_DRAWN_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
+    float low = LARGER(y0, -half_height), high = LESSER(y0 + (float)(GSCL_TILE - 1), half_height);
+    high = LARGER(high, low); /* only just touched, or not quite */
     /* dy of the leftmost and of the rightmost point, within the row */
-    float right_dy = extent[GSCL_EXTENT_SLOPE] * half_width;
-    float2 dy = clamp((float2)(-right_dy, right_dy), low, high);
-    float2 arc = sqrt(fmax(extent[GSCL_EXTENT_WIDTH2] - extent[GSCL_EXTENT_CURVE_X] * dy * dy, 0.0f));
-    float2 edges = extent[GSCL_EXTENT_SLOPE_X] * dy + (float2)(-arc.x, arc.y);
-    float margin = slack * (1e-3f * (1.0f + half_width) + 1e-6f * fabs(drawn[GSCL_DRAWN_X]));
-    /* clamped as floats: a giant's do not fit an int */
-    edges = drawn[GSCL_DRAWN_X] + clamp(edges, -half_width, half_width) + (float2)(-margin, margin);
-    edges = clamp(floor(edges * (1.0f / GSCL_TILE)), (float)box.x, (float)box.y);
-    return (int2)((int)edges.x, (int)edges.y);
+    float right_dy = extent[GSCL_EXTENT_SLOPE] * half_width, slope = extent[GSCL_EXTENT_SLOPE_X];
+    float width2 = extent[GSCL_EXTENT_WIDTH2], curve = extent[GSCL_EXTENT_CURVE_X];
+    float dy0 = LESSER(LARGER(-right_dy, low), high), dy1 = LESSER(LARGER(right_dy, low), high);
+    float arc0 = width2 - curve * dy0 * dy0, arc1 = width2 - curve * dy1 * dy1;
+    float left = slope * dy0 - sqrt(LARGER(arc0, 0.0f)), right = slope * dy1 + sqrt(LARGER(arc1, 0.0f));
+    float margin = slack * (1e-3f * (1.0f + half_width) + 1e-6f * fabs(x));
+    left = (x + LARGER(left, -half_width) - margin) * (1.0f / GSCL_TILE);
+    right = (x + LESSER(right, half_width) + margin) * (1.0f / GSCL_TILE);
+    /* clamped as floats, since a giant's do not fit an int; the box has no negative tiles */
+    float first = (float)box.x, last = (float)box.y;
+    left = LESSER(LARGER(left, first), last + 1.0f);
+    right = LESSER(LARGER(right, first - 1.0f), last);
+    return (int2)(min((int)left, box.y), max((int)right, box.x));
 }
 
 /* Stores what is drawn of splat `i`, and its box of tiles. */
