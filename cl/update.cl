@@ -1,13 +1,28 @@
 /* From slots to parameters: a splat's gradient, Adam, and the projection for the next step. */
 
-/* The slot of splat `i` in a tile's sorted list, or -1.  No branch depends on what is compared: none is guessed wrong. */
+#if LANES == 16
+#define COUNTED 32 /* entries that are counted rather than searched: no branch to be guessed wrong */
+#else
+#define COUNTED 1
+#endif
+
+/* The slot of splat `i` in a tile's sorted list, or -1.  May load up to 7 entries behind the list's. */
 inline int slot_find(__global const uint *restrict entries, int2 range, uint i) {
-    int low = range.x;
-    for (int n = range.y - range.x; n > 1;) {
+    int low = range.x, n = range.y - range.x;
+    while (n > COUNTED) {
         int step = n >> 1;
-        low += GSCL_ENTRY_SPLAT(entries[low + step]) <= i ? step : 0;
+        if (GSCL_ENTRY_SPLAT(entries[low + step]) <= i) low += step;
         n -= step;
     }
+#if COUNTED > 1
+    int8 before = (int8)(0); /* as negative numbers */
+    for (int k = 0; k < n; k += 8) {
+        int8 splats = as_int8(GSCL_ENTRY_SPLAT(vload8(0, entries + low + k)));
+        before += (splats < (int)i) & ((int8)(0, 1, 2, 3, 4, 5, 6, 7) < n - k);
+    }
+    int4 four = before.lo + before.hi;
+    low -= four.x + four.y + four.z + four.w;
+#endif
     return low < range.y && GSCL_ENTRY_SPLAT(entries[low]) == i ? low : -1;
 }
 

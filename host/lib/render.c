@@ -7,7 +7,8 @@
 #include "constants.h"
 #include "image.h"
 
-#define MOST_BANDS 32 /* of rows of tiles: work for many cores, and few enough lists for many splats */
+#define SPARE_ENTRIES 8 /* behind the last list: searches load vectors of entries */
+#define MOST_BANDS 32   /* of rows of tiles: work for many cores, and few enough lists for many splats */
 
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
@@ -96,7 +97,8 @@ static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
     if ((size_t)capacity * (size_t)r->view.tiles_y > INT_MAX)
         return gscl_fail(r->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be drawn");
     r->row_capacity = capacity;
-    return gscl_buffer_reserve(r->context, &r->entries, (size_t)capacity * (size_t)r->view.tiles_y * sizeof(cl_uint));
+    size_t entries = (size_t)capacity * (size_t)r->view.tiles_y + SPARE_ENTRIES;
+    return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
 }
 
 /* Which splats touch which band of rows of tiles. */
