@@ -11,8 +11,9 @@
 #define SMALLEST_LEVEL_SIDE 32 /* pixels: smaller levels would hold nothing to fit */
 #define CHECK_INTERVAL 8       /* steps between looks at how full the tiles' lists are */
 #define MOST_CROWD 24.0        /* splats on a tile, on average, */
+#define MOST_ALPHA_CROWD 150.0 /* more where splats hide each other and need to be many, */
 #define CROWD_OF_SMALL 4.0     /* besides those that are as small as a tile, which touch so many at most: beyond, the */
-#define MOST_ALPHA_CROWD 400.0 /* longest axes are cut back (later where splats hide each other and need to be many) */
+                               /* longest axes are cut back */
 #define CROWD_SHRINK 0.2f      /* by so much (ln) at a time: splats without end would cost time without end */
 
 size_t gscl_fit_level_pixels(const gscl_fit *f, int level) {
@@ -225,9 +226,8 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
 
 static double most_crowd(const gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
-    if (r->options.blend == GSCL_ALPHA)
-        return ldexp(MOST_ALPHA_CROWD, 2 * (f->level - f->first_level));
-    return MOST_CROWD + CROWD_OF_SMALL * r->count / ((double)r->view.tiles_x * r->view.tiles_y);
+    double large = r->options.blend == GSCL_ALPHA ? MOST_ALPHA_CROWD : MOST_CROWD;
+    return large + CROWD_OF_SMALL * r->count / ((double)r->view.tiles_x * r->view.tiles_y);
 }
 
 gscl_result gscl_fit_differentiate(gscl_fit *f) {
