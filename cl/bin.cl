@@ -44,8 +44,7 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
     __global int *list = listed + (size_t)band * count;
     for (int i = 0; i < count; i++) {
         int4 box = boxes[i];
-        list[n] = i; /* n <= i */
-        n += box.z <= last && box.w >= first && box.x <= box.y;
+        if (box.z <= last && box.w >= first && box.x <= box.y) list[n++] = i;
     }
     listed_counts[band] = n;
 }
