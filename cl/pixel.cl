@@ -2,7 +2,8 @@
  * them.  CPU mapping: LANES 16, ROWS 16, a work-item draws a whole tile with explicit vectors.  GPU
  * mapping: LANES 4 or less, ROWS 1, a work-group of 256 / LANES work-items draws a tile.
  *
- * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE; for fits WEIGHTED (0 or 1). */
+ * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE; for fits WEIGHTED (0 or 1), LOSS,
+ * KEPT_ROWS (raster.cl). */
 #pragma OPENCL FP_CONTRACT OFF
 
 #define CHANNELS (COLOURS + ALPHA_CHANNEL)

@@ -18,7 +18,7 @@ typedef struct gscl_kernel_options {
 
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
-    GSCL_PROGRAM_RENDER,    /* project, bin, raster_forward: all that decoding needs */
+    GSCL_PROGRAM_RENDER,    /* project, bin_bands, bin, raster_samples: all that decoding needs; raster_forward */
     GSCL_PROGRAM_FIT,       /* and fit_tiles, sum_loss, gather_gradients, adam_step, ... */
     GSCL_PROGRAM_REFINE,    /* refine_begin, refine_take_out, refine_weigh, refine_settle */
     GSCL_PROGRAM_CODEBOOK,  /* codebooks while fitting, and choosing their words */

@@ -7,6 +7,7 @@ import argparse
 import json
 import pathlib
 import subprocess
+import sys
 import time
 
 
@@ -17,6 +18,15 @@ def parser(about):
     result.add_argument("--gscl", default="build/gscl")
     result.add_argument("--only", default="", help="names of images, separated by commas")
     return result
+
+
+def parse_with_options(parser):
+    """Parses the command line; words after -- become arguments.options, for gscl encode."""
+    words = sys.argv[1:]
+    at = words.index("--") if "--" in words else len(words)
+    arguments = parser.parse_args(words[:at])
+    arguments.options = words[at + 1:]
+    return arguments
 
 
 def run(*words):

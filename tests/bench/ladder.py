@@ -12,8 +12,7 @@ import codec
 def main():
     parser = codec.parser(__doc__)
     parser.add_argument("--rates", default="0.042,0.183", help="bits per pixel (default %(default)s)")
-    parser.add_argument("options", nargs="*", help="more words for gscl encode, after --")
-    arguments = parser.parse_args()
+    arguments = codec.parse_with_options(parser)
     images = codec.images_of(arguments.folder, arguments.only)
     print("| effort | bpp | PSNR dB | MS-SSIM | encode s |\n|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:

@@ -14,8 +14,7 @@ def main():
     parser = codec.parser(__doc__)
     parser.add_argument("--rates", default="0.042,0.066,0.125,0.183", help="bits per pixel (default %(default)s)")
     parser.add_argument("--csv", help="one row for each image and rate")
-    parser.add_argument("options", nargs="*", help="more words for gscl encode, after --")
-    arguments = parser.parse_args()
+    arguments = codec.parse_with_options(parser)
     rows = []
     print("| bpp | PSNR dB | SSIM | MS-SSIM | splats | encode s | decode s | over budget |\n|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:

@@ -238,7 +238,7 @@ GSCL_API void gscl_decode_settings_default(gscl_decode_settings *settings);
 /* Decodes into *image.  All fields of *image are set.  When image->pixels is NULL on entry the
  * library allocates packed rows (release image->pixels with gscl_free); otherwise pixels are written
  * to the caller's memory with the caller's stride, and width, height, channels and sample must already
- * be what the decode gives (see gscl_probe). */
+ * be what the decode gives (see gscl_probe).  The context keeps its buffers on the device for the next decode. */
 GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size,
                                               const gscl_decode_settings *settings, gscl_image *image);
 
