@@ -1,0 +1,142 @@
+/* Where time goes (gscl_context_timings), and what a benchmark refuses. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+
+#define WIDTH 40
+#define HEIGHT 24
+
+static gscl_context *new_context(bool timing) {
+    gscl_context *context;
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.timing = timing;
+    assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
+    return context;
+}
+
+/* Encodes a slope and decodes it again. */
+static void encode_and_decode(gscl_context *context) {
+    uint8_t pixels[WIDTH * HEIGHT], *bytes;
+    size_t size;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        pixels[i] = (uint8_t)(5 * (i % WIDTH) + i / WIDTH);
+    const gscl_image image = {
+        .width = WIDTH, .height = HEIGHT, .channels = 1, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
+    gscl_image decoded = {0};
+    gscl_encode_settings settings;
+    gscl_encode_settings_default(&settings);
+    settings.effort = 0;
+    assert_int_equal(gscl_encode(context, &image, &settings, &bytes, &size, NULL), GSCL_OK);
+    assert_int_equal(gscl_decode(context, bytes, size, NULL, &decoded), GSCL_OK);
+    gscl_free(decoded.pixels);
+    gscl_free(bytes);
+}
+
+static const gscl_timing *find(const gscl_context *context, const char *name, bool is_kernel) {
+    const gscl_timing *rows;
+    const size_t count = gscl_context_timings(context, &rows);
+    for (size_t i = 0; i < count; i++)
+        if (rows[i].is_kernel == is_kernel && strcmp(rows[i].name, name) == 0)
+            return &rows[i];
+    fail_msg("%s was not measured", name);
+    return NULL;
+}
+
+static void test_nothing_is_measured_unasked(void **state) {
+    (void)state;
+    const gscl_timing *rows;
+    gscl_context *context = new_context(false);
+    encode_and_decode(context);
+    assert_int_equal(gscl_context_timings(context, &rows), 0);
+    gscl_context_reset_timings(context);
+    gscl_context_free(&context);
+}
+
+static void test_stages_and_kernels(void **state) {
+    (void)state;
+    static const char *const stages[] = {"prepare", "pyramid", "entropy coding", "write", "entropy decoding", "draw"};
+    static const char *const kernels[] = {"halve",     "bin",           "fit_tiles", "gather_gradients",
+                                          "adam_step", "raster_samples"};
+    gscl_context *context = new_context(true);
+    encode_and_decode(context);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
+        const gscl_timing *row = find(context, stages[i], false);
+        assert_true(row->count > 0 && row->seconds > 0 && row->kernel_seconds <= row->seconds);
+    }
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
+        assert_true(find(context, kernels[i], true)->seconds > 0);
+    gscl_context_free(&context);
+}
+
+/* Every kernel runs within a stage. */
+static void test_kernels_are_in_stages(void **state) {
+    (void)state;
+    const gscl_timing *rows;
+    double in_stages = 0, alone = 0;
+    gscl_context *context = new_context(true);
+    encode_and_decode(context);
+    const size_t count = gscl_context_timings(context, &rows);
+    for (size_t i = 0; i < count; i++) {
+        in_stages += rows[i].is_kernel ? 0 : rows[i].kernel_seconds;
+        alone += rows[i].is_kernel ? rows[i].seconds : 0;
+    }
+    assert_true(fabs(in_stages - alone) < 1e-6 + 1e-9 * alone);
+    gscl_context_free(&context);
+}
+
+static void test_reset(void **state) {
+    (void)state;
+    const gscl_timing *rows;
+    gscl_context *context = new_context(true);
+    encode_and_decode(context);
+    gscl_context_reset_timings(context);
+    const size_t count = gscl_context_timings(context, &rows);
+    for (size_t i = 0; i < count; i++)
+        assert_true(rows[i].count == 0 && rows[i].seconds == 0 && rows[i].kernel_seconds == 0);
+    encode_and_decode(context);
+    assert_int_equal(find(context, "write", false)->count, 1);
+    gscl_context_free(&context);
+}
+
+static void count_measurement(void *opaque, const gscl_measurement *measurement) {
+    (void)measurement;
+    ++*(int *)opaque;
+}
+
+static void test_benchmark_refuses(void **state) {
+    (void)state;
+    int measurements = 0;
+    gscl_benchmark_settings settings;
+    gscl_context *untimed = new_context(false), *context = new_context(true);
+    assert_int_equal(gscl_benchmark_device(untimed, NULL, count_measurement, &measurements),
+                     GSCL_ERROR_INVALID_ARGUMENT);
+    assert_non_null(strstr(gscl_context_message(untimed), "timing"));
+    for (int i = 0; i < 4; i++) {
+        gscl_benchmark_settings_default(&settings);
+        uint32_t *const wrong[] = {&settings.width, &settings.height, &settings.splats, &settings.repetitions};
+        *wrong[i] = 0;
+        assert_int_not_equal(gscl_benchmark_kernels(context, &settings, count_measurement, &measurements), GSCL_OK);
+        *wrong[i] = UINT32_MAX;
+        assert_int_not_equal(gscl_benchmark_kernels(context, &settings, count_measurement, &measurements), GSCL_OK);
+    }
+    assert_int_equal(gscl_benchmark_kernels(context, NULL, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(measurements, 0);
+    gscl_context_free(&untimed);
+    gscl_context_free(&context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_nothing_is_measured_unasked), cmocka_unit_test(test_stages_and_kernels),
+        cmocka_unit_test(test_kernels_are_in_stages),       cmocka_unit_test(test_reset),
+        cmocka_unit_test(test_benchmark_refuses),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
