@@ -98,6 +98,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
             return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
         GSCL_TRY(gscl_renderer_create(context->renderer, context, options));
     }
+    context->renderer->row_capacity = 0; /* another picture's would be too much for many rows */
     context->renderer->options = *options;
     context->renderer->channels = options->colours + options->alpha_channel;
     return GSCL_OK;

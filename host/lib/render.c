@@ -126,9 +126,16 @@ static gscl_result launch_bin(gscl_renderer *r) {
                        GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
 }
 
+/* To begin with: a guess, or what the buffer holds already. */
+static cl_int first_row_capacity(const gscl_renderer *r) {
+    size_t held = r->entries.size / sizeof(cl_uint), guess = (size_t)r->count + 64;
+    held = held > SPARE_ENTRIES ? (held - SPARE_ENTRIES) / (size_t)r->view.tiles_y : 0;
+    return (cl_int)(held > guess ? held : guess);
+}
+
 gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
     if (r->row_capacity == 0)
-        GSCL_TRY(set_row_capacity(r, r->count + 64));
+        GSCL_TRY(set_row_capacity(r, first_row_capacity(r)));
     GSCL_TRY(set_row_capacity(r, r->row_capacity)); /* the view may have more rows than before */
     GSCL_TRY(launch_bin(r));
     if (!exact)
