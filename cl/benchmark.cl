@@ -1,14 +1,13 @@
 /* What the device can do at best: the measures that other kernels are held against. */
 
-#define CHAINS 10 /* multiply-adds under way at once: more than a processor's latency times its units needs */
-#define LENGTH 4096
+#define CHAINS GSCL_BENCHMARK_CHAINS
 
-/* 2 * CHAINS * LENGTH * LANES operations a work-item. */
+/* 2 * CHAINS * GSCL_BENCHMARK_LENGTH * LANES operations a work-item. */
 __kernel void multiply_add(float factor, __global float *restrict sums) {
     pix chains[CHAINS], sum = (pix)(0.0f);
     UNROLL
     for (int j = 0; j < CHAINS; j++) chains[j] = pix_offsets() + (float)(j + (int)get_global_id(0));
-    for (int i = 0; i < LENGTH; i++) {
+    for (int i = 0; i < GSCL_BENCHMARK_LENGTH; i++) {
         UNROLL
         for (int j = 0; j < CHAINS; j++) chains[j] = fma(chains[j], (pix)(factor), (pix)(1.0f));
     }

@@ -91,6 +91,10 @@
 #define GSCL_STEP_AMPLITUDE 7 /* of a texture */
 #define GSCL_STEP_COUNT 8
 
+/* The best-case multiply-adds (cl/benchmark.cl): so many at once, so often, on each lane. */
+#define GSCL_BENCHMARK_CHAINS 10 /* more than a processor's latency times its units needs */
+#define GSCL_BENCHMARK_LENGTH 4096
+
 /* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
 

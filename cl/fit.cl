@@ -169,7 +169,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         splat_weight s;
         weigh_begin(&s, dx, dy + (float)first, drawn);
         for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
-            if (row < KEPT_ROWS) weigh_again(&s, kept[row++]);
+            if (row < KEPT_ROWS) weigh_known(&s, kept[row++]);
             else weigh(&s);
             slot_add_row(sums, &b, r, s, dx, dy + (float)r, drawn);
         }

@@ -13,15 +13,14 @@ inline void weigh_begin(splat_weight *s, pix dx, float dy, __global const float 
     s->v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
 }
 
-inline void weigh(splat_weight *s) {
-    s->gauss = pix_exp2_minus(fma(s->u, s->u, s->v * s->v));
-    s->weight = fmax(s->gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
-}
-
-inline void weigh_again(splat_weight *s, pix gauss) {
+/* With the Gaussian that is known already, */
+inline void weigh_known(splat_weight *s, pix gauss) {
     s->gauss = gauss;
     s->weight = fmax(gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
+
+/* or from the coordinates. */
+inline void weigh(splat_weight *s) { weigh_known(s, pix_exp2_minus(fma(s->u, s->u, s->v * s->v))); }
 
 /* A fit sees each row of each splat twice, forward and backward in the same order: KEPT_ROWS Gaussians of a tile are
  * kept from the first time to the second.  0: none. */

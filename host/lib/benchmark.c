@@ -1,5 +1,4 @@
 /* How fast the device runs the kernels, and how fast it could. */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +13,7 @@
 #define WARM_UP 3
 /* Operations of the two best-case kernels (cl/benchmark.cl). */
 #define MULTIPLY_ADD_ITEMS 4096
-#define MULTIPLY_ADD_FLOP (2.0 * 10 * 4096) /* of each lane */
+#define MULTIPLY_ADD_FLOP (2.0 * GSCL_BENCHMARK_CHAINS * GSCL_BENCHMARK_LENGTH) /* of each lane */
 #define COPY_BYTES (64u << 20)
 /* What an evaluation of a splat at a pixel counts as. */
 #define FORWARD_FLOP 28.0

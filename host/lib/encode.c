@@ -232,12 +232,14 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
         e.settings = *settings;
     GSCL_TRY(check_settings(context, &e.settings));
     gscl_stage(context, "prepare");
-    GSCL_TRY(gscl_image_examine(context, image, &e.content));
-    resolve_auto(&e.settings);
-    gscl_progress_begin(&e.progress, &e.settings);
-    e.random = e.settings.seed;
-    fill_header(&e);
-    gscl_result result = e.content.flat ? GSCL_OK : make_planes(&e);
+    gscl_result result = gscl_image_examine(context, image, &e.content);
+    if (result == GSCL_OK) {
+        resolve_auto(&e.settings);
+        gscl_progress_begin(&e.progress, &e.settings);
+        e.random = e.settings.seed;
+        fill_header(&e);
+        result = e.content.flat ? GSCL_OK : make_planes(&e);
+    }
     if (result == GSCL_OK)
         result = encode_target(&e);
     uint8_t *written = NULL;

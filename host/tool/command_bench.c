@@ -25,7 +25,7 @@ typedef struct bench_options {
     const char *picture; /* NULL: a made-up one */
 } bench_options;
 
-/* A part of the output: kernels of one mapping. */
+/* Where results go. */
 typedef struct bench_output {
     json_writer json;
     bool as_json;
