@@ -34,7 +34,7 @@
 #define GSCL_PARAMS 14
 
 /* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
- * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; one unused; four channels; the wave. */
+ * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; of upright splats 2^-(vy^2), what a step of one row does; four channels; the wave. */
 #define GSCL_DRAWN_X 0
 #define GSCL_DRAWN_Y 1
 #define GSCL_DRAWN_UX 2
@@ -42,6 +42,7 @@
 #define GSCL_DRAWN_VX 4
 #define GSCL_DRAWN_VY 5
 #define GSCL_DRAWN_OPACITY 6
+#define GSCL_DRAWN_ROW_STEP 7
 #define GSCL_DRAWN_COLOUR 8
 #define GSCL_DRAWN_WAVE_X 12 /* cycles per pixel */
 #define GSCL_DRAWN_WAVE_Y 13
@@ -69,6 +70,11 @@
 
 /* Format: ln of 2^15 pixels, the longest axis; larger codes saturate. */
 #define GSCL_LOG_LARGEST_AXIS 10.3972077f
+
+/* Shapes of splats, from the most general: ellipses, upright ellipses (the angle is 0), circles (one axis besides). */
+#define GSCL_SHAPE_TURNED 0
+#define GSCL_SHAPE_UPRIGHT 1
+#define GSCL_SHAPE_ROUND 2
 
 /* Losses of the fit. EXTERNAL: the derivative of the loss is read from an image. */
 #define GSCL_LOSS_KIND_L2 0

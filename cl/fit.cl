@@ -3,15 +3,16 @@
  * Each entry of a tile's list has a slot of its own for its sums over the tile's pixels, so no two
  * work-groups write the same place and no float atomics are needed (update.cl adds a splat's slots in a
  * fixed order).  With h = dL/dweight and t = h * opacity * gauss, a slot holds
- *     sum t u, t v, t u^2, t u v, t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
- * quarter of a turn on, whose phase moves with the splat]. */
+ *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
+ * quarter of a turn on, whose phase moves with the splat].
+ * A circle has one sum instead of t u^2 and t v^2. */
 #define SLOT_U 0
 #define SLOT_V 1
 #define SLOT_UU 2
 #define SLOT_UV 3
-#define SLOT_VV 4
-#define SLOT_OPACITY 5
-#define SLOT_COLOUR (5 + OPACITY)
+#define SLOT_VV (2 + ANISOTROPY + ROTATION)
+#define SLOT_OPACITY (SLOT_VV + 1)
+#define SLOT_COLOUR (SLOT_OPACITY + OPACITY)
 #define SLOT_WAVE (SLOT_COLOUR + CHANNELS)
 #define SLOT (SLOT_WAVE + TEXTURE)
 
@@ -113,11 +114,16 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
     b->rest[r] -= share;
 #endif
     pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, drawn), s.weight > (pix)(0.0f));
-    pix tu = t * s.u, tv = t * s.v;
+    pix tv = t * s.v;
+#if ROTATION
+    pix tu = t * s.u;
     sums[SLOT_U] += tu;
-    sums[SLOT_V] += tv;
     sums[SLOT_UU] = fma(tu, s.u, sums[SLOT_UU]);
     sums[SLOT_UV] = fma(tu, s.v, sums[SLOT_UV]);
+#else
+    sums[SLOT_U] += t; /* u is the same in all rows: slot_end */
+#endif
+    sums[SLOT_V] += tv;
     sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
 #if OPACITY
     sums[SLOT_OPACITY] = fma(h, s.weight, sums[SLOT_OPACITY]);
@@ -126,6 +132,14 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
     for (int k = 0; k < CHANNELS; k++) sums[SLOT_COLOUR + k] = fma(share, b->slope[k][r], sums[SLOT_COLOUR + k]);
 #if TEXTURE
     sums[SLOT_WAVE] = fma(share * waved, wave_at(dx, dy, 0.25f, drawn), sums[SLOT_WAVE]);
+#endif
+}
+
+/* After the last row. */
+inline void slot_end(pix *restrict sums, splat_weight s) {
+#if !ROTATION
+    sums[SLOT_U] *= s.u;
+    sums[SLOT_UU] = fma(sums[SLOT_U], s.u, sums[SLOT_UU]);
 #endif
 }
 
@@ -173,6 +187,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
             else weigh(&s);
             slot_add_row(sums, &b, r, s, dx, dy + (float)r, drawn);
         }
+        slot_end(sums, s);
         __global float *slot = slots + (size_t)j * SLOT;
         SLOT_STORE(slot, sums);
     }

@@ -2,14 +2,16 @@
  * them.  CPU mapping: LANES 16, ROWS 16, a work-item draws a whole tile with explicit vectors.  GPU
  * mapping: LANES 4 or less, ROWS 1, a work-group of 256 / LANES work-items draws a tile.
  *
- * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE; for fits WEIGHTED (0 or 1), LOSS,
- * KEPT_ROWS (raster.cl). */
+ * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED (0 or 1),
+ * LOSS, KEPT_ROWS (raster.cl). */
 #pragma OPENCL FP_CONTRACT OFF
 
 #define CHANNELS (COLOURS + ALPHA_CHANNEL)
 #define ITEMS_X (GSCL_TILE / LANES)
 #define ITEMS_Y (GSCL_TILE / ROWS)
 #define ITEMS (ITEMS_X * ITEMS_Y)
+#define ROTATION (SHAPE == GSCL_SHAPE_TURNED)
+#define ANISOTROPY (SHAPE != GSCL_SHAPE_ROUND)
 /* Loops over channels and sums must not remain loops: their arrays live in registers. */
 #define UNROLL _Pragma("unroll")
 

@@ -111,6 +111,8 @@ inline float colour_descend(const quadratic *q, codes *c, __global const minor_e
 inline bool codes_move(codes *c, int move, __global const minor_entry *minors, __global const aspect_entry *aspects) {
     const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1, 0, 0, 0, 0, 0, 0};
     const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1, 0, 0, 0, 0, 0, 0};
+    if (!ANISOTROPY && aspect_step[move] != 0) return false;
+    if (!ROTATION && (move == 7 || move == 8)) return false;
     __global const minor_entry *m = minors + c->code[CODE_MINOR];
     float x = ((float)c->code[CODE_X] + 0.5f) * m->step, y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
     int angles = aspects[c->code[CODE_ASPECT]].angles;

@@ -54,7 +54,7 @@ inline splat codes_splat(const codes *c, __global const minor_entry *minors, __g
     splat_set_axes(
         &s, fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS),
         fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
-    s.theta = (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles;
+    s.theta = ROTATION ? (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles : 0.0f;
     s.opacity = 1.0f;
     float y = (float)c->code[CODE_LUMA] * t.luma_step;
 #if COLOURS == 3
