@@ -144,16 +144,28 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
 }
 
 /* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
- * levels of the pyramid agree.  Writes a slot per entry and the loss per tile. */
+ * levels of the pyramid agree.  Writes a slot per entry and the loss per tile.
+ * A tile whose loss is below `quiet` has nothing to teach: it sits out the next GSCL_REST steps, with slots of 0 and the
+ * loss that it had.  `rests`: steps that each tile still sits out. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict picture, int width, int height, int tiles_x, ulong plane,
-                        float gain, __global float *restrict slots, __global float *restrict tile_loss) {
+                        float gain, float quiet, __global float *restrict slots, __global float *restrict tile_loss,
+                        __global int *restrict rests) {
 #if ITEMS > 1
     __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
 #endif
     place p = place_of(tiles_x, width, height);
     int2 range = tile_ranges[p.tile];
+    int rest = rests[p.tile];
+#if ITEMS > 1
+    barrier(CLK_GLOBAL_MEM_FENCE); /* all have read it */
+#endif
+    if (rest > 0) {
+        for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
+        if (get_local_id(0) == 0) rests[p.tile] = rest - 1;
+        return;
+    }
     pix px = pix_offsets() + ((float)p.x + 0.5f);
     float py = (float)p.y + 0.5f;
     canvas c;
@@ -192,7 +204,9 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         SLOT_STORE(slot, sums);
     }
 #if ITEMS == 1
-    tile_loss[p.tile] = pix_sum(loss);
+    float total = pix_sum(loss);
+    tile_loss[p.tile] = total;
+    rests[p.tile] = total < quiet ? GSCL_REST : 0;
 #else
     shared[get_local_id(0)] = pix_sum(loss);
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -200,6 +214,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         float total = 0.0f;
         for (int j = 0; j < ITEMS; j++) total += shared[j];
         tile_loss[p.tile] = total;
+        rests[p.tile] = total < quiet ? GSCL_REST : 0;
     }
 #endif
 }

@@ -39,6 +39,11 @@ inline pix private_weight(pix dx, float dy, const appearance *a) {
     return fmax(pix_exp2_minus(fma(u, u, v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
+/* The weight with which it is blended. */
+inline pix painted_weight(pix dx, float dy, const appearance *a) {
+    return WITH_OPACITY(private_weight(dx, dy, a), a->drawn);
+}
+
 /* Whether the outline stays within the pixels that this visit owns. */
 inline bool within(const appearance *a, int4 owned) {
     float x = a->drawn[GSCL_DRAWN_X], half_width = a->extent[GSCL_EXTENT_HALF_WIDTH];

@@ -17,6 +17,7 @@ struct gscl_timings {
     size_t count;
     gscl_timing *stage; /* under way, or NULL */
     double start_s;     /* of that stage */
+    bool frozen;
     size_t pending_count;
     cl_event pending[MAX_PENDING];
     gscl_timing *pending_rows[MAX_PENDING];
@@ -88,7 +89,7 @@ static gscl_timing *row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
 
 const char *gscl_stage(gscl_context *context, const char *name) {
     struct gscl_timings *t = context->timings;
-    if (!t)
+    if (!t || t->frozen)
         return NULL;
     collect(context);
     double now = gscl_now();
@@ -100,6 +101,11 @@ const char *gscl_stage(gscl_context *context, const char *name) {
     t->stage = name ? row_of(t, name, false) : NULL;
     t->start_s = now;
     return ended;
+}
+
+void gscl_stages_freeze(gscl_context *context, bool frozen) {
+    if (context->timings)
+        context->timings->frozen = frozen;
 }
 
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {

@@ -150,6 +150,42 @@ typedef struct gscl_image {
     void *pixels;
 } gscl_image;
 
+/* ---- Effects ----------------------------------------------------------------------------- */
+
+/* All that a splat may be beyond a grey disk.  Each has a flag in the file's header; one that is off has no bits in the
+ * file and no instructions in the kernels. */
+typedef enum gscl_effect {
+    GSCL_EFFECT_CHROMA = 1u << 0,        /* colour; else grey */
+    GSCL_EFFECT_ALPHA_CHANNEL = 1u << 1, /* else opaque (what is transparent becomes black) */
+    GSCL_EFFECT_OPACITY = 1u << 2,       /* splats that count for less than others */
+    GSCL_EFFECT_ROTATION = 1u << 3,      /* of ellipses; only with anisotropy */
+    GSCL_EFFECT_ANISOTROPY = 1u << 4,    /* ellipses; else circles */
+    GSCL_EFFECT_CODEBOOKS = 1u << 5,     /* the paper profile */
+    GSCL_EFFECT_TEXTURE = 1u << 6        /* waves on some splats' colours */
+} gscl_effect;
+/* "chroma", "alpha-channel", ...; NULL when `effect` is not one effect. */
+GSCL_API const char *gscl_effect_name(gscl_effect effect);
+
+#define GSCL_MAX_EFFECTS 7
+
+/* Who decided on an effect. */
+typedef enum gscl_effect_reason {
+    GSCL_EFFECT_ASKED = 0,   /* the settings */
+    GSCL_EFFECT_CONTENT = 1, /* the image has, or lacks, what it is for */
+    GSCL_EFFECT_PROFILE = 2, /* profile and blend */
+    GSCL_EFFECT_TRIAL = 3,   /* a trial on a smaller copy of this image */
+    GSCL_EFFECT_PASSES = 4   /* the rate-distortion passes, splat by splat */
+} gscl_effect_reason;
+/* "asked", "content", "profile", "trial", "passes"; NULL for anything else. */
+GSCL_API const char *gscl_effect_reason_name(gscl_effect_reason reason);
+
+typedef struct gscl_effect_decision {
+    gscl_effect effect;
+    bool on;
+    gscl_effect_reason reason;
+    double gain_db; /* TRIAL: PSNR with it less PSNR without, at the same size, of a smaller copy; else NaN */
+} gscl_effect_decision;
+
 /* ---- Encoding ---------------------------------------------------------------------------- */
 
 typedef enum gscl_profile {
@@ -203,6 +239,8 @@ typedef struct gscl_encode_settings {
     double target_value;    /* bpp, bytes, dB or count according to `target`; not used by AUTO */
     int effort;             /* 0 (fastest) .. 9 (best); default 5 */
     uint32_t codebook_size; /* paper profile: code words in each codebook, 2..1024; 0 (default): chosen by rate */
+    uint32_t effects_on;    /* gscl_effect bits: these are used, */
+    uint32_t effects_off;   /* these are not; the encoder decides on the others.  Default 0 */
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
     gscl_progress_callback progress; /* default NULL */
     void *progress_opaque;
@@ -212,9 +250,12 @@ typedef struct gscl_encode_settings {
 typedef struct gscl_encode_report {
     uint32_t splats;
     uint64_t bytes;
-    double psnr;     /* dB of the decoded file against the image (as gscl_compare) */
-    double seconds;  /* wall clock */
-    uint32_t trials; /* complete fits that the target took */
+    double psnr;      /* dB of the decoded file against the image (as gscl_compare) */
+    double seconds;   /* wall clock */
+    uint32_t trials;  /* complete fits that the target took */
+    gscl_blend blend; /* that was used */
+    size_t effect_count;
+    gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* what was decided on each effect that could have been used */
 } gscl_encode_report;
 
 GSCL_API void gscl_encode_settings_default(gscl_encode_settings *settings);
@@ -243,18 +284,6 @@ GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8
                                               const gscl_decode_settings *settings, gscl_image *image);
 
 /* ---- Looking into files (no context, no OpenCL) -------------------------------------------- */
-
-typedef enum gscl_effect {
-    GSCL_EFFECT_CHROMA = 1u << 0,
-    GSCL_EFFECT_ALPHA_CHANNEL = 1u << 1,
-    GSCL_EFFECT_OPACITY = 1u << 2,
-    GSCL_EFFECT_ROTATION = 1u << 3,
-    GSCL_EFFECT_ANISOTROPY = 1u << 4,
-    GSCL_EFFECT_CODEBOOKS = 1u << 5,
-    GSCL_EFFECT_TEXTURE = 1u << 6 /* waves on some splats' colours */
-} gscl_effect;
-/* "chroma", "alpha-channel", ...; NULL when `effect` is not one effect. */
-GSCL_API const char *gscl_effect_name(gscl_effect effect);
 
 typedef struct gscl_stream_bits {
     const char *name; /* "header", "position", ... static */
