@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "effects.h"
+#include "ground.h"
 #include "timing.h"
 
 #define TRIAL_LEVEL 2     /* of the pyramid: a quarter of the size, */
@@ -11,6 +12,8 @@
 #define LOOK_LEVEL 1      /* at which the image is looked at */
 #define COHERENT 0.3      /* images whose edges agree less on a direction may do without ellipses */
 #define WINDOW 0.6        /* in which they are to agree: its radius, in distances from splat to splat */
+#define OPACITY_GAIN 0.2  /* dB that opacity must show */
+#define LEAST_BYTES 100   /* smaller files have nothing to try */
 #define FAINT (8.0 / 255) /* root mean square of colour differences, up to which grey may do */
 
 /* One plane of the image at a level, the mean of all channels. */
@@ -149,8 +152,8 @@ static gscl_result try_with(gscl_encoder *e, const gscl_image *copy, double byte
     return GSCL_OK;
 }
 
-/* Rules `effects` out where the copy is better without. */
-static gscl_result try_without(gscl_encoder *e, uint32_t effects, double bytes, double splats) {
+/* Asks for `effects` where the copy is better with them, by more than `least` dB, and else rules them out. */
+static gscl_result try_both(gscl_encoder *e, uint32_t effects, double least, double bytes, double splats) {
     gscl_image copy;
     double with, without;
     GSCL_TRY(make_copy(e, &copy));
@@ -159,22 +162,26 @@ static gscl_result try_without(gscl_encoder *e, uint32_t effects, double bytes, 
         result = try_with(e, &copy, bytes, splats, 0, effects, &without);
     free(copy.pixels);
     GSCL_TRY(result);
-    uint32_t *decided = with > without ? &e->settings.effects_on : &e->settings.effects_off;
-    *decided |= effects;
+    bool on = with - without > least;
+    *(on ? &e->settings.effects_on : &e->settings.effects_off) |= effects;
     for (uint32_t effect = 1; effect <= effects; effect <<= 1)
         if (effects & effect)
-            gscl_effect_decide(e, (gscl_effect)effect, GSCL_EFFECT_TRIAL, with > without, with - without);
+            gscl_effect_decide(e, (gscl_effect)effect, GSCL_EFFECT_TRIAL, on, with - without);
     return GSCL_OK;
 }
 
+/* Ellipses against circles. */
 static gscl_result try_shapes(gscl_encoder *e, double bytes, double splats) {
-    double coherent = 1;
-    if (!gscl_effect_is_open(&e->settings, GSCL_EFFECT_ROTATION) ||
-        !gscl_effect_is_open(&e->settings, GSCL_EFFECT_ANISOTROPY))
-        return GSCL_OK;
-    GSCL_TRY(look_at_shapes(e, splats, &coherent));
-    gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f", coherent);
-    return coherent < COHERENT ? try_without(e, GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY, bytes, splats) : GSCL_OK;
+    const uint32_t shapes = GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY;
+    bool open = !((e->settings.effects_on | e->settings.effects_off) & shapes);
+    return open ? try_both(e, shapes, 0, bytes, splats) : GSCL_OK;
+}
+
+/* Pays where things hide each other, not in photographs. */
+static gscl_result try_opacity(gscl_encoder *e, double bytes, double splats) {
+    bool open = gscl_effect_is_open(&e->settings, GSCL_EFFECT_OPACITY) && e->settings.blend != GSCL_BLEND_ALPHA &&
+                !e->picture.file.header.has_alpha;
+    return open ? try_both(e, GSCL_EFFECT_OPACITY, OPACITY_GAIN, bytes, splats) : GSCL_OK;
 }
 
 static gscl_result try_chroma(gscl_encoder *e, double bytes, double splats) {
@@ -184,21 +191,36 @@ static gscl_result try_chroma(gscl_encoder *e, double bytes, double splats) {
     gscl_log(e->context, GSCL_LOG_DEBUG, "colourfulness: %.4f", colourful);
     if (colourful > FAINT)
         return GSCL_OK;
-    GSCL_TRY(try_without(e, GSCL_EFFECT_CHROMA, bytes, splats));
+    GSCL_TRY(try_both(e, GSCL_EFFECT_CHROMA, 0, bytes, splats));
     e->picture.file.header.has_chroma = e->settings.effects_on & GSCL_EFFECT_CHROMA;
     return e->picture.file.header.has_chroma ? GSCL_OK : gscl_encoder_make_planes(e);
+}
+
+/* What is tried depends on how the image looks. */
+static gscl_result look_and_try(gscl_encoder *e, double bytes, double splats) {
+    double coherent = 1;
+    float colour[4];
+    size_t pixels =
+        (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
+    GSCL_TRY(try_chroma(e, bytes, splats));
+    GSCL_TRY(look_at_shapes(e, splats, &coherent));
+    bool ground = gscl_find_ground(e->planes, pixels, (int)gsf_channel_count(&e->picture.file.header), colour);
+    gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f%s", coherent, ground ? ", plain ground" : "");
+    if (coherent < COHERENT)
+        GSCL_TRY(try_shapes(e, bytes, splats));
+    return coherent < COHERENT || ground ? try_opacity(e, bytes, splats) : GSCL_OK;
 }
 
 gscl_result gscl_effects_try(gscl_encoder *e, double bytes, double splats) {
     if (e->settings.profile == GSCL_PROFILE_PAPER || e->settings.effort == 0)
         return GSCL_OK;
+    if (bytes > 0 && bytes < LEAST_BYTES)
+        return GSCL_OK;
     if (bytes > 0)
         splats = 8 * bytes / BITS_PER_SPLAT;
     gscl_stage(e->context, "effect trials");
     gscl_stages_freeze(e->context, true);
-    gscl_result result = try_chroma(e, bytes, splats);
-    if (result == GSCL_OK)
-        result = try_shapes(e, bytes, splats);
+    gscl_result result = look_and_try(e, bytes, splats);
     gscl_stages_freeze(e->context, false);
     return result;
 }

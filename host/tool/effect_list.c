@@ -18,7 +18,7 @@ static uint32_t effect_named(const char *name, size_t length) {
 
 bool effect_list_parse(const char *text, uint32_t *on, uint32_t *off) {
     *on = *off = 0;
-    while (text && *text) {
+    while (text) {
         const size_t length = strcspn(text, ",");
         const uint32_t effect = length > 1 ? effect_named(text + 1, length - 1) : 0;
         if (!effect || (*text != '+' && *text != '-')) {
@@ -29,7 +29,7 @@ bool effect_list_parse(const char *text, uint32_t *on, uint32_t *off) {
             return false;
         }
         *(*text == '+' ? on : off) |= effect;
-        text += length + (text[length] == ',');
+        text = text[length] ? text + length + 1 : NULL;
     }
     return true;
 }

@@ -311,6 +311,18 @@ GSCL_API GSCL_CHECKED gscl_result gscl_probe(const uint8_t *bytes, size_t size, 
 /* Reads the whole file: checks it and counts each stream's bits. */
 GSCL_API GSCL_CHECKED gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info);
 
+/* What an effect is worth to a file. */
+typedef struct gscl_effect_use {
+    gscl_effect effect;
+    double bits;    /* that the same splats take less without it; NaN where that cannot be told (paper profile) */
+    double gain_db; /* PSNR that the same splats lose without it; NaN without an image, or likewise */
+} gscl_effect_use;
+/* The effects that are on in a file, at most GSCL_MAX_EFFECTS, each written (and, with an image, drawn) again without:
+ * what the encoder would have made of the splats without it is not looked for.  `image`: the picture that was encoded,
+ * in the kind of its decode, or NULL; with it a context is needed, else `context` may be NULL. */
+GSCL_API GSCL_CHECKED gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size,
+                                                       const gscl_image *image, gscl_effect_use *uses, size_t *count);
+
 /* One splat as it is drawn. */
 typedef struct gscl_splat {
     float x, y;           /* centre, pixels of the encoded size */
