@@ -1,125 +1,150 @@
 #include "fit_oracle.h"
 
 #include <math.h>
+#include <string.h>
 
-#define STEP 1e-5
+#include "fit_scene.h"
 
-static const double pi = 3.14159265358979323846;
-
-/* A splat as it appears at the level. */
+/* One splat of a scene in the place of another. */
 typedef struct {
-    double x, y, i1, i2, c, s, opacity;
+    size_t at;
+    double weight, wave;
     const double *colour;
-    double wave_x, wave_y, phase, amplitude; /* cycles per pixel of the level, cycles */
-} appearance;
+    bool clamped; /* where the alpha blend's opacity has no derivative */
+} substitute;
 
-static double seen_axis(double log_axis, int level) {
-    const double scale = ldexp(1.0, level), blur = (scale * scale - 1.0) / 12.0;
-    return sqrt(exp(2.0 * log_axis) + blur) / scale;
-}
-
-static appearance appear(const oracle_fit *fit, const double *p) {
-    const double scale = ldexp(1.0, fit->level);
-    const double filtered = exp(-2.0 * pi * pi * (p[10] * p[10] + p[11] * p[11]) * (scale * scale - 1.0) / 12.0);
-    return (appearance){
-        .x = p[0] / scale,
-        .y = p[1] / scale,
-        .i1 = 1.0 / seen_axis(p[2], fit->level),
-        .i2 = 1.0 / seen_axis(p[3], fit->level),
-        .c = cos(p[4]),
-        .s = sin(p[4]),
-        .opacity = fit->opacity ? 1.0 / (1.0 + exp(-p[5])) : 1.0,
-        .colour = p + 6,
-        .wave_x = p[10] * scale,
-        .wave_y = p[11] * scale,
-        .phase = p[12],
-        .amplitude = fit->texture ? p[13] * filtered : 0.0,
-    };
-}
-
-static double weight_at(const appearance *a, double x, double y) {
-    const double dx = x - a->x, dy = y - a->y;
-    const double u = (dx * a->c + dy * a->s) * a->i1, v = (dy * a->c - dx * a->s) * a->i2;
-    const double q = 0.5 * (u * u + v * v);
-    return q < 7.0 ? a->opacity * (exp(-q) - exp(-7.0)) : 0.0;
-}
-
-static double wave_at(const appearance *a, double x, double y) {
-    return a->amplitude * cos(2.0 * pi * ((x - a->x) * a->wave_x + (y - a->y) * a->wave_y - a->phase));
-}
-
-typedef struct {
-    size_t count;
-    appearance splats[ORACLE_FIT_SPLATS];
-} scene;
-
-static void appear_all(const oracle_fit *fit, const double *params, size_t count, scene *s) {
-    s->count = count < ORACLE_FIT_SPLATS ? count : ORACLE_FIT_SPLATS;
-    for (size_t i = 0; i < s->count; i++)
-        s->splats[i] = appear(fit, params + i * ORACLE_PARAMS);
-}
-
-static void draw_pixel(const oracle_fit *fit, const scene *s, int index, double *value) {
-    const int channels = fit->colours + fit->alpha_channel;
-    const double x = index % fit->width + 0.5, y = index / fit->width + 0.5;
-    const double e = fit->blend == ORACLE_NORMALIZED ? 1.0 / 1024.0 : 1.0;
-    double weights = e;
-    for (int k = 0; k < channels; k++)
-        value[k] = e * fit->background[k];
+static void blend_pixel(const oracle_scene *s, int pixel, const substitute *other, double *value) {
+    const oracle_fit *fit = s->fit;
+    const double *row = s->weights + (size_t)pixel * s->count;
+    const double *waves = s->waves ? s->waves + (size_t)pixel * s->count : NULL;
+    const bool alpha = fit->blend == ORACLE_ALPHA, normalized = fit->blend == ORACLE_NORMALIZED;
+    double total = normalized ? ORACLE_EPSILON : 1.0;
+    for (int k = 0; k < s->channels; k++)
+        value[k] = total * fit->background[k];
     for (size_t i = 0; i < s->count; i++) {
-        const double w = weight_at(&s->splats[i], x, y), wave = wave_at(&s->splats[i], x, y),
-                     covered = fit->blend == ORACLE_ALPHA ? fmin(w, 0.999) : 0.0;
-        weights += w;
-        for (int k = 0; k < channels && w > 0.0; k++) {
-            const double colour = s->splats[i].colour[k] + (k < fit->colours ? wave : 0.0);
-            value[k] = value[k] * (1.0 - covered) + colour * (fit->blend == ORACLE_ALPHA ? covered : w);
+        const bool changed = other && other->at == i;
+        const double w = changed ? other->weight : row[i], wave = changed ? other->wave : waves ? waves[i] : 0.0;
+        if (w == 0.0)
+            continue;
+        const double *colour = changed ? other->colour : s->splats[i].colour;
+        const double covered = changed && other->clamped ? ORACLE_OPAQUE : changed ? w : fmin(w, ORACLE_OPAQUE);
+        total += w;
+        for (int k = 0; k < s->channels; k++) {
+            const double c = colour[k] + (k < fit->colours ? wave : 0.0);
+            value[k] = alpha ? value[k] * (1.0 - covered) + c * covered : value[k] + c * w;
         }
     }
-    for (int k = 0; k < channels && fit->blend == ORACLE_NORMALIZED; k++)
-        value[k] /= weights;
+    for (int k = 0; k < s->channels && normalized; k++)
+        value[k] /= total;
+}
+
+void oracle_scene_pixel(const oracle_scene *s, int pixel, double *value) {
+    blend_pixel(s, pixel, NULL, value);
 }
 
 void oracle_fit_draw(const oracle_fit *fit, const double *params, size_t count, double *planes) {
-    const int pixels = fit->width * fit->height;
-    scene s;
-    appear_all(fit, params, count, &s);
-    for (int i = 0; i < pixels; i++) {
+    oracle_scene s = oracle_scene_new(fit, params, count);
+    for (int i = 0; i < s.pixels; i++) {
         double value[ORACLE_CHANNELS];
-        draw_pixel(fit, &s, i, value);
-        for (int k = 0; k < fit->colours + fit->alpha_channel; k++)
-            planes[k * pixels + i] = value[k];
+        oracle_scene_pixel(&s, i, value);
+        for (int k = 0; k < s.channels; k++)
+            planes[k * s.pixels + i] = value[k];
     }
+    oracle_scene_free(&s);
 }
 
 double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count) {
-    const int pixels = fit->width * fit->height;
     double loss = 0.0;
-    scene s;
-    appear_all(fit, params, count, &s);
-    for (int i = 0; i < pixels; i++) {
+    oracle_scene s = oracle_scene_new(fit, params, count);
+    for (int i = 0; i < s.pixels; i++) {
         double value[ORACLE_CHANNELS];
-        draw_pixel(fit, &s, i, value);
-        for (int k = 0; k < fit->colours + fit->alpha_channel; k++) {
-            const double e = value[k] - fit->target[k * pixels + i];
+        oracle_scene_pixel(&s, i, value);
+        for (int k = 0; k < s.channels; k++) {
+            const double e = value[k] - fit->target[k * s.pixels + i];
             const double weight = fit->weights ? fit->weights[i] : 1.0;
             loss += fit->absolute ? fabs(e) : 0.5 * weight * e * e;
         }
     }
+    oracle_scene_free(&s);
     return ldexp(loss, 2 * fit->level);
 }
 
-void oracle_fit_gradient(const oracle_fit *fit, double *params, size_t count, double *gradient) {
-    const size_t used = 6 + (size_t)(fit->colours + fit->alpha_channel);
-    for (size_t i = 0; i < count * ORACLE_PARAMS; i++) {
-        const double at = params[i];
-        gradient[i] = 0.0;
-        if (i % ORACLE_PARAMS >= used || (i % ORACLE_PARAMS == 5 && !fit->opacity))
-            continue;
-        params[i] = at + STEP;
-        const double above = oracle_fit_loss(fit, params, count);
-        params[i] = at - STEP;
-        const double below = oracle_fit_loss(fit, params, count);
-        params[i] = at;
-        gradient[i] = (above - below) / (2.0 * STEP);
+/* ---- Differences ---- */
+
+double oracle_natural_step(const oracle_fit *fit, const double *p, size_t parameter) {
+    const oracle_appearance a = oracle_appear(fit, p);
+    const double scale = ldexp(1.0, fit->level), pi = 3.14159265358979323846;
+    if (parameter == 0)
+        return scale / (hypot(a.c * a.i1, a.s * a.i2) + 2.0 * pi * fabs(a.wave_x));
+    if (parameter == 1)
+        return scale / (hypot(a.s * a.i1, a.c * a.i2) + 2.0 * pi * fabs(a.wave_y));
+    return parameter == 4 ? fmin(a.i1, a.i2) / fmax(a.i1, a.i2) : 1.0;
+}
+
+double oracle_difference_step(const oracle_fit *fit, const double *params, size_t parameter) {
+    const double natural = oracle_natural_step(fit, params, parameter);
+    return exp2(floor(log2(natural)) - (parameter < 6 ? 10.0 : 2.0));
+}
+
+/* The splat with other parameters, but on the side of each kink (the cut, the clamp of alpha) on which it stands. */
+static substitute replace_at(const oracle_scene *s, size_t i, const oracle_appearance *a, int pixel) {
+    const double x = oracle_pixel_x(s->fit, pixel), y = oracle_pixel_y(s->fit, pixel), pi = 3.14159265358979323846;
+    double u, v;
+    oracle_frame(a, x, y, &u, &v);
+    return (substitute){
+        .at = i,
+        .weight = a->opacity * (exp(-0.5 * (u * u + v * v)) - exp(-ORACLE_CUT)),
+        .wave = a->amplitude * cos(2.0 * pi * ((x - a->x) * a->wave_x + (y - a->y) * a->wave_y - a->phase)),
+        .colour = a->colour,
+        .clamped = s->weights[(size_t)pixel * s->count + i] >= ORACLE_OPAQUE,
+    };
+}
+
+/* How much more a pixel costs with one substitute than with the other. */
+static double pixel_difference(const oracle_scene *s, int pixel, const substitute *more, const substitute *less) {
+    const oracle_fit *fit = s->fit;
+    double a[ORACLE_CHANNELS], b[ORACLE_CHANNELS], sum = 0.0;
+    blend_pixel(s, pixel, more, a);
+    blend_pixel(s, pixel, less, b);
+    for (int k = 0; k < s->channels; k++) {
+        const double target = fit->target[k * s->pixels + pixel], weight = fit->weights ? fit->weights[pixel] : 1.0;
+        /* (a - t)^2 - (b - t)^2 without the cancellation */
+        sum += fit->absolute ? fabs(a[k] - target) - fabs(b[k] - target)
+                             : 0.5 * weight * (a[k] - b[k]) * (a[k] - target + b[k] - target);
     }
+    return sum;
+}
+
+/* The loss with the parameter moved up by `step`, less the loss with it moved down. */
+static double difference(const oracle_scene *s, size_t i, const double *params, size_t parameter, double step) {
+    double up[ORACLE_PARAMS], down[ORACLE_PARAMS], sum = 0.0;
+    memcpy(up, params, sizeof up);
+    memcpy(down, params, sizeof down);
+    up[parameter] += step;
+    down[parameter] -= step;
+    const oracle_appearance above = oracle_appear(s->fit, up), below = oracle_appear(s->fit, down);
+    for (int p = 0; p < s->pixels; p++) {
+        if (s->weights[(size_t)p * s->count + i] == 0.0)
+            continue;
+        const substitute more = replace_at(s, i, &above, p), less = replace_at(s, i, &below, p);
+        sum += pixel_difference(s, p, &more, &less);
+    }
+    return ldexp(sum, 2 * s->fit->level);
+}
+
+void oracle_fit_gradient(const oracle_fit *fit, const double *params, size_t count, size_t stride, double *gradient) {
+    const size_t used = 6 + (size_t)(fit->colours + fit->alpha_channel);
+    oracle_scene s = oracle_scene_new(fit, params, count);
+    for (size_t i = 0; i < count * ORACLE_PARAMS; i++)
+        gradient[i] = 0.0;
+    for (size_t i = (count + stride - 1) % stride; i < count; i += stride) {
+        for (size_t k = 0; k < used; k++) {
+            const double *p = params + i * ORACLE_PARAMS, step = oracle_difference_step(fit, p, k);
+            if (k == 5 && !fit->opacity)
+                continue;
+            gradient[i * ORACLE_PARAMS + k] =
+                (8.0 * difference(&s, i, p, k, step) - difference(&s, i, p, k, 2.0 * step)) / (12.0 * step);
+        }
+    }
+    oracle_scene_free(&s);
 }

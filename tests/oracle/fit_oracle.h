@@ -10,7 +10,6 @@
 /* The order of a splat's parameters (cl/constants.h): x, y, ln s1, ln s2, theta, logit of the opacity, four
  * colours, and of the wave: cycles per pixel along x and y, phase in cycles, amplitude. */
 #define ORACLE_PARAMS 14
-#define ORACLE_FIT_SPLATS 64 /* at most */
 
 typedef struct {
     oracle_blend blend;
@@ -31,8 +30,17 @@ void oracle_fit_draw(const oracle_fit *fit, const double *params, size_t count, 
  * errors) over all samples of the level, each times its pixel's weight. */
 double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count);
 
-/* The loss's derivative by each parameter; `params` is changed and restored. */
-void oracle_fit_gradient(const oracle_fit *fit, double *params, size_t count, double *gradient);
+/* The loss's derivative by each parameter, by central differences over five points; of every `stride`th splat, the
+ * last among them, 0 for the others.  Where a weight has a kink - the cut at q = 7, the alpha blend's clamp - it is the derivative of the side on
+ * which each pixel stands. */
+void oracle_fit_gradient(const oracle_fit *fit, const double *params, size_t count, size_t stride, double *gradient);
+
+/* How far a parameter must go to change much in the picture: an axis's length, or what moves its end by so much. */
+double oracle_natural_step(const oracle_fit *fit, const double *params, size_t parameter);
+
+/* How far single precision may be from oracle_fit_draw and oracle_fit_gradient (squared errors, no textures): rounding
+ * errors of each operation, followed to the result (fit_bounds.c).  `planes` as those drawn, `gradient` as above. */
+void oracle_fit_bounds(const oracle_fit *fit, const double *params, size_t count, double *planes, double *gradient);
 
 /* What squared errors count towards MS-SSIM, by definition (cl/ssim.cl): from the levels 1 to 3 of the image's pyramid, or
  * the last where it has fewer.  `planes`: `channels` planes of width * height, changed by the call. */

@@ -135,7 +135,7 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
     take_shape(c, t->params);
     oracle_fit_draw(&t->fit, t->params, c->count, t->planes);
     t->loss = oracle_fit_loss(&t->fit, t->params, c->count);
-    oracle_fit_gradient(&t->fit, t->params, c->count, t->gradient);
+    oracle_fit_gradient(&t->fit, t->params, c->count, 1, t->gradient);
     take_shape_gradient(c, t->gradient);
 }
 

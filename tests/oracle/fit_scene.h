@@ -1,0 +1,46 @@
+/* What the parts of the fit's oracle share: the splats as they appear at the level, and what each weighs at each pixel. */
+#ifndef GSCL_FIT_SCENE_H
+#define GSCL_FIT_SCENE_H
+
+#include "fit_oracle.h"
+
+#define ORACLE_CUT 7.0         /* a splat ends where q reaches this */
+#define ORACLE_OPAQUE 0.999    /* the alpha blend's largest opacity at a pixel */
+#define ORACLE_EPSILON 0x1p-10 /* the background's weight in the normalized blend */
+
+/* A splat as it appears at the level. */
+typedef struct {
+    double x, y, i1, i2, c, s, opacity;
+    const double *colour;
+    double wave_x, wave_y, phase, amplitude; /* cycles per pixel of the level, cycles */
+} oracle_appearance;
+
+typedef struct {
+    const oracle_fit *fit;
+    size_t count;
+    int pixels, channels;
+    oracle_appearance *splats;
+    double *weights; /* pixels rows of count: what each splat weighs there, */
+    double *waves;   /* and its wave; NULL without textures */
+} oracle_scene;
+
+oracle_appearance oracle_appear(const oracle_fit *fit, const double *params);
+/* By how much a parameter is moved to take differences: a thousandth of its natural step (colours: a quarter,
+ * which is exact, too), as a power of two, so that parameters that are floats move by exactly that much. */
+double oracle_difference_step(const oracle_fit *fit, const double *params, size_t parameter);
+/* (u, v) of a pixel in the splat's frame, in axes: q = (u^2 + v^2) / 2. */
+void oracle_frame(const oracle_appearance *splat, double x, double y, double *u, double *v);
+static inline double oracle_pixel_x(const oracle_fit *fit, int pixel) {
+    return pixel % fit->width + 0.5;
+}
+static inline double oracle_pixel_y(const oracle_fit *fit, int pixel) {
+    return pixel / fit->width + 0.5;
+}
+
+/* The scene refers to `fit` and `params`. */
+oracle_scene oracle_scene_new(const oracle_fit *fit, const double *params, size_t count);
+void oracle_scene_free(oracle_scene *scene);
+/* All channels of a pixel. */
+void oracle_scene_pixel(const oracle_scene *scene, int pixel, double *value);
+
+#endif

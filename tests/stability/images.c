@@ -1,0 +1,73 @@
+/* Pictures that are hard to fit, under ordinary splats. */
+#include "scene.h"
+#include "test_scene.h"
+
+static void fit(scene *s, int width, int height) {
+    scene_resize(s, width, height);
+    for (int i = 0; i < 10; i++)
+        scene_add(s);
+}
+
+/* The same value in all channels of a pixel. */
+static void paint(scene *s, float (*value)(int x, int y)) {
+    const int pixels = s->width * s->height;
+    for (int i = 0; i < pixels * SCENE_CHANNELS; i++)
+        s->target[i] = value(i % pixels % s->width, i % pixels / s->width);
+}
+
+static float grey(int x, int y) {
+    (void)x;
+    (void)y;
+    return 0.4f;
+}
+static float checkers(int x, int y) {
+    return (float)((x + y) % 2);
+}
+static float hot(int x, int y) {
+    return x == 7 && y == 5 ? 1.0f : 0.0f;
+}
+static float ramp(int x, int y) { /* steps of one in 65535 */
+    return (float)(30000 + x + 40 * y) / 65535.0f;
+}
+
+static void one_colour(scene *s) {
+    fit(s, s->width, s->height);
+    paint(s, grey);
+}
+static void one_pixel(scene *s) {
+    fit(s, 1, 1);
+}
+static void one_row(scene *s) {
+    fit(s, 61, 1);
+}
+static void one_column(scene *s) {
+    fit(s, 1, 61);
+}
+static void primes(scene *s) {
+    fit(s, 37, 31);
+}
+static void checkerboard(scene *s) {
+    fit(s, s->width, s->height);
+    paint(s, checkers);
+}
+static void white_noise(scene *s) {
+    fit(s, s->width, s->height);
+    for (int i = 0; i < s->width * s->height * SCENE_CHANNELS; i++)
+        s->target[i] = (float)test_pick(2);
+}
+static void hot_pixel(scene *s) {
+    fit(s, s->width, s->height);
+    paint(s, hot);
+}
+static void deep_gradient(scene *s) {
+    fit(s, s->width, s->height);
+    paint(s, ramp);
+}
+
+const scene_case image_cases[] = {
+    {"image of one colour", one_colour}, {"image of one pixel", one_pixel},
+    {"image of one row", one_row},       {"image of one column", one_column},
+    {"image of prime sizes", primes},    {"checkerboard", checkerboard},
+    {"white noise", white_noise},        {"one hot pixel", hot_pixel},
+    {"16-bit gradient", deep_gradient},  {0},
+};

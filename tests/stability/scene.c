@@ -1,0 +1,60 @@
+#include "scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "image.h"
+#include "test_scene.h"
+
+size_t scene_scaled(size_t count, size_t few) {
+    return getenv("STABILITY_SMALL") && few < count ? few : count;
+}
+
+int scene_level_width(const scene *s) {
+    return (int)gscl_level_size((uint32_t)s->width, s->level);
+}
+int scene_level_height(const scene *s) {
+    return (int)gscl_level_size((uint32_t)s->height, s->level);
+}
+
+void scene_resize(scene *s, int width, int height) {
+    s->width = width;
+    s->height = height;
+    for (int i = 0; i < scene_level_width(s) * scene_level_height(s) * SCENE_CHANNELS; i++)
+        s->target[i] = test_uniform(0.0, 1.0);
+}
+
+void scene_begin(scene *s, const char *name, int blend) {
+    snprintf(s->name, sizeof s->name, "%s", name);
+    s->blend = blend;
+    s->level = 0;
+    s->round = false;
+    s->count = 0;
+    s->stride = 1;
+    test_random_state = 12345;
+    scene_resize(s, (int)scene_scaled(40, 20), (int)scene_scaled(33, 17));
+}
+
+double scene_log_uniform(double low, double high) {
+    return exp(test_uniform(log(low), log(high)));
+}
+
+void scene_set_axes(float *p, double s1, double s2) {
+    p[GSCL_LOG_S1] = (float)log(s1);
+    p[GSCL_LOG_S2] = (float)log(s2);
+}
+
+float *scene_add(scene *s) {
+    float *p = s->params + s->count++ * GSCL_PARAMS;
+    memset(p, 0, GSCL_PARAMS * sizeof *p);
+    p[GSCL_X] = test_uniform(0.0, s->width);
+    p[GSCL_Y] = test_uniform(0.0, s->height);
+    scene_set_axes(p, scene_log_uniform(0.7, 15.0), scene_log_uniform(0.7, 15.0));
+    p[GSCL_THETA] = test_uniform(-4.0, 4.0);
+    p[GSCL_OPACITY] = test_uniform(-3.0, 3.0);
+    for (int k = 0; k < SCENE_CHANNELS; k++)
+        p[GSCL_COLOUR + k] = test_uniform(-0.2, 1.2);
+    return p;
+}

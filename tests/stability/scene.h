@@ -1,0 +1,50 @@
+/* A scene of the suite: splats, as float parameters that the library's own clamps may never let through, and the picture
+ * that they are fitted to.  Kernels and the double-precision oracle get the very same floats. */
+#ifndef STABILITY_SCENE_H
+#define STABILITY_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "constants.h"
+
+#define SCENE_SPLATS 10000 /* at most */
+#define SCENE_PIXELS 65536 /* at most */
+#define SCENE_CHANNELS 3
+#define SCENE_STEPS 40 /* of Adam, in which the loss must fall */
+
+typedef struct {
+    char name[80];
+    int blend;
+    int width, height, level; /* of the full-size image; of the pyramid */
+    bool round;               /* all splats are: their angle must have a gradient of exactly 0 */
+    size_t count;
+    size_t stride; /* the gradient is differenced for every such splat */
+    float params[SCENE_SPLATS * GSCL_PARAMS];
+    float target[SCENE_PIXELS * SCENE_CHANNELS]; /* of the level */
+} scene;
+
+/* A hard case: fills an ordinary scene (blend set, 40x33 pixels of noise, no splats) with its own. */
+typedef struct {
+    const char *name;
+    void (*make)(scene *s);
+} scene_case;
+
+/* The cases of each subject, closed by a NULL name. */
+extern const scene_case shape_cases[], blending_cases[], place_cases[], image_cases[];
+
+/* An ordinary scene without splats. */
+void scene_begin(scene *s, const char *name, int blend);
+/* Adds a splat somewhere in the image, of axes from 0.7 to 15 pixels and any angle, opacity and colour. */
+float *scene_add(scene *s);
+void scene_set_axes(float *params, double s1, double s2);
+/* Another size, and noise to be fitted. */
+void scene_resize(scene *s, int width, int height);
+int scene_level_width(const scene *s);
+int scene_level_height(const scene *s);
+/* Uniform in the logarithm. */
+double scene_log_uniform(double low, double high);
+/* How many of `count` splats or steps a run has time for: few under STABILITY_SMALL. */
+size_t scene_scaled(size_t count, size_t few);
+
+#endif
