@@ -14,6 +14,7 @@
 #include "check.h"
 #include "fit.h"
 #include "fit_oracle.h"
+#include "report.h"
 
 #define KINDS (GSCL_COLOUR + 1)
 

@@ -28,7 +28,4 @@ bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t 
 /* Descent from the scene, with a file of it before and after. */
 bool scene_encodes(const scene *s, char *message, size_t room);
 
-/* A row of the report: subject, case, details, what is measured, bound and measured value. */
-void report(const char *subject, const char *name, const char *detail, const char *what, double bound, double measured);
-
 #endif

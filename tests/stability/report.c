@@ -1,7 +1,7 @@
+#include "report.h"
+
 #include <stdio.h>
 #include <stdlib.h>
-
-#include "check.h"
 
 void report(const char *subject, const char *name, const char *detail, const char *what, double bound,
             double measured) {

@@ -90,58 +90,6 @@ static void test_extreme_frequencies(void **unused) {
         assert_int_equal(gsf_code_symbol(&coder, 0, freq, 2, GSF_MAX_TOTAL), i % 97 == 0);
 }
 
-#define RUN 5000 /* symbols in which an interval stays on both sides of one point */
-#define TOTAL 65536u
-
-/* Encodes symbols whose intervals all contain the point 1/2, so that no byte can be written, and then one on the side that
- * `up` says.  `symbols` gets where each interval of width 2 begins; returns the size. */
-static size_t straddle(uint8_t *bytes, size_t capacity, uint32_t *symbols, bool up) {
-    uint64_t distance = UINT64_C(1) << 31; /* from the interval's lower end to the point */
-    gsf_range_encoder encoder;
-    gsf_range_encoder_init(&encoder, bytes, capacity);
-    for (int i = 0; i <= RUN; i++) {
-        const uint32_t unit = encoder.range / TOTAL;
-        uint32_t range = 2 * unit;
-        symbols[i] = (uint32_t)(distance / unit) - 1;
-        if (i == RUN)
-            symbols[i] += up ? 2 : (uint32_t)-2;
-        gsf_range_encode(&encoder, symbols[i], 2, TOTAL);
-        distance -= (uint64_t)symbols[i] * unit;
-        for (; range < 1u << 24; range <<= 8)
-            distance <<= 8;
-    }
-    gsf_range_encoder_finish(&encoder);
-    return encoder.size;
-}
-
-/* A carry runs through thousands of bytes that were held back, or does not. */
-static void check_carry(bool up) {
-    uint8_t *bytes = malloc(2 * RUN + 64);
-    uint32_t *symbols = malloc((RUN + 1) * sizeof *symbols);
-    const size_t size = straddle(bytes, 2 * RUN + 64, symbols, up);
-    assert_true(size > RUN);
-    assert_int_equal(bytes[0], up ? 0x80 : 0x7F);
-    assert_int_equal(bytes[1], up ? 0x00 : 0xFF);
-    assert_int_equal(bytes[RUN], up ? 0x00 : 0xFF);
-
-    gsf_range_decoder decoder;
-    gsf_range_decoder_init(&decoder, bytes, size);
-    for (int i = 0; i <= RUN; i++) {
-        const uint32_t target = gsf_range_decode_target(&decoder, TOTAL);
-        assert_in_range(target, symbols[i], symbols[i] + 1);
-        gsf_range_decode_consume(&decoder, symbols[i], 2, TOTAL);
-    }
-    assert_int_equal(decoder.position, size + GSF_IMPLIED_BYTES);
-    free(symbols);
-    free(bytes);
-}
-
-static void test_long_carry(void **unused) {
-    (void)unused;
-    check_carry(true);
-    check_carry(false);
-}
-
 /* The first byte may be 0xFF. */
 static void test_first_byte_full(void **unused) {
     (void)unused;
@@ -274,17 +222,11 @@ static void test_split_rect(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_million_symbols),
-        cmocka_unit_test(test_one_symbol_costs_nothing),
-        cmocka_unit_test(test_extreme_frequencies),
-        cmocka_unit_test(test_long_carry),
-        cmocka_unit_test(test_first_byte_full),
-        cmocka_unit_test(test_no_space_is_counted),
-        cmocka_unit_test(test_reading_stops_at_the_end),
-        cmocka_unit_test(test_model_learns),
-        cmocka_unit_test(test_urn_round_trip),
-        cmocka_unit_test(test_urn_probabilities),
-        cmocka_unit_test(test_class_counts),
+        cmocka_unit_test(test_million_symbols),     cmocka_unit_test(test_one_symbol_costs_nothing),
+        cmocka_unit_test(test_extreme_frequencies), cmocka_unit_test(test_first_byte_full),
+        cmocka_unit_test(test_no_space_is_counted), cmocka_unit_test(test_reading_stops_at_the_end),
+        cmocka_unit_test(test_model_learns),        cmocka_unit_test(test_urn_round_trip),
+        cmocka_unit_test(test_urn_probabilities),   cmocka_unit_test(test_class_counts),
         cmocka_unit_test(test_split_rect),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

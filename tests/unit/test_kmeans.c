@@ -8,72 +8,33 @@
 
 #include <cmocka.h>
 
-#include "kmeans.h"
+#include "test_clusters.h"
 
 #define POINTS 600
 #define CLUSTERS 24
 
-/* A fixed cloud of `count` points in [0, 1) per dimension, denser towards 0. */
-static void fill_cloud(float *values, uint32_t count, uint32_t dims, uint32_t seed) {
-    uint32_t state = seed;
-    for (uint32_t i = 0; i < count * dims; i++) {
-        state = state * 1664525u + 1013904223u;
-        const float u = (float)(state >> 8) * (1.0f / 16777216.0f);
-        values[i] = u * u;
-    }
-}
-
-/* Every point sits at its nearest centroid, every centroid has a member, the distortion adds up. */
-static void check_consistent(const kmeans_points *points, const float *centroids, const uint32_t *assignment,
-                             const kmeans_result *result) {
-    double total = 0.0;
-    uint32_t members[CLUSTERS] = {0};
-    assert_true(result->clusters <= CLUSTERS);
-    for (uint32_t i = 0; i < points->count; i++) {
-        double best = INFINITY, own = INFINITY;
-        assert_true(assignment[i] < result->clusters);
-        members[assignment[i]]++;
-        for (uint32_t k = 0; k < result->clusters; k++) {
-            double sum = 0.0;
-            for (uint32_t d = 0; d < points->dims; d++) {
-                const double metric = points->metric ? points->metric[d] : 1.0;
-                const double difference =
-                    ((double)points->values[i * points->dims + d] - centroids[k * points->dims + d]) * metric;
-                sum += difference * difference;
-            }
-            best = sum < best ? sum : best;
-            own = k == assignment[i] ? sum : own;
-        }
-        assert_true(own <= best);
-        total += own * (points->weights ? points->weights[i] : 1.0);
-    }
-    for (uint32_t k = 0; k < result->clusters; k++)
-        assert_true(members[k] > 0);
-    assert_true(fabs(total - result->distortion) <= 1e-12 + 1e-9 * total);
-}
-
 static void test_cloud_in_every_dimension(void **state) {
     (void)state;
     static float values[POINTS * KMEANS_MAX_DIMS], weights[POINTS];
-    fill_cloud(weights, POINTS, 1, 9);
+    test_cloud(weights, POINTS, 1, 9);
     const float metric[KMEANS_MAX_DIMS] = {1.0f, 3.0f, 0.5f, 0.0f, 2.0f};
     for (uint32_t dims = 1; dims <= KMEANS_MAX_DIMS; dims++) {
         float centroids[CLUSTERS * KMEANS_MAX_DIMS];
         uint32_t assignment[POINTS];
         kmeans_result result;
-        fill_cloud(values, POINTS, dims, dims);
+        test_cloud(values, POINTS, dims, dims);
         const kmeans_points points = {values, weights, metric, POINTS, dims};
         const kmeans_options options = {.clusters = CLUSTERS, .iterations = 10, .seed = 5};
         assert_int_equal(kmeans_cluster(&points, &options, centroids, assignment, &result), KMEANS_OK);
         assert_int_equal(result.clusters, CLUSTERS);
-        check_consistent(&points, centroids, assignment, &result);
+        assert_true(test_clusters_consistent(&points, centroids, assignment, &result));
     }
 }
 
 static void test_distortion_never_grows(void **state) {
     (void)state;
     static float values[POINTS * 3];
-    fill_cloud(values, POINTS, 3, 1);
+    test_cloud(values, POINTS, 3, 1);
     const kmeans_points points = {.values = values, .count = POINTS, .dims = 3};
     for (uint64_t seed = 0; seed < 5; seed++) {
         double before = INFINITY;
@@ -92,7 +53,7 @@ static void test_distortion_never_grows(void **state) {
 static void test_same_twice(void **state) {
     (void)state;
     static float values[POINTS * 4];
-    fill_cloud(values, POINTS, 4, 3);
+    test_cloud(values, POINTS, 4, 3);
     const kmeans_points points = {.values = values, .count = POINTS, .dims = 4};
     const kmeans_options options = {.clusters = CLUSTERS, .iterations = 10, .seed = 77};
     float centroids[2][CLUSTERS * 4] = {{0}};
@@ -109,7 +70,7 @@ static void test_same_twice(void **state) {
 static void test_seed_matters(void **state) {
     (void)state;
     static float values[POINTS * 2];
-    fill_cloud(values, POINTS, 2, 3);
+    test_cloud(values, POINTS, 2, 3);
     const kmeans_points points = {.values = values, .count = POINTS, .dims = 2};
     float centroids[2][CLUSTERS * 2];
     uint32_t assignment[POINTS];
@@ -149,7 +110,7 @@ static void test_one_cluster_is_the_weighted_mean(void **state) {
     assert_int_equal(kmeans_cluster(&points, &options, centroid, assignment, &result), KMEANS_OK);
     assert_int_equal(result.clusters, 1);
     assert_true(centroid[0] == 1.0f && centroid[1] == 2.0f);
-    check_consistent(&points, centroid, assignment, &result);
+    assert_true(test_clusters_consistent(&points, centroid, assignment, &result));
 }
 
 static void test_fewer_points_than_clusters(void **state) {
