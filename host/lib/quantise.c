@@ -7,8 +7,9 @@
 
 static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 
-static int clamp_int(int x, int min, int max) {
-    return x < min ? min : x > max ? max : x;
+/* The nearest code, within its range even where it is far beyond what an int holds. */
+static int nearest_code(double x, int min, int max) {
+    return (int)rint(fmin(fmax(x, min), max));
 }
 static double scale_step(const gsf_steps *s) {
     return (s->scale + 4) / 32.0 * ln2;
@@ -48,15 +49,14 @@ static void quantise_colour(const gsf_picture *p, const float *colour, gsf_splat
         y = (colour[0] + 2.0 * colour[1] + colour[2]) / 4;
         int chroma_min, chroma_max;
         gsf_chroma_range(p->steps.chroma, &chroma_min, &chroma_max);
-        s->co = (int16_t)clamp_int((int)lrint((colour[0] - colour[2]) * chroma), chroma_min, chroma_max);
-        s->cg = (int16_t)clamp_int((int)lrint((colour[1] - (colour[0] + colour[2]) / 2.0) * chroma), chroma_min,
-                                   chroma_max);
+        s->co = (int16_t)nearest_code((colour[0] - colour[2]) * chroma, chroma_min, chroma_max);
+        s->cg = (int16_t)nearest_code((colour[1] - (colour[0] + colour[2]) / 2.0) * chroma, chroma_min, chroma_max);
     }
-    s->luma = (int16_t)clamp_int((int)lrint(y * luma), min, max);
+    s->luma = (int16_t)nearest_code(y * luma, min, max);
     if (p->header.has_alpha) {
         gsf_luma_range(p->header.blend, p->steps.alpha, &min, &max);
-        s->alpha = (int16_t)clamp_int(
-            (int)lrint(colour[p->header.has_chroma ? 3 : 1] * gsf_colour_levels(p->steps.alpha)), min, max);
+        s->alpha =
+            (int16_t)nearest_code(colour[p->header.has_chroma ? 3 : 1] * gsf_colour_levels(p->steps.alpha), min, max);
     }
 }
 
@@ -84,20 +84,20 @@ static void quantise_texture(const gsf_picture *p, const float *params, gsf_text
     if (!p->header.has_texture || amplitude < 1)
         return;
     t->amplitude = (uint8_t)fmin(amplitude, GSF_AMPLITUDES);
-    t->wave = (uint8_t)clamp_int((int)lrint(-log2(hypot(x, y) * GSCL_FIRST_WAVELENGTH) / GSCL_OCTAVES_PER_WAVE), 0,
-                                 GSF_WAVES - 1);
+    t->wave =
+        (uint8_t)nearest_code(-log2(hypot(x, y) * GSCL_FIRST_WAVELENGTH) / GSCL_OCTAVES_PER_WAVE, 0, GSF_WAVES - 1);
     t->direction = (uint8_t)(((int)lrint(atan2(y, x) * GSF_DIRECTIONS / pi) + GSF_DIRECTIONS) % GSF_DIRECTIONS);
-    t->phase = (uint8_t)((int)lrint(params[GSCL_WAVE_PHASE] * GSF_PHASES) % GSF_PHASES);
+    double turns = params[GSCL_WAVE_PHASE] - floor(params[GSCL_WAVE_PHASE]);
+    t->phase = (uint8_t)((int)lrint(turns * GSF_PHASES) % GSF_PHASES);
 }
 
 void gscl_quantise(const gsf_picture *p, const float *params, gsf_splat *s) {
     double step = scale_step(&p->steps);
     memset(s, 0, sizeof *s);
-    int a = clamp_int((int)lrint((params[GSCL_LOG_S1] + ln2) / step), 0, GSF_MAX_SCALE_CODE);
-    int b = clamp_int((int)lrint((params[GSCL_LOG_S2] + ln2) / step), 0, GSF_MAX_SCALE_CODE);
+    int a = nearest_code((params[GSCL_LOG_S1] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
+    int b = nearest_code((params[GSCL_LOG_S2] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
     if (!p->header.has_anisotropy)
-        a = b = clamp_int((int)lrint(((params[GSCL_LOG_S1] + params[GSCL_LOG_S2]) / 2 + ln2) / step), 0,
-                          GSF_MAX_SCALE_CODE);
+        a = b = nearest_code(((params[GSCL_LOG_S1] + params[GSCL_LOG_S2]) / 2 + ln2) / step, 0, GSF_MAX_SCALE_CODE);
     s->minor = (uint16_t)(a < b ? a : b);
     s->aspect = (uint16_t)(a < b ? b - a : a - b);
     gscl_quantise_placement(p, params, s);
@@ -106,7 +106,7 @@ void gscl_quantise(const gsf_picture *p, const float *params, gsf_splat *s) {
     if (p->header.has_opacity) {
         int levels = p->steps.opacity + 1;
         double opacity = 1 / (1 + exp(-params[GSCL_OPACITY]));
-        s->opacity = (uint16_t)(clamp_int((int)lrint(opacity * levels), 1, levels) - 1);
+        s->opacity = (uint16_t)(nearest_code(opacity * levels, 1, levels) - 1);
     }
 }
 

@@ -11,8 +11,8 @@
 #include <cmocka.h>
 
 #include "check.h"
+#include "decodes.h"
 #include "fit.h"
-#include "oracle.h"
 #include "picture.h"
 #include "quantise.h"
 
@@ -38,31 +38,8 @@ static gscl_picture picture_of(const scene *s, const float *params, const float 
     return p;
 }
 
-/* Both mappings draw what the second decoder draws, within 1/255 (FORMAT.md, "Rendering"). */
-static bool decodes_alike(const uint8_t *bytes, size_t size, char *message, size_t room) {
-    oracle_picture truth;
-    bool good = oracle_decode(bytes, size, &truth) == ORACLE_OK;
-    if (!good)
-        snprintf(message, room, "the second decoder refuses the file");
-    for (int m = 0; m < 2 && good; m++) {
-        gscl_image image = {0};
-        good = gscl_decode(stability_context(m), bytes, size, NULL, &image) == GSCL_OK;
-        if (!good)
-            snprintf(message, room, "%s", gscl_context_message(stability_context(m)));
-        for (size_t i = 0; good && i < (size_t)image.width * image.height * image.channels; i++) {
-            const int found = ((const uint8_t *)image.pixels)[i], wanted = (int)oracle_round(truth.pixels[i], 255);
-            good = abs(found - wanted) <= 1;
-            if (!good)
-                snprintf(message, room, "%s mapping: sample %zu of the decoded file is %d, %d expected",
-                         stability_mappings[m], i, found, wanted);
-        }
-        gscl_free(image.pixels);
-    }
-    oracle_free(&truth);
-    return good;
-}
-
 static bool file_decodes(const scene *s, const float *params, const float background[4], char *message, size_t room) {
+    gscl_context *const contexts[2] = {stability_context(0), stability_context(1)};
     uint8_t *bytes[2] = {NULL, NULL};
     size_t sizes[2] = {0, 0};
     bool good = true;
@@ -77,7 +54,7 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
         snprintf(message, room, "another file has other bytes");
         good = false;
     }
-    good = good && decodes_alike(bytes[0], sizes[0], message, room);
+    good = good && decodes_alike(contexts, bytes[0], sizes[0], message, room);
     gscl_free(bytes[0]);
     gscl_free(bytes[1]);
     return good;

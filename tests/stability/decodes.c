@@ -1,0 +1,37 @@
+#include "decodes.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "oracle.h"
+
+static bool close_to(const oracle_picture *truth, const gscl_image *image, char *message, size_t room) {
+    const bool deep = image->sample == GSCL_SAMPLE_U16;
+    const int allowed = deep ? 257 : 1;
+    for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; i++) {
+        const int found = deep ? ((const uint16_t *)image->pixels)[i] : ((const uint8_t *)image->pixels)[i];
+        const int wanted = (int)oracle_round(truth->pixels[i], deep ? 65535 : 255);
+        if (abs(found - wanted) <= allowed)
+            continue;
+        snprintf(message, room, "sample %zu of the decoded file is %d, %d expected", i, found, wanted);
+        return false;
+    }
+    return true;
+}
+
+bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t room) {
+    oracle_picture truth;
+    bool good = oracle_decode(bytes, size, &truth) == ORACLE_OK;
+    if (!good)
+        snprintf(message, room, "the second decoder refuses the file");
+    for (int m = 0; m < 2 && good; m++) {
+        gscl_image image = {0};
+        good = gscl_decode(contexts[m], bytes, size, NULL, &image) == GSCL_OK;
+        if (!good)
+            snprintf(message, room, "%s", gscl_context_message(contexts[m]));
+        good = good && close_to(&truth, &image, message, room);
+        gscl_free(image.pixels);
+    }
+    oracle_free(&truth);
+    return good;
+}
