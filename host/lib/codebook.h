@@ -57,6 +57,9 @@ void gscl_codebook_compact(gscl_codebook *codebook);
 /* Writes the splats as codes (host copies must be current). */
 gscl_result gscl_codebook_to_picture(const gscl_codebook *codebook, gscl_picture *picture);
 
+/* Drops the words of a picture that none of its splats uses. */
+void gscl_codebook_drop_unused(gsf_picture *file);
+
 /* A pass over all splats that chooses words and cells by rate and distortion (cl/codebook_choose.cl); `lambda`: squared
  * error per bit; `keep_all`: none is dropped.  Splats must be in drawing order and projected. */
 gscl_result gscl_codebook_choose(gscl_codebook *codebook, double lambda, bool keep_all);

@@ -117,3 +117,39 @@ gscl_result gscl_codebook_to_picture(const gscl_codebook *c, gscl_picture *pictu
     free(places);
     return result;
 }
+
+/* Tells how many of `count` words are used and where each of these goes: their order stays. */
+static uint16_t count_used(const bool *used, uint16_t count, uint16_t *places) {
+    uint16_t kept = 0;
+    for (uint16_t k = 0; k < count; k++)
+        if (used[k])
+            places[k] = kept++;
+    return kept;
+}
+
+void gscl_codebook_drop_unused(gsf_picture *file) {
+    bool used[GSCL_BOOKS][GSF_MAX_CODEBOOK] = {{false}};
+    uint16_t places[GSCL_BOOKS][GSF_MAX_CODEBOOK];
+    gsf_codebooks *books = &file->codebooks;
+    if (file->header.splat_count == 0)
+        return;
+    for (uint32_t i = 0; i < file->header.splat_count; i++) {
+        used[GSCL_BOOK_SHAPE][file->indexed[i].shape] = true;
+        used[GSCL_BOOK_COLOUR][file->indexed[i].colour] = true;
+    }
+    uint16_t shapes = count_used(used[GSCL_BOOK_SHAPE], books->shape_count, places[GSCL_BOOK_SHAPE]);
+    uint16_t colours = count_used(used[GSCL_BOOK_COLOUR], books->colour_count, places[GSCL_BOOK_COLOUR]);
+    for (uint16_t k = 0; k < books->shape_count; k++)
+        if (used[GSCL_BOOK_SHAPE][k])
+            memmove(books->shape_words[places[GSCL_BOOK_SHAPE][k]], books->shape_words[k], sizeof *books->shape_words);
+    for (uint16_t k = 0; k < books->colour_count; k++)
+        if (used[GSCL_BOOK_COLOUR][k])
+            memmove(books->colour_words[places[GSCL_BOOK_COLOUR][k]], books->colour_words[k],
+                    sizeof *books->colour_words);
+    for (uint32_t i = 0; i < file->header.splat_count; i++) {
+        file->indexed[i].shape = places[GSCL_BOOK_SHAPE][file->indexed[i].shape];
+        file->indexed[i].colour = places[GSCL_BOOK_COLOUR][file->indexed[i].colour];
+    }
+    books->shape_count = shapes;
+    books->colour_count = colours;
+}

@@ -256,12 +256,14 @@ static gscl_result run_rounds(trainer *t) {
     return GSCL_OK;
 }
 
-/* Takes the front-most splats of the smallest shape away until the file fits: a last resort. */
+/* Takes the front-most splats of the smallest shape away, and the words that only they used, until the file fits: a last
+ * resort. */
 static gscl_result trim(trainer *t, size_t size) {
     gsf_header *header = &t->encoder->picture.file.header;
     while (size > t->bytes && header->splat_count > 0) {
         size_t excess = (size - t->bytes) / 6 + 1;
         header->splat_count -= (uint32_t)(excess < header->splat_count ? excess : header->splat_count);
+        gscl_codebook_drop_unused(&t->encoder->picture.file);
         GSCL_TRY(gscl_encoder_size(t->encoder, &size));
     }
     return GSCL_OK;

@@ -8,11 +8,12 @@ static void fit(scene *s, int width, int height) {
         scene_add(s);
 }
 
-/* The same value in all channels of a pixel. */
+/* A colour of the same hue everywhere. */
 static void paint(scene *s, float (*value)(int x, int y)) {
+    static const float hue[SCENE_CHANNELS] = {1.0f, 0.8f, 0.6f};
     const int pixels = s->width * s->height;
     for (int i = 0; i < pixels * SCENE_CHANNELS; i++)
-        s->target[i] = value(i % pixels % s->width, i % pixels / s->width);
+        s->target[i] = hue[i / pixels] * value(i % pixels % s->width, i % pixels / s->width);
 }
 
 static float grey(int x, int y) {
