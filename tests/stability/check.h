@@ -27,5 +27,7 @@ void check_scene(const scene *s);
 bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t room);
 /* Descent from the scene, with a file of it before and after. */
 bool scene_encodes(const scene *s, char *message, size_t room);
+/* A file of the scene as it is. */
+bool scene_file_decodes(const scene *s, char *message, size_t room);
 
 #endif

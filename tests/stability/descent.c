@@ -60,6 +60,11 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
     return good;
 }
 
+bool scene_file_decodes(const scene *s, char *message, size_t room) {
+    static const float grey[4] = {0.5f, 0.5f, 0.5f, 0.5f};
+    return file_decodes(s, s->params, grey, message, room);
+}
+
 /* ---- Descent ---- */
 
 /* `params`: in the scene's, out the fitted ones.  A step brings the splats within the library's limits, which no fit of
