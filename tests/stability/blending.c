@@ -35,21 +35,21 @@ static void stack(scene *s, size_t count) {
 }
 
 static void stack_of_1000(scene *s) {
-    stack(s, scene_scaled(1000, 50));
+    stack(s, scene_scaled(1000, 20));
 }
 static void stack_of_10000(scene *s) {
-    stack(s, scene_scaled(10000, 100));
+    stack(s, scene_scaled(10000, 30));
 }
 /* Thin ones: light reaches the back. */
 static void thin_stack(scene *s) {
-    stack(s, scene_scaled(1000, 50));
+    stack(s, scene_scaled(1000, 20));
     for (size_t i = 0; i < s->count; i++)
         s->params[i * GSCL_PARAMS + GSCL_OPACITY] = test_uniform(-9.0, -6.0);
 }
 
 /* Each lets through 1/1000 to 1/20: less than the smallest float after 15 to 35. */
 static void underflow(scene *s) {
-    stack(s, scene_scaled(200, 60));
+    stack(s, scene_scaled(200, 25));
     for (size_t i = 0; i < s->count; i++) {
         float *p = s->params + i * GSCL_PARAMS;
         scene_set_axes(p, scene_log_uniform(4.0, 1e3), scene_log_uniform(4.0, 1e3));

@@ -39,13 +39,13 @@ static void one_pixel(scene *s) {
     fit(s, 1, 1);
 }
 static void one_row(scene *s) {
-    fit(s, 61, 1);
+    fit(s, (int)scene_scaled(61, 19), 1);
 }
 static void one_column(scene *s) {
-    fit(s, 1, 61);
+    fit(s, 1, (int)scene_scaled(61, 19));
 }
 static void primes(scene *s) {
-    fit(s, 37, 31);
+    fit(s, (int)scene_scaled(37, 17), (int)scene_scaled(31, 7));
 }
 static void checkerboard(scene *s) {
     fit(s, s->width, s->height);

@@ -24,7 +24,7 @@ static void corners(scene *s) {
 
 /* Every way to be on a border, or the next float beside it, of tiles in x and in y. */
 static void tile_borders(scene *s) {
-    scene_resize(s, 35, 33);
+    scene_resize(s, 35, (int)scene_scaled(33, 18));
     for (int i = 0; i < 18; i++) {
         float *p = scene_add(s);
         const float x = 16.0f * (float)(1 + i / 9), towards[] = {0.0f, x, 100.0f};
@@ -36,7 +36,7 @@ static void tile_borders(scene *s) {
 
 /* Outlines that end on the border of a tile, and the next float on either side. */
 static void touching_outlines(scene *s) {
-    scene_resize(s, 35, 33);
+    scene_resize(s, 35, (int)scene_scaled(33, 18));
     for (int i = 0; i < 12; i++) {
         float *p = scene_add(s);
         const double reach = i % 2 ? 8.0 : 8.5; /* of the tile, or of its last pixel's centre */
@@ -50,19 +50,19 @@ static void touching_outlines(scene *s) {
 static void place_far(scene *s, int along, int across, int length) {
     for (int i = 0; i < 16; i++) {
         float *p = scene_add(s);
-        p[along] = test_uniform(length - 400.0, length);
+        p[along] = test_uniform(length - (length > 400 ? 400.0 : 60.0), length);
         p[across] = test_uniform(0.0, 3.0);
         scene_set_axes(p, scene_log_uniform(0.5, i % 4 ? 5.0 : 1e3), scene_log_uniform(0.5, 2.0));
         p[GSCL_THETA] = i % 4 ? p[GSCL_THETA] : along == GSCL_X ? 0.0f : 1.57079633f;
     }
 }
 static void far_right(scene *s) {
-    const int width = (int)scene_scaled(16384, 500);
+    const int width = (int)scene_scaled(16384, 100);
     scene_resize(s, width, 3);
     place_far(s, GSCL_X, GSCL_Y, width);
 }
 static void far_down(scene *s) {
-    const int height = (int)scene_scaled(16384, 500);
+    const int height = (int)scene_scaled(16384, 100);
     scene_resize(s, 3, height);
     place_far(s, GSCL_Y, GSCL_X, height);
 }

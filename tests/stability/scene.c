@@ -34,7 +34,7 @@ void scene_begin(scene *s, const char *name, int blend) {
     s->count = 0;
     s->stride = 1;
     test_random_state = 12345;
-    scene_resize(s, (int)scene_scaled(40, 20), (int)scene_scaled(33, 17));
+    scene_resize(s, (int)scene_scaled(40, 18), (int)scene_scaled(33, 9));
 }
 
 double scene_log_uniform(double low, double high) {
