@@ -63,7 +63,7 @@ check "format of sources" sh tests/check_format.sh
 check "build with sanitizers" build build-sanitize \
     --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-suite build-sanitize --suite unit --suite fuzz
+suite build-sanitize --suite unit --suite fuzz --suite stability
 unset ASAN_OPTIONS UBSAN_OPTIONS
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 

@@ -1,0 +1,60 @@
+#!/bin/sh
+# Measures every case anew and writes the tables of STABILITY.md: sh tests/stability/report.sh [BUILD]
+set -eu
+cd "$(dirname "$0")/../.."
+build=${1:-build}
+page=tests/stability/STABILITY.md
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+[ -f "$build/build.ninja" ] || meson setup "$build" -Dtool=enabled -Dtests=enabled
+ninja -C "$build"
+rm -f "$work/rows"
+STABILITY_REPORT=$work/rows meson test -C "$build" --no-rebuild --suite stability --num-processes 1
+
+# Rows of agreement.c: two mappings beside each other, forward and backward in one line.
+scenes() {
+    echo "| case | blend | forward: bound | cpu | gpu | backward: bound | cpu | gpu | of its bound |"
+    echo "|---|---|---|---|---|---|---|---|---|"
+    awk -F'|' '$1 == "scene" {
+        split($3, detail, ", ")
+        key = $2 "|" detail[1]
+        if (!(key in seen)) { seen[key] = 1; order[++count] = key }
+        bound[key, $4] = $5
+        measured[key, $4, detail[2]] = $6
+        if ($4 == "share" && $6 > share[key]) share[key] = $6
+    }
+    END {
+        for (i = 1; i <= count; i++) {
+            key = order[i]
+            split(key, name, "|")
+            printf "| %s | %s |", name[1], name[2]
+            for (j = 1; j <= 2; j++) {
+                what = j == 1 ? "forward" : "backward"
+                printf " %s | %s | %s |", bound[key, what], measured[key, what, "cpu"], measured[key, what, "gpu"]
+            }
+            printf " %.0f %% |\n", 100 * share[key]
+        }
+    }' "$work/rows"
+}
+
+others() {
+    echo "| subject | case | | what | bound | measured |"
+    echo "|---|---|---|---|---|---|"
+    awk -F'|' '$1 != "scene" { printf "| %s | %s | %s | %s | %s | %s |\n", $1, $2, $3, $4, $5, $6 }' "$work/rows"
+}
+
+{
+    sed '/^<!-- tables -->$/q' "$page"
+    echo "$(date -u +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1); $("$build/gscl" devices | head -n 1);" \
+        "\`sh tests/stability/report.sh\`."
+    echo
+    echo "### Scenes"
+    echo
+    scenes
+    echo
+    echo "### All else"
+    echo
+    others
+    sed -n '/^<!-- \/tables -->$/,$p' "$page"
+} >"$work/page"
+cp "$work/page" "$page"
