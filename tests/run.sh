@@ -59,12 +59,13 @@ check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
 check "public headers" sh tests/install/check_headers.sh host/include
 check "format of sources" sh tests/check_format.sh
 
-# Host code under ASan and UBSan; leaks are looked for apart.
+# Host code under ASan and UBSan, hard cases of small size; leaks are looked for apart.
 check "build with sanitizers" build build-sanitize \
     --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export STABILITY_SMALL=1
 suite build-sanitize --suite unit --suite fuzz --suite stability
-unset ASAN_OPTIONS UBSAN_OPTIONS
+unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 
 # The library alone needs no C++ compiler.

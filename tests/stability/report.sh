@@ -45,7 +45,7 @@ others() {
 
 {
     sed '/^<!-- tables -->$/q' "$page"
-    echo "$(date -u +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1); $("$build/gscl" devices | head -n 1);" \
+    echo "$(date -u +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1); $("$build/gscl" devices | sed -n "1s/^[* ]*[0-9.]* *//p");" \
         "\`sh tests/stability/report.sh\`."
     echo
     echo "### Scenes"

@@ -142,7 +142,7 @@ static void test_image(void **state) {
     c->make(&s);
     gscl_image image = image_of(&s);
     for (size_t i = 0; i < MODES; i++)
-        for (int mapping = 0; mapping < 2; mapping++)
+        for (int mapping = 0; mapping < (int)scene_scaled(2, 1); mapping++)
             check_encode(&s, &image, &modes[i], mapping);
     free(image.pixels);
 }
