@@ -27,7 +27,7 @@ typedef struct {
 } far_case;
 
 static const far_case cases[] = {
-    {"64 x 1/2 px, the longest of a fit", 64.0, 0.5, 150.0},
+    {"64 x 1/2 px, the longest of a fit", 64.0, 0.5, 40.0},
     {"32768 x 1/2 px, the longest of scalar coding", 32768.0, 0.5, 8000.0},
     {"65536 x 1/16 px, the longest of codebooks", 65536.0, 0.0625, 8000.0},
 };
