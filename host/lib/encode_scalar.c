@@ -6,6 +6,7 @@
 #include "constants.h"
 #include "density.h"
 #include "quantise.h"
+#include "report.h"
 #include "scalar_schedule.h"
 #include "timing.h"
 
@@ -180,6 +181,8 @@ static gscl_result run_steps(schedule *s) {
             GSCL_TRY(gscl_fit_adapt(&s->fit));
         GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_rate(fraction)));
         GSCL_TRY(report(s, step));
+        if ((step + 1) % gscl_report_interval(s->steps) == 0)
+            GSCL_TRY(gscl_report_fit(s->encoder, &s->fit, step + 1));
     }
     return GSCL_OK;
 }

@@ -6,6 +6,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "report.h"
+
 #define MAX_ROWS 96      /* stages and kernels; there are some 60 */
 #define MAX_PENDING 1024 /* events that wait to be read */
 #define MAX_NAME 32
@@ -33,11 +35,16 @@ gscl_result gscl_timing_create(gscl_context *context) {
     return context->timings ? GSCL_OK : gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+/* Waits for what the device was told to do. */
+static void finish(gscl_context *context) {
+    if (context->queue)
+        clFinish(context->queue);
+}
+
 /* Reads the times of kernels that have ended, once all have. */
 static void collect(gscl_context *context) {
     struct gscl_timings *t = context->timings;
-    if (context->queue)
-        clFinish(context->queue);
+    finish(context);
     for (size_t i = 0; i < t->pending_count; i++) {
         if (!t->pending[i])
             continue;                /* the launch failed */
@@ -88,10 +95,14 @@ static gscl_timing *row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
 
 const char *gscl_stage(gscl_context *context, const char *name) {
     struct gscl_timings *t = context->timings;
-    if (!t)
+    if (!t && !context->recorder)
         return NULL;
-    collect(context);
+    finish(context);
     double now = gscl_now();
+    const char *recorded = context->recorder ? gscl_recorder_stage(context->recorder, name, now) : NULL;
+    if (!t)
+        return recorded;
+    collect(context);
     const char *ended = t->stage ? t->stage->name : NULL;
     if (t->stage) {
         t->stage->seconds += now - t->start_s;

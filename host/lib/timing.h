@@ -1,6 +1,7 @@
 /* Where time goes: stages of an encode or decode on the wall clock, and kernels on the device's own.
  *
- * Nothing is measured, and nothing waits, unless gscl_context_settings.timing asks for it. */
+ * Nothing is measured, and nothing waits, unless gscl_context_settings.timing or an encode's report (report.h) asks for
+ * it. */
 #ifndef GSCL_LIB_TIMING_H
 #define GSCL_LIB_TIMING_H
 

@@ -204,17 +204,43 @@ typedef struct gscl_encode_settings {
     int effort;             /* 0 (fastest) .. 9 (best); default 5 */
     uint32_t codebook_size; /* paper profile: code words in each codebook, 2..1024; 0 (default): chosen by rate */
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
+    bool rounds;            /* default false; true: the report lists the rounds of the fit.  Same bytes, more time */
     gscl_progress_callback progress; /* default NULL */
     void *progress_opaque;
 } gscl_encode_settings;
 
-/* What an encode did; optional. */
+/* One stage of an encode. */
+typedef struct gscl_stage_time {
+    const char *name; /* static, as in gscl_timing */
+    uint32_t count;   /* how often it was begun */
+    double seconds;   /* wall clock, the device's work included */
+} gscl_stage_time;
+
+/* How far the fit had come at one moment: about two dozen while splats move, then one after each pass that chooses their
+ * codes. */
+typedef struct gscl_round {
+    const char *stage; /* under way: the name of one of the report's stages */
+    uint32_t steps;    /* of gradient descent done, which passes do not count as */
+    uint32_t splats;
+    double seconds; /* since the encode began */
+    double psnr;    /* dB of the picture drawn at full size, not rounded, against the image */
+} gscl_round;
+
+#define GSCL_MAX_STAGES 32
+#define GSCL_MAX_ROUNDS 96
+
+/* What an encode did; optional.  It holds no memory of the library's.  Times are on the wall clock, without the time that
+ * measuring rounds took. */
 typedef struct gscl_encode_report {
     uint32_t splats;
     uint64_t bytes;
-    double psnr;     /* dB of the decoded file against the image (as gscl_compare) */
-    double seconds;  /* wall clock */
-    uint32_t trials; /* complete fits that the target took */
+    double psnr;          /* dB of the decoded file against the image (as gscl_compare) */
+    double seconds;       /* all of it */
+    uint32_t trials;      /* complete fits that the target took */
+    uint32_t stage_count; /* stages in the order in which they first came; their seconds add up to all but a rest */
+    gscl_stage_time stages[GSCL_MAX_STAGES];
+    uint32_t round_count; /* rounds of the last fit; 0 unless the settings ask for rounds */
+    gscl_round rounds[GSCL_MAX_ROUNDS];
 } gscl_encode_report;
 
 GSCL_API void gscl_encode_settings_default(gscl_encode_settings *settings);
