@@ -134,6 +134,25 @@ size_t gscl_context_timings(const gscl_context *context, const gscl_timing **tim
     return context->timings->count;
 }
 
+double gscl_kernel_seconds(const gscl_context *context) {
+    const gscl_timing *rows;
+    size_t count = gscl_context_timings(context, &rows);
+    double seconds = 0;
+    for (size_t i = 0; i < count; i++)
+        if (rows[i].is_kernel)
+            seconds += rows[i].seconds;
+    return seconds;
+}
+
+static int compare_samples(const void *a, const void *b) {
+    const double *p = a, *q = b;
+    return *p < *q ? -1 : *p > *q;
+}
+
+void gscl_sort_samples(double *samples, size_t count) {
+    qsort(samples, count, sizeof *samples, compare_samples);
+}
+
 void gscl_context_reset_timings(gscl_context *context) {
     if (!context || !context->timings)
         return;

@@ -14,6 +14,11 @@ const char *gscl_stage(gscl_context *context, const char *name);
 /* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
 
+/* What all kernels took together since the timings were reset, in seconds. */
+double gscl_kernel_seconds(const gscl_context *context);
+/* Sorts samples, the smallest first. */
+void gscl_sort_samples(double *samples, size_t count);
+
 /* Seconds on a clock that only goes forward. */
 double gscl_now(void);
 
