@@ -15,6 +15,7 @@
 #include "output_file.h"
 #include "progress.h"
 #include "read_file.h"
+#include "report_json.h"
 
 #define SUFFIX ".gscl"
 
@@ -110,33 +111,6 @@ static double bits_per_pixel(const gscl_image *image, uint64_t bytes) {
     return 8.0 * (double)bytes / ((double)image->width * image->height);
 }
 
-static void write_stages(json_writer *json, const gscl_encode_report *report) {
-    json_open_array(json, "stages");
-    for (uint32_t i = 0; i < report->stage_count; i++) {
-        json_open_object(json, NULL);
-        json_string(json, "name", report->stages[i].name);
-        json_integer(json, "count", report->stages[i].count);
-        json_real(json, "seconds", report->stages[i].seconds);
-        json_close_object(json);
-    }
-    json_close_array(json);
-}
-
-static void write_rounds(json_writer *json, const gscl_encode_report *report) {
-    json_open_array(json, "rounds");
-    for (uint32_t i = 0; i < report->round_count; i++) {
-        const gscl_round *round = &report->rounds[i];
-        json_open_object(json, NULL);
-        json_string(json, "stage", round->stage);
-        json_integer(json, "steps", round->steps);
-        json_integer(json, "splats", round->splats);
-        json_real(json, "seconds", round->seconds);
-        json_real(json, "psnr", round->psnr);
-        json_close_object(json);
-    }
-    json_close_array(json);
-}
-
 static void print_report(batch_state *state, const char *input, const char *output, const gscl_image *image,
                          const gscl_encode_report *report) {
     const double bpp = bits_per_pixel(image, report->bytes);
@@ -159,9 +133,9 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_real(json, "psnr", report->psnr);
     json_real(json, "seconds", report->seconds);
     json_integer(json, "trials", report->trials);
-    write_stages(json, report);
+    report_write_stages(json, report);
     if (state->batch->settings.rounds)
-        write_rounds(json, report);
+        report_write_rounds(json, report);
     json_close_object(json);
 }
 
