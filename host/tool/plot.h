@@ -11,7 +11,7 @@
 #define PLOT_MAX_SERIES 24
 #define PLOT_MAX_POINTS 96
 #define PLOT_MAX_CATEGORIES 12
-#define PLOT_LABEL_SIZE 48 /* bytes */
+#define PLOT_LABEL_SIZE 64 /* bytes */
 
 typedef enum plot_style {
     PLOT_FAINT,  /* a thin line behind everything, without points */

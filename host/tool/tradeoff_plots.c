@@ -32,8 +32,8 @@ static double top_of(const tradeoff_results *r) {
 
 static void add_rounds(plot_panel *panel, const tradeoff_encode *e, bool named) {
     const bool usual = e->effort == GSCL_DEFAULT_EFFORT;
-    plot_series *curve =
-        plot_add_series(panel, named ? "its fit, round by round" : "", PLOT_FAINT, usual ? PLOT_BLUE : PLOT_GREY);
+    plot_series *curve = plot_add_series(panel, named ? "its fit, round by round, while still too large" : "",
+                                         PLOT_FAINT, usual ? PLOT_BLUE : PLOT_GREY);
     for (uint32_t i = 0; i < e->report.round_count; i++)
         plot_add_point(curve, e->report.rounds[i].seconds, e->report.rounds[i].psnr, false, " ");
 }
@@ -119,9 +119,12 @@ static void add_categories(plot_panel *panel, const tradeoff_results *r) {
     }
 }
 
+static const char arithmetic_axis[] = "below 1/n: what lies behind less transmittance than that is not drawn";
+
 static void plot_arithmetic(const tradeoff_results *r, plot *p) {
-    plot_panel *error = plot_add_panel(p, "Arithmetic: how far it is off", "", "largest error, units of 1/255");
-    plot_panel *time = plot_add_panel(p, "Arithmetic: how long it takes", "", "ns per pixel to draw");
+    plot_panel *error =
+        plot_add_panel(p, "Arithmetic: how far it is off", arithmetic_axis, "largest error, units of 1/255");
+    plot_panel *time = plot_add_panel(p, "Arithmetic: how long it takes", arithmetic_axis, "ns per pixel to draw");
     error->y.is_log = true;
     error->guide = 1;
     error->guide_label = "what the format allows";
@@ -164,6 +167,10 @@ static void plot_quantiser(const tradeoff_results *r, plot *p) {
 
 /* ---- Gradient accuracy against time ---- */
 
+static const char *exponential_name(const gscl_gradient_accuracy *g) {
+    return g->is_default ? "polynomial (default)" : g->variant;
+}
+
 static void plot_gradients(const tradeoff_results *r, plot *p) {
     p->title = "Gradients in single precision, against differences in double precision";
     plot_panel *error = plot_add_panel(p, "How far they are off", "", "relative error, root mean square");
@@ -171,7 +178,7 @@ static void plot_gradients(const tradeoff_results *r, plot *p) {
     error->y.is_log = true;
     for (size_t i = 0; i < r->gradient_count; i++) { /* the kinds in the order in which most blends have them */
         plot_category(error, r->gradients[i].kind);
-        plot_category(time, r->gradients[i].variant);
+        plot_category(time, exponential_name(&r->gradients[i]));
     }
     for (int blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
         plot_series *e = plot_add_series(error, blend_words[blend], PLOT_BARS, blend_colours[blend]);
@@ -183,7 +190,7 @@ static void plot_gradients(const tradeoff_results *r, plot *p) {
             if (g->is_default)
                 plot_add_point(e, plot_category(error, g->kind), g->rms_error, false, " ");
             if (strcmp(g->kind, "position") == 0)
-                plot_add_point(t, plot_category(time, g->variant), g->ns_per_pixel, g->is_default, " ");
+                plot_add_point(t, plot_category(time, exponential_name(g)), g->ns_per_pixel, g->is_default, " ");
         }
     }
 }
