@@ -12,6 +12,7 @@
 
 #define WARM_UP 3
 #define MOST 1000 /* repetitions, and splats */
+#define MAX_VARIANTS 24
 
 static const gscl_accuracy_settings defaults = {.repetitions = 20, .splats = 48};
 
@@ -89,19 +90,30 @@ const char *gscl_exponential_name(int exponential) {
     return names[exponential];
 }
 
-gscl_result gscl_subject_time(const gscl_subject *s, gscl_subject_run *run, void *opaque, double *seconds) {
-    double samples[MOST];
-    for (uint32_t i = 0; i < WARM_UP + s->settings->repetitions; i++) {
-        gscl_context_reset_timings(s->context);
-        gscl_stage(s->context, "measure");
-        GSCL_TRY(run(opaque));
-        gscl_stage(s->context, NULL);
-        if (i >= WARM_UP)
-            samples[i - WARM_UP] = gscl_kernel_seconds(s->context);
-    }
-    gscl_sort_samples(samples, s->settings->repetitions);
-    *seconds = samples[s->settings->repetitions / 2];
+static gscl_result time_once(const gscl_subject *s, gscl_subject_run *run, void *opaque, size_t which,
+                             double *seconds) {
+    gscl_context_reset_timings(s->context);
+    gscl_stage(s->context, "measure");
+    GSCL_TRY(run(opaque, which));
+    gscl_stage(s->context, NULL);
+    *seconds = gscl_kernel_seconds(s->context);
     return GSCL_OK;
+}
+
+gscl_result gscl_subject_time(const gscl_subject *s, gscl_subject_run *run, void *opaque, size_t count,
+                              double *seconds) {
+    size_t repetitions = s->settings->repetitions;
+    double warm, *samples = malloc(count * repetitions * sizeof *samples);
+    gscl_result result = samples ? GSCL_OK : gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    for (size_t i = 0; i < WARM_UP + repetitions; i++)
+        for (size_t k = 0; k < count && result == GSCL_OK; k++)
+            result = time_once(s, run, opaque, k, i < WARM_UP ? &warm : &samples[k * repetitions + i - WARM_UP]);
+    for (size_t k = 0; k < count && result == GSCL_OK; k++) {
+        gscl_sort_samples(samples + k * repetitions, repetitions);
+        seconds[k] = samples[k * repetitions + repetitions / 2];
+    }
+    free(samples);
+    return result;
 }
 
 /* ---- Errors ---- */
@@ -130,10 +142,18 @@ void gscl_subject_compare(const gscl_subject *s, const double *drawn, const doub
 
 /* ---- Drawing in another way ---- */
 
+/* One way to draw. */
+typedef struct variant {
+    gscl_kernel_options options;
+    const double *exact; /* what its errors are told against */
+    gscl_accuracy row;
+    char name[32];
+} variant;
+
 typedef struct bench {
     gscl_subject *subject;
-    gscl_accuracy_callback callback;
-    void *opaque;
+    size_t count;
+    variant variants[MAX_VARIANTS];
     gscl_renderer renderer;
     gscl_buffer drawn, image; /* of double precision */
     double *exact, *endless;  /* planes: as the format says, and with Gaussians that are not cut off */
@@ -154,13 +174,8 @@ static gscl_result draw_reference(const gscl_subject *s, bool cut, double *plane
     return result;
 }
 
-static gscl_result run_float(void *opaque) {
-    return gscl_renderer_render(&((bench *)opaque)->renderer);
-}
-
 /* The lists are those of single precision: their outlines are a little wide anyway. */
-static gscl_result run_double(void *opaque) {
-    bench *b = opaque;
+static gscl_result draw_double(bench *b) {
     gscl_renderer *r = &b->renderer;
     gscl_kernel_options options = r->options;
     cl_ulong plane = gscl_renderer_plane(r);
@@ -179,6 +194,13 @@ static gscl_result run_double(void *opaque) {
                        GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
 }
 
+static gscl_result draw(void *opaque, size_t which) {
+    bench *b = opaque;
+    b->renderer.options = b->variants[which].options;
+    b->renderer.options.is_double = 0; /* of what comes before drawing */
+    return b->variants[which].options.is_double ? draw_double(b) : gscl_renderer_render(&b->renderer);
+}
+
 static gscl_result read_floats(bench *b) {
     size_t samples = samples_of(b->subject);
     float *floats = malloc(samples * sizeof *floats);
@@ -191,49 +213,65 @@ static gscl_result read_floats(bench *b) {
     return result;
 }
 
-/* Draws with `options`, which differ from the subject's in one thing, and tells. */
-static gscl_result measure(bench *b, const gscl_kernel_options *options, const double *exact, gscl_accuracy a) {
+static gscl_result measure_error(bench *b, size_t which) {
+    variant *v = &b->variants[which];
+    GSCL_TRY(draw(b, which));
+    GSCL_TRY(v->options.is_double ? gscl_buffer_read(b->subject->context, &b->image, 0, b->planes,
+                                                     samples_of(b->subject) * sizeof *b->planes)
+                                  : read_floats(b));
+    gscl_subject_compare(b->subject, b->planes, v->exact, &v->row);
+    return GSCL_OK;
+}
+
+/* What is drawn by default is one of the variants of each choice: its time is that of the first. */
+static gscl_result measure_variants(bench *b, gscl_accuracy_callback callback, void *opaque) {
     const gscl_subject *s = b->subject;
-    double seconds;
-    b->renderer.options = *options;
-    b->renderer.options.is_double = 0; /* of project and bin */
-    GSCL_TRY(gscl_subject_time(s, options->is_double ? run_double : run_float, b, &seconds));
-    GSCL_TRY(options->is_double
-                 ? gscl_buffer_read(s->context, &b->image, 0, b->planes, samples_of(s) * sizeof *b->planes)
-                 : read_floats(b));
-    gscl_subject_compare(s, b->planes, exact, &a);
-    a.ns_per_pixel = 1e9 * seconds / ((double)s->width * s->height);
-    a.blend = gscl_subject_blend(s);
-    b->callback(b->opaque, &a);
+    double seconds[MAX_VARIANTS], usual = 0;
+    for (size_t i = 0; i < b->count; i++)
+        GSCL_TRY(measure_error(b, i));
+    GSCL_TRY(gscl_subject_time(s, draw, b, b->count, seconds));
+    for (size_t i = 0; i < b->count; i++) {
+        gscl_accuracy *row = &b->variants[i].row;
+        if (row->is_default && usual == 0)
+            usual = seconds[i];
+        row->ns_per_pixel = 1e9 * (row->is_default ? usual : seconds[i]) / ((double)s->width * s->height);
+        row->variant = b->variants[i].name;
+        callback(opaque, row);
+    }
     return GSCL_OK;
 }
 
 /* ---- The choices ---- */
 
-static gscl_result measure_support(bench *b) {
-    static const double sigmas[] = {2, 2.5, 3, 3.5, 0, 4, 4.5, 5, 6};
-    const double usual = sqrt(2 * (double)GSCL_SUPPORT);
-    for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; i++) {
-        gscl_kernel_options options = b->subject->options;
-        char name[32];
-        double value = sigmas[i] > 0 ? sigmas[i] : usual;
-        snprintf(name, sizeof name, "%.3g sigma", value);
-        if (sigmas[i] > 0)
-            options.support = value * value / 2;
-        GSCL_TRY(measure(b, &options, b->endless,
-                         (gscl_accuracy){"support", .variant = name, .value = value, .is_default = sigmas[i] == 0}));
-    }
-    return GSCL_OK;
+/* The subject's options, for the caller to change one thing. */
+static gscl_kernel_options *add_variant(bench *b, const double *exact, const char *choice, const char *name,
+                                        double value, bool is_default) {
+    variant *v = &b->variants[b->count++];
+    v->options = b->subject->options;
+    v->exact = exact;
+    v->row = (gscl_accuracy){
+        .choice = choice, .value = value, .is_default = is_default, .blend = gscl_subject_blend(b->subject)};
+    snprintf(v->name, sizeof v->name, "%s", name);
+    return &v->options;
 }
 
-static gscl_result measure_exponential(bench *b) {
-    for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE; i++) {
-        gscl_kernel_options options = b->subject->options;
-        options.exponential = i;
-        GSCL_TRY(measure(b, &options, b->exact,
-                         (gscl_accuracy){"exponential", .variant = gscl_exponential_name(i), .is_default = i == 0}));
+static void add_supports(bench *b) {
+    static const double sigmas[] = {2, 2.5, 3, 3.5, 0, 4, 4.5, 5, 6};
+    for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; i++) {
+        char name[32];
+        const bool usual = sigmas[i] == 0;
+        const double value = usual ? sqrt(2 * (double)GSCL_SUPPORT) : sigmas[i];
+        snprintf(name, sizeof name, "%.3g sigma", value);
+        gscl_kernel_options *options = add_variant(b, b->endless, "support", name, value, usual);
+        if (!usual)
+            options->support = value * value / 2;
     }
-    return GSCL_OK;
+}
+
+static void add_exponentials(bench *b) {
+    for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE; i++)
+        add_variant(b, b->exact, "exponential", gscl_exponential_name(i), 0, i == GSCL_EXPONENTIAL_POLYNOMIAL)
+            ->exponential = i;
 }
 
 static bool has_double(const gscl_context *context) {
@@ -242,31 +280,24 @@ static bool has_double(const gscl_context *context) {
     return config != 0;
 }
 
-static gscl_result measure_precision(bench *b) {
+static gscl_result add_precisions(bench *b) {
     gscl_context *context = b->subject->context;
-    gscl_kernel_options options = b->subject->options;
-    GSCL_TRY(measure(b, &options, b->exact,
-                     (gscl_accuracy){"precision", .variant = "float32", .value = 32, .is_default = true}));
+    add_variant(b, b->exact, "precision", "float32", 32, true);
     if (!has_double(context))
         return GSCL_OK;
-    options.is_double = 1;
+    add_variant(b, b->exact, "precision", "float64", 64, false)->is_double = 1;
     GSCL_TRY(gscl_buffer_reserve(context, &b->drawn, b->subject->count * GSCL_DRAWN * sizeof(cl_double)));
-    GSCL_TRY(gscl_buffer_reserve_image(context, &b->image, samples_of(b->subject) * sizeof(cl_double)));
-    return measure(b, &options, b->exact, (gscl_accuracy){"precision", .variant = "float64", .value = 64});
+    return gscl_buffer_reserve_image(context, &b->image, samples_of(b->subject) * sizeof(cl_double));
 }
 
-static gscl_result measure_early_stop(bench *b) {
+static void add_early_stops(bench *b) {
     static const double thresholds[] = {0, 1 / 4096.0, 1 / 1024.0, 1 / 255.0, 1 / 64.0};
     for (size_t i = 0; i < sizeof thresholds / sizeof *thresholds; i++) {
-        gscl_kernel_options options = b->subject->options;
         char name[32] = "off";
         if (i > 0)
             snprintf(name, sizeof name, "below 1/%.0f", 1 / thresholds[i]);
-        options.early_stop = thresholds[i];
-        GSCL_TRY(measure(b, &options, b->exact,
-                         (gscl_accuracy){"early stop", .variant = name, .value = thresholds[i], .is_default = i == 0}));
+        add_variant(b, b->exact, "early stop", name, thresholds[i], i == 0)->early_stop = thresholds[i];
     }
-    return GSCL_OK;
 }
 
 static gscl_result prepare(bench *b) {
@@ -284,16 +315,17 @@ static gscl_result prepare(bench *b) {
     return gscl_renderer_set_splats(&b->renderer, s->params, s->count, s->background);
 }
 
-static gscl_result measure_all(bench *b) {
+static gscl_result measure_all(bench *b, gscl_accuracy_callback callback, void *opaque) {
+    gscl_subject *s = b->subject;
+    const bool alpha = s->options.blend == GSCL_ALPHA, scalar = s->picture.file.header.coding == GSF_CODING_SCALAR;
     GSCL_TRY(prepare(b));
-    GSCL_TRY(measure_support(b));
-    GSCL_TRY(measure_exponential(b));
-    GSCL_TRY(measure_precision(b));
-    if (b->subject->options.blend == GSCL_ALPHA)
-        return measure_early_stop(b);
-    return b->subject->picture.file.header.coding == GSF_CODING_SCALAR
-               ? gscl_measure_quantiser(b->subject, b->callback, b->opaque)
-               : GSCL_OK;
+    add_supports(b);
+    add_exponentials(b);
+    GSCL_TRY(add_precisions(b));
+    if (alpha)
+        add_early_stops(b);
+    GSCL_TRY(measure_variants(b, callback, opaque));
+    return scalar && !alpha ? gscl_measure_quantiser(s, callback, opaque) : GSCL_OK;
 }
 
 gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image, const uint8_t *bytes, size_t size,
@@ -303,9 +335,9 @@ gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image
     if (!callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_result result = gscl_subject_open(&subject, context, image, bytes, size, settings);
-    bench b = {.subject = &subject, .callback = callback, .opaque = opaque};
+    bench b = {.subject = &subject};
     if (result == GSCL_OK)
-        result = measure_all(&b);
+        result = measure_all(&b, callback, opaque);
     gscl_renderer_free(&b.renderer);
     gscl_buffer_free(&b.drawn);
     gscl_buffer_free(&b.image);

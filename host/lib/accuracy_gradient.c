@@ -119,8 +119,10 @@ static void differentiate(bench *b) {
 
 /* ---- The device ---- */
 
-static gscl_result run(void *opaque) {
-    return gscl_fit_differentiate(opaque);
+static gscl_result run(void *opaque, size_t exponential) {
+    bench *b = opaque;
+    b->fit.renderer.options.exponential = (int)exponential;
+    return gscl_fit_differentiate(&b->fit);
 }
 
 static void compare_kind(const bench *b, const kind *k, gscl_gradient_accuracy *a) {
@@ -140,27 +142,35 @@ static void compare_kind(const bench *b, const kind *k, gscl_gradient_accuracy *
     a->largest_error = largest > 0 ? largest_error / largest : 0;
 }
 
-static gscl_result measure_variant(bench *b, int exponential, gscl_gradient_callback callback, void *opaque) {
+static gscl_result measure_variant(bench *b, int exponential, double seconds, gscl_gradient_callback callback,
+                                   void *opaque) {
     const gscl_subject *s = b->subject;
     const kind kinds[] = {{"position", GSCL_X, GSCL_LOG_S1},
                           {"scale", GSCL_LOG_S1, GSCL_THETA},
                           {"angle", GSCL_THETA, GSCL_OPACITY},
                           {"opacity", GSCL_OPACITY, GSCL_COLOUR},
                           {"colour", GSCL_COLOUR, GSCL_COLOUR + b->reference.channels}};
-    double seconds;
     gscl_gradient_accuracy a = {.variant = gscl_exponential_name(exponential),
                                 .is_default = exponential == GSCL_EXPONENTIAL_POLYNOMIAL,
-                                .blend = gscl_subject_blend(s)};
+                                .blend = gscl_subject_blend(s),
+                                .ns_per_pixel = 1e9 * seconds / ((double)part_width(b) * part_height(b))};
     b->fit.renderer.options.exponential = exponential;
     GSCL_TRY(gscl_fit_gradients(&b->fit, b->gradients));
-    GSCL_TRY(gscl_subject_time(s, run, &b->fit, &seconds));
-    a.ns_per_pixel = 1e9 * seconds / ((double)part_width(b) * part_height(b));
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         if (kinds[i].first == GSCL_OPACITY && !b->reference.opacity)
             continue;
         compare_kind(b, &kinds[i], &a);
         callback(opaque, &a);
     }
+    return GSCL_OK;
+}
+
+static gscl_result measure(bench *b, gscl_gradient_callback callback, void *opaque) {
+    double seconds[GSCL_EXPONENTIAL_NATIVE + 1];
+    differentiate(b);
+    GSCL_TRY(gscl_subject_time(b->subject, run, b, GSCL_EXPONENTIAL_NATIVE + 1, seconds));
+    for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE; i++)
+        GSCL_TRY(measure_variant(b, i, seconds[i], callback, opaque));
     return GSCL_OK;
 }
 
@@ -224,9 +234,7 @@ gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *imag
     if (result == GSCL_OK)
         result = prepare(&b);
     if (result == GSCL_OK)
-        differentiate(&b);
-    for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE && result == GSCL_OK; i++)
-        result = measure_variant(&b, i, callback, opaque);
+        result = measure(&b, callback, opaque);
     release(&b);
     gscl_subject_close(&subject);
     return result;

@@ -7,7 +7,7 @@
 #include "tradeoff.h"
 
 #define REPETITIONS 20 /* of what is timed */
-#define QUICK_REPETITIONS 2
+#define QUICK_REPETITIONS 5
 #define QUICK_SPLATS 8 /* whose derivatives are taken */
 
 static void keep_accuracy(void *opaque, const gscl_accuracy *accuracy) {
