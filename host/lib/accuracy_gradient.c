@@ -36,9 +36,30 @@ static int part_height(const bench *b) {
     return b->part.y1 - b->part.y0;
 }
 
-static gscl_rectangle middle(uint32_t width, uint32_t height) {
-    int w = width < MOST_SIDE ? (int)width : MOST_SIDE, h = height < MOST_SIDE ? (int)height : MOST_SIDE;
-    int x = ((int)width - w) / 2, y = ((int)height - h) / 2;
+static size_t splat_in_the_middle(const gscl_subject *s) {
+    size_t best = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < s->count; i++) {
+        const float *p = s->params + i * GSCL_PARAMS;
+        double distance = hypot(p[GSCL_X] - 0.5 * s->width, p[GSCL_Y] - 0.5 * s->height);
+        if (distance < least) {
+            least = distance;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* The start of a stretch of `length` pixels around `at`, within 0..size. */
+static int start_of(float at, int length, uint32_t size) {
+    double last = (double)size - length;
+    return (int)fmin(fmax(floor(at - 0.5 * length), 0), last);
+}
+
+static gscl_rectangle part_around(const gscl_subject *s, size_t splat) {
+    const float *p = s->params + splat * GSCL_PARAMS;
+    int w = s->width < MOST_SIDE ? (int)s->width : MOST_SIDE, h = s->height < MOST_SIDE ? (int)s->height : MOST_SIDE;
+    int x = start_of(p[GSCL_X], w, s->width), y = start_of(p[GSCL_Y], h, s->height);
     return (gscl_rectangle){x, y, x + w, y + h};
 }
 
@@ -51,13 +72,13 @@ static void cut_target(bench *b) {
             memcpy(to, s->target + (size_t)k * plane + (size_t)y * s->width + b->part.x0, width * sizeof *to);
 }
 
-/* The splats whose centres are in the part, evenly thinned out. */
-static void choose(bench *b) {
+/* The splats whose centres are in the part, evenly thinned out; `first` in any case. */
+static void choose(bench *b, size_t first) {
     const gscl_subject *s = b->subject;
     size_t found = 0;
     for (size_t i = 0; i < s->count; i++) {
         const float *p = b->params + i * GSCL_PARAMS;
-        if (p[GSCL_X] >= 0 && p[GSCL_X] < part_width(b) && p[GSCL_Y] >= 0 && p[GSCL_Y] < part_height(b))
+        if (i == first || (p[GSCL_X] >= 0 && p[GSCL_X] < part_width(b) && p[GSCL_Y] >= 0 && p[GSCL_Y] < part_height(b)))
             b->chosen[found++] = i;
     }
     size_t wanted = found < s->settings->splats ? found : s->settings->splats;
@@ -187,7 +208,8 @@ static gscl_result open_fit(bench *b) {
 static gscl_result prepare(bench *b) {
     const gscl_subject *s = b->subject;
     size_t values = s->count * GSCL_PARAMS, channels = (size_t)(s->options.colours + s->options.alpha_channel);
-    b->part = middle(s->width, s->height);
+    const size_t first = splat_in_the_middle(s);
+    b->part = part_around(s, first);
     size_t pixels = (size_t)part_width(b) * (size_t)part_height(b);
     b->params = malloc(values * sizeof *b->params);
     b->target = malloc(pixels * channels * sizeof *b->target);
@@ -204,9 +226,7 @@ static gscl_result prepare(bench *b) {
         b->params[i * GSCL_PARAMS + GSCL_Y] -= (float)b->part.y0;
     }
     cut_target(b);
-    choose(b);
-    if (b->chosen_count == 0)
-        return gscl_fail(s->context, GSCL_ERROR_INVALID_ARGUMENT, "no splat has its centre in the middle of the image");
+    choose(b, first);
     GSCL_TRY(gscl_reference_create(&b->reference, &s->options, b->params, s->count, s->background, true));
     return open_fit(b);
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #define LINEAR_TICKS 6  /* about */
-#define FEW_DECADES 2.2 /* with so few, numbers between the powers of ten are written, too */
+#define FEW_DECADES 3.0 /* with so few, numbers between the powers of ten are written, too */
 #define SLACK 0.06      /* of the axis, beyond the points */
 
 bool axis_shows(const axis_scale *axis, double value) {
@@ -29,7 +29,7 @@ static void include(axis_scale *axis, double value) {
     axis->high = fmax(axis->high, value);
 }
 
-/* Space around the points; bars stand on the bottom, which is 0 or a power of ten. */
+/* Space around the points; bars stand on the bottom, which is 0 or a power of ten, and leave room for a legend above. */
 static void widen(axis_scale *axis, bool bars) {
     if (!(axis->low <= axis->high)) /* no point at all */
         axis->low = axis->is_log ? 0.1 : 0, axis->high = 1;
@@ -37,10 +37,10 @@ static void widen(axis_scale *axis, bool bars) {
     const double slack = high > low ? SLACK * (high - low) : 0.05 * fabs(high) + 0.05;
     if (axis->is_log) {
         axis->low = bars ? pow(10, floor(low - 0.3)) : pow(10, low - slack);
-        axis->high = bars ? pow(10, ceil(high + 0.1)) : pow(10, high + slack);
+        axis->high = bars ? pow(10, ceil(high + 0.2 * (high - low))) : pow(10, high + slack);
     } else {
         axis->low = bars ? 0 : low - slack;
-        axis->high = bars ? 1.12 * high : high + slack;
+        axis->high = bars ? 1.3 * high : high + slack;
     }
 }
 

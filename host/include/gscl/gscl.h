@@ -378,7 +378,7 @@ typedef struct gscl_accuracy_settings {
  *                  against splats that are not quantised.  Default profile, blends normalized and sum only
  * Other errors are those against the format's definition in double precision. */
 typedef struct gscl_accuracy {
-    const char *choice;
+    const char *choice;  /* static */
     const char *variant; /* in a word, "3.74 sigma"; valid until the callback returns */
     double value;
     bool is_default;
@@ -393,8 +393,8 @@ typedef void (*gscl_accuracy_callback)(void *opaque, const gscl_accuracy *accura
 /* How far the derivatives of the fit's squared error are from central differences in double precision, over one kind of
  * parameter: "position", "scale", "angle", "opacity" or "colour". */
 typedef struct gscl_gradient_accuracy {
-    const char *kind;
-    const char *variant; /* of the exponential, as above */
+    const char *kind;    /* static, */
+    const char *variant; /* and so is this: of the exponential, as above */
     bool is_default;
     gscl_blend blend;
     uint32_t parameters;  /* compared */
@@ -411,7 +411,8 @@ GSCL_API GSCL_CHECKED gscl_result gscl_measure_accuracy(gscl_context *context, c
                                                         const uint8_t *bytes, size_t size,
                                                         const gscl_accuracy_settings *settings,
                                                         gscl_accuracy_callback callback, void *opaque);
-/* Differentiates the squared error of a file's splats in a part of the image, at most 128x128 pixels in its middle. */
+/* Differentiates the squared error of a file's splats in a part of the image: at most 128x128 pixels around the splat that
+ * is nearest to its middle. */
 GSCL_API GSCL_CHECKED gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *image,
                                                          const uint8_t *bytes, size_t size,
                                                          const gscl_accuracy_settings *settings,
