@@ -11,7 +11,6 @@
 
 #define LOOSE_STEPS 60  /* of gradient descent without a quantiser: what the codes hold becomes continuous again */
 #define LOOSE_RATE 0.1f /* on the learning rates */
-#define COLOUR_STEPS 16
 
 typedef struct sweep {
     gscl_subject *subject;
@@ -23,32 +22,6 @@ typedef struct sweep {
     float *floats;         /* what is drawn */
     double *exact, *planes;
 } sweep;
-
-/* The code whose step is nearest to `factor` times that of `code`; steps are in proportion to code + offset. */
-static uint8_t scaled_code(uint8_t code, int offset, double factor) {
-    double wanted = rint((code + offset) * factor) - offset;
-    return (uint8_t)fmin(fmax(wanted, 0), 15);
-}
-
-/* Likewise for colours, where codes name numbers of levels. */
-static uint8_t scaled_levels(uint8_t code, double factor) {
-    double wanted = gsf_colour_levels(code) / factor;
-    unsigned best = 0;
-    for (unsigned i = 1; i < COLOUR_STEPS; i++)
-        if (fabs(log(gsf_colour_levels(i) / wanted)) < fabs(log(gsf_colour_levels(best) / wanted)))
-            best = i;
-    return (uint8_t)best;
-}
-
-static gsf_steps scaled_steps(const gsf_steps *s, double factor) {
-    return (gsf_steps){.scale = scaled_code(s->scale, 4, factor),
-                       .position = scaled_code(s->position, 2, factor),
-                       .angle = scaled_code(s->angle, 2, factor),
-                       .luma = scaled_levels(s->luma, factor),
-                       .chroma = scaled_levels(s->chroma, factor),
-                       .alpha = scaled_levels(s->alpha, factor),
-                       .opacity = s->opacity};
-}
 
 static gscl_result loosen(sweep *w) {
     gscl_subject *s = w->subject;
@@ -88,7 +61,7 @@ static gscl_result measure_steps(sweep *w, double factor) {
     gscl_picture *p = &w->picture;
     size_t count = w->subject->count, size;
     char name[32];
-    p->file.steps = scaled_steps(&w->subject->picture.file.steps, factor);
+    p->file.steps = gscl_scale_steps(&w->subject->picture.file.steps, factor);
     for (size_t i = 0; i < count; i++)
         gscl_quantise(&p->file, w->loose + i * GSCL_PARAMS, &p->file.splats[i]);
     GSCL_TRY(gscl_picture_size(p, &size));

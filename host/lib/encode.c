@@ -37,6 +37,11 @@ static gscl_result check_settings(gscl_context *context, const gscl_encode_setti
     if (s->codebook_size == 1 || s->codebook_size > GSF_MAX_CODEBOOK)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u code words are not in 2..%d", s->codebook_size,
                          GSF_MAX_CODEBOOK);
+    if (s->step_factor != 0 && s->profile == GSCL_PROFILE_PAPER)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT, "quantiser steps are the default profile's");
+    if (s->step_factor != 0 && !(s->step_factor >= 0.25 && s->step_factor <= 4))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%g times the quantiser's steps are not in 0.25..4",
+                         s->step_factor);
     if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
         return gscl_fail(context, GSCL_ERROR_CONFLICT,
                          "the paper profile blends by alpha; choose another profile for other blends");

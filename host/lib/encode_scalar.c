@@ -192,8 +192,9 @@ static bool can_refine(const gscl_encoder *e) {
     return e->settings.blend != GSCL_BLEND_ALPHA;
 }
 
-static void default_steps(gsf_steps *steps) {
-    *steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+static gsf_steps steps_for(const gscl_encode_settings *settings) {
+    const gsf_steps usual = {.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+    return settings->step_factor > 0 ? gscl_scale_steps(&usual, settings->step_factor) : usual;
 }
 
 static gscl_result fit_and_quantise(schedule *s) {
@@ -224,7 +225,7 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
                   .keep_all = bytes == 0,
                   .target = splats,
                   .pressure = bytes ? r->pressure : 1};
-    default_steps(&e->picture.file.steps);
+    e->picture.file.steps = steps_for(&e->settings);
     e->picture.file.header.has_texture = false; /* a trial before may have had textures */
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;

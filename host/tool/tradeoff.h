@@ -38,7 +38,7 @@ typedef struct tradeoff_encode {
 typedef struct tradeoff_accuracy {
     gscl_accuracy row; /* row.variant is `variant` */
     char variant[32];
-    double psnr_same_size; /* dB, "quantiser" only, else 0: at the default's file size, by the slope of the rates */
+    double psnr_same_size; /* dB, "quantiser" only, else 0: of an encode with these steps at the fixed size */
 } tradeoff_accuracy;
 
 typedef struct tradeoff_results {

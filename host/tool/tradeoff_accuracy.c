@@ -1,13 +1,14 @@
 /* The part of 'gscl tradeoff' that measures what exactness costs. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "progress.h"
 #include "tradeoff.h"
 
 #define REPETITIONS 20 /* of what is timed */
 #define QUICK_REPETITIONS 5
+#define QUICK_EFFORT 1 /* of encodes with other steps */
 #define QUICK_SPLATS 8 /* whose derivatives are taken */
 
 static void keep_accuracy(void *opaque, const gscl_accuracy *accuracy) {
@@ -26,31 +27,37 @@ static void keep_gradient(void *opaque, const gscl_gradient_accuracy *accuracy) 
         r->gradients[r->gradient_count++] = *accuracy; /* its texts are static */
 }
 
-/* dB for each doubling of the file, around the fixed size. */
-static double slope_of_rates(const tradeoff_plan *plan, const tradeoff_results *r) {
-    const double bpp = tradeoff_bpp(plan->image, plan->bytes);
-    size_t first = 0, last = r->rate_count - 1;
-    while (first + 1 < r->rate_count && r->rates[first + 1].bpp < 0.9 * bpp)
-        first++;
-    while (last > 0 && r->rates[last - 1].bpp > 1.1 * bpp)
-        last--;
-    if (last <= first)
-        return NAN;
-    return (r->rates[last].psnr - r->rates[first].psnr) / log2(r->rates[last].bpp / r->rates[first].bpp);
+/* What the encoder makes of other quantiser steps: finer ones leave room for fewer splats. */
+static gscl_result encode_with_steps(const tradeoff_plan *plan, gscl_context *context, tradeoff_accuracy *a) {
+    gscl_encode_settings settings;
+    gscl_encode_report report;
+    progress_line line;
+    uint8_t *bytes;
+    size_t size;
+    gscl_encode_settings_default(&settings);
+    settings.target = GSCL_TARGET_BYTES;
+    settings.target_value = (double)plan->bytes;
+    settings.effort = plan->quick ? QUICK_EFFORT : (int)plan->effort;
+    settings.blend = a->row.blend;
+    settings.step_factor = a->row.value;
+    progress_start(&line, a->variant, false);
+    settings.progress = progress_update;
+    settings.progress_opaque = &line;
+    const gscl_result result = gscl_encode(context, plan->image, &settings, &bytes, &size, &report);
+    progress_finish(&line);
+    if (result != GSCL_OK)
+        return result;
+    gscl_free(bytes);
+    a->psnr_same_size = report.psnr;
+    return GSCL_OK;
 }
 
-/* Finer steps cost splats: what would be left of the quality with as many bytes as the default steps take. */
-static void weigh_quantisers(tradeoff_results *r, double slope) {
-    for (size_t i = 0; i < r->accuracy_count; i++) {
-        const gscl_accuracy *usual = &r->accuracies[i].row;
-        if (strcmp(usual->choice, "quantiser") != 0 || !usual->is_default)
-            continue;
-        for (size_t k = 0; k < r->accuracy_count; k++) {
-            const gscl_accuracy *row = &r->accuracies[k].row;
-            if (strcmp(row->choice, "quantiser") == 0 && row->blend == usual->blend && row->bits_per_splat > 0)
-                r->accuracies[k].psnr_same_size = row->psnr - slope * log2(row->bits_per_splat / usual->bits_per_splat);
-        }
-    }
+static gscl_result encode_with_all_steps(const tradeoff_plan *plan, gscl_context *context, tradeoff_results *r) {
+    gscl_result result = GSCL_OK;
+    for (size_t i = 0; i < r->accuracy_count && result == GSCL_OK; i++)
+        if (strcmp(r->accuracies[i].row.choice, "quantiser") == 0 && r->accuracies[i].row.value > 0)
+            result = encode_with_steps(plan, context, &r->accuracies[i]);
+    return result;
 }
 
 int tradeoff_measure_accuracy(const tradeoff_plan *plan, tradeoff_results *r) {
@@ -71,7 +78,8 @@ int tradeoff_measure_accuracy(const tradeoff_plan *plan, tradeoff_results *r) {
             result =
                 gscl_measure_gradients(context, plan->image, r->files[i], r->sizes[i], &settings, keep_gradient, r);
     }
-    weigh_quantisers(r, slope_of_rates(plan, r));
+    if (result == GSCL_OK)
+        result = encode_with_all_steps(plan, context, r);
     const int failed = result == GSCL_OK ? EXIT_SUCCESS : report_result(context, plan->picture, result);
     gscl_context_free(&context);
     return failed;

@@ -40,7 +40,7 @@ static void add_rounds(plot_panel *panel, const tradeoff_encode *e, bool named) 
 
 static void plot_time(const tradeoff_results *r, plot *p) {
     p->title = "Quality against encode time, all files of one size";
-    plot_panel *psnr = plot_add_panel(p, "PSNR", "seconds to encode", "dB");
+    plot_panel *psnr = plot_add_panel(p, "PSNR", "seconds to encode", "PSNR, dB");
     plot_panel *ssim = plot_add_panel(p, "MS-SSIM", "seconds to encode", "MS-SSIM");
     psnr->x.is_log = ssim->x.is_log = true;
     if (r->effort_count > 1) {
@@ -67,7 +67,7 @@ static void add_rate(plot_series *series, const tradeoff_encode *e, double quali
 
 static void plot_rate(const tradeoff_results *r, plot *p) {
     p->title = "Quality against rate, with the time to encode and to decode";
-    plot_panel *psnr = plot_add_panel(p, "PSNR", "bits per pixel", "dB");
+    plot_panel *psnr = plot_add_panel(p, "PSNR", "bits per pixel", "PSNR, dB");
     plot_panel *ssim = plot_add_panel(p, "MS-SSIM", "bits per pixel", "MS-SSIM");
     psnr->x.is_log = ssim->x.is_log = true;
     plot_series *points = plot_add_series(psnr, "", PLOT_POINTS, PLOT_BLUE);
@@ -145,7 +145,7 @@ static void plot_arithmetic(const tradeoff_results *r, plot *p) {
 }
 
 static void plot_quantiser(const tradeoff_results *r, plot *p) {
-    plot_panel *panel = plot_add_panel(p, "Quantiser steps", "bits per splat", "dB");
+    plot_panel *panel = plot_add_panel(p, "Quantiser steps", "bits per splat", "PSNR, dB");
     for (int blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
         plot_series *drawn = NULL, *same = NULL;
         char name[PLOT_LABEL_SIZE];
@@ -154,9 +154,9 @@ static void plot_quantiser(const tradeoff_results *r, plot *p) {
             if (!is_choice(a, "quantiser", blend) || a->bits_per_splat == 0)
                 continue;
             if (!drawn) {
-                snprintf(name, sizeof name, "%s, as many splats", blend_words[blend]);
+                snprintf(name, sizeof name, "%s, the same splats rounded", blend_words[blend]);
                 drawn = plot_add_series(panel, name, PLOT_DASHED, blend_colours[blend]);
-                snprintf(name, sizeof name, "%s, as many bytes", blend_words[blend]);
+                snprintf(name, sizeof name, "%s, encoded to the same size", blend_words[blend]);
                 same = plot_add_series(panel, name, PLOT_POINTS, blend_colours[blend]);
             }
             plot_add_point(drawn, a->bits_per_splat, a->psnr, a->is_default, " ");

@@ -77,8 +77,8 @@ def text_of(report):
     about = f"{datetime.date.today()}, {report['device']}, {len(os.sched_getaffinity(0))} cores; `tests/bench/tradeoff.py`.\n\n"
     errors = table(("choice", "", f"error in 1/255: {', '.join(BLENDS)}", f"ns per pixel: {', '.join(BLENDS)}"),
                    accuracy_table(report["accuracy"]))
-    steps = table(("quantiser steps", "bits a splat, normalized", "dB", "dB, same size", "bits a splat, sum", "dB",
-                   "dB, same size"), quantiser_table(report["accuracy"]))
+    steps = table(("quantiser steps", "normalized: bits a splat", "dB, rounded", "dB, encoded", "sum: bits a splat", "dB, rounded",
+                   "dB, encoded"), quantiser_table(report["accuracy"]))
     return about + errors + "\n" + steps
 
 

@@ -90,11 +90,13 @@ class Tradeoff(ToolTest):
             if row["choice"] == "precision":
                 self.assertLess(float(row["largest_error_255"]), 1e-9 if row["variant"] == "float64" else 0.02)
 
-    def test_quantiser_is_weighed(self):
+    def test_quantiser_steps_are_encoded_with(self):
         for row in self.table("accuracy.csv"):
-            if row["choice"] == "quantiser" and row["default"] == "1":
-                self.assertAlmostEqual(float(row["psnr_same_size_db"]), float(row["psnr_db"]), places=5)
             self.assertEqual(row["choice"] == "quantiser" and row["variant"] != "none", row["psnr_same_size_db"] != "")
+        by_effort = {row["effort"]: row["psnr_db"] for row in self.table("quality_time.csv")}
+        usual = [row["psnr_same_size_db"] for row in self.table("accuracy.csv")
+                 if (row["choice"], row["blend"], row["default"]) == ("quantiser", "normalized", "1")]
+        self.assertEqual([f"{float(value):.3f}" for value in usual], [f"{float(by_effort['1']):.3f}"])
 
     def test_gradients(self):
         rows = self.table("gradients.csv")

@@ -245,6 +245,43 @@ static void test_choices(void **state) {
         }
 }
 
+/* ---- Quantiser steps of an encode ---- */
+
+static gscl_result encode_with_steps(double factor, gscl_profile profile, file *f, uint32_t *splats) {
+    gscl_encode_settings settings;
+    gscl_encode_report report = {0};
+    gscl_encode_settings_default(&settings);
+    settings.profile = profile;
+    settings.effort = 1;
+    settings.target = GSCL_TARGET_BYTES;
+    settings.target_value = 500;
+    settings.step_factor = factor;
+    const gscl_result result = gscl_encode(contexts[0], &image, &settings, &f->bytes, &f->size, &report);
+    *splats = report.splats;
+    return result;
+}
+
+/* Finer steps leave room for fewer splats. */
+static void test_step_factor(void **state) {
+    (void)state;
+    const double factors[] = {0.5, 0, 1, 2};
+    file f[4];
+    uint32_t splats[4];
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(encode_with_steps(factors[i], GSCL_PROFILE_DEFAULT, &f[i], &splats[i]), GSCL_OK);
+        assert_true(f[i].size <= 500);
+    }
+    assert_true(splats[0] < splats[1] && splats[2] < splats[3]);
+    assert_int_equal(f[1].size, f[2].size);
+    assert_memory_equal(f[1].bytes, f[2].bytes, f[1].size);
+    for (int i = 0; i < 4; i++)
+        gscl_free(f[i].bytes);
+    const double wrong[] = {0.2, 4.1, -1, NAN};
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(encode_with_steps(wrong[i], GSCL_PROFILE_DEFAULT, &f[0], splats), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(encode_with_steps(2, GSCL_PROFILE_PAPER, &f[0], splats), GSCL_ERROR_CONFLICT);
+}
+
 /* ---- The derivatives ---- */
 
 static void check_gradient(void *opaque, const gscl_gradient_accuracy *a) {
@@ -308,6 +345,7 @@ int main(void) {
         cmocka_unit_test(test_reference_is_what_the_oracle_draws),
         cmocka_unit_test(test_reference_draws_parts),
         cmocka_unit_test(test_choices),
+        cmocka_unit_test(test_step_factor),
         cmocka_unit_test(test_gradients),
         cmocka_unit_test(test_refusals),
     };

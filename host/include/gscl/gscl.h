@@ -204,6 +204,8 @@ typedef struct gscl_encode_settings {
     int effort;             /* 0 (fastest) .. 9 (best); default 5 */
     uint32_t codebook_size; /* paper profile: code words in each codebook, 2..1024; 0 (default): chosen by rate */
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
+    double step_factor;     /* default profile: 0.25..4 times the quantiser's usual steps, as far as the format has such
+                               steps; 0 (default): 1 */
     bool rounds;            /* default false; true: the report lists the rounds of the fit.  Same bytes, more time */
     gscl_progress_callback progress; /* default NULL */
     void *progress_opaque;
