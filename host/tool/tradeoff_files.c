@@ -82,18 +82,23 @@ static bool draw_plots(tradeoff_files *files, const tradeoff_plan *plan, const t
     return ok || report_error(files->folder, "the plots cannot be drawn: out of memory");
 }
 
-/* A stream remembers a failed write; so must the output. */
-static void note_errors(tradeoff_files *files) {
-    for (size_t i = 0; i < files->count; i++)
-        if (ferror(files->outputs[i].stream) && !files->outputs[i].error)
-            files->outputs[i].error = errno ? errno : EIO;
+/* Reports the first file that could not be written whole: before any of them is put in its place. */
+static bool are_written(tradeoff_files *files) {
+    for (size_t i = 0; i < files->count; i++) {
+        output_file *output = &files->outputs[i];
+        errno = 0;
+        if (fflush(output->stream) == 0 && !ferror(output->stream))
+            continue;
+        output->error = errno ? errno : EIO;
+        return output_commit(output); /* which reports it */
+    }
+    return true;
 }
 
 bool tradeoff_files_write(tradeoff_files *files, const tradeoff_plan *plan, const tradeoff_results *results) {
     for (size_t i = 0; i < TRADEOFF_TABLES; i++)
         tables[i].write(plan, results, files->outputs[i].stream);
-    bool ok = !files->module || draw_plots(files, plan, results);
-    note_errors(files);
+    bool ok = (!files->module || draw_plots(files, plan, results)) && are_written(files);
     for (size_t i = 0; i < files->count && ok; i++)
         ok = output_commit(&files->outputs[i]);
     if (ok)

@@ -8,6 +8,10 @@ const char *const tradeoff_plot_names[TRADEOFF_PLOTS] = {"quality_time", "qualit
 static const plot_colour blend_colours[] =
     {[GSCL_BLEND_NORMALIZED] = PLOT_BLUE, [GSCL_BLEND_ALPHA] = PLOT_ORANGE, [GSCL_BLEND_SUM] = PLOT_GREEN};
 
+static const char *ssim_title(const tradeoff_encode *e) {
+    return isnan(e->ms_ssim) ? "MS-SSIM: the picture is too small" : "MS-SSIM";
+}
+
 /* ---- Quality against time ---- */
 
 /* The bottom of an axis on which the fits' beginnings would leave no room for their ends. */
@@ -41,7 +45,7 @@ static void add_rounds(plot_panel *panel, const tradeoff_encode *e, bool named) 
 static void plot_time(const tradeoff_results *r, plot *p) {
     p->title = "Quality against encode time, all files of one size";
     plot_panel *psnr = plot_add_panel(p, "PSNR", "seconds to encode", "PSNR, dB");
-    plot_panel *ssim = plot_add_panel(p, "MS-SSIM", "seconds to encode", "MS-SSIM");
+    plot_panel *ssim = plot_add_panel(p, ssim_title(&r->efforts[0]), "seconds to encode", "MS-SSIM");
     psnr->x.is_log = ssim->x.is_log = true;
     if (r->effort_count > 1) {
         psnr->y.low = bottom_of(r);
@@ -68,7 +72,7 @@ static void add_rate(plot_series *series, const tradeoff_encode *e, double quali
 static void plot_rate(const tradeoff_results *r, plot *p) {
     p->title = "Quality against rate, with the time to encode and to decode";
     plot_panel *psnr = plot_add_panel(p, "PSNR", "bits per pixel", "PSNR, dB");
-    plot_panel *ssim = plot_add_panel(p, "MS-SSIM", "bits per pixel", "MS-SSIM");
+    plot_panel *ssim = plot_add_panel(p, ssim_title(&r->efforts[0]), "bits per pixel", "MS-SSIM");
     psnr->x.is_log = ssim->x.is_log = true;
     plot_series *points = plot_add_series(psnr, "", PLOT_POINTS, PLOT_BLUE);
     plot_series *others = plot_add_series(ssim, "", PLOT_POINTS, PLOT_BLUE);
