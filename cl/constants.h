@@ -38,7 +38,7 @@
 #define GSCL_PARAMS 14
 
 /* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
- * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; one unused; four channels; the wave. */
+ * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; of upright splats 2^-(vy^2), what a step of one row does; four channels; the wave. */
 #define GSCL_DRAWN_X 0
 #define GSCL_DRAWN_Y 1
 #define GSCL_DRAWN_UX 2
@@ -46,6 +46,7 @@
 #define GSCL_DRAWN_VX 4
 #define GSCL_DRAWN_VY 5
 #define GSCL_DRAWN_OPACITY 6
+#define GSCL_DRAWN_ROW_STEP 7
 #define GSCL_DRAWN_COLOUR 8
 #define GSCL_DRAWN_WAVE_X 12 /* cycles per pixel */
 #define GSCL_DRAWN_WAVE_Y 13
@@ -79,10 +80,18 @@
 #define GSCL_EXPONENTIAL_EXACT 1
 #define GSCL_EXPONENTIAL_NATIVE 2
 
+/* Shapes of splats, from the most general: ellipses, upright ellipses (the angle is 0), circles (one axis besides). */
+#define GSCL_SHAPE_TURNED 0
+#define GSCL_SHAPE_UPRIGHT 1
+#define GSCL_SHAPE_ROUND 2
+
 /* Losses of the fit. EXTERNAL: the derivative of the loss is read from an image. */
 #define GSCL_LOSS_KIND_L2 0
 #define GSCL_LOSS_KIND_L1 1
 #define GSCL_LOSS_KIND_EXTERNAL 2
+
+/* Steps that a tile without error sits out (cl/fit.cl). */
+#define GSCL_REST 7
 
 /* What stands between a parameter and what is drawn while fitting. */
 #define GSCL_QUANTISER_NONE 0
@@ -109,8 +118,8 @@
 
 /* Rate-distortion refinement (cl/refine.cl): codes of a splat, the largest scale code (format), and entries of
  * a table over colour codes, which may be negative. */
-#define GSCL_CODES 13
-#define GSCL_REFINE_MOVES 13 /* geometries that a visit looks at */
+#define GSCL_CODES 14
+#define GSCL_REFINE_MOVES 15 /* neighbours that a visit looks at */
 #define GSCL_MAX_SCALE 63
 #define GSCL_COLOUR_CODES 1024
 
@@ -119,15 +128,17 @@
 #define GSCL_DIRECTIONS 16
 #define GSCL_PHASES 8
 #define GSCL_AMPLITUDES 16
+#define GSCL_OPACITIES 16 /* at most */
 #define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels; each wave is longer than the one before by */
 #define GSCL_OCTAVES_PER_WAVE 0.4375f /* so much */
 
-/* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures. */
+/* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures; then opacities. */
 #define GSCL_BITS_PLAIN (4 * GSCL_COLOUR_CODES)  /* a splat without a wave */
 #define GSCL_BITS_TEXTURED (GSCL_BITS_PLAIN + 1) /* one with a wave, its phase included */
 #define GSCL_BITS_WAVE (GSCL_BITS_PLAIN + 2)
 #define GSCL_BITS_DIRECTION (GSCL_BITS_WAVE + GSCL_WAVES)
 #define GSCL_BITS_AMPLITUDE (GSCL_BITS_DIRECTION + GSCL_DIRECTIONS) /* of amplitude 1, 2, ... */
-#define GSCL_BITS_COUNT (GSCL_BITS_AMPLITUDE + GSCL_AMPLITUDES)
+#define GSCL_BITS_OPACITY (GSCL_BITS_AMPLITUDE + GSCL_AMPLITUDES)
+#define GSCL_BITS_COUNT (GSCL_BITS_OPACITY + GSCL_OPACITIES)
 
 #endif

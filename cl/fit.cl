@@ -3,15 +3,16 @@
  * Each entry of a tile's list has a slot of its own for its sums over the tile's pixels, so no two
  * work-groups write the same place and no float atomics are needed (update.cl adds a splat's slots in a
  * fixed order).  With h = dL/dweight and t = h * opacity * gauss, a slot holds
- *     sum t u, t v, t u^2, t u v, t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
- * quarter of a turn on, whose phase moves with the splat]. */
+ *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
+ * quarter of a turn on, whose phase moves with the splat].
+ * A circle has one sum instead of t u^2 and t v^2. */
 #define SLOT_U 0
 #define SLOT_V 1
 #define SLOT_UU 2
 #define SLOT_UV 3
-#define SLOT_VV 4
-#define SLOT_OPACITY 5
-#define SLOT_COLOUR (5 + OPACITY)
+#define SLOT_VV (2 + ANISOTROPY + ROTATION)
+#define SLOT_OPACITY (SLOT_VV + 1)
+#define SLOT_COLOUR (SLOT_OPACITY + OPACITY)
 #define SLOT_WAVE (SLOT_COLOUR + CHANNELS)
 #define SLOT (SLOT_WAVE + TEXTURE)
 
@@ -113,11 +114,16 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
     b->rest[r] -= share;
 #endif
     pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, drawn), s.weight > (pix)(0.0f));
-    pix tu = t * s.u, tv = t * s.v;
+    pix tv = t * s.v;
+#if ROTATION
+    pix tu = t * s.u;
     sums[SLOT_U] += tu;
-    sums[SLOT_V] += tv;
     sums[SLOT_UU] = fma(tu, s.u, sums[SLOT_UU]);
     sums[SLOT_UV] = fma(tu, s.v, sums[SLOT_UV]);
+#else
+    sums[SLOT_U] += t; /* u is the same in all rows: slot_end */
+#endif
+    sums[SLOT_V] += tv;
     sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
 #if OPACITY
     sums[SLOT_OPACITY] = fma(h, s.weight, sums[SLOT_OPACITY]);
@@ -129,17 +135,37 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
 #endif
 }
 
+/* After the last row. */
+inline void slot_end(pix *restrict sums, splat_weight s) {
+#if !ROTATION
+    sums[SLOT_U] *= s.u;
+    sums[SLOT_UU] = fma(sums[SLOT_U], s.u, sums[SLOT_UU]);
+#endif
+}
+
 /* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
- * levels of the pyramid agree.  Writes a slot per entry and the loss per tile. */
+ * levels of the pyramid agree.  Writes a slot per entry and the loss per tile.
+ * A tile whose loss is below `quiet` has nothing to teach: it sits out the next GSCL_REST steps, with slots of 0 and the
+ * loss that it had.  `rests`: steps that each tile still sits out. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict picture, int width, int height, int tiles_x, ulong plane,
-                        float gain, __global float *restrict slots, __global float *restrict tile_loss) {
+                        float gain, float quiet, __global float *restrict slots, __global float *restrict tile_loss,
+                        __global int *restrict rests) {
 #if ITEMS > 1
     __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
 #endif
     place p = place_of(tiles_x, width, height);
     int2 range = tile_ranges[p.tile];
+    int rest = rests[p.tile];
+#if ITEMS > 1
+    barrier(CLK_GLOBAL_MEM_FENCE); /* all have read it */
+#endif
+    if (rest > 0) {
+        for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
+        if (get_local_id(0) == 0) rests[p.tile] = rest - 1;
+        return;
+    }
     pix px = pix_offsets() + ((float)p.x + 0.5f);
     float py = (float)p.y + 0.5f;
     canvas c;
@@ -173,11 +199,14 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
             else weigh(&s);
             slot_add_row(sums, &b, r, s, dx, dy + (float)r, drawn);
         }
+        slot_end(sums, s);
         __global float *slot = slots + (size_t)j * SLOT;
         SLOT_STORE(slot, sums);
     }
 #if ITEMS == 1
-    tile_loss[p.tile] = pix_sum(loss);
+    float total = pix_sum(loss);
+    tile_loss[p.tile] = total;
+    rests[p.tile] = total < quiet ? GSCL_REST : 0;
 #else
     shared[get_local_id(0)] = pix_sum(loss);
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -185,6 +214,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         float total = 0.0f;
         for (int j = 0; j < ITEMS; j++) total += shared[j];
         tile_loss[p.tile] = total;
+        rests[p.tile] = total < quiet ? GSCL_REST : 0;
     }
 #endif
 }

@@ -29,9 +29,19 @@ inline int2 outline_columns(outline o, int row, int width) {
 }
 
 inline pix private_weight(pix dx, float dy, const appearance *a) {
+#if ROTATION
     pix u = fma(dx, (pix)(a->drawn[GSCL_DRAWN_UX]), (pix)(dy * a->drawn[GSCL_DRAWN_UY]));
     pix v = fma(dx, (pix)(a->drawn[GSCL_DRAWN_VX]), (pix)(dy * a->drawn[GSCL_DRAWN_VY]));
+#else
+    pix u = dx * a->drawn[GSCL_DRAWN_UX];
+    float v = dy * a->drawn[GSCL_DRAWN_VY];
+#endif
     return fmax(pix_exp2_minus(fma(u, u, v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
+}
+
+/* The weight with which it is blended. */
+inline pix painted_weight(pix dx, float dy, const appearance *a) {
+    return WITH_OPACITY(private_weight(dx, dy, a), a->drawn);
 }
 
 /* Whether the outline stays within the pixels that this visit owns. */

@@ -26,8 +26,8 @@ inline splat splat_load(__global const float *restrict p) {
     s.x = p[GSCL_X];
     s.y = p[GSCL_Y];
     s.log_s1 = p[GSCL_LOG_S1];
-    s.log_s2 = p[GSCL_LOG_S2];
-    s.theta = p[GSCL_THETA];
+    s.log_s2 = p[ANISOTROPY ? GSCL_LOG_S2 : GSCL_LOG_S1];
+    s.theta = ROTATION ? p[GSCL_THETA] : 0.0f;
     s.opacity = OPACITY ? logistic(p[GSCL_OPACITY]) : 1.0f;
     for (int k = 0; k < CHANNELS; k++) s.colour[k] = p[GSCL_COLOUR + k];
 #if TEXTURE
@@ -59,7 +59,7 @@ typedef struct {
 inline appearance splat_appearance(splat s, view seen) {
     const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
     appearance a;
-    float c = cos(s.theta), n = sin(s.theta);
+    float c = ROTATION ? cos(s.theta) : 1.0f, n = ROTATION ? sin(s.theta) : 0.0f;
     float s1 = seen_axis(s.s1, seen.blur) * seen.inv_scale, s2 = seen_axis(s.s2, seen.blur) * seen.inv_scale;
     float i1 = to_frame / s1, i2 = to_frame / s2;
     a.drawn[GSCL_DRAWN_X] = s.x * seen.inv_scale - seen.x;
@@ -69,6 +69,7 @@ inline appearance splat_appearance(splat s, view seen) {
     a.drawn[GSCL_DRAWN_VX] = -n * i2;
     a.drawn[GSCL_DRAWN_VY] = c * i2;
     a.drawn[GSCL_DRAWN_OPACITY] = s.opacity;
+    a.drawn[GSCL_DRAWN_ROW_STEP] = ROTATION ? 0.0f : exp2(-i2 * i2);
     for (int k = 0; k < CHANNELS; k++) a.drawn[GSCL_DRAWN_COLOUR + k] = s.colour[k];
 #if TEXTURE
     /* What a level's box filter leaves of the wave. */
@@ -160,10 +161,12 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
     float position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), 1.0f / 32.0f);
     s.x = (floor(s.x / position) + 0.5f) * position;
     s.y = (floor(s.y / position) + 0.5f) * position;
+#if ROTATION
     float aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
     float angles = clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), 1.0f, 512.0f);
     float turn = s.log_s1 < s.log_s2 ? M_PI_2_F : 0.0f; /* codes count from the major axis */
     s.theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles - turn;
+#endif
     float luma = steps[GSCL_STEP_LUMA];
 #if COLOURS == 3
     float chroma = steps[GSCL_STEP_CHROMA];

@@ -1,16 +1,34 @@
 /* Rasterisation: weights of splats at pixels and the three ways of blending them. */
 
-/* A splat's weight at a row of pixels, before opacity; also its frame coordinates. */
+/* A splat's weight at a row of pixels, before opacity; also its frame coordinates.  An upright splat is the product of
+ * a Gaussian of the column and one of the row, which goes from row to row by multiplication. */
 typedef struct {
-    pix u, v; /* gauss = 2^-(u^2 + v^2) */
+    pix u; /* gauss = 2^-(u^2 + v^2) */
+#if ROTATION
+    pix v;
+#else
+    float v;
+    pix column;                     /* 2^-u^2 */
+    float row, row_ratio, row_bend; /* 2^-v^2; its next value by this one; and the ratio's */
+#endif
     pix gauss;
     pix weight; /* max(0, gauss - floor) */
 } splat_weight;
 
-/* Frame coordinates at a row, `dx` and `dy` from the centre. */
+/* At a row, `dx` and `dy` from the centre, that the outline touches. */
 inline void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *restrict drawn) {
+#if ROTATION
     s->u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
     s->v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
+#else
+    float step = drawn[GSCL_DRAWN_VY];
+    s->u = dx * drawn[GSCL_DRAWN_UX];
+    s->v = dy * step;
+    s->column = pix_exp2_minus(s->u * s->u);
+    s->row = exp2(-s->v * s->v);
+    s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * drawn[GSCL_DRAWN_ROW_STEP];
+    s->row_bend = drawn[GSCL_DRAWN_ROW_STEP] * drawn[GSCL_DRAWN_ROW_STEP];
+#endif
 }
 
 /* With the Gaussian that is known already, */
@@ -20,7 +38,13 @@ inline void weigh_known(splat_weight *s, pix gauss) {
 }
 
 /* or from the coordinates. */
-inline void weigh(splat_weight *s) { weigh_known(s, pix_exp2_minus(fma(s->u, s->u, s->v * s->v))); }
+inline void weigh(splat_weight *s) {
+#if ROTATION
+    weigh_known(s, pix_exp2_minus(fma(s->u, s->u, s->v * s->v)));
+#else
+    weigh_known(s, s->column * s->row);
+#endif
+}
 
 /* A fit sees each row of each splat twice, forward and backward in the same order: KEPT_ROWS Gaussians of a tile are
  * kept from the first time to the second.  0: none. */
@@ -30,7 +54,12 @@ inline void weigh(splat_weight *s) { weigh_known(s, pix_exp2_minus(fma(s->u, s->
 
 /* Goes on to the next row. */
 inline void weigh_next(splat_weight *s, __global const real *restrict drawn) {
+#if ROTATION
     s->u += drawn[GSCL_DRAWN_UY];
+#else
+    s->row *= s->row_ratio;
+    s->row_ratio *= s->row_bend;
+#endif
     s->v += drawn[GSCL_DRAWN_VY];
 }
 

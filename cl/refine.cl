@@ -27,7 +27,7 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
             size_t at = (size_t)y * width + x;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
             float dy = (float)y + 0.5f - o.y;
-            pix s = private_weight(dx, dy, a) * pix_inside(columns.y - x + 1);
+            pix s = painted_weight(dx, dy, a) * pix_inside(columns.y - x + 1);
             if (has_wave(a)) wave = private_wave(dx, dy, a);
 #if BLEND == GSCL_NORMALIZED
             s /= PIX_LOAD(weights + at) + s;
@@ -103,14 +103,21 @@ inline float colour_descend(const quadratic *q, codes *c, __global const minor_e
     return best;
 }
 
-/* Neighbouring geometries: 0 is the splat itself. */
+/* Neighbours: 0 is the splat itself. */
 #define MOVES GSCL_REFINE_MOVES
 
 /* Makes move `move`; false when it leaves the code's range.  When an axis changes, position and angle are
  * written anew on their new steps. */
-inline bool codes_move(codes *c, int move, __global const minor_entry *minors, __global const aspect_entry *aspects) {
-    const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1, 0, 0, 0, 0, 0, 0};
-    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1, 0, 0, 0, 0, 0, 0};
+inline bool codes_move(codes *c, int move, __global const minor_entry *minors, __global const aspect_entry *aspects,
+                       refine_settings t) {
+    const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1};
+    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
+    if (!ANISOTROPY && aspect_step[move] != 0) return false;
+    if (!ROTATION && (move == 7 || move == 8)) return false;
+    if (move >= 13) {
+        c->code[CODE_OPACITY] += move == 13 ? 1 : -1;
+        return OPACITY && c->code[CODE_OPACITY] >= 0 && (float)c->code[CODE_OPACITY] < t.opacity_levels;
+    }
     __global const minor_entry *m = minors + c->code[CODE_MINOR];
     float x = ((float)c->code[CODE_X] + 0.5f) * m->step, y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
     int angles = aspects[c->code[CODE_ASPECT]].angles;
@@ -132,7 +139,7 @@ inline bool codes_move(codes *c, int move, __global const minor_entry *minors, _
         c->code[CODE_ANGLE] = (c->code[CODE_ANGLE] + (move == 7 ? 1 : angles - 1)) % angles;
     }
     if (move >= 9 && move <= 10) c->code[CODE_X] += move == 9 ? 1 : -1;
-    if (move >= 11) c->code[CODE_Y] += move == 11 ? 1 : -1;
+    if (move >= 11 && move <= 12) c->code[CODE_Y] += move == 11 ? 1 : -1;
     return c->code[CODE_X] >= 0 && c->code[CODE_X] < m->cells_x && c->code[CODE_Y] >= 0 && c->code[CODE_Y] < m->cells_y;
 }
 
@@ -171,14 +178,15 @@ __kernel void refine_weigh(__global const int *restrict visits, int start, int c
     int i = visits[start + visit];
     codes now = all[i];
     move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
-    float texture_bits = wave_bits(&now, tables);
-    bool possible = codes_move(&now, move, minors, aspects);
+    float other_bits = wave_bits(&now, tables);
+    bool possible = codes_move(&now, move, minors, aspects, t);
     if (possible) {
         appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
         if (move == 0 || within(&a, owned[i])) {
             quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
             outcome.cost = colour_descend(&q, &now, minors, aspects, tables, t);
-            outcome.cost += t.lambda * (existence + texture_bits + minors[now.code[CODE_MINOR]].bits +
+            if (OPACITY) other_bits += tables[GSCL_BITS_OPACITY + now.code[CODE_OPACITY]];
+            outcome.cost += t.lambda * (existence + other_bits + minors[now.code[CODE_MINOR]].bits +
                                         aspects[now.code[CODE_ASPECT]].bits);
             for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[CODE_LUMA + k];
         }
@@ -209,7 +217,7 @@ __kernel void refine_settle(__global const int *restrict visits, int start, int 
         all[i].code[CODE_MINOR] = -1;
         return;
     }
-    codes_move(&choice, best, minors, aspects);
+    codes_move(&choice, best, minors, aspects, t);
     for (int k = 0; k < 4; k++) choice.code[CODE_LUMA + k] = outcomes[best].colour[k];
 #if TEXTURE
     texture_choose(&choice, minors, aspects, tables, t, seen, picture, weights, target, width, height, plane);

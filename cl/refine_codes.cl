@@ -1,7 +1,8 @@
 /* What the rate-distortion passes work on: a splat's codes, what they mean and cost, and putting a splat into the
  * picture or taking it out. */
 
-/* A splat's codes (ints): minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase, amplitude. */
+/* A splat's codes (ints): minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase, amplitude;
+ * opacity. */
 #define CODE_MINOR 0
 #define CODE_ASPECT 1
 #define CODE_ANGLE 2
@@ -13,6 +14,7 @@
 #define CODE_DIRECTION 10
 #define CODE_PHASE 11
 #define CODE_AMPLITUDE 12 /* 0: no wave */
+#define CODE_OPACITY 13
 #define CODES GSCL_CODES
 
 /* Tables that the host makes from the steps and from the statistics of the codes: what a code means and
@@ -32,6 +34,7 @@ typedef struct {
     float scale_step; /* of ln sigma */
     float luma_step, chroma_step, alpha_step;
     float amplitude_step;
+    float opacity_levels;
     int scan;           /* look for waves everywhere, not only near those that are there */
     int min[4], max[4]; /* of the colour codes */
 } refine_settings;
@@ -54,8 +57,8 @@ inline splat codes_splat(const codes *c, __global const minor_entry *minors, __g
     splat_set_axes(
         &s, fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS),
         fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
-    s.theta = (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles;
-    s.opacity = 1.0f;
+    s.theta = ROTATION ? (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles : 0.0f;
+    s.opacity = OPACITY ? ((float)c->code[CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
     float y = (float)c->code[CODE_LUMA] * t.luma_step;
 #if COLOURS == 3
     float co = (float)c->code[CODE_LUMA + 1] * t.chroma_step, cg = (float)c->code[CODE_LUMA + 2] * t.chroma_step;
@@ -100,7 +103,7 @@ inline void picture_change(const appearance *a, float sign, __global float *rest
             int lanes = columns.y - x + 1;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
             float dy = (float)y + 0.5f - o.y;
-            pix w = sign * private_weight(dx, dy, a);
+            pix w = sign * painted_weight(dx, dy, a);
             if (has_wave(a)) wave = private_wave(dx, dy, a);
 #if BLEND == GSCL_NORMALIZED
             pix sum = PIX_LOAD(weights + at) + w;

@@ -29,7 +29,7 @@ inline void share_and_error(const appearance *plain, outline o, int x, int y, in
                             __global const float *restrict target, int width, ulong plane, pix *share, pix *error) {
     size_t at = (size_t)y * width + x;
     pix inside = pix_inside(lanes);
-    pix s = private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, plain) * inside;
+    pix s = painted_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, plain) * inside;
 #if BLEND == GSCL_NORMALIZED
     s /= PIX_LOAD(weights + at) + s;
 #endif

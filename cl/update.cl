@@ -60,7 +60,7 @@ inline void gradient_from_sums(float *restrict gradient, const float *restrict s
 #endif
     gradient[GSCL_LOG_S1] = factor * sums[SLOT_UU] * (s.s1 / e1) * (s.s1 / e1);
     gradient[GSCL_LOG_S2] = factor * sums[SLOT_VV] * (s.s2 / e2) * (s.s2 / e2);
-    gradient[GSCL_THETA] = factor * sums[SLOT_UV] * (e1 / e2 - e2 / e1);
+    gradient[GSCL_THETA] = ROTATION ? factor * sums[SLOT_UV] * (e1 / e2 - e2 / e1) : 0.0f;
     gradient[GSCL_OPACITY] = OPACITY ? sums[SLOT_OPACITY] * s.opacity * (1.0f - s.opacity) : 0.0f;
     for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = sums[SLOT_COLOUR + k];
 }
@@ -110,7 +110,7 @@ inline void adam(__global float *restrict p, __global float *restrict m, __globa
                  __global const float *restrict gradient, limits bounds) {
     float correct1 = bounds.rate / (1.0f - exp2(LOG2_BETA1 * (float)age));
     float correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * (float)age));
-    float c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]), steps[GSCL_COLOUR + CHANNELS], rates[GSCL_COLOUR + CHANNELS];
+    float c = ROTATION ? cos(p[GSCL_THETA]) : 1.0f, s = ROTATION ? sin(p[GSCL_THETA]) : 0.0f, steps[GSCL_COLOUR + CHANNELS], rates[GSCL_COLOUR + CHANNELS];
     learning_rates(rates, p);
     for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) steps[k] = gradient[k];
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);

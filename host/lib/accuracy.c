@@ -181,6 +181,7 @@ static gscl_result draw_double(bench *b) {
     cl_ulong plane = gscl_renderer_plane(r);
     cl_kernel project, raster;
     options.is_double = 1;
+    options.shape = GSCL_SHAPE_TURNED; /* records of double precision are of the most general kind */
     GSCL_TRY(gscl_renderer_project(r));
     GSCL_TRY(gscl_renderer_bin(r, true));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_exactly", &project));

@@ -163,6 +163,14 @@ static void compare_kind(const bench *b, const kind *k, gscl_gradient_accuracy *
     a->largest_error = largest > 0 ? largest_error / largest : 0;
 }
 
+/* A circle's one axis is neither of an ellipse's two; what is not turned has no angle. */
+static bool is_compared(const gscl_subject *s, const kind *k) {
+    return k->first == GSCL_OPACITY  ? s->options.opacity
+           : k->first == GSCL_LOG_S1 ? s->options.shape != GSCL_SHAPE_ROUND
+           : k->first == GSCL_THETA  ? s->options.shape == GSCL_SHAPE_TURNED
+                                     : true;
+}
+
 static gscl_result measure_variant(bench *b, int exponential, double seconds, gscl_gradient_callback callback,
                                    void *opaque) {
     const gscl_subject *s = b->subject;
@@ -178,7 +186,7 @@ static gscl_result measure_variant(bench *b, int exponential, double seconds, gs
     b->fit.renderer.options.exponential = exponential;
     GSCL_TRY(gscl_fit_gradients(&b->fit, b->gradients));
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-        if (kinds[i].first == GSCL_OPACITY && !b->reference.opacity)
+        if (!is_compared(s, &kinds[i]))
             continue;
         compare_kind(b, &kinds[i], &a);
         callback(opaque, &a);

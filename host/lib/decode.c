@@ -116,10 +116,12 @@ static gscl_result draw_splats(gscl_context *context, const gscl_picture *pictur
     const gsf_header *header = &picture->file.header;
     gscl_kernel_options options = gscl_picture_options(header);
     float background[4];
+    double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     gscl_stage(context, "dequantise");
     gscl_picture_params(picture, params, background);
-    gscl_resize_splats(params, header->splat_count, (double)f->full_width / header->width,
-                       (double)f->full_height / header->height);
+    gscl_resize_splats(params, header->splat_count, scale_x, scale_y);
+    if (!(options.shape == GSCL_SHAPE_ROUND && scale_x == scale_y) && (scale_x != 1 || scale_y != 1))
+        options.shape = GSCL_SHAPE_TURNED; /* what scaling makes of them */
     gscl_stage(context, "draw");
     GSCL_TRY(reuse_renderer(context, &options));
     GSCL_TRY(gscl_renderer_set_splats(context->renderer, params, header->splat_count, background));

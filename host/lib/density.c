@@ -5,27 +5,32 @@
 #include <string.h>
 
 #include "constants.h"
+#include "ground.h"
 #include "timing.h"
 #include "random.h"
 
-#define SEED_SIZE 0.4f      /* first axes, in mean distances between neighbours */
-#define GROWN_SIZE 0.45f    /* axes of later splats, in mean distances */
-#define SPLIT_FACTOR 1.6f   /* the paper's released code */
-#define ERROR_BLUR 0.35f    /* radius of the error's box blur, in mean distances */
-#define GROWN_OPACITY -0.5f /* logit; later splats begin shy so that they do not hide what is good */
+#define SEED_SIZE 0.4f       /* first axes, in mean distances between neighbours */
+#define GROWN_SIZE 0.45f     /* axes of later splats, in mean distances */
+#define GROUND_DISTANCE 1.5f /* from an edge on, ground is left to the background; in mean distances */
+#define SPLIT_FACTOR 1.6f    /* the paper's released code */
+#define ERROR_BLUR 0.35f     /* radius of the error's box blur, in mean distances */
+#define GROWN_OPACITY -0.5f  /* logit; later splats begin shy so that they do not hide what is good */
 
 /* One level's maps while splats are placed. */
 typedef struct placement {
     int width, height, channels;
-    float scale;    /* full-size pixels per pixel of the level */
-    float *target;  /* channels planes */
-    float *density; /* where to place, per pixel, not normalised */
-    double *sums;   /* cumulative density */
+    bool turned;       /* splats have an angle */
+    float scale;       /* full-size pixels per pixel of the level */
+    float *target;     /* channels planes */
+    float *density;    /* where to place, per pixel, not normalised */
+    float *near_edges; /* blurred edges, per pixel */
+    double *sums;      /* cumulative density */
 } placement;
 
 static void placement_free(placement *p) {
     free(p->target);
     free(p->density);
+    free(p->near_edges);
     free(p->sums);
 }
 
@@ -35,12 +40,14 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
     p->width = (int)gscl_fit_level_width(f);
     p->height = (int)gscl_fit_level_height(f);
     p->channels = f->renderer.channels;
+    p->turned = f->renderer.options.shape == GSCL_SHAPE_TURNED;
     p->scale = ldexpf(1.0f, f->level);
     pixels = (size_t)p->width * (size_t)p->height;
     p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
     p->density = malloc(pixels * sizeof(float));
+    p->near_edges = malloc(pixels * sizeof(float));
     p->sums = malloc(pixels * sizeof(double));
-    if (!p->target || !p->density || !p->sums)
+    if (!p->target || !p->density || !p->near_edges || !p->sums)
         return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
     return gscl_fit_target(f, p->target);
 }
@@ -72,7 +79,8 @@ static void place(const placement *p, size_t pixel, float sigma, float opacity, 
     params[GSCL_X] = ((float)(pixel % (size_t)p->width) + gscl_random_unit(random)) * p->scale;
     params[GSCL_Y] = ((float)(pixel / (size_t)p->width) + gscl_random_unit(random)) * p->scale;
     params[GSCL_LOG_S1] = params[GSCL_LOG_S2] = logf(sigma);
-    params[GSCL_THETA] = 3.14159265f * gscl_random_unit(random);
+    float turn = 3.14159265f * gscl_random_unit(random);
+    params[GSCL_THETA] = p->turned ? turn : 0.0f;
     params[GSCL_OPACITY] = opacity;
     for (int k = 0; k < p->channels; k++)
         params[GSCL_COLOUR + k] = p->target[(size_t)k * pixels + pixel];
@@ -96,24 +104,6 @@ static void gradient_magnitude(placement *p) {
         }
 }
 
-static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    GSCL_TRY(placement_create(p, f));
-    pixels = (size_t)p->width * (size_t)p->height;
-    gradient_magnitude(p);
-    double total = accumulate(p);
-    for (size_t i = 0; i < pixels; i++)
-        p->density[i] =
-            (total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels) + 0.5f / (float)pixels;
-    total = accumulate(p);
-    for (size_t i = 0; i < count; i++) {
-        size_t pixel = pixel_of(p, gscl_random_unit(random) * total);
-        float sigma = SEED_SIZE * p->scale / sqrtf(p->density[pixel] * (float)count);
-        place(p, pixel, fmaxf(sigma, 0.5f), 0.0f, random, params + i * GSCL_PARAMS);
-    }
-    return gscl_fit_append(f, params, count);
-}
-
 /* Box blur of the density by radius r along one axis; sums in double, nothing wraps. */
 static void blur_line(float *line, size_t stride, int n, int r, double *sums) {
     double total = 0;
@@ -125,18 +115,45 @@ static void blur_line(float *line, size_t stride, int n, int r, double *sums) {
     }
 }
 
-static void blur(placement *p, int radius) {
+static void blur(float *map, placement *p, int radius) {
     for (int y = 0; y < p->height; y++)
-        blur_line(p->density + (size_t)y * (size_t)p->width, 1, p->width, radius, p->sums);
+        blur_line(map + (size_t)y * (size_t)p->width, 1, p->width, radius, p->sums);
     for (int x = 0; x < p->width; x++)
-        blur_line(p->density + x, (size_t)p->width, p->height, radius, p->sums);
+        blur_line(map + x, (size_t)p->width, p->height, radius, p->sums);
+}
+
+/* Half of the first splats go where edges are, half anywhere; but not deep inside a ground, which the background shows
+ * and where splats would only cost time.  `p->density` holds the edges. */
+static void spread(const gscl_fit *f, placement *p, size_t count) {
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    double total = accumulate(p);
+    for (size_t i = 0; i < pixels; i++)
+        p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
+    memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
+    blur(p->near_edges, p, (int)(GROUND_DISTANCE * sqrtf((float)pixels / (float)count)) + 1);
+    for (size_t i = 0; i < pixels; i++)
+        if (!f->has_ground || p->near_edges[i] > 0 || !gscl_is_ground(p->target, pixels, p->channels, f->background, i))
+            p->density[i] += 0.5f / (float)pixels;
+}
+
+static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
+    GSCL_TRY(placement_create(p, f));
+    gradient_magnitude(p);
+    spread(f, p, count);
+    double total = accumulate(p);
+    for (size_t i = 0; i < count; i++) {
+        size_t pixel = pixel_of(p, gscl_random_unit(random) * total);
+        float sigma = SEED_SIZE * p->scale / sqrtf(p->density[pixel] * (float)count);
+        place(p, pixel, fmaxf(sigma, 0.5f), 0.0f, random, params + i * GSCL_PARAMS);
+    }
+    return gscl_fit_append(f, params, count);
 }
 
 static gscl_result grow(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(placement_create(p, f));
     GSCL_TRY(gscl_fit_error(f, p->density));
     float distance = sqrtf((float)p->width * (float)p->height / (float)((size_t)f->renderer.count + count));
-    blur(p, (int)(ERROR_BLUR * distance) + 1);
+    blur(p->density, p, (int)(ERROR_BLUR * distance) + 1);
     double total = accumulate(p);
     for (size_t i = 0; i < count; i++)
         place(p, pixel_of(p, gscl_random_unit(random) * total), fmaxf(GROWN_SIZE * distance * p->scale, 0.5f),

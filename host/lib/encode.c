@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "constants.h"
+#include "effects.h"
 #include "encoder.h"
 #include "metrics.h"
 #include "quantise.h"
@@ -60,7 +61,7 @@ static void resolve_auto(gscl_encode_settings *s) {
         s->loss = paper ? GSCL_LOSS_L1_SSIM : GSCL_LOSS_L2;
 }
 
-/* The header says what the image is and which effects it calls for. */
+/* The header says what the image is and which effects it calls for, as far as that is known before the fit. */
 static void fill_header(gscl_encoder *e) {
     static const gsf_blend blends[] = {[GSCL_BLEND_NORMALIZED] = GSF_BLEND_NORMALIZED,
                                        [GSCL_BLEND_ALPHA] = GSF_BLEND_ALPHA,
@@ -72,25 +73,23 @@ static void fill_header(gscl_encoder *e) {
                                           .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
                                           .layout = layouts[e->image->channels],
                                           .deep = e->content.deep,
-                                          .has_chroma = e->content.chroma,
-                                          .has_alpha = e->content.alpha,
-                                          .has_opacity = e->settings.blend == GSCL_BLEND_ALPHA,
-                                          .has_rotation = true,
-                                          .has_anisotropy = true,
                                           .width = e->image->width,
                                           .height = e->image->height};
+    gscl_effects_begin(e);
 }
 
-static gscl_result make_planes(gscl_encoder *e) {
+gscl_result gscl_encoder_make_planes(gscl_encoder *e) {
+    const gsf_header *header = &e->picture.file.header;
     while (((uint64_t)e->image->width * e->image->height >> (2 * e->first_level)) > FIT_PIXELS)
         e->first_level++;
     size_t pixels =
         (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
-    e->planes = malloc(pixels * gsf_channel_count(&e->picture.file.header) * sizeof(float));
+    free(e->planes);
+    e->planes = malloc(pixels * gsf_channel_count(header) * sizeof(float));
     if (!e->planes)
         return gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", e->image->width,
                          e->image->height);
-    gscl_image_to_planes(e->image, e->content.chroma ? 3 : 1, e->content.alpha, e->first_level, e->planes);
+    gscl_image_to_planes(e->image, header->has_chroma ? 3 : 1, header->has_alpha, e->first_level, e->planes);
     return GSCL_OK;
 }
 
@@ -98,11 +97,11 @@ static gscl_result make_planes(gscl_encoder *e) {
 static void encode_flat(gscl_encoder *e) {
     gscl_pixel p = gscl_image_pixel(e->image, 0, 0);
     gsf_picture *file = &e->picture.file;
-    int colours = e->content.chroma ? 3 : 1;
+    int colours = file->header.has_chroma ? 3 : 1;
     file->header.splat_count = 0;
     for (int k = 0; k < colours; k++)
         file->background[k] = gscl_quantise_background(&file->header, p.colour[k]);
-    if (e->content.alpha)
+    if (file->header.has_alpha)
         file->background[colours] = gscl_quantise_background(&file->header, p.alpha);
 }
 
@@ -188,6 +187,7 @@ static gscl_result encode_to_bytes(gscl_encoder *e) {
     GSCL_TRY(check_budget(e, budget));
     if (e->content.flat)
         return GSCL_OK;
+    GSCL_TRY(gscl_effects_try(e, budget, 0));
     GSCL_TRY(gscl_encode_fit(e, (size_t)fmin(budget, 1e12), 0));
     return prefer_flat(e);
 }
@@ -200,14 +200,18 @@ static gscl_result encode_target(gscl_encoder *e) {
         return encode_to_bytes(e);
     case GSCL_TARGET_SPLATS:
         encode_flat(e);
-        return e->content.flat || e->settings.target_value < 1
-                   ? GSCL_OK
-                   : gscl_encode_fit(e, 0, (size_t)e->settings.target_value);
+        if (e->content.flat || e->settings.target_value < 1)
+            return GSCL_OK;
+        GSCL_TRY(gscl_effects_try(e, 0, e->settings.target_value));
+        return gscl_encode_fit(e, 0, (size_t)e->settings.target_value);
     case GSCL_TARGET_PSNR:
         break;
     }
     encode_flat(e);
-    return e->content.flat ? GSCL_OK : gscl_encode_to_psnr(e);
+    if (e->content.flat)
+        return GSCL_OK;
+    GSCL_TRY(gscl_effects_try(e, AUTO_BPP / 8 * e->image->width * e->image->height, 0));
+    return gscl_encode_to_psnr(e);
 }
 
 static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_recorder *recorder) {
@@ -225,6 +229,9 @@ static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_r
     report->splats = e->picture.file.header.splat_count;
     report->bytes = *size;
     report->trials = e->trials ? e->trials : 1;
+    report->blend = e->settings.blend;
+    report->effect_count = e->decision_count;
+    memcpy(report->effects, e->decisions, sizeof e->decisions);
     gscl_recorder_end(recorder, e->context); /* what follows is no part of the encode */
     return measure_psnr(e, *bytes, *size, &report->psnr);
 }
@@ -249,8 +256,11 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
         resolve_auto(&e.settings);
         gscl_progress_begin(&e.progress, &e.settings);
         e.random = e.settings.seed;
+        result = gscl_effects_check(&e);
+    }
+    if (result == GSCL_OK) {
         fill_header(&e);
-        result = e.content.flat ? GSCL_OK : make_planes(&e);
+        result = e.content.flat ? GSCL_OK : gscl_encoder_make_planes(&e);
     }
     if (result == GSCL_OK)
         result = encode_target(&e);

@@ -5,6 +5,7 @@
 
 #include "constants.h"
 #include "density.h"
+#include "effects.h"
 #include "quantise.h"
 #include "report.h"
 #include "scalar_schedule.h"
@@ -197,15 +198,22 @@ static gsf_steps steps_for(const gscl_encode_settings *settings) {
     return settings->step_factor > 0 ? gscl_scale_steps(&usual, settings->step_factor) : usual;
 }
 
-static gscl_result fit_and_quantise(schedule *s) {
+static gscl_result create_fit(schedule *s) {
     gscl_encoder *e = s->encoder;
     gscl_kernel_options options = gscl_picture_options(&e->picture.file.header);
     options.loss = gscl_loss_kind(e->settings.loss);
     options.weighted = e->settings.tune == GSCL_TUNE_SSIM;
     GSCL_TRY(
         gscl_fit_create(&s->fit, e->context, &options, e->image->width, e->image->height, e->first_level, e->planes));
+    GSCL_TRY(gscl_fit_take_ground(&s->fit, e->planes));
     for (int k = 0; k < s->fit.renderer.channels; k++)
         e->picture.file.background[k] = gscl_quantise_background(&e->picture.file.header, s->fit.background[k]);
+    return GSCL_OK;
+}
+
+static gscl_result fit_and_quantise(schedule *s) {
+    gscl_encoder *e = s->encoder;
+    GSCL_TRY(create_fit(s));
     GSCL_TRY(run_steps(s));
     gscl_stage(e->context, "quantise");
     GSCL_TRY(gscl_scalar_quantise(s));
@@ -220,13 +228,14 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
                   .steps = r->steps,
                   .passes = r->passes,
                   .finest = fitted_pixels(e) > SMALL_IMAGE ? r->finest : 0,
-                  .textures = e->settings.effort >= TEXTURE_EFFORT,
+                  .textures =
+                      gscl_effect_wanted(&e->settings, GSCL_EFFECT_TEXTURE, e->settings.effort >= TEXTURE_EFFORT),
                   .bytes = bytes,
                   .keep_all = bytes == 0,
                   .target = splats,
                   .pressure = bytes ? r->pressure : 1};
     e->picture.file.steps = steps_for(&e->settings);
-    e->picture.file.header.has_texture = false; /* a trial before may have had textures */
+    gscl_effects_begin(e); /* a fit before may have decided otherwise */
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;
     double sparse = fmin(fmax(sparseness(&s) - 1, 0), 1);

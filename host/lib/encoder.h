@@ -17,7 +17,9 @@ typedef struct gscl_encoder {
     int first_level;      /* finest level that is fitted; 0 unless the image is very large */
     float *planes;        /* the image at that level */
     gscl_picture picture; /* header filled in; the result */
-    uint32_t trials;      /* of the search for a quality; 0 when there was none */
+    size_t decision_count;
+    gscl_effect_decision decisions[GSCL_MAX_EFFECTS];
+    uint32_t trials; /* of the search for a quality; 0 when there was none */
 } gscl_encoder;
 
 /* Fits splats so that the file has about `bytes` bytes (a profile's own estimate turns bytes into splats), or
@@ -28,6 +30,9 @@ gscl_result gscl_encode_codebook(gscl_encoder *encoder, size_t bytes, size_t spl
 /* Splats beyond which more bytes are of no use to this image; no limit but the format's when `bytes` is 0 (the caller
  * asked for a number of splats). */
 size_t gscl_most_splats(const gscl_encoder *encoder, size_t bytes);
+
+/* Makes encoder->planes anew, of the channels that the header says. */
+gscl_result gscl_encoder_make_planes(gscl_encoder *encoder);
 
 /* GSCL_LOSS_KIND_... of a loss: SSIM comes from outside the fit's kernel. */
 int gscl_loss_kind(gscl_loss loss);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "constants.h"
+#include "ground.h"
 #include "image.h"
 #include "timing.h"
 
@@ -14,6 +15,7 @@
 #define MOST_ALPHA_CROWD 150.0 /* more where splats hide each other and need to be many, */
 #define CROWD_OF_SMALL 4.0     /* besides those that are as small as a tile, which touch so many at most: beyond, the */
                                /* longest axes are cut back */
+#define QUIET 0.02             /* of the mean loss of a tile: a tile with less sits out steps */
 #define CROWD_SHRINK 0.2f      /* by so much (ln) at a time: splats without end would cost time without end */
 
 size_t gscl_fit_level_pixels(const gscl_fit *f, int level) {
@@ -102,6 +104,15 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     return gscl_fit_set_level(f, first_level);
 }
 
+gscl_result gscl_fit_take_ground(gscl_fit *f, const float *planes) {
+    float colour[4];
+    f->has_ground = gscl_find_ground(planes, gscl_fit_level_pixels(f, f->first_level), f->renderer.channels, colour);
+    if (!f->has_ground)
+        return GSCL_OK;
+    memcpy(f->background, colour, sizeof colour);
+    return gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background);
+}
+
 void gscl_fit_free(gscl_fit *f) {
     gscl_renderer_free(&f->renderer);
     gscl_ssim_free(&f->ssim);
@@ -109,10 +120,19 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_buffer_free(&f->adapted);
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
         gscl_buffer_free(&f->levels[i]);
-    gscl_buffer *buffers[] = {&f->gradients, &f->first_moment, &f->second_moment, &f->ages,
-                              &f->slots,     &f->tile_loss,    &f->loss,          &f->error};
+    gscl_buffer *buffers[] = {&f->gradients, &f->first_moment, &f->second_moment, &f->ages, &f->slots,
+                              &f->tile_loss, &f->rests,        &f->loss,          &f->error};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
+}
+
+/* No tile sits out a step until losses have been looked at again. */
+static gscl_result wake_tiles(gscl_fit *f) {
+    size_t bytes = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y * sizeof(cl_int);
+    f->quiet = 0;
+    f->has_losses = false;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->rests, bytes));
+    return gscl_buffer_zero(f->context, &f->rests, 0, bytes);
 }
 
 gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
@@ -120,6 +140,7 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
     GSCL_TRY(gscl_renderer_set_view(&f->renderer, f->level, 0, 0, gscl_fit_level_width(f), gscl_fit_level_height(f)));
     size_t tiles = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->tile_loss, tiles * sizeof(float)));
+    GSCL_TRY(wake_tiles(f));
     f->steps_since_check = CHECK_INTERVAL;
     return gscl_renderer_project(&f->renderer);
 }
@@ -186,9 +207,15 @@ gscl_result gscl_fit_read(gscl_fit *f, float *params) {
                             (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));
 }
 
+/* Floats of a slot (SLOT in cl/fit.cl). */
+static size_t slot_size(const gscl_renderer *r) {
+    static const int of_geometry[] = {[GSCL_SHAPE_TURNED] = 5, [GSCL_SHAPE_UPRIGHT] = 4, [GSCL_SHAPE_ROUND] = 3};
+    return (size_t)(of_geometry[r->options.shape] + r->options.opacity + r->channels + r->options.texture);
+}
+
 static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *picture) {
     gscl_renderer *r = &f->renderer;
-    size_t slot = (size_t)(5 + r->options.opacity + r->channels + r->options.texture);
+    size_t slot = slot_size(r);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->slots, r->entries.size / sizeof(cl_uint) * slot * sizeof(float)));
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
@@ -198,7 +225,8 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *picture) {
                        gscl_tile_group_size(f->context), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->entries),
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*picture),
                        GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane),
-                       GSCL_ARG(gain), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->tile_loss));
+                       GSCL_ARG(gain), GSCL_ARG(f->quiet), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG_BUFFER(f->rests));
 }
 
 static gscl_result launch_gather(gscl_fit *f) {
@@ -230,12 +258,24 @@ static double most_crowd(const gscl_fit *f) {
     return large + CROWD_OF_SMALL * r->count / ((double)r->view.tiles_x * r->view.tiles_y);
 }
 
+/* From the losses of the last step; an external loss has none. */
+static gscl_result set_quiet(gscl_fit *f) {
+    double loss;
+    if (!f->has_losses || f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL)
+        return GSCL_OK;
+    GSCL_TRY(gscl_fit_loss(f, &loss));
+    f->quiet = (float)(QUIET * loss * GSCL_TILE * GSCL_TILE * f->renderer.channels);
+    return GSCL_OK;
+}
+
 gscl_result gscl_fit_differentiate(gscl_fit *f) {
     bool check = f->steps_since_check >= CHECK_INTERVAL;
     GSCL_TRY(gscl_renderer_bin(&f->renderer, check));
     f->steps_since_check = check ? 1 : f->steps_since_check + 1;
     if (check && f->renderer.crowd > most_crowd(f))
         f->limits.log_max = fmaxf(f->limits.log_max - CROWD_SHRINK, f->limits.log_min);
+    if (check)
+        GSCL_TRY(set_quiet(f));
     if (f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL) {
         gscl_renderer *r = &f->renderer;
         GSCL_TRY(gscl_renderer_draw(r));
@@ -245,6 +285,7 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
     } else {
         GSCL_TRY(launch_tiles(f, gscl_fit_goal(f)));
     }
+    f->has_losses = true;
     return launch_gather(f);
 }
 
@@ -255,6 +296,7 @@ gscl_result gscl_fit_step(gscl_fit *f, float rate) {
 
 gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
     f->steps_since_check = CHECK_INTERVAL;
+    GSCL_TRY(wake_tiles(f));
     GSCL_TRY(gscl_fit_differentiate(f));
     return gscl_buffer_read(f->context, &f->gradients, 0, gradients,
                             (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));

@@ -27,10 +27,13 @@ typedef struct gscl_fit {
     int first_level, last_level; /* of the pyramid that exists; 0 is full size */
     int level;
     gscl_buffer levels[GSCL_MAX_LEVELS];
-    gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, loss, error;
+    gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, rests, loss, error;
+    float quiet;     /* loss of a tile below which it sits out steps */
+    bool has_losses; /* tile_loss is of this level */
     size_t capacity; /* splats that fit in the buffers */
     int steps_since_check;
     float background[4];
+    bool has_ground;   /* the background is the colour of a good part of the picture, not the mean of all */
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
     gscl_buffer derivative; /* of the loss by the picture */
@@ -42,6 +45,8 @@ typedef struct gscl_fit {
  * `fit` may hold anything before. */
 gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes);
+/* Takes the colour of the picture's ground for the background, where there is a ground (ground.h).  `planes`: as before. */
+gscl_result gscl_fit_take_ground(gscl_fit *fit, const float *planes);
 /* Accepts a fit that was zeroed and never created. */
 void gscl_fit_free(gscl_fit *fit);
 

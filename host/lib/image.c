@@ -110,7 +110,9 @@ void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int 
             for (uint32_t v = y * side; v < (y + 1) * side && v < image->height; v++)
                 for (uint32_t u = x * side; u < (x + 1) * side && u < image->width; u++) {
                     gscl_pixel p = pixel_at(image, row_of(image, v), u);
-                    for (int k = 0; k < 3; k++)
+                    if (colours == 1) /* exact where the colours are equal */
+                        p.colour[0] += ((p.colour[1] - p.colour[0]) + (p.colour[2] - p.colour[0])) / 3.0f;
+                    for (int k = 0; k < colours; k++)
                         sum[k] += p.colour[k];
                     sum[3] += p.alpha;
                     count += 1.0f;

@@ -20,8 +20,8 @@ static inline uint32_t gscl_level_size(uint32_t size, int level) {
     return (uint32_t)(((uint64_t)size + (1u << level) - 1) >> level);
 }
 
-/* Planes of the image at pyramid level `level` (averages of 2^level x 2^level pixels): 1 or 3 colours
- * premultiplied by alpha, then alpha when `alpha`.  0..1.  `planes` holds them one after another. */
+/* Planes of the image at pyramid level `level` (averages of 2^level x 2^level pixels): 1 colour (the
+ * mean of all) or 3, premultiplied by alpha, then alpha when `alpha`.  0..1.  `planes` holds them one after another. */
 void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int level, float *planes);
 
 /* Bytes of a sample of this kind. */

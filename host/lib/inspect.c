@@ -24,6 +24,11 @@ const char *gscl_effect_name(gscl_effect effect) {
     return NULL;
 }
 
+const char *gscl_effect_reason_name(gscl_effect_reason reason) {
+    static const char *const names[] = {"asked", "content", "profile", "trial", "passes"};
+    return (size_t)reason < sizeof names / sizeof names[0] ? names[reason] : NULL;
+}
+
 static const char *const stream_names[GSF_STREAM_COUNT] = {
     [GSF_STREAM_HEADER] = "header",
     [GSF_STREAM_SIDE] = "side",

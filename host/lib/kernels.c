@@ -86,10 +86,11 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     if (kind == GSCL_PROGRAM_IMAGE)
         return;
     bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
-    length += snprintf(text + length, MAX_OPTIONS - (size_t)length,
-                       " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d",
-                       gscl_mapping_lanes(context), mapping_rows(context), options->blend, options->colours,
-                       options->alpha_channel, options->opacity, options->texture);
+    length += snprintf(
+        text + length, MAX_OPTIONS - (size_t)length,
+        " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d -DSHAPE=%d",
+        gscl_mapping_lanes(context), mapping_rows(context), options->blend, options->colours, options->alpha_channel,
+        options->opacity, options->texture, options->shape);
     if (fits || kind == GSCL_PROGRAM_REFINE)
         length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);
     if (fits)

@@ -12,6 +12,7 @@ typedef struct gscl_kernel_options {
     int alpha_channel; /* 0 or 1 */
     int opacity;       /* 0 or 1 */
     int texture;       /* 0 or 1 */
+    int shape;         /* GSCL_SHAPE_... */
     int loss;          /* GSCL_LOSS_KIND_...; fit programs only */
     int weighted;      /* 0 or 1: squared errors count as much as a plane behind the target says; L2 only */
     /* For measuring what exactness costs (accuracy.c); 0 everywhere else. */

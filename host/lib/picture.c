@@ -156,7 +156,10 @@ gscl_kernel_options gscl_picture_options(const gsf_header *header) {
                                  .colours = header->has_chroma ? 3 : 1,
                                  .alpha_channel = header->has_alpha,
                                  .opacity = header->has_opacity,
-                                 .texture = header->has_texture};
+                                 .texture = header->has_texture,
+                                 .shape = header->has_rotation     ? GSCL_SHAPE_TURNED
+                                          : header->has_anisotropy ? GSCL_SHAPE_UPRIGHT
+                                                                   : GSCL_SHAPE_ROUND};
 }
 
 uint32_t gscl_picture_channels(const gsf_header *header) {

@@ -29,7 +29,7 @@ typedef struct aspect_entry {
     cl_float bits;
 } aspect_entry;
 typedef struct settings {
-    cl_float lambda, scale_step, luma_step, chroma_step, alpha_step, amplitude_step;
+    cl_float lambda, scale_step, luma_step, chroma_step, alpha_step, amplitude_step, opacity_levels;
     cl_int scan;
     cl_int min[4], max[4];
 } settings;
@@ -38,7 +38,8 @@ typedef struct move_outcome {
     cl_int colour[4];
 } move_outcome;
 typedef struct codes {
-    cl_int code[GSCL_CODES]; /* minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase, amplitude */
+    cl_int code[GSCL_CODES]; /* minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase,
+                                amplitude; opacity */
 } codes;
 
 typedef struct pass {
@@ -91,8 +92,9 @@ static void bits_of_counts(const double *counts, int n, bool smooth, float *bits
 
 static void codes_of(const gsf_splat *s, codes *c) {
     const gsf_texture *t = &s->texture;
-    const cl_int code[GSCL_CODES] = {s->minor, s->aspect, s->angle, (cl_int)s->x, (cl_int)s->y, s->luma,     s->co,
-                                     s->cg,    s->alpha,  t->wave,  t->direction, t->phase,     t->amplitude};
+    const cl_int code[GSCL_CODES] = {s->minor,     s->aspect, s->angle,     (cl_int)s->x, (cl_int)s->y,
+                                     s->luma,      s->co,     s->cg,        s->alpha,     t->wave,
+                                     t->direction, t->phase,  t->amplitude, s->opacity};
     memcpy(c->code, code, sizeof code);
 }
 
@@ -106,6 +108,7 @@ static void splat_of(const codes *c, gsf_splat *s) {
                      .co = (int16_t)c->code[6],
                      .cg = (int16_t)c->code[7],
                      .alpha = (int16_t)c->code[8],
+                     .opacity = (uint16_t)c->code[13],
                      .texture = {.wave = (uint8_t)c->code[9],
                                  .direction = (uint8_t)c->code[10],
                                  .phase = (uint8_t)c->code[11],
@@ -168,6 +171,13 @@ static void make_texture_tables(pass *p) {
     bits_of_counts(amplitudes, GSCL_AMPLITUDES, true, p->tables + GSCL_BITS_AMPLITUDE);
 }
 
+static void make_opacity_table(pass *p) {
+    double opacities[GSCL_OPACITIES] = {0};
+    for (size_t i = 0; i < p->count; i++)
+        opacities[p->codes[i].code[13]]++;
+    bits_of_counts(opacities, p->picture->file.steps.opacity + 1, true, p->tables + GSCL_BITS_OPACITY);
+}
+
 static void make_settings(pass *p) {
     const gsf_picture *file = &p->picture->file;
     float steps[GSCL_STEP_COUNT];
@@ -177,6 +187,7 @@ static void make_settings(pass *p) {
     p->settings.chroma_step = steps[GSCL_STEP_CHROMA];
     p->settings.alpha_step = steps[GSCL_STEP_ALPHA];
     p->settings.amplitude_step = steps[GSCL_STEP_AMPLITUDE];
+    p->settings.opacity_levels = steps[GSCL_STEP_OPACITY];
     gsf_luma_range(file->header.blend, file->steps.luma, &p->settings.min[0], &p->settings.max[0]);
     gsf_chroma_range(file->steps.chroma, &p->settings.min[1], &p->settings.max[1]);
     gsf_chroma_range(file->steps.chroma, &p->settings.min[2], &p->settings.max[2]);
@@ -362,6 +373,7 @@ static gscl_result run(pass *p, double pressure) {
     make_shape_tables(p);
     make_colour_tables(p);
     make_texture_tables(p);
+    make_opacity_table(p);
     visit *visits = malloc((p->count + 1) * sizeof *visits);
     if (!visits)
         return gscl_fail(p->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");

@@ -111,7 +111,7 @@ static gscl_result measure_probe(gscl_renderer *probe, gscl_fit *fit, double *ps
 
 static gscl_result add_round(gscl_encoder *e, gscl_fit *fit, const gscl_picture *picture, int steps) {
     gscl_recorder *r = e->context->recorder;
-    if (!r || !r->rounds || r->report->round_count == GSCL_MAX_ROUNDS)
+    if (!r || !r->rounds || r->frozen || r->report->round_count == GSCL_MAX_ROUNDS)
         return GSCL_OK;
     const char *stage = gscl_stage(e->context, aside);
     gscl_round *round = &r->report->rounds[r->report->round_count];

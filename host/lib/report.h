@@ -11,6 +11,7 @@
 typedef struct gscl_recorder {
     gscl_encode_report *report;
     bool rounds; /* are wanted */
+    bool frozen; /* trials: no stages, no rounds */
     double start_s;
     double aside_s;       /* seconds that measuring rounds took, which are nobody's */
     const char *stage;    /* under way, or NULL */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "density.h"
+#include "effects.h"
 #include "refine.h"
 #include "report.h"
 #include "scalar_schedule.h"
@@ -12,6 +13,7 @@
 #define PRESSURE_GAIN 2.0    /* how strongly a file that is too large raises the price of a bit */
 #define BUDGET_AIM 0.99      /* of the budget */
 #define SCAN_INTERVAL 3      /* passes from one scan for textures to the next */
+#define FEW_TEXTURES 0.01    /* of the splats */
 #define REGROW_BELOW 0.97    /* of the budget: then there is room for more splats */
 #define REGROW_STEPS_PART 12 /* part of the steps that a regrowth takes */
 #define MAX_REGROW_STEPS 80
@@ -81,12 +83,25 @@ static void steer(schedule *s, double before, double size, double goal, double g
     s->pressure = fmin(fmax(s->pressure * pow(next / goal, gain), LEAST_PRESSURE), MOST_PRESSURE);
 }
 
+/* After the first scan: where hardly a splat took a wave, the others are not asked again. */
+static void keep_textures(schedule *s) {
+    const gsf_picture *file = &s->encoder->picture.file;
+    const gscl_encode_settings *settings = &s->encoder->settings;
+    uint32_t textured = 0;
+    for (uint32_t i = 0; i < file->header.splat_count; i++)
+        textured += file->splats[i].texture.amplitude > 0;
+    if (gscl_effect_is_open(settings, GSCL_EFFECT_TEXTURE) && textured < FEW_TEXTURES * file->header.splat_count)
+        s->textures = false;
+}
+
 /* Passes that take the file gently down towards its budget: splats that are dropped in haste do not come back. */
 static gscl_result refine_down(schedule *s, size_t *size) {
     double budget = (double)s->bytes * BUDGET_AIM, excess = 0;
     for (int pass = 0; pass < s->passes; pass++) {
         double before = (double)*size, left = 1 - (pass + 2.0) / s->passes;
         GSCL_TRY(refine_once(s, s->textures && pass % SCAN_INTERVAL == 0, size));
+        if (pass == 0)
+            keep_textures(s);
         if (s->bytes == 0)
             continue;
         if (pass == 0)
@@ -141,11 +156,14 @@ static gscl_result fill(schedule *s, size_t *size) {
     return GSCL_OK;
 }
 
-static void drop_unused_effects(gsf_picture *file) {
+static void drop_unused_effects(gscl_encoder *e) {
+    gsf_picture *file = &e->picture.file;
     bool textured = false;
     for (uint32_t i = 0; i < file->header.splat_count; i++)
         textured = textured || file->splats[i].texture.amplitude > 0;
     file->header.has_texture = textured;
+    if (gscl_effect_is_open(&e->settings, GSCL_EFFECT_TEXTURE))
+        gscl_effect_decide(e, GSCL_EFFECT_TEXTURE, GSCL_EFFECT_PASSES, textured, NAN);
 }
 
 gscl_result gscl_scalar_refine(schedule *s) {
@@ -158,7 +176,7 @@ gscl_result gscl_scalar_refine(schedule *s) {
         GSCL_TRY(fill(s, &size));
         GSCL_TRY(land(s, &size));
     }
-    drop_unused_effects(file);
+    drop_unused_effects(s->encoder);
     return GSCL_OK;
 }
 

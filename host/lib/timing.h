@@ -11,6 +11,9 @@
  * Returns the name of the one that ended, so that a stage within another can give the clock back. */
 const char *gscl_stage(gscl_context *context, const char *name);
 
+/* Until it is called with false, gscl_stage does nothing: what runs is a part of the stage under way. */
+void gscl_stages_freeze(gscl_context *context, bool frozen);
+
 /* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
 

@@ -5,6 +5,7 @@
 #include <gscl/gscl.h>
 
 #include "command.h"
+#include "effect_list.h"
 #include "encode_batch.h"
 #include "message.h"
 #include "names.h"
@@ -14,6 +15,8 @@ typedef struct encode_options {
     encode_batch batch;
     uint64_t bytes, splats, effort, codebook, seed;
     double bpp, psnr;
+    const char *effects;
+    uint32_t effects_on, effects_off;
     int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
     bool has_bytes, has_bpp, has_psnr, has_splats, has_codebook;
 } encode_options;
@@ -99,6 +102,12 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .words = tune_words,
          .argument = "T",
          .help = "what bits are spent on: psnr, or ssim for MS-SSIM (default psnr)"},
+        {.name = "effects",
+         .kind = OPTION_TEXT,
+         .value = &encode->effects,
+         .argument = "LIST",
+         .help = "effects to use or to leave, as in +opacity,-chroma: chroma, alpha-channel, opacity, rotation, "
+                 "anisotropy, texture (default: what the image calls for)"},
         {.name = "codebook",
          .kind = OPTION_INTEGER,
          .value = &encode->codebook,
@@ -156,8 +165,10 @@ static bool reads_standard_input(const encode_batch *batch) {
 }
 
 /* Refuses what contradicts itself; returns 0 or EXIT_USAGE. */
-static int check_options(const encode_options *encode) {
+static int check_options(encode_options *encode) {
     const encode_batch *batch = &encode->batch;
+    if (!effect_list_parse(encode->effects, &encode->effects_on, &encode->effects_off))
+        return EXIT_USAGE;
     if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_splats > 1)
         return report_usage("encode", "--bytes, --bpp, --psnr and --splats exclude each other; give one of them");
     if (encode->has_codebook && encode->profile != GSCL_PROFILE_PAPER)
@@ -184,6 +195,8 @@ static void fill_settings(encode_options *encode) {
     settings->loss = (gscl_loss)encode->loss;
     settings->tune = (gscl_tune)encode->tune;
     settings->effort = (int)encode->effort;
+    settings->effects_on = encode->effects_on;
+    settings->effects_off = encode->effects_off;
     settings->codebook_size = (uint32_t)encode->codebook;
     settings->seed = encode->seed;
     if (encode->has_bytes) {

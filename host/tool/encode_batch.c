@@ -12,6 +12,7 @@
 #include "interrupt.h"
 #include "json.h"
 #include "message.h"
+#include "names.h"
 #include "output_file.h"
 #include "progress.h"
 #include "read_file.h"
@@ -111,6 +112,21 @@ static double bits_per_pixel(const gscl_image *image, uint64_t bytes) {
     return 8.0 * (double)bytes / ((double)image->width * image->height);
 }
 
+/* How each effect came to be on or off. */
+static void write_decisions(json_writer *json, const gscl_encode_report *report) {
+    json_open_array(json, "effects");
+    for (size_t i = 0; i < report->effect_count; i++) {
+        const gscl_effect_decision *decision = &report->effects[i];
+        json_open_object(json, NULL);
+        json_string(json, "name", gscl_effect_name(decision->effect));
+        json_bool(json, "on", decision->on);
+        json_string(json, "reason", gscl_effect_reason_name(decision->reason));
+        json_real(json, "gain_db", decision->gain_db);
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
 static void print_report(batch_state *state, const char *input, const char *output, const gscl_image *image,
                          const gscl_encode_report *report) {
     const double bpp = bits_per_pixel(image, report->bytes);
@@ -133,6 +149,8 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_real(json, "psnr", report->psnr);
     json_real(json, "seconds", report->seconds);
     json_integer(json, "trials", report->trials);
+    json_string(json, "blend", blend_words[report->blend]);
+    write_decisions(json, report);
     report_write_stages(json, report);
     if (state->batch->settings.rounds)
         report_write_rounds(json, report);

@@ -92,6 +92,25 @@ typedef struct {
     double loss;
 } truth;
 
+/* Upright splats have no angle; circles have one axis, whose derivative both places hold. */
+static void take_shape(const fit_case *c, double *params) {
+    for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_TURNED; i++) {
+        double *p = params + i * ORACLE_PARAMS;
+        p[GSCL_THETA] = 0.0;
+        if (c->options.shape == GSCL_SHAPE_ROUND)
+            p[GSCL_LOG_S2] = p[GSCL_LOG_S1];
+    }
+}
+
+static void take_shape_gradient(const fit_case *c, double *gradient) {
+    for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_TURNED; i++) {
+        double *g = gradient + i * ORACLE_PARAMS;
+        g[GSCL_THETA] = 0.0;
+        if (c->options.shape == GSCL_SHAPE_ROUND)
+            g[GSCL_LOG_S1] = g[GSCL_LOG_S2] = g[GSCL_LOG_S1] + g[GSCL_LOG_S2];
+    }
+}
+
 static void make_truth(const fit_case *c, const float *background, truth *t) {
     t->fit = (oracle_fit){.blend = (oracle_blend)c->options.blend,
                           .colours = c->options.colours,
@@ -113,9 +132,11 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
     }
     for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
         t->params[i] = c->params[i];
+    take_shape(c, t->params);
     oracle_fit_draw(&t->fit, t->params, c->count, t->planes);
     t->loss = oracle_fit_loss(&t->fit, t->params, c->count);
     oracle_fit_gradient(&t->fit, t->params, c->count, t->gradient);
+    take_shape_gradient(c, t->gradient);
 }
 
 /* ---- The library's side ---- */
@@ -234,6 +255,50 @@ static void test_blurred_levels(void **state) {
     for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
         check_all_options(blend, 1);
         check_case(ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L2, 2), ALLOWED);
+    }
+}
+
+static void test_shapes(void **state) {
+    (void)state;
+    for (int variant = 0; variant < 12; variant++) {
+        const int blend = variant % 3, level = variant / 3 % 2;
+        fit_case *c = ordinary_case(blend, level ? 1 : 3, level, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, level);
+        c->options.shape = variant < 6 ? GSCL_SHAPE_UPRIGHT : GSCL_SHAPE_ROUND;
+        check_case(c, ALLOWED);
+    }
+}
+
+/* A tile without error sits out steps, and is there again when gradients are asked for. */
+static void test_tiles_without_error_rest(void **state) {
+    (void)state;
+    enum { W = 96, H = 64, PLANE = W * H, TILES = 6 * 4 };
+    static float target[PLANE], gradients[3 * GSCL_PARAMS], again[3 * GSCL_PARAMS];
+    const float params[3][GSCL_PARAMS] = {{20.0f, 20.0f, 1.5f, 1.5f, 0.0f, 0.0f, 1.0f},
+                                          {30.0f, 40.0f, 1.5f, 1.0f, 0.5f, 0.0f, 0.0f},
+                                          {80.0f, 30.0f, 2.0f, 2.0f, 0.0f, 0.0f, 0.5f}};
+    cl_int rests[TILES];
+    for (int i = 0; i < PLANE; i++)
+        target[i] = i % W < 48 ? test_uniform(0.0, 1.0) : 0.5f;
+    for (int m = 0; m < 2; m++) {
+        gscl_fit fit;
+        const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
+        int resting = 0, working = 0;
+        check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, target));
+        check_call(contexts[m], "append", gscl_fit_append(&fit, &params[0][0], 3));
+        for (int step = 0; step < 10; step++)
+            check_call(contexts[m], "step", gscl_fit_step(&fit, 1e-6f));
+        check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.rests, 0, rests, sizeof rests));
+        for (int i = 0; i < TILES; i++) {
+            resting += i % 6 >= 3 && rests[i] > 0;
+            working += i % 6 < 3 && rests[i] == 0;
+        }
+        assert_int_equal(resting, TILES / 2);
+        assert_int_equal(working, TILES / 2);
+        check_call(contexts[m], "gradients", gscl_fit_gradients(&fit, gradients));
+        assert_true(gradients[2 * GSCL_PARAMS + GSCL_COLOUR] != 0.0f);
+        check_call(contexts[m], "gradients", gscl_fit_gradients(&fit, again));
+        assert_memory_equal(gradients, again, sizeof gradients);
+        gscl_fit_free(&fit);
     }
 }
 
@@ -473,6 +538,8 @@ int main(void) {
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_sum),
         cmocka_unit_test(test_blurred_levels),
+        cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_tiles_without_error_rest),
         cmocka_unit_test(test_textures),
         cmocka_unit_test(test_weighted_errors),
         cmocka_unit_test(test_ssim_weights),

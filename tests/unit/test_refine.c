@@ -45,13 +45,14 @@ static void make_target(float *planes) {
 
 static void make_splat(scene *s, gsf_splat *splat) {
     float p[GSCL_PARAMS] = {test_uniform(0, WIDTH), test_uniform(0, HEIGHT), test_uniform(0.5, 2.5),
-                            test_uniform(0.5, 2.5), test_uniform(0, 3)};
+                            test_uniform(0.5, 2.5), test_uniform(0, 3),      test_uniform(-2, 2)};
     for (int k = 0; k < 3; k++)
         p[GSCL_COLOUR + k] = test_uniform(0.2, 0.7);
     gscl_quantise(&s->picture.file, p, splat);
 }
 
-static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool weighted, bool texture) {
+static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool weighted, bool texture,
+                       bool opaque_circles) {
     static float planes[3 * WIDTH * HEIGHT];
     memset(s, 0, sizeof *s);
     s->context = context;
@@ -60,13 +61,14 @@ static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool we
                                           .coding = GSF_CODING_SCALAR,
                                           .layout = GSF_RGB,
                                           .has_chroma = true,
-                                          .has_rotation = true,
-                                          .has_anisotropy = true,
+                                          .has_opacity = !opaque_circles,
+                                          .has_rotation = !opaque_circles,
+                                          .has_anisotropy = !opaque_circles,
                                           .has_texture = texture,
                                           .width = WIDTH,
                                           .height = HEIGHT,
                                           .splat_count = SPLATS};
-    s->picture.file.steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4};
+    s->picture.file.steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .opacity = 3};
     test_random_state = 7;
     make_target(planes);
     gscl_kernel_options options = gscl_picture_options(&s->picture.file.header);
@@ -126,10 +128,10 @@ static void check_minimum(scene *s, int variant) {
 
 static void test_free_bits_reach_a_minimum(void **state) {
     (void)state;
-    for (int variant = 0; variant < 16; variant++) {
+    for (int variant = 0; variant < 32; variant++) {
         scene s;
-        open_scene(&s, contexts[variant / 8], variant & 1 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, variant & 2,
-                   variant & 4);
+        open_scene(&s, contexts[variant / 8 % 2], variant & 1 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, variant & 2,
+                   variant & 4, variant & 16);
         const double before = error_of(&s);
         run_passes(&s, FREE, true);
         assert_int_equal(s.picture.file.header.splat_count, SPLATS);
@@ -143,7 +145,7 @@ static void test_dear_bits_drop_all_splats(void **state) {
     (void)state;
     for (int m = 0; m < 2; m++) {
         scene s;
-        open_scene(&s, contexts[m], GSF_BLEND_NORMALIZED, false, true);
+        open_scene(&s, contexts[m], GSF_BLEND_NORMALIZED, false, true, false);
         run_passes(&s, 1e4, false);
         assert_int_equal(s.picture.file.header.splat_count, 0);
         close_scene(&s);

@@ -150,6 +150,42 @@ typedef struct gscl_image {
     void *pixels;
 } gscl_image;
 
+/* ---- Effects ----------------------------------------------------------------------------- */
+
+/* All that a splat may be beyond a grey disk.  Each has a flag in the file's header; one that is off has no bits in the
+ * file and no instructions in the kernels. */
+typedef enum gscl_effect {
+    GSCL_EFFECT_CHROMA = 1u << 0,        /* colour; else grey */
+    GSCL_EFFECT_ALPHA_CHANNEL = 1u << 1, /* else opaque (what is transparent becomes black) */
+    GSCL_EFFECT_OPACITY = 1u << 2,       /* splats that count for less than others */
+    GSCL_EFFECT_ROTATION = 1u << 3,      /* of ellipses; only with anisotropy */
+    GSCL_EFFECT_ANISOTROPY = 1u << 4,    /* ellipses; else circles */
+    GSCL_EFFECT_CODEBOOKS = 1u << 5,     /* the paper profile */
+    GSCL_EFFECT_TEXTURE = 1u << 6        /* waves on some splats' colours */
+} gscl_effect;
+/* "chroma", "alpha-channel", ...; NULL when `effect` is not one effect. */
+GSCL_API const char *gscl_effect_name(gscl_effect effect);
+
+#define GSCL_MAX_EFFECTS 7
+
+/* Who decided on an effect. */
+typedef enum gscl_effect_reason {
+    GSCL_EFFECT_ASKED = 0,   /* the settings */
+    GSCL_EFFECT_CONTENT = 1, /* the image has, or lacks, what it is for */
+    GSCL_EFFECT_PROFILE = 2, /* profile and blend */
+    GSCL_EFFECT_TRIAL = 3,   /* a trial on a smaller copy of this image */
+    GSCL_EFFECT_PASSES = 4   /* the rate-distortion passes, splat by splat */
+} gscl_effect_reason;
+/* "asked", "content", "profile", "trial", "passes"; NULL for anything else. */
+GSCL_API const char *gscl_effect_reason_name(gscl_effect_reason reason);
+
+typedef struct gscl_effect_decision {
+    gscl_effect effect;
+    bool on;
+    gscl_effect_reason reason;
+    double gain_db; /* TRIAL: PSNR with it less PSNR without, at the same size, of a smaller copy; else NaN */
+} gscl_effect_decision;
+
 /* ---- Encoding ---------------------------------------------------------------------------- */
 
 typedef enum gscl_profile {
@@ -203,6 +239,8 @@ typedef struct gscl_encode_settings {
     double target_value;    /* bpp, bytes, dB or count according to `target`; not used by AUTO */
     int effort;             /* 0 (fastest) .. 9 (best); default 5 */
     uint32_t codebook_size; /* paper profile: code words in each codebook, 2..1024; 0 (default): chosen by rate */
+    uint32_t effects_on;    /* gscl_effect bits: these are used, */
+    uint32_t effects_off;   /* these are not; the encoder decides on the others.  Default 0 */
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
     double step_factor;     /* default profile: 0.25..4 times the quantiser's usual steps, as far as the format has such
                                steps; 0 (default): 1 */
@@ -236,9 +274,12 @@ typedef struct gscl_round {
 typedef struct gscl_encode_report {
     uint32_t splats;
     uint64_t bytes;
-    double psnr;          /* dB of the decoded file against the image (as gscl_compare) */
-    double seconds;       /* all of it */
-    uint32_t trials;      /* complete fits that the target took */
+    double psnr;      /* dB of the decoded file against the image (as gscl_compare) */
+    double seconds;   /* all of it */
+    uint32_t trials;  /* complete fits that the target took */
+    gscl_blend blend; /* that was used */
+    size_t effect_count;
+    gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* what was decided on each effect that could have been used */
     uint32_t stage_count; /* stages in the order in which they first came; their seconds add up to all but a rest */
     gscl_stage_time stages[GSCL_MAX_STAGES];
     uint32_t round_count; /* rounds of the last fit; 0 unless the settings ask for rounds */
@@ -272,18 +313,6 @@ GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8
 
 /* ---- Looking into files (no context, no OpenCL) -------------------------------------------- */
 
-typedef enum gscl_effect {
-    GSCL_EFFECT_CHROMA = 1u << 0,
-    GSCL_EFFECT_ALPHA_CHANNEL = 1u << 1,
-    GSCL_EFFECT_OPACITY = 1u << 2,
-    GSCL_EFFECT_ROTATION = 1u << 3,
-    GSCL_EFFECT_ANISOTROPY = 1u << 4,
-    GSCL_EFFECT_CODEBOOKS = 1u << 5,
-    GSCL_EFFECT_TEXTURE = 1u << 6 /* waves on some splats' colours */
-} gscl_effect;
-/* "chroma", "alpha-channel", ...; NULL when `effect` is not one effect. */
-GSCL_API const char *gscl_effect_name(gscl_effect effect);
-
 typedef struct gscl_stream_bits {
     const char *name; /* "header", "position", ... static */
     double bits;
@@ -309,6 +338,18 @@ typedef struct gscl_info {
 GSCL_API GSCL_CHECKED gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info);
 /* Reads the whole file: checks it and counts each stream's bits. */
 GSCL_API GSCL_CHECKED gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info);
+
+/* What an effect is worth to a file. */
+typedef struct gscl_effect_use {
+    gscl_effect effect;
+    double bits;    /* that the same splats take less without it; NaN where that cannot be told (paper profile) */
+    double gain_db; /* PSNR that the same splats lose without it; NaN without an image, or likewise */
+} gscl_effect_use;
+/* The effects that are on in a file, at most GSCL_MAX_EFFECTS, each written (and, with an image, drawn) again without:
+ * what the encoder would have made of the splats without it is not looked for.  `image`: the picture that was encoded,
+ * in the kind of its decode, or NULL; with it a context is needed, else `context` may be NULL. */
+GSCL_API GSCL_CHECKED gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size,
+                                                       const gscl_image *image, gscl_effect_use *uses, size_t *count);
 
 /* One splat as it is drawn. */
 typedef struct gscl_splat {

@@ -1,0 +1,56 @@
+#include "ground.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#define BITS 4               /* of each channel, when colours are counted */
+#define SHARE 0.25           /* of the pixels: a ground has so many */
+#define SAME (1.5f / 255.0f) /* colours that differ by less are one */
+
+static size_t bin_of(const float *planes, size_t pixels, int channels, size_t at) {
+    size_t bin = 0;
+    for (int k = 0; k < channels; k++) {
+        float v = planes[(size_t)k * pixels + at];
+        v = v < 0.0f ? 0.0f : v > 1.0f ? 1.0f : v;
+        bin = bin << BITS | (size_t)(v * ((1 << BITS) - 0.01f));
+    }
+    return bin;
+}
+
+bool gscl_is_ground(const float *planes, size_t pixels, int channels, const float colour[4], size_t at) {
+    for (int k = 0; k < channels; k++)
+        if (fabsf(planes[(size_t)k * pixels + at] - colour[k]) > SAME)
+            return false;
+    return true;
+}
+
+/* The mean colour of the fullest bin; where there is a ground, most of the bin is that. */
+static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4]) {
+    size_t bins = (size_t)1 << (BITS * channels), fullest = 0, members = 0;
+    uint32_t *counts = calloc(bins, sizeof *counts);
+    if (!counts)
+        return false;
+    for (size_t i = 0; i < pixels; i++)
+        counts[bin_of(planes, pixels, channels, i)]++;
+    for (size_t b = 1; b < bins; b++)
+        fullest = counts[b] > counts[fullest] ? b : fullest;
+    members = counts[fullest];
+    free(counts);
+    double sums[4] = {0};
+    for (size_t i = 0; i < pixels; i++)
+        for (int k = 0; k < channels && bin_of(planes, pixels, channels, i) == fullest; k++)
+            sums[k] += planes[(size_t)k * pixels + i];
+    for (int k = 0; k < channels; k++)
+        colour[k] = (float)(sums[k] / (double)members);
+    return members >= SHARE * (double)pixels;
+}
+
+bool gscl_find_ground(const float *planes, size_t pixels, int channels, float colour[4]) {
+    size_t same = 0;
+    if (!fullest_bin(planes, pixels, channels, colour))
+        return false;
+    for (size_t i = 0; i < pixels; i++)
+        same += gscl_is_ground(planes, pixels, channels, colour, i);
+    return same >= SHARE * (double)pixels;
+}

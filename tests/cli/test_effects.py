@@ -1,0 +1,142 @@
+"""Effects: what pictures call for, what is asked for, and what they cost and give."""
+import unittest
+
+from pictures import Picture, flat, scene
+from tool import FAST, ToolTest, main
+
+
+def dots(width, height):
+    """Round dots of several colours, evenly spaced on a light ground."""
+    colours = ((200, 40, 30), (30, 60, 190), (20, 130, 60))
+    samples = []
+    for y in range(height):
+        for x in range(width):
+            inside = (x % 16 - 7.5) ** 2 + (y % 16 - 7.5) ** 2 < 14
+            samples += colours[(x // 16 + y // 16) % 3] if inside else (240, 236, 220)
+    return Picture(width, height, 3, 8, samples)
+
+
+def grey_of(picture):
+    """The same size and channels, R = G = B."""
+    samples = list(picture.samples)
+    for at in range(0, len(samples), picture.channels):
+        samples[at + 1] = samples[at + 2] = samples[at]
+    return Picture(picture.width, picture.height, picture.channels, picture.depth, samples)
+
+
+class Automatic(ToolTest):
+    def effects(self, picture, *arguments):
+        self.encode(picture, *arguments)
+        return set(self.gscl_json("info", "in.gscl")["effects"])
+
+    def test_content(self):
+        opaque, opaque_grey = scene(64, 48, 4), scene(64, 48, 2)
+        opaque.samples[3::4] = opaque_grey.samples[1::2] = [255] * (64 * 48)
+        for name, picture, chroma, alpha in (("colour", scene(64, 48), True, False), ("grey", scene(64, 48, 1), False, False),
+                                             ("colour without colours", grey_of(scene(64, 48)), False, False),
+                                             ("transparent", scene(64, 48, 4), True, True), ("opaque", opaque, True, False),
+                                             ("opaque grey", opaque_grey, False, False)):
+            with self.subTest(name):
+                effects = self.effects(picture, "--bytes", "300")
+                self.assertEqual("chroma" in effects, chroma)
+                self.assertEqual("alpha-channel" in effects, alpha)
+                self.assertIn("rotation", effects)
+                streams = {stream["name"] for stream in self.gscl_json("info", "in.gscl")["streams"]}
+                self.assertEqual("chroma" in streams, chroma)
+                self.assertEqual("alpha" in streams, alpha)
+                self.assertNotIn("opacity", streams)
+
+    def test_flat_picture_has_none_but_its_colour(self):
+        self.assertEqual(self.effects(flat(64, 48, (9, 9, 9))), set())
+        self.assertEqual(self.effects(flat(64, 48, (9, 10, 9))), {"chroma"})
+
+    def test_circles_for_dots(self):
+        self.write_png("dots.png", dots(256, 192))
+        report = self.gscl_json("encode", "dots.png", "-o", "dots.gscl", "--bytes", "900", "--effort", "1")
+        decisions = {decision["name"]: decision for decision in report["effects"]}
+        for name in ("rotation", "anisotropy"):
+            self.assertEqual((decisions[name]["on"], decisions[name]["reason"]), (False, "trial"))
+            self.assertLess(decisions[name]["gain_db"], 0)
+        streams = {stream["name"] for stream in self.gscl_json("info", "dots.gscl")["streams"]}
+        self.assertNotIn("angle", streams)
+
+    def test_a_decision_leads_where_asking_leads(self):
+        self.write_png("dots.png", dots(256, 192))
+        automatic = self.gscl_json("encode", "dots.png", "-o", "a.gscl", "--bytes", "900", "--effort", "1")
+        asked = ",".join(("+" if decision["on"] else "-") + decision["name"] for decision in automatic["effects"]
+                         if decision["reason"] == "trial")
+        self.assertTrue(asked)
+        self.gscl("encode", "dots.png", "-o", "b.gscl", "--bytes", "900", "--effort", "1", "-q", "--effects", asked)
+        self.assertEqual(self.path("a.gscl").read_bytes(), self.path("b.gscl").read_bytes())
+
+
+class Asked(ToolTest):
+    def test_every_effect_on_and_off(self):
+        picture = scene(80, 60, 4)
+        for effects, on, off in (("+opacity", {"opacity"}, set()), ("-chroma", set(), {"chroma"}),
+                                 ("-alpha-channel", set(), {"alpha-channel"}),
+                                 ("-rotation", set(), {"rotation", "anisotropy"}),
+                                 ("-anisotropy,+opacity,-texture", {"opacity"}, {"rotation", "anisotropy", "texture"})):
+            with self.subTest(effects):
+                self.encode(picture, "--bytes", "500", "--effects", effects)
+                found = set(self.gscl_json("info", "in.gscl")["effects"])
+                self.assertTrue(on <= found and not off & found, found)
+                decoded = self.decode()
+                if effects == "-chroma":
+                    self.assertEqual(decoded.samples[0::4], decoded.samples[1::4])
+                if effects == "-alpha-channel":
+                    self.assertEqual(set(decoded.samples[3::4]), {255})
+
+    def test_other_blends_and_the_paper_profile(self):
+        for arguments, gone in ((("--blend", "alpha", "--effects", "-opacity"), "opacity"),
+                                (("--blend", "sum", "--effects", "-rotation"), "anisotropy"),
+                                (("--profile", "paper", "--effects", "-rotation,-opacity"), "rotation"),
+                                (("--profile", "paper", "--effects", "-anisotropy"), "anisotropy")):
+            with self.subTest(arguments):
+                self.encode(scene(80, 60), "--bytes", "600", *arguments)
+                self.assertNotIn(gone, self.gscl_json("info", "in.gscl")["effects"])
+                self.decode()
+
+    def test_refusals(self):
+        self.write_png("in.png", scene(40, 30))
+        self.write_png("grey.png", scene(40, 30, 1))
+        for effects in ("opacity", "+", "+nothing", "+opacity,", "-chroma,+"):
+            with self.subTest(effects):
+                self.refused("encode", "is not \\+ or - with one of", "encode", "in.png", "-o", "x.gscl", "--effects", effects,
+                             code=2)
+        for effects, says, name, more in (("+chroma", "no chroma", "grey.png", ()),
+                                          ("+alpha-channel", "no alpha channel", "in.png", ()),
+                                          ("+rotation,-anisotropy", "circles have no rotation", "in.png", ()),
+                                          ("+anisotropy,-rotation", "need rotation", "in.png", ()),
+                                          ("+codebooks", "paper profile", "in.png", ()),
+                                          ("+texture", "no texture", "in.png", ("--profile", "paper")),
+                                          ("+texture", "another blend", "in.png", ("--blend", "alpha")),
+                                          ("+opacity,-opacity", "both", "in.png", ())):
+            with self.subTest(effects):
+                self.refused(name, says, "encode", name, "-o", "x.gscl", "--effects", effects, *more, code=2)
+
+
+class Costs(ToolTest):
+    def test_bits_and_gains(self):
+        self.write_png("in.png", scene(96, 64, 4))
+        self.gscl("encode", "in.png", "-o", "in.gscl", "--bytes", "700", "-q", *FAST)
+        without = self.gscl_json("info", "in.gscl")
+        with_image = self.gscl_json("info", "in.gscl", "--reference", "in.png")
+        self.assertEqual([use["name"] for use in without["effect_uses"]], without["effects"])
+        for use, again in zip(without["effect_uses"], with_image["effect_uses"], strict=True):
+            self.assertEqual(use["bits"], again["bits"])
+            self.assertGreater(use["bits"], 0)
+            self.assertIsNone(use["gain_db"])
+            self.assertGreater(again["gain_db"], 0 if use["name"] != "texture" else -1)
+        chroma = next(stream for stream in without["streams"] if stream["name"] == "chroma")
+        use = next(use for use in without["effect_uses"] if use["name"] == "chroma")
+        self.assertAlmostEqual(use["bits"], chroma["bits"], delta=64)
+
+    def test_another_image_is_refused(self):
+        self.encode(scene(40, 30))
+        self.write_png("other.png", scene(41, 30))
+        self.refused("other.png", "40 x 30", "info", "in.gscl", "--reference", "other.png")
+
+
+if __name__ == "__main__":
+    main()
