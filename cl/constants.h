@@ -128,7 +128,7 @@
 #define GSCL_DIRECTIONS 16
 #define GSCL_PHASES 8
 #define GSCL_AMPLITUDES 16
-#define GSCL_OPACITIES 16 /* at most */
+#define GSCL_OPACITIES 16             /* at most */
 #define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels; each wave is longer than the one before by */
 #define GSCL_OCTAVES_PER_WAVE 0.4375f /* so much */
 
