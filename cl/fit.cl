@@ -18,9 +18,9 @@
 
 /* Per-pixel state of the backward pass. */
 typedef struct {
-    pix slope[CHANNELS][ROWS]; /* dL/dcolour of the picture */
+    pix slope[CHANNELS][ROWS]; /* dL/dcolour of the picture; `normalized`: by the sum of weights */
     pix mean[ROWS];            /* dot(picture, slope); `alpha`: of the part that lies behind */
-    pix rest[ROWS];            /* `normalized`: 1 / sum of weights; `alpha`: transmittance so far */
+    pix rest[ROWS];            /* `alpha`: transmittance so far */
 } chain;
 
 /* Turns the canvas into the chain; returns this work-item's part of the loss. `picture` is the target (WEIGHTED: with
@@ -57,10 +57,13 @@ inline pix chain_begin(chain *b, const canvas *c, place p, __global const float 
 #endif
             }
             d *= gain;
+#if BLEND == GSCL_NORMALIZED
+            d *= c->rest[r]; /* 1 / sum of weights */
+#endif
             b->slope[k][r] = d;
             b->mean[r] = fma(c->colour[k][r], d, b->mean[r]);
         }
-        b->rest[r] = BLEND == GSCL_ALPHA ? (pix)(1.0f) : c->rest[r];
+        b->rest[r] = (pix)(1.0f);
     }
     return loss;
 }
@@ -100,8 +103,8 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
     paint = fma(wave_at(dx, dy, 0.0f, drawn), waved, paint);
 #endif
 #if BLEND == GSCL_NORMALIZED
-    pix share = w * b->rest[r];
-    pix h = b->rest[r] * (paint - b->mean[r]);
+    pix share = w;
+    pix h = paint - b->mean[r];
 #elif BLEND == GSCL_SUM
     pix share = w;
     pix h = paint;
@@ -121,7 +124,7 @@ inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_wei
     sums[SLOT_UU] = fma(tu, s.u, sums[SLOT_UU]);
     sums[SLOT_UV] = fma(tu, s.v, sums[SLOT_UV]);
 #else
-    sums[SLOT_U] += t; /* u is the same in all rows: slot_end */
+    sums[SLOT_U] += t;     /* u is the same in all rows: slot_end */
 #endif
     sums[SLOT_V] += tv;
     sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
@@ -146,25 +149,25 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
 /* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
  * levels of the pyramid agree.  Writes a slot per entry and the loss per tile.
  * A tile whose loss is below `quiet` has nothing to teach: it sits out the next GSCL_REST steps, with slots of 0 and the
- * loss that it had.  `rests`: steps that each tile still sits out. */
+ * loss that it had.  `wakes`: the step with which it works again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict picture, int width, int height, int tiles_x, ulong plane,
                         float gain, float quiet, __global float *restrict slots, __global float *restrict tile_loss,
-                        __global int *restrict rests) {
+                        __global int *restrict wakes, int step) {
 #if ITEMS > 1
     __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
 #endif
     place p = place_of(tiles_x, width, height);
     int2 range = tile_ranges[p.tile];
-    int rest = rests[p.tile];
-#if ITEMS > 1
-    barrier(CLK_GLOBAL_MEM_FENCE); /* all have read it */
-#endif
-    if (rest > 0) {
+    bool rests = wakes[p.tile] > step;
+    if (rests) {
         for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
-        if (get_local_id(0) == 0) rests[p.tile] = rest - 1;
+#if ITEMS == 1
         return;
+#else
+        range.y = range.x; /* no return where others wait at barriers */
+#endif
     }
     pix px = pix_offsets() + ((float)p.x + 0.5f);
     float py = (float)p.y + 0.5f;
@@ -206,15 +209,15 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #if ITEMS == 1
     float total = pix_sum(loss);
     tile_loss[p.tile] = total;
-    rests[p.tile] = total < quiet ? GSCL_REST : 0;
+    wakes[p.tile] = total < quiet ? step + 1 + GSCL_REST : 0;
 #else
     shared[get_local_id(0)] = pix_sum(loss);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) {
+    if (get_local_id(0) == 0 && !rests) {
         float total = 0.0f;
         for (int j = 0; j < ITEMS; j++) total += shared[j];
         tile_loss[p.tile] = total;
-        rests[p.tile] = total < quiet ? GSCL_REST : 0;
+        wakes[p.tile] = total < quiet ? step + 1 + GSCL_REST : 0;
     }
 #endif
 }

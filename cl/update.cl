@@ -110,7 +110,8 @@ inline void adam(__global float *restrict p, __global float *restrict m, __globa
                  __global const float *restrict gradient, limits bounds) {
     float correct1 = bounds.rate / (1.0f - exp2(LOG2_BETA1 * (float)age));
     float correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * (float)age));
-    float c = ROTATION ? cos(p[GSCL_THETA]) : 1.0f, s = ROTATION ? sin(p[GSCL_THETA]) : 0.0f, steps[GSCL_COLOUR + CHANNELS], rates[GSCL_COLOUR + CHANNELS];
+    float c = ROTATION ? cos(p[GSCL_THETA]) : 1.0f, s = ROTATION ? sin(p[GSCL_THETA]) : 0.0f,
+          steps[GSCL_COLOUR + CHANNELS], rates[GSCL_COLOUR + CHANNELS];
     learning_rates(rates, p);
     for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) steps[k] = gradient[k];
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);

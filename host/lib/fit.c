@@ -121,7 +121,7 @@ void gscl_fit_free(gscl_fit *f) {
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
         gscl_buffer_free(&f->levels[i]);
     gscl_buffer *buffers[] = {&f->gradients, &f->first_moment, &f->second_moment, &f->ages, &f->slots,
-                              &f->tile_loss, &f->rests,        &f->loss,          &f->error};
+                              &f->tile_loss, &f->wakes,        &f->loss,          &f->error};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
 }
@@ -131,8 +131,9 @@ static gscl_result wake_tiles(gscl_fit *f) {
     size_t bytes = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y * sizeof(cl_int);
     f->quiet = 0;
     f->has_losses = false;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->rests, bytes));
-    return gscl_buffer_zero(f->context, &f->rests, 0, bytes);
+    f->step = 0;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->wakes, bytes));
+    return gscl_buffer_zero(f->context, &f->wakes, 0, bytes);
 }
 
 gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
@@ -226,7 +227,7 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *picture) {
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*picture),
                        GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane),
                        GSCL_ARG(gain), GSCL_ARG(f->quiet), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->tile_loss),
-                       GSCL_ARG_BUFFER(f->rests));
+                       GSCL_ARG_BUFFER(f->wakes), GSCL_ARG(f->step));
 }
 
 static gscl_result launch_gather(gscl_fit *f) {
@@ -286,6 +287,7 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
         GSCL_TRY(launch_tiles(f, gscl_fit_goal(f)));
     }
     f->has_losses = true;
+    f->step++;
     return launch_gather(f);
 }
 

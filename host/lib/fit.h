@@ -27,9 +27,10 @@ typedef struct gscl_fit {
     int first_level, last_level; /* of the pyramid that exists; 0 is full size */
     int level;
     gscl_buffer levels[GSCL_MAX_LEVELS];
-    gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, rests, loss, error;
+    gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, wakes, loss, error;
     float quiet;     /* loss of a tile below which it sits out steps */
     bool has_losses; /* tile_loss is of this level */
+    cl_int step;     /* since tiles were last woken */
     size_t capacity; /* splats that fit in the buffers */
     int steps_since_check;
     float background[4];

@@ -276,7 +276,7 @@ static void test_tiles_without_error_rest(void **state) {
     const float params[3][GSCL_PARAMS] = {{20.0f, 20.0f, 1.5f, 1.5f, 0.0f, 0.0f, 1.0f},
                                           {30.0f, 40.0f, 1.5f, 1.0f, 0.5f, 0.0f, 0.0f},
                                           {80.0f, 30.0f, 2.0f, 2.0f, 0.0f, 0.0f, 0.5f}};
-    cl_int rests[TILES];
+    cl_int wakes[TILES];
     for (int i = 0; i < PLANE; i++)
         target[i] = i % W < 48 ? test_uniform(0.0, 1.0) : 0.5f;
     for (int m = 0; m < 2; m++) {
@@ -287,10 +287,10 @@ static void test_tiles_without_error_rest(void **state) {
         check_call(contexts[m], "append", gscl_fit_append(&fit, &params[0][0], 3));
         for (int step = 0; step < 10; step++)
             check_call(contexts[m], "step", gscl_fit_step(&fit, 1e-6f));
-        check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.rests, 0, rests, sizeof rests));
+        check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.wakes, 0, wakes, sizeof wakes));
         for (int i = 0; i < TILES; i++) {
-            resting += i % 6 >= 3 && rests[i] > 0;
-            working += i % 6 < 3 && rests[i] == 0;
+            resting += i % 6 >= 3 && wakes[i] > fit.step;
+            working += i % 6 < 3 && wakes[i] == 0;
         }
         assert_int_equal(resting, TILES / 2);
         assert_int_equal(working, TILES / 2);
