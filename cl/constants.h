@@ -12,12 +12,16 @@
 #define GSCL_SUM 2
 
 /* Format: a splat's weight is max(0, exp(-q) - exp(-GSCL_SUPPORT)), continuous at the cut q = GSCL_SUPPORT. */
+#ifndef GSCL_SUPPORT /* other values are for measuring what they cost (host/lib/accuracy.c) */
 #define GSCL_SUPPORT 7.0f
 #define GSCL_WEIGHT_FLOOR 9.1188197e-4f
+#endif
 /* Format: weight of the background in `normalized`. */
 #define GSCL_EPSILON 9.765625e-4f
 /* Format: the largest a splat's alpha may be in `alpha`; bounds 1 / (1 - a) by 1000. */
+#ifndef GSCL_MAX_ALPHA
 #define GSCL_MAX_ALPHA 0.999f
+#endif
 
 /* A splat's parameters as the fit sees them, all in pixels of the full-size image. */
 #define GSCL_X 0
@@ -70,6 +74,11 @@
 
 /* Format: ln of 2^15 pixels, the longest axis; larger codes saturate. */
 #define GSCL_LOG_LARGEST_AXIS 10.3972077f
+
+/* How kernels come by a Gaussian: a polynomial, or the device's exp2 or native_exp2. */
+#define GSCL_EXPONENTIAL_POLYNOMIAL 0
+#define GSCL_EXPONENTIAL_EXACT 1
+#define GSCL_EXPONENTIAL_NATIVE 2
 
 /* Shapes of splats, from the most general: ellipses, upright ellipses (the angle is 0), circles (one axis besides). */
 #define GSCL_SHAPE_TURNED 0

@@ -3,8 +3,24 @@
  * mapping: LANES 4 or less, ROWS 1, a work-group of 256 / LANES work-items draws a tile.
  *
  * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED (0 or 1),
- * LOSS, KEPT_ROWS (raster.cl). */
+ * LOSS, KEPT_ROWS (raster.cl).  Only for measuring what exactness costs (host/lib/accuracy.c): DOUBLE, EXPONENTIAL,
+ * EARLY_STOP, GSCL_SUPPORT. */
 #pragma OPENCL FP_CONTRACT OFF
+
+#ifdef DOUBLE
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+typedef double real;
+#define REALS(n) double##n
+#define MASKS(n) long##n
+#define EXPONENTIAL GSCL_EXPONENTIAL_EXACT
+#else
+typedef float real;
+#define REALS(n) float##n
+#define MASKS(n) int##n
+#endif
+#ifndef EXPONENTIAL
+#define EXPONENTIAL GSCL_EXPONENTIAL_POLYNOMIAL
+#endif
 
 #define CHANNELS (COLOURS + ALPHA_CHANNEL)
 #define ITEMS_X (GSCL_TILE / LANES)
@@ -16,25 +32,25 @@
 #define UNROLL _Pragma("unroll")
 
 #if LANES == 16
-typedef float16 pix;
-typedef int16 pix_mask;
+typedef REALS(16) pix;
+typedef MASKS(16) pix_mask;
 #define PIX_LOAD(p) vload16(0, p)
 #define PIX_STORE(v, p) vstore16(v, 0, p)
 inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
-inline float pix_sum(pix v) {
-    float8 a = v.lo + v.hi;
-    float4 b = a.lo + a.hi;
-    float2 c = b.lo + b.hi;
+inline real pix_sum(pix v) {
+    REALS(8) a = v.lo + v.hi;
+    REALS(4) b = a.lo + a.hi;
+    REALS(2) c = b.lo + b.hi;
     return c.x + c.y;
 }
 #elif LANES == 4
-typedef float4 pix;
-typedef int4 pix_mask;
+typedef REALS(4) pix;
+typedef MASKS(4) pix_mask;
 #define PIX_LOAD(p) vload4(0, p)
 #define PIX_STORE(v, p) vstore4(v, 0, p)
 inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3); }
-inline float pix_sum(pix v) {
-    float2 c = v.lo + v.hi;
+inline real pix_sum(pix v) {
+    REALS(2) c = v.lo + v.hi;
     return c.x + c.y;
 }
 #else
@@ -42,19 +58,19 @@ inline float pix_sum(pix v) {
 #endif
 
 /* The lane's column as it is stored: the part of a row that lies outside the image is not touched. */
-inline void pix_store_clipped(pix v, __global float *row, int count) {
+inline void pix_store_clipped(pix v, __global real *row, int count) {
     if (count >= LANES) {
         PIX_STORE(v, row);
         return;
     }
-    float lanes[LANES];
+    real lanes[LANES];
     PIX_STORE(v, lanes);
     for (int i = 0; i < count; i++) row[i] = lanes[i];
 }
 
-inline pix pix_load_clipped(__global const float *row, int count) {
+inline pix pix_load_clipped(__global const real *row, int count) {
     if (count >= LANES) return PIX_LOAD(row);
-    float lanes[LANES];
+    real lanes[LANES];
     for (int i = 0; i < LANES; i++) lanes[i] = i < count ? row[i] : 0.0f;
     return PIX_LOAD(lanes);
 }
@@ -62,6 +78,11 @@ inline pix pix_load_clipped(__global const float *row, int count) {
 /* 1 in the lanes that lie inside the image, else 0. */
 inline pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), pix_offsets() < (pix)((float)count)); }
 
+#if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT
+inline pix pix_exp2_minus(pix q) { return exp2(-q); }
+#elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
+inline pix pix_exp2_minus(pix q) { return native_exp2(-q); }
+#else
 /* 2^-q for q in [0, SUPPORT2]; larger q give a value at or below GSCL_WEIGHT_FLOOR.  The nearest integer comes
  * from adding and taking away 1.5 * 2^23, whose low bits then also shift into the exponent; the rest is a
  * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
@@ -81,7 +102,11 @@ inline pix pix_exp2_minus(pix q) {
     return as_float4(as_int4(p) + (as_int4(shifted) << 23));
 #endif
 }
+#endif
 
+#ifdef DOUBLE
+inline pix pix_cos_turns(pix t) { return cospi(2.0 * t); }
+#else
 /* cos(2 pi t), |t| < 2^22: folded to a quarter turn of the sine, then a minimax polynomial.  Absolute error below
  * 3e-7 beyond that of t. */
 inline pix pix_cos_turns(pix t) {
@@ -92,8 +117,9 @@ inline pix pix_cos_turns(pix t) {
     p = fma(p, s2, (pix)(6.28318501e+00f));
     return s * p;
 }
+#endif
 
 /* A wave of amplitude 1 at a row of pixels: cycles per pixel, and the phase in cycles. */
-inline pix pix_wave(pix dx, float dy, float cycles_x, float cycles_y, float phase) {
+inline pix pix_wave(pix dx, real dy, real cycles_x, real cycles_y, real phase) {
     return pix_cos_turns(fma(dx, (pix)(cycles_x), (pix)(fma(dy, cycles_y, -phase))));
 }

@@ -16,7 +16,7 @@ typedef struct {
 } splat_weight;
 
 /* At a row, `dx` and `dy` from the centre, that the outline touches. */
-inline void weigh_begin(splat_weight *s, pix dx, float dy, __global const float *restrict drawn) {
+inline void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *restrict drawn) {
 #if ROTATION
     s->u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
     s->v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
@@ -53,7 +53,7 @@ inline void weigh(splat_weight *s) {
 #endif
 
 /* Goes on to the next row. */
-inline void weigh_next(splat_weight *s, __global const float *restrict drawn) {
+inline void weigh_next(splat_weight *s, __global const real *restrict drawn) {
 #if ROTATION
     s->u += drawn[GSCL_DRAWN_UY];
 #else
@@ -65,8 +65,8 @@ inline void weigh_next(splat_weight *s, __global const float *restrict drawn) {
 
 #if TEXTURE
 /* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 where it has none. */
-inline pix wave_at(pix dx, float dy, float turns, __global const float *restrict drawn) {
-    float amplitude = drawn[GSCL_DRAWN_WAVE_AMPLITUDE];
+inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict drawn) {
+    real amplitude = drawn[GSCL_DRAWN_WAVE_AMPLITUDE];
     if (!(amplitude > 0.0f)) return (pix)(0.0f);
     return amplitude *
            pix_wave(dx, dy, drawn[GSCL_DRAWN_WAVE_X], drawn[GSCL_DRAWN_WAVE_Y], turns + drawn[GSCL_DRAWN_WAVE_PHASE]);
@@ -102,17 +102,30 @@ inline void canvas_begin(canvas *c, __constant float *background) {
     }
 }
 
+#ifdef EARLY_STOP
+#define STOP_INTERVAL 4 /* splats between looks */
+/* So little light comes through everywhere that what lies behind is not drawn. */
+inline bool canvas_is_opaque(const canvas *c) {
+    for (int r = 0; r < ROWS; r++)
+        if (any(c->rest[r] > (pix)(EARLY_STOP))) return false;
+    return true;
+}
+#endif
+
 /* Adds a tile's splats; `kept`: KEPT_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the back. */
-inline void canvas_blend(canvas *c, pix px, float py, int row0, __global const float *restrict splats,
+inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *restrict splats,
                          __global const uint *restrict entries, int count, pix *restrict kept) {
     int row = 0;
     for (int i = 0; i < count; i++) {
+#if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
+        if (i % STOP_INTERVAL == STOP_INTERVAL - 1 && canvas_is_opaque(c)) break;
+#endif
         uint entry = entries[BLEND == GSCL_ALPHA ? count - 1 - i : i];
-        __global const float *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
+        __global const real *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
         int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
         pix dx = px - drawn[GSCL_DRAWN_X];
-        float dy = py - drawn[GSCL_DRAWN_Y];
+        real dy = py - drawn[GSCL_DRAWN_Y];
 #if TEXTURE
         bool waved = drawn[GSCL_DRAWN_WAVE_AMPLITUDE] > 0.0f;
 #endif
@@ -176,8 +189,8 @@ inline place place_of(int tiles_x, int width, int height) {
 }
 
 /* Draws a tile. */
-inline void canvas_draw(canvas *c, place p, __global const float *restrict splats,
-                        __global const uint *restrict entries, int2 range, __constant float *background) {
+inline void canvas_draw(canvas *c, place p, __global const real *restrict splats, __global const uint *restrict entries,
+                        int2 range, __constant float *background) {
     canvas_begin(c, background);
     canvas_blend(c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
                  range.y - range.x, NULL);
@@ -186,9 +199,9 @@ inline void canvas_draw(canvas *c, place p, __global const float *restrict splat
 
 /* Draws all tiles into CHANNELS planes of `plane` floats, rows of `width` floats.
  * `origin_y` moves the drawing up: row 0 of the image is row origin_y of the picture (bands). */
-__kernel void raster_forward(__global const float *restrict splats, __global const uint *restrict entries,
+__kernel void raster_forward(__global const real *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
-                             __global float *restrict image, int width, int height, int tiles_x, ulong plane) {
+                             __global real *restrict image, int width, int height, int tiles_x, ulong plane) {
     place p = place_of(tiles_x, width, height);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);

@@ -2,7 +2,7 @@
 
 # What the library and the tool need, and PoCL, which is an OpenCL device on any CPU.
 build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
-    pocl-opencl-icd libpng-dev libopenimageio-dev"
+    pocl-opencl-icd libpng-dev libopenimageio-dev libcairo2-dev"
 # What the tests need beyond that.
 test_packages="clang clang-format libcmocka-dev oclgrind"
 

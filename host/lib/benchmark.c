@@ -46,11 +46,6 @@ void gscl_benchmark_settings_default(gscl_benchmark_settings *settings) {
         *settings = defaults;
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    const double *p = a, *q = b;
-    return *p < *q ? -1 : *p > *q;
-}
-
 static void add_sample(bench *b, const char *name, double seconds) {
     size_t i = 0;
     while (i < b->count && strcmp(b->series[i].name, name) != 0)
@@ -89,7 +84,7 @@ static void report(bench *b, const char *name, double work, double flop) {
         series *s = &b->series[i];
         if (strcmp(s->name, name) != 0)
             continue;
-        qsort(s->samples, s->count, sizeof *s->samples, compare_doubles);
+        gscl_sort_samples(s->samples, s->count);
         gscl_measurement m = b->about;
         m.name = s->name;
         m.work = work;

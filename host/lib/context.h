@@ -10,6 +10,7 @@
 struct gscl_program;  /* kernels.h */
 struct gscl_timings;  /* timing.h */
 struct gscl_renderer; /* render.h */
+struct gscl_recorder; /* report.h */
 
 struct gscl_context {
     cl_platform_id platform;
@@ -21,6 +22,7 @@ struct gscl_context {
     struct gscl_program *programs;  /* built so far, a list */
     struct gscl_timings *timings;   /* NULL when nothing is measured */
     struct gscl_renderer *renderer; /* of the last decode, or NULL */
+    struct gscl_recorder *recorder; /* of the encode under way, or NULL */
     gscl_log_callback log;
     void *log_opaque;
     char message[GSCL_MESSAGE_SIZE];

@@ -8,6 +8,7 @@
 #include "encoder.h"
 #include "metrics.h"
 #include "quantise.h"
+#include "report.h"
 #include "timing.h"
 
 #define FIT_PIXELS (1u << 25) /* larger images are fitted at a smaller level; the splats draw at any size */
@@ -37,6 +38,11 @@ static gscl_result check_settings(gscl_context *context, const gscl_encode_setti
     if (s->codebook_size == 1 || s->codebook_size > GSF_MAX_CODEBOOK)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u code words are not in 2..%d", s->codebook_size,
                          GSF_MAX_CODEBOOK);
+    if (s->step_factor != 0 && s->profile == GSCL_PROFILE_PAPER)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT, "quantiser steps are the default profile's");
+    if (s->step_factor != 0 && !(s->step_factor >= 0.25 && s->step_factor <= 4))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%g times the quantiser's steps are not in 0.25..4",
+                         s->step_factor);
     if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
         return gscl_fail(context, GSCL_ERROR_CONFLICT,
                          "the paper profile blends by alpha; choose another profile for other blends");
@@ -111,6 +117,7 @@ int gscl_loss_kind(gscl_loss loss) {
 }
 
 gscl_result gscl_encode_fit(gscl_encoder *e, size_t bytes, size_t splats) {
+    gscl_report_restart(e);
     return e->settings.profile == GSCL_PROFILE_PAPER ? gscl_encode_codebook(e, bytes, splats)
                                                      : gscl_encode_scalar(e, bytes, splats);
 }
@@ -207,7 +214,8 @@ static gscl_result encode_target(gscl_encoder *e) {
     return gscl_encode_to_psnr(e);
 }
 
-static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_encode_report *report) {
+static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_recorder *recorder) {
+    gscl_encode_report *report = recorder->report;
     gsf_header *header = &e->picture.file.header;
     if (header->splat_count == 0)
         header->has_opacity = header->has_rotation = header->has_anisotropy = header->has_texture = false;
@@ -221,10 +229,10 @@ static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_e
     report->splats = e->picture.file.header.splat_count;
     report->bytes = *size;
     report->trials = e->trials ? e->trials : 1;
-    report->seconds = gscl_now() - e->progress.start_s;
     report->blend = e->settings.blend;
     report->effect_count = e->decision_count;
     memcpy(report->effects, e->decisions, sizeof e->decisions);
+    gscl_recorder_end(recorder, e->context); /* what follows is no part of the encode */
     return measure_psnr(e, *bytes, *size, &report->psnr);
 }
 
@@ -238,6 +246,10 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     if (settings)
         e.settings = *settings;
     GSCL_TRY(check_settings(context, &e.settings));
+    gscl_recorder recorder = {0};
+    gscl_encode_report measured;
+    if (report)
+        gscl_recorder_begin(&recorder, context, &measured, e.settings.rounds);
     gscl_stage(context, "prepare");
     gscl_result result = gscl_image_examine(context, image, &e.content);
     if (result == GSCL_OK) {
@@ -254,9 +266,8 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
         result = encode_target(&e);
     uint8_t *written = NULL;
     size_t written_size = 0;
-    gscl_encode_report measured = {0};
     if (result == GSCL_OK)
-        result = finish(&e, &written, &written_size, report ? &measured : NULL);
+        result = finish(&e, &written, &written_size, &recorder);
     if (result == GSCL_OK) {
         *bytes = written;
         *size = written_size;
@@ -268,5 +279,6 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     free(e.planes);
     gscl_picture_free(&e.picture);
     gscl_stage(context, NULL);
+    gscl_recorder_end(&recorder, context);
     return result;
 }

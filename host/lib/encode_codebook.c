@@ -12,6 +12,7 @@
 #include "density.h"
 #include "encoder.h"
 #include "quantise.h"
+#include "report.h"
 #include "timing.h"
 
 #define START_SHARE 0.3     /* of the splats are there at the first step */
@@ -161,6 +162,8 @@ static gscl_result fit_freely(trainer *t, int last_step) {
         GSCL_TRY(gscl_fit_step(&t->fit, (float)rate_at(fraction)));
         if (step % REPORT_INTERVAL == 0)
             GSCL_TRY(report(t, FIT_SHARE * fraction));
+        if ((step + 1) % gscl_report_interval(t->steps) == 0)
+            GSCL_TRY(gscl_report_fit(t->encoder, &t->fit, step + 1));
     }
     GSCL_TRY(sort_by_size(t));
     return gscl_fit_set_level(&t->fit, t->encoder->first_level);
@@ -213,7 +216,7 @@ static gscl_result choose(trainer *t, double factor, size_t *size) {
              -10 * log10(error / ((double)gscl_renderer_plane(&t->fit.renderer) * t->fit.renderer.channels)),
              (int)t->fit.renderer.count, t->codebook.books[0].count, t->codebook.books[1].count, *size,
              factor * t->lambda);
-    return GSCL_OK;
+    return gscl_report_picture(t->encoder, &t->fit, t->steps);
 }
 
 /* Learns words and positions for the picture. */

@@ -7,6 +7,7 @@
 #include "density.h"
 #include "effects.h"
 #include "quantise.h"
+#include "report.h"
 #include "scalar_schedule.h"
 #include "timing.h"
 
@@ -181,6 +182,8 @@ static gscl_result run_steps(schedule *s) {
             GSCL_TRY(gscl_fit_adapt(&s->fit));
         GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_rate(fraction)));
         GSCL_TRY(report(s, step));
+        if ((step + 1) % gscl_report_interval(s->steps) == 0)
+            GSCL_TRY(gscl_report_fit(s->encoder, &s->fit, step + 1));
     }
     return GSCL_OK;
 }
@@ -190,8 +193,9 @@ static bool can_refine(const gscl_encoder *e) {
     return e->settings.blend != GSCL_BLEND_ALPHA;
 }
 
-static void default_steps(gsf_steps *steps) {
-    *steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+static gsf_steps steps_for(const gscl_encode_settings *settings) {
+    const gsf_steps usual = {.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+    return settings->step_factor > 0 ? gscl_scale_steps(&usual, settings->step_factor) : usual;
 }
 
 static gscl_result create_fit(schedule *s) {
@@ -230,7 +234,7 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
                   .keep_all = bytes == 0,
                   .target = splats,
                   .pressure = bytes ? r->pressure : 1};
-    default_steps(&e->picture.file.steps);
+    e->picture.file.steps = steps_for(&e->settings);
     gscl_effects_begin(e); /* a fit before may have decided otherwise */
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;

@@ -316,17 +316,23 @@ gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
     return GSCL_OK;
 }
 
-/* Squared error of planes against the level's target, per pixel, read into `error`. */
-static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, float *error) {
+/* Squared error of planes against a goal of `level`'s size, per pixel, read into `error`. */
+static gscl_result read_distance(gscl_fit *f, const gscl_buffer *planes, const gscl_buffer *goal, int level,
+                                 cl_int weighted, float *error) {
     cl_kernel kernel;
-    size_t pixels = gscl_fit_level_pixels(f, f->level);
-    cl_int channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (cl_int)pixels;
+    size_t pixels = gscl_fit_level_pixels(f, level);
+    cl_int channels = f->renderer.channels, count = (cl_int)pixels;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "squared_error", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, 64), 64, GSCL_ARG_BUFFER(*planes),
-                         GSCL_ARG_BUFFER(*gscl_fit_goal(f)), GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count),
+                         GSCL_ARG_BUFFER(*goal), GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count),
                          GSCL_ARG_BUFFER(f->error)));
     return gscl_buffer_read(f->context, &f->error, 0, error, pixels * sizeof(float));
+}
+
+/* Squared error of planes against the level's target. */
+static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, float *error) {
+    return read_distance(f, planes, gscl_fit_goal(f), f->level, f->renderer.options.weighted, error);
 }
 
 gscl_result gscl_fit_error(gscl_fit *f, float *error) {
@@ -344,6 +350,20 @@ gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *s
     *sum = 0;
     for (size_t i = 0; i < pixels && result == GSCL_OK; i++)
         *sum += error[i];
+    free(error);
+    return result;
+}
+
+gscl_result gscl_fit_distance(gscl_fit *f, const gscl_buffer *planes, double *mse) {
+    size_t pixels = gscl_fit_level_pixels(f, f->first_level);
+    float *error = malloc(pixels * sizeof *error);
+    if (!error)
+        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = read_distance(f, planes, &f->levels[f->first_level], f->first_level, 0, error);
+    double sum = 0;
+    for (size_t i = 0; i < pixels && result == GSCL_OK; i++)
+        sum += error[i];
+    *mse = sum / ((double)pixels * f->renderer.channels);
     free(error);
     return result;
 }

@@ -96,6 +96,8 @@ gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
 /* Sum of (weighted) squared errors of planes (of the level's size) against the level's target. */
 gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
+/* Mean squared error of planes of the first level's size against the image, per sample and not weighted. */
+gscl_result gscl_fit_distance(gscl_fit *fit, const gscl_buffer *planes, double *mse);
 /* Reads the level's target planes. */
 gscl_result gscl_fit_target(gscl_fit *fit, float *planes);
 

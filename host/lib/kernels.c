@@ -1,5 +1,6 @@
 #include "kernels.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 
 #define MAX_FILES 10
 #define MAX_KERNELS 16
-#define MAX_OPTIONS 256
+#define MAX_OPTIONS 384
 
 struct gscl_program {
     struct gscl_program *next;
@@ -35,6 +36,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_SSIM] = {"constants.h", "pixel.cl", "ssim.cl"},
     [GSCL_PROGRAM_IMAGE] = {"constants.h", "image.cl"},
     [GSCL_PROGRAM_BENCHMARK] = {"constants.h", "pixel.cl", "benchmark.cl"},
+    [GSCL_PROGRAM_ACCURACY] = {"constants.h", "pixel.cl", "raster.cl", "accuracy.cl"},
 };
 
 /* The two mappings of pixels to work-items (cl/pixel.cl). */
@@ -61,6 +63,23 @@ size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_
     return (chunks + group_size - 1) / group_size;
 }
 
+/* What only accuracy.c asks for.  Constants of the double kernels are doubles. */
+static void append_exactness(const gscl_kernel_options *options, char text[MAX_OPTIONS]) {
+    size_t length = strlen(text);
+    const char *suffix = options->is_double ? "" : "f";
+    double support = options->support > 0 ? options->support : (double)GSCL_SUPPORT;
+    if (options->support > 0 || options->is_double)
+        length +=
+            (size_t)snprintf(text + length, MAX_OPTIONS - length, " -DGSCL_SUPPORT=%.17e%s -DGSCL_WEIGHT_FLOOR=%.17e%s",
+                             support, suffix, exp(-support), suffix);
+    if (options->is_double)
+        length += (size_t)snprintf(text + length, MAX_OPTIONS - length, " -DDOUBLE -DGSCL_MAX_ALPHA=0.999");
+    if (options->exponential)
+        length += (size_t)snprintf(text + length, MAX_OPTIONS - length, " -DEXPONENTIAL=%d", options->exponential);
+    if (options->early_stop > 0)
+        snprintf(text + length, MAX_OPTIONS - length, " -DEARLY_STOP=%.9ef", options->early_stop);
+}
+
 static void options_text(const gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                          char text[MAX_OPTIONS]) {
     int length = snprintf(text, MAX_OPTIONS, "-cl-std=CL1.2");
@@ -77,6 +96,7 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     if (fits)
         snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d -DKEPT_ROWS=%d", options->loss,
                  context->gpu_mapping ? 0 : CPU_KEPT_ROWS);
+    append_exactness(options, text);
 }
 
 static const struct gscl_kernel_source *find_source(const char *name) {

@@ -15,6 +15,11 @@ typedef struct gscl_kernel_options {
     int shape;         /* GSCL_SHAPE_... */
     int loss;          /* GSCL_LOSS_KIND_...; fit programs only */
     int weighted;      /* 0 or 1: squared errors count as much as a plane behind the target says; L2 only */
+    /* For measuring what exactness costs (accuracy.c); 0 everywhere else. */
+    double support;    /* cut-off, in units of q; 0: GSCL_SUPPORT */
+    int exponential;   /* GSCL_EXPONENTIAL_... */
+    double early_stop; /* transmittance below which `alpha` draws nothing behind */
+    int is_double;     /* ACCURACY programs only */
 } gscl_kernel_options;
 
 /* Groups of kernels that are built together. */
@@ -26,6 +31,7 @@ typedef enum gscl_program_kind {
     GSCL_PROGRAM_SSIM,      /* the SSIM loss */
     GSCL_PROGRAM_IMAGE,     /* pyramid and losses over images; no options */
     GSCL_PROGRAM_BENCHMARK, /* what the device can do at best */
+    GSCL_PROGRAM_ACCURACY,  /* project_exactly, raster_forward: in double precision */
     GSCL_PROGRAM_KINDS
 } gscl_program_kind;
 

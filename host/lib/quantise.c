@@ -5,6 +5,8 @@
 
 #include "constants.h"
 
+#define COLOUR_STEPS 16 /* that the format has */
+
 static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 
 /* The nearest code, within its range even where it is far beyond what an int holds. */
@@ -28,6 +30,32 @@ void gscl_steps_to_floats(const gsf_steps *s, float *f) {
     f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
     f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
     f[GSCL_STEP_AMPLITUDE] = (float)amplitude_step(s);
+}
+
+/* The code whose step is nearest to `factor` times that of `code`; steps are in proportion to code + offset. */
+static uint8_t scaled_code(uint8_t code, int offset, double factor) {
+    double wanted = rint((code + offset) * factor) - offset;
+    return (uint8_t)fmin(fmax(wanted, 0), 15);
+}
+
+/* Likewise for colours, where codes name numbers of levels. */
+static uint8_t scaled_levels(uint8_t code, double factor) {
+    double wanted = gsf_colour_levels(code) / factor;
+    unsigned best = 0;
+    for (unsigned i = 1; i < COLOUR_STEPS; i++)
+        if (fabs(log(gsf_colour_levels(i) / wanted)) < fabs(log(gsf_colour_levels(best) / wanted)))
+            best = i;
+    return (uint8_t)best;
+}
+
+gsf_steps gscl_scale_steps(const gsf_steps *s, double factor) {
+    return (gsf_steps){.scale = scaled_code(s->scale, 4, factor),
+                       .position = scaled_code(s->position, 2, factor),
+                       .angle = scaled_code(s->angle, 2, factor),
+                       .luma = scaled_levels(s->luma, factor),
+                       .chroma = scaled_levels(s->chroma, factor),
+                       .alpha = scaled_levels(s->alpha, factor),
+                       .opacity = s->opacity};
 }
 
 uint16_t gscl_quantise_background(const gsf_header *header, float value) {

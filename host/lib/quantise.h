@@ -7,6 +7,9 @@
 /* The steps as the kernels take them (GSCL_STEP_COUNT floats). */
 void gscl_steps_to_floats(const gsf_steps *steps, float *floats);
 
+/* About `factor` times the steps, as far as the format has such steps; of opacities the same. */
+gsf_steps gscl_scale_steps(const gsf_steps *steps, double factor);
+
 /* The nearest codes for a splat's parameters (GSCL_PARAMS floats); `picture` gives header and steps. */
 void gscl_quantise(const gsf_picture *picture, const float *params, gsf_splat *splat);
 /* Position and angle codes again, for a splat whose axes' codes have been set. */

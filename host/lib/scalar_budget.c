@@ -6,6 +6,7 @@
 #include "density.h"
 #include "effects.h"
 #include "refine.h"
+#include "report.h"
 #include "scalar_schedule.h"
 #include "timing.h"
 
@@ -37,6 +38,7 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
              scan_textures ? ", scan" : "");
     s->encoder->progress.splats = picture->file.header.splat_count;
     s->passes_done++;
+    GSCL_TRY(gscl_report_picture(s->encoder, &s->fit, s->steps));
     return gscl_progress_report(s->encoder->context, &s->encoder->progress,
                                 GSCL_SCALAR_FIT_SHARE +
                                     (1 - GSCL_SCALAR_FIT_SHARE) * fmin((double)s->passes_done / s->passes, 1));

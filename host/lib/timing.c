@@ -6,6 +6,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "report.h"
+
 #define MAX_ROWS 96      /* stages and kernels; there are some 60 */
 #define MAX_PENDING 1024 /* events that wait to be read */
 #define MAX_NAME 32
@@ -34,11 +36,16 @@ gscl_result gscl_timing_create(gscl_context *context) {
     return context->timings ? GSCL_OK : gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+/* Waits for what the device was told to do. */
+static void finish(gscl_context *context) {
+    if (context->queue)
+        clFinish(context->queue);
+}
+
 /* Reads the times of kernels that have ended, once all have. */
 static void collect(gscl_context *context) {
     struct gscl_timings *t = context->timings;
-    if (context->queue)
-        clFinish(context->queue);
+    finish(context);
     for (size_t i = 0; i < t->pending_count; i++) {
         if (!t->pending[i])
             continue;                /* the launch failed */
@@ -89,10 +96,14 @@ static gscl_timing *row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
 
 const char *gscl_stage(gscl_context *context, const char *name) {
     struct gscl_timings *t = context->timings;
-    if (!t || t->frozen)
+    if ((!t && !context->recorder) || (t && t->frozen) || (context->recorder && context->recorder->frozen))
         return NULL;
-    collect(context);
+    finish(context);
     double now = gscl_now();
+    const char *recorded = context->recorder ? gscl_recorder_stage(context->recorder, name, now) : NULL;
+    if (!t)
+        return recorded;
+    collect(context);
     const char *ended = t->stage ? t->stage->name : NULL;
     if (t->stage) {
         t->stage->seconds += now - t->start_s;
@@ -106,6 +117,8 @@ const char *gscl_stage(gscl_context *context, const char *name) {
 void gscl_stages_freeze(gscl_context *context, bool frozen) {
     if (context->timings)
         context->timings->frozen = frozen;
+    if (context->recorder)
+        context->recorder->frozen = frozen;
 }
 
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
@@ -127,6 +140,25 @@ size_t gscl_context_timings(const gscl_context *context, const gscl_timing **tim
         return 0;
     *timings = context->timings->rows;
     return context->timings->count;
+}
+
+double gscl_kernel_seconds(const gscl_context *context) {
+    const gscl_timing *rows;
+    size_t count = gscl_context_timings(context, &rows);
+    double seconds = 0;
+    for (size_t i = 0; i < count; i++)
+        if (rows[i].is_kernel)
+            seconds += rows[i].seconds;
+    return seconds;
+}
+
+static int compare_samples(const void *a, const void *b) {
+    const double *p = a, *q = b;
+    return *p < *q ? -1 : *p > *q;
+}
+
+void gscl_sort_samples(double *samples, size_t count) {
+    qsort(samples, count, sizeof *samples, compare_samples);
 }
 
 void gscl_context_reset_timings(gscl_context *context) {

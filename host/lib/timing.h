@@ -1,6 +1,7 @@
 /* Where time goes: stages of an encode or decode on the wall clock, and kernels on the device's own.
  *
- * Nothing is measured, and nothing waits, unless gscl_context_settings.timing asks for it. */
+ * Nothing is measured, and nothing waits, unless gscl_context_settings.timing or an encode's report (report.h) asks for
+ * it. */
 #ifndef GSCL_LIB_TIMING_H
 #define GSCL_LIB_TIMING_H
 
@@ -15,6 +16,11 @@ void gscl_stages_freeze(gscl_context *context, bool frozen);
 
 /* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
+
+/* What all kernels took together since the timings were reset, in seconds. */
+double gscl_kernel_seconds(const gscl_context *context);
+/* Sorts samples, the smallest first. */
+void gscl_sort_samples(double *samples, size_t count);
 
 /* Seconds on a clock that only goes forward. */
 double gscl_now(void);

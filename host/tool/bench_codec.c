@@ -1,32 +1,11 @@
-#define _POSIX_C_SOURCE 200112L
 #include "bench_codec.h"
 
 #include <stdlib.h>
-#include <time.h>
+
+#include "stopwatch.h"
 
 static const double rates[] = {0.042, 0.183}; /* bits per pixel */
 #define RATE_COUNT (sizeof rates / sizeof *rates)
-
-/* Seconds of several runs. */
-typedef struct spread {
-    double median, fastest, slowest;
-} spread;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    const double *p = a, *q = b;
-    return *p < *q ? -1 : *p > *q;
-}
-
-static spread spread_of(double *seconds, unsigned count) {
-    qsort(seconds, count, sizeof *seconds, compare);
-    return (spread){seconds[count / 2], seconds[0], seconds[count - 1]};
-}
 
 static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, double whole) {
     const gscl_timing *rows;
@@ -102,12 +81,12 @@ static gscl_result bench_encode(const bench_codec *codec, double bpp, double *se
         uint8_t *written;
         if (i <= 1)
             gscl_context_reset_timings(codec->context); /* the first run warms up */
-        const double start = now();
+        const double start = stopwatch_now();
         const gscl_result result = gscl_encode(codec->context, codec->image, &settings, &written, size, NULL);
         if (result != GSCL_OK)
             return result;
         if (i > 0)
-            seconds[i - 1] = now() - start;
+            seconds[i - 1] = stopwatch_now() - start;
         gscl_free(*bytes);
         *bytes = written;
     }
@@ -122,10 +101,10 @@ static gscl_result bench_decode(const bench_codec *codec, double bpp, double *se
     for (unsigned i = 0; i <= codec->decodes && result == GSCL_OK; i++) {
         if (i <= 1)
             gscl_context_reset_timings(codec->context);
-        const double start = now();
+        const double start = stopwatch_now();
         result = gscl_decode(codec->context, bytes, size, NULL, &image);
         if (i > 0)
-            seconds[i - 1] = now() - start;
+            seconds[i - 1] = stopwatch_now() - start;
     }
     gscl_free(image.pixels);
     if (result == GSCL_OK)

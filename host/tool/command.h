@@ -11,5 +11,6 @@ int command_compare(int argc, char **argv);
 int command_draw(int argc, char **argv);
 int command_devices(int argc, char **argv);
 int command_bench(int argc, char **argv);
+int command_tradeoff(int argc, char **argv);
 
 #endif

@@ -128,6 +128,10 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .kind = OPTION_FLAG,
          .value = &batch->json,
          .help = "report on standard output as JSON; an array when there are several inputs"},
+        {.name = "rounds",
+         .kind = OPTION_FLAG,
+         .value = &batch->settings.rounds,
+         .help = "let --json tell the PSNR after each round of the fit; measuring it takes a little longer"},
         {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .value = &batch->quiet, .help = "say nothing but errors"},
         {.name = "verbose",
          .letter = 'v',
@@ -177,6 +181,8 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "the output's name is missing; with standard input, give -o");
     if (batch->quiet && batch->choice.verbose)
         return report_usage("encode", "-q and -v exclude each other; give one of them");
+    if (batch->settings.rounds && !batch->json)
+        return report_usage("encode", "--rounds is told by --json only; add it");
     if (batch->json && batch->output && strcmp(batch->output, "-") == 0)
         return report_usage("encode", "--json and -o - both want standard output; give -o a file");
     return 0;

@@ -16,6 +16,7 @@
 #include "output_file.h"
 #include "progress.h"
 #include "read_file.h"
+#include "report_json.h"
 
 #define SUFFIX ".gscl"
 
@@ -150,6 +151,9 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_integer(json, "trials", report->trials);
     json_string(json, "blend", blend_words[report->blend]);
     write_decisions(json, report);
+    report_write_stages(json, report);
+    if (state->batch->settings.rounds)
+        report_write_rounds(json, report);
     json_close_object(json);
 }
 

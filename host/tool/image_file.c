@@ -14,15 +14,14 @@
 #include "image_png.h"
 #include "image_pnm.h"
 #include "message.h"
+#include "module.h"
 #include "read_file.h"
 
 #define SIGNATURE_BYTES 8
 
-/* The module, loaded on the first call and kept; NULL after reporting an error about `label`.  The name has no
- * slash, so that the loader looks where the tool's run path says. */
+/* The module, loaded on the first call and kept; NULL after reporting an error about `label`. */
 static const image_module *load_module(const char *label) {
-    void *library = dlopen(IMAGE_MODULE_FILE, RTLD_LAZY | RTLD_LOCAL);
-    const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
+    const image_module *module = module_load(IMAGE_MODULE_FILE, IMAGE_MODULE_SYMBOL);
     if (!module)
         report_error(label, "only PNG works without the module for other formats: %s", dlerror());
     return module;

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MAX_GUARDED 4
+#define MAX_GUARDED 16
 
 /* Signals are blocked in every thread and fetched by one of our own: compilers inside OpenCL drivers install signal
  * handlers while they work, which would else end the program in their own way. */

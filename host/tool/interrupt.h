@@ -9,7 +9,7 @@
  * starts. */
 void interrupt_install(void);
 
-/* Makes and opens a temporary file as mkstemp() does, which a signal removes from then on: up to four at a time. */
+/* Makes and opens a temporary file as mkstemp() does, which a signal removes from then on: up to 16 at a time. */
 int interrupt_make_guarded(char *pattern);
 
 /* The file is finished, or gone: it is guarded no more. */

@@ -23,6 +23,7 @@ static const command commands[] = {
     {"draw", command_draw, "draw a gscl file's splats as ellipses over its picture"},
     {"devices", command_devices, "list OpenCL devices, and which is the default and why"},
     {"bench", command_bench, "measure how fast this machine draws, fits, encodes and decodes"},
+    {"tradeoff", command_tradeoff, "measure what accuracy costs in time, with tables and plots"},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof *commands)
 

@@ -230,6 +230,18 @@ class Reports(ToolTest):
         self.assertEqual(report["splats"], self.gscl_json("info", "in.gscl")["splats"])
         self.assertAlmostEqual(report["psnr"], psnr(picture, self.decode()), delta=0.01)
         self.assertGreater(report["seconds"], 0)
+        self.assertIn("entropy coding", [stage["name"] for stage in report["stages"]])
+        self.assertLessEqual(sum(stage["seconds"] for stage in report["stages"]), report["seconds"])
+        self.assertNotIn("rounds", report)
+
+    def test_rounds(self):
+        self.write_png("in.png", scene(64, 48))
+        report = self.gscl_json("encode", "in.png", "--bytes", "300", "--rounds", *FAST)
+        seconds = [point["seconds"] for point in report["rounds"]]
+        self.assertGreater(len(seconds), 10)
+        self.assertEqual(seconds, sorted(seconds))
+        self.assertLessEqual(seconds[-1], report["seconds"])
+        self.assertAlmostEqual(report["rounds"][-1]["psnr"], report["psnr"], delta=0.3)
 
     def test_names_that_json_must_escape(self):
         name = "é quote\" back\\slash\nline.png"

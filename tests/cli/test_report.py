@@ -5,7 +5,7 @@ import unittest
 from pictures import flat, psnr, scene
 from tool import ToolTest, main
 
-COMMANDS = ("encode", "decode", "info", "compare", "draw", "devices")
+COMMANDS = ("encode", "decode", "info", "compare", "draw", "devices", "bench", "tradeoff")
 
 
 class Info(ToolTest):

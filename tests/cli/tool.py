@@ -40,10 +40,10 @@ class ToolTest(unittest.TestCase):
         """Everything in the folder, hidden files too."""
         return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
 
-    def start(self, *arguments, env=None, prefix=(), **options):
-        """Runs gscl, behind the words of `prefix`, without looking at its exit code."""
+    def start(self, *arguments, env=None, prefix=(), program=GSCL, **options):
+        """Runs gscl (or `program`), behind the words of `prefix`, without looking at its exit code."""
         environment = {**os.environ, **(env or {})}
-        return subprocess.run([*prefix, GSCL, *map(str, arguments)], cwd=self.folder, env=environment, timeout=TIMEOUT,
+        return subprocess.run([*prefix, program, *map(str, arguments)], cwd=self.folder, env=environment, timeout=TIMEOUT,
                               capture_output="stdout" not in options, **options)
 
     def gscl(self, *arguments, **options):

@@ -242,20 +242,48 @@ typedef struct gscl_encode_settings {
     uint32_t effects_on;    /* gscl_effect bits: these are used, */
     uint32_t effects_off;   /* these are not; the encoder decides on the others.  Default 0 */
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
+    double step_factor;     /* default profile: 0.25..4 times the quantiser's usual steps, as far as the format has such
+                               steps; 0 (default): 1 */
+    bool rounds;            /* default false; true: the report lists the rounds of the fit.  Same bytes, more time */
     gscl_progress_callback progress; /* default NULL */
     void *progress_opaque;
 } gscl_encode_settings;
 
-/* What an encode did; optional. */
+/* One stage of an encode. */
+typedef struct gscl_stage_time {
+    const char *name; /* static, as in gscl_timing */
+    uint32_t count;   /* how often it was begun */
+    double seconds;   /* wall clock, the device's work included */
+} gscl_stage_time;
+
+/* How far the fit had come at one moment: about two dozen while splats move, then one after each pass that chooses their
+ * codes. */
+typedef struct gscl_round {
+    const char *stage; /* under way: the name of one of the report's stages */
+    uint32_t steps;    /* of gradient descent done, which passes do not count as */
+    uint32_t splats;
+    double seconds; /* since the encode began */
+    double psnr;    /* dB of the picture drawn at full size, not rounded, against the image */
+} gscl_round;
+
+#define GSCL_MAX_STAGES 32
+#define GSCL_MAX_ROUNDS 96
+
+/* What an encode did; optional.  It holds no memory of the library's.  Times are on the wall clock, without the time that
+ * measuring rounds took. */
 typedef struct gscl_encode_report {
     uint32_t splats;
     uint64_t bytes;
     double psnr;      /* dB of the decoded file against the image (as gscl_compare) */
-    double seconds;   /* wall clock */
+    double seconds;   /* all of it */
     uint32_t trials;  /* complete fits that the target took */
     gscl_blend blend; /* that was used */
     size_t effect_count;
     gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* what was decided on each effect that could have been used */
+    uint32_t stage_count; /* stages in the order in which they first came; their seconds add up to all but a rest */
+    gscl_stage_time stages[GSCL_MAX_STAGES];
+    uint32_t round_count; /* rounds of the last fit; 0 unless the settings ask for rounds */
+    gscl_round rounds[GSCL_MAX_ROUNDS];
 } gscl_encode_report;
 
 GSCL_API void gscl_encode_settings_default(gscl_encode_settings *settings);
@@ -376,6 +404,62 @@ GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_device(gscl_context *context, c
 /* Measures the kernels of drawing and fitting, for each blend. */
 GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_kernels(gscl_context *context, const gscl_benchmark_settings *settings,
                                                          gscl_measurement_callback callback, void *opaque);
+
+/* ---- What exactness costs ------------------------------------------------------------------- */
+
+typedef struct gscl_accuracy_settings {
+    uint32_t repetitions; /* of what is timed: 1..1000, default 20; a few more warm up */
+    uint32_t splats;      /* whose derivatives are taken: 1..1000, default 48 */
+} gscl_accuracy_settings;
+
+/* One way of drawing a file's splats: how far it is off, and how long it takes.  `choice` says what is varied:
+ *   "support"      where Gaussians are cut off, `value` in sigmas; errors are those against Gaussians without end
+ *   "exponential"  "polynomial", "exp2" or "native_exp2"
+ *   "precision"    "float32" or "float64" (only where the device has it)
+ *   "early stop"   the transmittance, `value`, below which nothing behind is drawn; 0: all is.  Blend alpha only
+ *   "quantiser"    `value` times the steps that the encoder takes, as far as the format has such steps; errors are those
+ *                  against splats that are not quantised.  Default profile, blends normalized and sum only
+ * Other errors are those against the format's definition in double precision. */
+typedef struct gscl_accuracy {
+    const char *choice;  /* static */
+    const char *variant; /* in a word, "3.74 sigma"; valid until the callback returns */
+    double value;
+    bool is_default;
+    gscl_blend blend;                 /* of the file */
+    double largest_error, mean_error; /* of samples clamped to 0..1, in units of 1/255 */
+    double ns_per_pixel;   /* of the device, all kernels of a drawing: median; 0 where it makes no difference */
+    double bits_per_splat; /* of the file, "quantiser" only, else 0 */
+    double psnr;           /* dB of what is drawn against the image */
+} gscl_accuracy;
+typedef void (*gscl_accuracy_callback)(void *opaque, const gscl_accuracy *accuracy);
+
+/* How far the derivatives of the fit's squared error are from central differences in double precision, over one kind of
+ * parameter: "position", "scale", "angle", "opacity" or "colour". */
+typedef struct gscl_gradient_accuracy {
+    const char *kind;    /* static, */
+    const char *variant; /* and so is this: of the exponential, as above */
+    bool is_default;
+    gscl_blend blend;
+    uint32_t parameters;  /* compared */
+    double rms_error;     /* root mean square of the errors over that of the derivatives */
+    double largest_error; /* largest error over the largest derivative */
+    double ns_per_pixel;  /* of the device, drawing and differentiating: median */
+} gscl_gradient_accuracy;
+typedef void (*gscl_gradient_callback)(void *opaque, const gscl_gradient_accuracy *accuracy);
+
+GSCL_API void gscl_accuracy_settings_default(gscl_accuracy_settings *settings);
+/* Draws a file with each choice.  `image` is what was encoded.  Like the next, it needs a context with timing, takes NULL
+ * for the default settings, resets the context's timings, and calls back once for each result, in order. */
+GSCL_API GSCL_CHECKED gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image,
+                                                        const uint8_t *bytes, size_t size,
+                                                        const gscl_accuracy_settings *settings,
+                                                        gscl_accuracy_callback callback, void *opaque);
+/* Differentiates the squared error of a file's splats in a part of the image: at most 128x128 pixels around the splat that
+ * is nearest to its middle. */
+GSCL_API GSCL_CHECKED gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *image,
+                                                         const uint8_t *bytes, size_t size,
+                                                         const gscl_accuracy_settings *settings,
+                                                         gscl_gradient_callback callback, void *opaque);
 
 #ifdef __cplusplus
 }
