@@ -119,7 +119,8 @@
 /* Rate-distortion refinement (cl/refine.cl): codes of a splat, the largest scale code (format), and entries of
  * a table over colour codes, which may be negative. */
 #define GSCL_CODES 14
-#define GSCL_REFINE_MOVES 15 /* neighbours that a visit looks at */
+#define GSCL_REFINE_MOVES 13        /* neighbours that a visit looks at, */
+#define GSCL_REFINE_OPACITY_MOVES 2 /* and two more with opacity */
 #define GSCL_MAX_SCALE 63
 #define GSCL_COLOUR_CODES 1024
 

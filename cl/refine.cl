@@ -104,7 +104,7 @@ inline float colour_descend(const quadratic *q, codes *c, __global const minor_e
 }
 
 /* Neighbours: 0 is the splat itself. */
-#define MOVES GSCL_REFINE_MOVES
+#define MOVES (GSCL_REFINE_MOVES + (OPACITY ? GSCL_REFINE_OPACITY_MOVES : 0))
 
 /* Makes move `move`; false when it leaves the code's range.  When an axis changes, position and angle are
  * written anew on their new steps. */

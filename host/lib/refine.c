@@ -286,12 +286,16 @@ static gscl_result allocate(pass *p) {
     return gscl_fail(p->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+/* Neighbours that each visit looks at (MOVES in cl/refine.cl). */
+static size_t moves_of(const pass *p) {
+    return GSCL_REFINE_MOVES + (p->fit->renderer.options.opacity ? GSCL_REFINE_OPACITY_MOVES : 0);
+}
+
 static gscl_result upload_all(pass *p) {
     gscl_context *context = p->fit->context;
     GSCL_TRY(gscl_buffer_upload(context, &p->device_codes, p->codes, p->count * sizeof *p->codes));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_visits, p->visits, p->group_start[GROUPS] * sizeof *p->visits));
-    GSCL_TRY(
-        gscl_buffer_reserve(context, &p->device_outcomes, p->largest_group * GSCL_REFINE_MOVES * sizeof(move_outcome)));
+    GSCL_TRY(gscl_buffer_reserve(context, &p->device_outcomes, p->largest_group * moves_of(p) * sizeof(move_outcome)));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_owned, p->owned, p->count * 4 * sizeof *p->owned));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_minors, p->minors, sizeof p->minors));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_aspects, p->aspects, sizeof p->aspects));
@@ -334,7 +338,7 @@ static gscl_result visit_group(pass *p, int group) {
                          GSCL_ARG_BUFFER(p->device_aspects), GSCL_ARG(p->settings), GSCL_ARG(r->view),
                          GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights), GSCL_ARG(r->width),
                          GSCL_ARG(r->height), GSCL_ARG(plane)));
-    GSCL_TRY(GSCL_LAUNCH(r->context, weigh, (size_t)count * GSCL_REFINE_MOVES, 1, GSCL_ARG_BUFFER(p->device_visits),
+    GSCL_TRY(GSCL_LAUNCH(r->context, weigh, (size_t)count * moves_of(p), 1, GSCL_ARG_BUFFER(p->device_visits),
                          GSCL_ARG(start), GSCL_ARG(count), GSCL_ARG_BUFFER(p->device_codes),
                          GSCL_ARG_BUFFER(p->device_owned), GSCL_ARG_BUFFER(p->device_minors),
                          GSCL_ARG_BUFFER(p->device_aspects), GSCL_ARG_BUFFER(p->device_tables), GSCL_ARG(p->settings),
