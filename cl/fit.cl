@@ -148,7 +148,7 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
 
 /* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
  * levels of the pyramid agree.  Writes a slot per entry and the loss per tile.
- * A tile whose loss is below `quiet` has nothing to teach: it sits out the next GSCL_REST steps, with slots of 0 and the
+ * A tile whose loss is below `quiet` a pixel has nothing to teach: it sits out the next GSCL_REST steps, with slots of 0 and the
  * loss that it had.  `wakes`: the step with which it works again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
@@ -161,6 +161,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     place p = place_of(tiles_x, width, height);
     int2 range = tile_ranges[p.tile];
     bool rests = wakes[p.tile] > step;
+    int tile_pixels = min(GSCL_TILE, width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, height - (p.y & -GSCL_TILE));
     if (rests) {
         for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
 #if ITEMS == 1
@@ -209,15 +210,15 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #if ITEMS == 1
     float total = pix_sum(loss);
     tile_loss[p.tile] = total;
-    wakes[p.tile] = total < quiet ? step + 1 + GSCL_REST : 0;
+    wakes[p.tile] = total < quiet * (float)tile_pixels ? step + 1 + GSCL_REST : 0;
 #else
     shared[get_local_id(0)] = pix_sum(loss);
-    barrier(CLK_LOCAL_MEM_FENCE);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* and all have read when the tile wakes */
     if (get_local_id(0) == 0 && !rests) {
         float total = 0.0f;
         for (int j = 0; j < ITEMS; j++) total += shared[j];
         tile_loss[p.tile] = total;
-        wakes[p.tile] = total < quiet ? step + 1 + GSCL_REST : 0;
+        wakes[p.tile] = total < quiet * (float)tile_pixels ? step + 1 + GSCL_REST : 0;
     }
 #endif
 }

@@ -171,6 +171,7 @@ gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
     GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(cl_int), count * sizeof(cl_int)));
     f->renderer.count += (cl_int)count;
     f->steps_since_check = CHECK_INTERVAL;
+    GSCL_TRY(wake_tiles(f)); /* their losses were those of other splats */
     return gscl_renderer_project(&f->renderer);
 }
 
@@ -265,7 +266,7 @@ static gscl_result set_quiet(gscl_fit *f) {
     if (!f->has_losses || f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL)
         return GSCL_OK;
     GSCL_TRY(gscl_fit_loss(f, &loss));
-    f->quiet = (float)(QUIET * loss * GSCL_TILE * GSCL_TILE * f->renderer.channels);
+    f->quiet = (float)(QUIET * loss * f->renderer.channels);
     return GSCL_OK;
 }
 

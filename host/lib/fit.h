@@ -28,7 +28,7 @@ typedef struct gscl_fit {
     int level;
     gscl_buffer levels[GSCL_MAX_LEVELS];
     gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, wakes, loss, error;
-    float quiet;     /* loss of a tile below which it sits out steps */
+    float quiet;     /* loss a pixel, below which a tile sits out steps */
     bool has_losses; /* tile_loss is of this level */
     cl_int step;     /* since tiles were last woken */
     size_t capacity; /* splats that fit in the buffers */
