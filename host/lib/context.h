@@ -21,6 +21,7 @@ struct gscl_context {
     bool gpu_mapping;
     struct gscl_program *programs;  /* built so far, a list */
     struct gscl_timings *timings;   /* NULL when nothing is measured */
+    bool stages_frozen;             /* what runs is a part of the stage under way (timing.h) */
     struct gscl_renderer *renderer; /* of the last decode, or NULL */
     struct gscl_recorder *recorder; /* of the encode under way, or NULL */
     gscl_log_callback log;

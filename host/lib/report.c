@@ -13,7 +13,7 @@ static const char aside[] = "measuring rounds";
 
 void gscl_recorder_begin(gscl_recorder *r, gscl_context *context, gscl_encode_report *report, bool rounds) {
     *report = (gscl_encode_report){0};
-    *r = (gscl_recorder){.report = report, .rounds = rounds, .start_s = gscl_now()};
+    *r = (gscl_recorder){.outer = context->recorder, .report = report, .rounds = rounds, .start_s = gscl_now()};
     context->recorder = r;
 }
 
@@ -22,7 +22,7 @@ void gscl_recorder_end(gscl_recorder *r, gscl_context *context) {
         return;
     r->report->seconds = gscl_now() - r->start_s - r->aside_s;
     gscl_renderer_free(&r->probe);
-    context->recorder = NULL;
+    context->recorder = r->outer;
     r->report = NULL;
 }
 
@@ -111,7 +111,7 @@ static gscl_result measure_probe(gscl_renderer *probe, gscl_fit *fit, double *ps
 
 static gscl_result add_round(gscl_encoder *e, gscl_fit *fit, const gscl_picture *picture, int steps) {
     gscl_recorder *r = e->context->recorder;
-    if (!r || !r->rounds || r->frozen || r->report->round_count == GSCL_MAX_ROUNDS)
+    if (!r || !r->rounds || e->context->stages_frozen || r->report->round_count == GSCL_MAX_ROUNDS)
         return GSCL_OK;
     const char *stage = gscl_stage(e->context, aside);
     gscl_round *round = &r->report->rounds[r->report->round_count];

@@ -9,9 +9,9 @@
 #include "fit.h"
 
 typedef struct gscl_recorder {
+    struct gscl_recorder *outer; /* of the encode that this one is a trial of, or NULL */
     gscl_encode_report *report;
     bool rounds; /* are wanted */
-    bool frozen; /* trials: no stages, no rounds */
     double start_s;
     double aside_s;       /* seconds that measuring rounds took, which are nobody's */
     const char *stage;    /* under way, or NULL */

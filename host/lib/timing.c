@@ -19,7 +19,6 @@ struct gscl_timings {
     size_t count;
     gscl_timing *stage; /* under way, or NULL */
     double start_s;     /* of that stage */
-    bool frozen;
     size_t pending_count;
     cl_event pending[MAX_PENDING];
     gscl_timing *pending_rows[MAX_PENDING];
@@ -96,7 +95,7 @@ static gscl_timing *row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
 
 const char *gscl_stage(gscl_context *context, const char *name) {
     struct gscl_timings *t = context->timings;
-    if ((!t && !context->recorder) || (t && t->frozen) || (context->recorder && context->recorder->frozen))
+    if ((!t && !context->recorder) || context->stages_frozen)
         return NULL;
     finish(context);
     double now = gscl_now();
@@ -115,10 +114,7 @@ const char *gscl_stage(gscl_context *context, const char *name) {
 }
 
 void gscl_stages_freeze(gscl_context *context, bool frozen) {
-    if (context->timings)
-        context->timings->frozen = frozen;
-    if (context->recorder)
-        context->recorder->frozen = frozen;
+    context->stages_frozen = frozen;
 }
 
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {

@@ -59,6 +59,12 @@ class Automatic(ToolTest):
             self.assertLess(decisions[name]["gain_db"], 0)
         streams = {stream["name"] for stream in self.gscl_json("info", "dots.gscl")["streams"]}
         self.assertNotIn("angle", streams)
+        # Trials are a stage of their own; those after them are told as ever.
+        stages = {stage["name"]: stage for stage in report["stages"]}
+        self.assertEqual(stages["effect trials"]["count"], 1)
+        self.assertEqual(stages["pyramid"]["count"], 1)
+        self.assertIn("rate-distortion passes", stages)
+        self.assertIn("write", stages)
 
     def test_a_decision_leads_where_asking_leads(self):
         self.write_png("dots.png", dots(256, 192))
