@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "box_blur.h"
 #include "constants.h"
 #include "ground.h"
 #include "timing.h"
@@ -23,7 +24,7 @@ typedef struct placement {
     float scale;       /* full-size pixels per pixel of the level */
     float *target;     /* channels planes */
     float *density;    /* where to place, per pixel, not normalised */
-    float *near_edges; /* blurred edges, per pixel */
+    float *near_edges; /* blurred edges, per pixel; NULL where there is no ground */
     double *sums;      /* cumulative density */
 } placement;
 
@@ -45,9 +46,9 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
     pixels = (size_t)p->width * (size_t)p->height;
     p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
     p->density = malloc(pixels * sizeof(float));
-    p->near_edges = malloc(pixels * sizeof(float));
+    p->near_edges = f->has_ground ? malloc(pixels * sizeof(float)) : NULL;
     p->sums = malloc(pixels * sizeof(double));
-    if (!p->target || !p->density || !p->near_edges || !p->sums)
+    if (!p->target || !p->density || (f->has_ground && !p->near_edges) || !p->sums)
         return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
     return gscl_fit_target(f, p->target);
 }
@@ -104,24 +105,6 @@ static void gradient_magnitude(placement *p) {
         }
 }
 
-/* Box blur of the density by radius r along one axis; sums in double, nothing wraps. */
-static void blur_line(float *line, size_t stride, int n, int r, double *sums) {
-    double total = 0;
-    for (int i = 0; i < n; i++)
-        sums[i] = total += line[(size_t)i * stride];
-    for (int i = 0; i < n; i++) {
-        int high = i + r < n ? i + r : n - 1, low = i - r - 1;
-        line[(size_t)i * stride] = (float)(sums[high] - (low >= 0 ? sums[low] : 0.0));
-    }
-}
-
-static void blur(float *map, placement *p, int radius) {
-    for (int y = 0; y < p->height; y++)
-        blur_line(map + (size_t)y * (size_t)p->width, 1, p->width, radius, p->sums);
-    for (int x = 0; x < p->width; x++)
-        blur_line(map + x, (size_t)p->width, p->height, radius, p->sums);
-}
-
 /* Half of the first splats go where edges are, half anywhere; but not deep inside a ground, which the background shows
  * and where splats would only cost time.  `p->density` holds the edges. */
 static void spread(const gscl_fit *f, placement *p, size_t count) {
@@ -129,8 +112,11 @@ static void spread(const gscl_fit *f, placement *p, size_t count) {
     double total = accumulate(p);
     for (size_t i = 0; i < pixels; i++)
         p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
-    memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
-    blur(p->near_edges, p, (int)(GROUND_DISTANCE * sqrtf((float)pixels / (float)count)) + 1);
+    if (f->has_ground) {
+        memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
+        gscl_box_blur(p->near_edges, p->width, p->height,
+                      (int)(GROUND_DISTANCE * sqrtf((float)pixels / (float)count)) + 1, p->sums);
+    }
     for (size_t i = 0; i < pixels; i++)
         if (!f->has_ground || p->near_edges[i] > 0 || !gscl_is_ground(p->target, pixels, p->channels, f->background, i))
             p->density[i] += 0.5f / (float)pixels;
@@ -153,7 +139,7 @@ static gscl_result grow(gscl_fit *f, placement *p, size_t count, uint64_t *rando
     GSCL_TRY(placement_create(p, f));
     GSCL_TRY(gscl_fit_error(f, p->density));
     float distance = sqrtf((float)p->width * (float)p->height / (float)((size_t)f->renderer.count + count));
-    blur(p->density, p, (int)(ERROR_BLUR * distance) + 1);
+    gscl_box_blur(p->density, p->width, p->height, (int)(ERROR_BLUR * distance) + 1, p->sums);
     double total = accumulate(p);
     for (size_t i = 0; i < count; i++)
         place(p, pixel_of(p, gscl_random_unit(random) * total), fmaxf(GROWN_SIZE * distance * p->scale, 0.5f),
@@ -180,7 +166,7 @@ static float log_size(const float *p) {
     return 0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]);
 }
 
-/* A copy, moved half its size against the gradient; `moment`: the first moments, in the splat's frame (cl/update.cl). */
+/* A copy, moved half its size against the gradient; `moment`: first moments, in the splat's frame (cl/update.cl). */
 static void clone(const float *from, const float *moment, float *to) {
     float norm = hypotf(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * expf(log_size(from));
     float c = cosf(from[GSCL_THETA]), s = sinf(from[GSCL_THETA]);

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "box_blur.h"
 #include "effects.h"
-#include "ground.h"
 #include "timing.h"
 
 #define TRIAL_LEVEL 2     /* of the pyramid: a quarter of the size, */
@@ -26,7 +26,7 @@ typedef struct field {
 
 /* The structure tensor: gx gx - gy gy, 2 gx gy and gx gx + gy gy at each pixel. */
 typedef struct tensor {
-    double *difference, *mixed, *sum;
+    float *difference, *mixed, *sum;
 } tensor;
 
 static void tensor_of(const field *f, tensor *t) {
@@ -34,8 +34,8 @@ static void tensor_of(const field *f, tensor *t) {
         for (int x = 0; x < f->width; x++) {
             int left = x ? x - 1 : x, right = x < f->width - 1 ? x + 1 : x;
             int up = y ? y - 1 : y, down = y < f->height - 1 ? y + 1 : y;
-            double gx = f->values[y * f->width + right] - f->values[y * f->width + left];
-            double gy = f->values[down * f->width + x] - f->values[up * f->width + x];
+            float gx = f->values[y * f->width + right] - f->values[y * f->width + left];
+            float gy = f->values[down * f->width + x] - f->values[up * f->width + x];
             size_t at = (size_t)y * (size_t)f->width + (size_t)x;
             t->difference[at] = gx * gx - gy * gy;
             t->mixed[at] = 2 * gx * gy;
@@ -43,31 +43,14 @@ static void tensor_of(const field *f, tensor *t) {
         }
 }
 
-/* Sums over windows of 2 r + 1 values along one line; `line` values are `stride` apart. */
-static void box_line(double *line, size_t stride, int n, int r, double *sums) {
-    double total = 0;
-    for (int i = 0; i < n; i++)
-        sums[i] = total += line[(size_t)i * stride];
-    for (int i = 0; i < n; i++)
-        line[(size_t)i * stride] = sums[i + r < n ? i + r : n - 1] - (i - r > 0 ? sums[i - r - 1] : 0);
-}
-
-static void box(double *plane, const field *f, int r, double *sums) {
-    for (int y = 0; y < f->height; y++)
-        box_line(plane + (size_t)y * (size_t)f->width, 1, f->width, r, sums);
-    for (int x = 0; x < f->width; x++)
-        box_line(plane + x, (size_t)f->width, f->height, r, sums);
-}
-
-/* 1: in each window all edges have one direction; 0: all directions are there alike. */
-static double coherence(const field *f, int radius, double *scratch) {
+/* `planes`: room for three of the field's size; `line`: for its longer side.  1: in each window all edges have one direction; 0: all directions are there alike. */
+static double coherence(const field *f, int radius, float *planes, double *line) {
     size_t pixels = (size_t)f->width * (size_t)f->height;
-    tensor t = {scratch, scratch + pixels, scratch + 2 * pixels};
+    tensor t = {planes, planes + pixels, planes + 2 * pixels};
     double directed = 0, all = 0;
     tensor_of(f, &t);
-    box(t.difference, f, radius, scratch + 3 * pixels);
-    box(t.mixed, f, radius, scratch + 3 * pixels);
-    box(t.sum, f, radius, scratch + 3 * pixels);
+    for (int i = 0; i < 3; i++)
+        gscl_box_blur(planes + (size_t)i * pixels, f->width, f->height, radius, line);
     for (size_t i = 0; i < pixels; i++) {
         directed += hypot(t.difference[i], t.mixed[i]);
         all += t.sum[i];
@@ -81,22 +64,22 @@ static gscl_result look_at_shapes(const gscl_encoder *e, double splats, double *
     int level = e->first_level + LOOK_LEVEL;
     field f = {(int)gscl_level_size(e->image->width, level), (int)gscl_level_size(e->image->height, level), NULL};
     size_t pixels = (size_t)f.width * (size_t)f.height, longer = (size_t)(f.width > f.height ? f.width : f.height);
-    f.values = malloc(pixels * sizeof *f.values);
-    double *scratch = malloc((3 * pixels + longer) * sizeof *scratch);
-    if (f.values && scratch) {
+    float *planes = malloc(4 * pixels * sizeof *planes);
+    double *line = malloc(longer * sizeof *line);
+    bool there = planes && line;
+    if (there) {
+        f.values = planes + 3 * pixels;
         gscl_image_to_planes(e->image, 1, false, level, f.values);
-        *coherent = coherence(&f, (int)rint(WINDOW * sqrt((double)pixels / fmax(splats, 1))) + 1, scratch);
+        *coherent = coherence(&f, (int)rint(WINDOW * sqrt((double)pixels / fmax(splats, 1))) + 1, planes, line);
     }
-    bool there = f.values && scratch;
-    free(f.values);
-    free(scratch);
+    free(planes);
+    free(line);
     return there ? GSCL_OK : gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
 /* Root mean square of the colours' differences from grey. */
 static double colourfulness(const gscl_encoder *e) {
-    size_t pixels =
-        (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
+    size_t pixels = e->pixels;
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
         double r = e->planes[i], g = e->planes[pixels + i], b = e->planes[2 * pixels + i], mean = (r + g + b) / 3;
@@ -199,16 +182,12 @@ static gscl_result try_chroma(gscl_encoder *e, double bytes, double splats) {
 /* What is tried depends on how the image looks. */
 static gscl_result look_and_try(gscl_encoder *e, double bytes, double splats) {
     double coherent = 1;
-    float colour[4];
-    size_t pixels =
-        (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
     GSCL_TRY(try_chroma(e, bytes, splats));
     GSCL_TRY(look_at_shapes(e, splats, &coherent));
-    bool ground = gscl_find_ground(e->planes, pixels, (int)gsf_channel_count(&e->picture.file.header), colour);
-    gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f%s", coherent, ground ? ", plain ground" : "");
+    gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f%s", coherent, e->has_ground ? ", plain ground" : "");
     if (coherent < COHERENT)
         GSCL_TRY(try_shapes(e, bytes, splats));
-    return coherent < COHERENT || ground ? try_opacity(e, bytes, splats) : GSCL_OK;
+    return coherent < COHERENT || e->has_ground ? try_opacity(e, bytes, splats) : GSCL_OK;
 }
 
 gscl_result gscl_effects_try(gscl_encoder *e, double bytes, double splats) {

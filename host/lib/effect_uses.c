@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "constants.h"
+#include "encoder.h"
 #include "picture.h"
 #include "quantise.h"
 
@@ -69,20 +70,6 @@ static gscl_result write_without(const gscl_picture *picture, gscl_effect effect
     return result;
 }
 
-/* PSNR of a file against the image. */
-static gscl_result psnr_of(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
-                           double *psnr) {
-    gscl_image decoded = {0};
-    gscl_comparison comparison;
-    gscl_decode_settings settings = {.sample = image->sample, .premultiplied = image->premultiplied};
-    GSCL_TRY(gscl_decode(context, bytes, size, &settings, &decoded));
-    gscl_result result = gscl_compare(image, &decoded, &comparison);
-    gscl_free(decoded.pixels);
-    if (result == GSCL_OK)
-        *psnr = comparison.psnr;
-    return result;
-}
-
 static gscl_result use_of(gscl_context *context, const gscl_picture *picture, size_t size, const gscl_image *image,
                           double psnr, gscl_effect_use *use) {
     uint8_t *bytes;
@@ -93,7 +80,7 @@ static gscl_result use_of(gscl_context *context, const gscl_picture *picture, si
         return GSCL_OK;
     GSCL_TRY(write_without(picture, use->effect, &bytes, &smaller));
     use->bits = 8.0 * ((double)size - (double)smaller);
-    gscl_result result = image ? psnr_of(context, bytes, smaller, image, &without) : GSCL_OK;
+    gscl_result result = image ? gscl_file_psnr(context, bytes, smaller, image, &without) : GSCL_OK;
     if (image && result == GSCL_OK)
         use->gain_db = psnr - without;
     free(bytes);
@@ -109,7 +96,7 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
         return GSCL_ERROR_INVALID_ARGUMENT;
     GSCL_TRY(gscl_probe(bytes, size, &info));
     GSCL_TRY(gscl_picture_read(&picture, bytes, size));
-    gscl_result result = image ? psnr_of(context, bytes, size, image, &psnr) : GSCL_OK;
+    gscl_result result = image ? gscl_file_psnr(context, bytes, size, image, &psnr) : GSCL_OK;
     size_t used = 0;
     for (unsigned bit = 0; bit < GSCL_MAX_EFFECTS && result == GSCL_OK; bit++)
         if (info.effects >> bit & 1) {

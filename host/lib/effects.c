@@ -4,13 +4,6 @@
 
 #include "picture.h"
 
-/* Every effect, with the words for it. */
-static const gscl_effect all_effects[] = {
-    GSCL_EFFECT_CHROMA,     GSCL_EFFECT_ALPHA_CHANNEL, GSCL_EFFECT_OPACITY, GSCL_EFFECT_ROTATION,
-    GSCL_EFFECT_ANISOTROPY, GSCL_EFFECT_CODEBOOKS,     GSCL_EFFECT_TEXTURE,
-};
-#define ALL (sizeof all_effects / sizeof all_effects[0])
-
 bool gscl_effect_is_open(const gscl_encode_settings *s, gscl_effect effect) {
     return !((s->effects_on | s->effects_off) & effect);
 }
@@ -42,14 +35,11 @@ static const char *contradiction(const gscl_encode_settings *s, const gscl_image
 
 gscl_result gscl_effects_check(const gscl_encoder *e) {
     const gscl_encode_settings *s = &e->settings;
-    uint32_t known = 0;
-    for (size_t i = 0; i < ALL; i++) {
-        known |= all_effects[i];
-        if (s->effects_on & s->effects_off & all_effects[i])
+    for (uint32_t effect = 1; effect < 1u << GSCL_MAX_EFFECTS; effect <<= 1)
+        if (s->effects_on & s->effects_off & effect)
             return gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%s is both asked for and ruled out",
-                             gscl_effect_name(all_effects[i]));
-    }
-    if ((s->effects_on | s->effects_off) & ~known)
+                             gscl_effect_name((gscl_effect)effect));
+    if ((s->effects_on | s->effects_off) >> GSCL_MAX_EFFECTS)
         return gscl_fail(e->context, GSCL_ERROR_INVALID_ARGUMENT, "an effect is not one that there is");
     const char *why = contradiction(s, e->image);
     return why ? gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;

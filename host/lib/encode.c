@@ -6,6 +6,7 @@
 #include "constants.h"
 #include "effects.h"
 #include "encoder.h"
+#include "ground.h"
 #include "metrics.h"
 #include "quantise.h"
 #include "report.h"
@@ -82,14 +83,15 @@ gscl_result gscl_encoder_make_planes(gscl_encoder *e) {
     const gsf_header *header = &e->picture.file.header;
     while (((uint64_t)e->image->width * e->image->height >> (2 * e->first_level)) > FIT_PIXELS)
         e->first_level++;
-    size_t pixels =
+    e->pixels =
         (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
     free(e->planes);
-    e->planes = malloc(pixels * gsf_channel_count(header) * sizeof(float));
+    e->planes = malloc(e->pixels * gsf_channel_count(header) * sizeof(float));
     if (!e->planes)
         return gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", e->image->width,
                          e->image->height);
     gscl_image_to_planes(e->image, header->has_chroma ? 3 : 1, header->has_alpha, e->first_level, e->planes);
+    e->has_ground = gscl_find_ground(e->planes, e->pixels, (int)gsf_channel_count(header), e->ground);
     return GSCL_OK;
 }
 
@@ -122,13 +124,13 @@ gscl_result gscl_encode_fit(gscl_encoder *e, size_t bytes, size_t splats) {
                                                      : gscl_encode_scalar(e, bytes, splats);
 }
 
-/* Decodes a file and compares it with the image. */
-static gscl_result measure_psnr(const gscl_encoder *e, const uint8_t *bytes, size_t size, double *psnr) {
+gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
+                           double *psnr) {
     gscl_image decoded = {0};
-    gscl_decode_settings settings = {.sample = e->image->sample, .premultiplied = e->image->premultiplied};
+    gscl_decode_settings settings = {.sample = image->sample, .premultiplied = image->premultiplied};
     gscl_comparison comparison;
-    GSCL_TRY(gscl_decode(e->context, bytes, size, &settings, &decoded));
-    gscl_result result = gscl_compare_samples(e->image, &decoded, &comparison);
+    GSCL_TRY(gscl_decode(context, bytes, size, &settings, &decoded));
+    gscl_result result = gscl_compare_samples(image, &decoded, &comparison);
     if (result == GSCL_OK)
         *psnr = comparison.psnr;
     gscl_free(decoded.pixels);
@@ -139,7 +141,7 @@ gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
     uint8_t *bytes;
     size_t size;
     GSCL_TRY(gscl_picture_write(&e->picture, &bytes, &size));
-    gscl_result result = measure_psnr(e, bytes, size, psnr);
+    gscl_result result = gscl_file_psnr(e->context, bytes, size, e->image, psnr);
     free(bytes);
     return result;
 }
@@ -233,7 +235,7 @@ static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_r
     report->effect_count = e->decision_count;
     memcpy(report->effects, e->decisions, sizeof e->decisions);
     gscl_recorder_end(recorder, e->context); /* what follows is no part of the encode */
-    return measure_psnr(e, *bytes, *size, &report->psnr);
+    return gscl_file_psnr(e->context, *bytes, *size, e->image, &report->psnr);
 }
 
 gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,

@@ -14,8 +14,11 @@ typedef struct gscl_encoder {
     gscl_content content;
     gscl_progress_state progress;
     uint64_t random;
-    int first_level;      /* finest level that is fitted; 0 unless the image is very large */
-    float *planes;        /* the image at that level */
+    int first_level; /* finest level that is fitted; 0 unless the image is very large */
+    float *planes;   /* the image at that level, */
+    size_t pixels;   /* of so many pixels each */
+    bool has_ground; /* a good part of it has one colour: */
+    float ground[4];
     gscl_picture picture; /* header filled in; the result */
     size_t decision_count;
     gscl_effect_decision decisions[GSCL_MAX_EFFECTS];
@@ -42,6 +45,9 @@ gscl_result gscl_encode_fit(gscl_encoder *encoder, size_t bytes, size_t splats);
 
 /* Size of the encoder's picture as a file. */
 gscl_result gscl_encoder_size(gscl_encoder *encoder, size_t *size);
+/* PSNR of a file as it is decoded, against an image of the decode's kind. */
+gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
+                           double *psnr);
 /* PSNR of the encoder's picture as its decoder draws it, against the image. */
 gscl_result gscl_encoder_psnr(gscl_encoder *encoder, double *psnr);
 

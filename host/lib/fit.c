@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "constants.h"
-#include "ground.h"
 #include "image.h"
 #include "timing.h"
 
@@ -104,12 +103,9 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     return gscl_fit_set_level(f, first_level);
 }
 
-gscl_result gscl_fit_take_ground(gscl_fit *f, const float *planes) {
-    float colour[4];
-    f->has_ground = gscl_find_ground(planes, gscl_fit_level_pixels(f, f->first_level), f->renderer.channels, colour);
-    if (!f->has_ground)
-        return GSCL_OK;
-    memcpy(f->background, colour, sizeof colour);
+gscl_result gscl_fit_take_ground(gscl_fit *f, const float colour[4]) {
+    f->has_ground = true;
+    memcpy(f->background, colour, sizeof f->background);
     return gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background);
 }
 

@@ -46,8 +46,8 @@ typedef struct gscl_fit {
  * `fit` may hold anything before. */
 gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes);
-/* Takes the colour of the picture's ground for the background, where there is a ground (ground.h).  `planes`: as before. */
-gscl_result gscl_fit_take_ground(gscl_fit *fit, const float *planes);
+/* Takes the colour of the picture's ground (ground.h) for the background. */
+gscl_result gscl_fit_take_ground(gscl_fit *fit, const float colour[4]);
 /* Accepts a fit that was zeroed and never created. */
 void gscl_fit_free(gscl_fit *fit);
 

@@ -38,9 +38,12 @@ static bool fullest_bin(const float *planes, size_t pixels, int channels, float 
     members = counts[fullest];
     free(counts);
     double sums[4] = {0};
-    for (size_t i = 0; i < pixels; i++)
-        for (int k = 0; k < channels && bin_of(planes, pixels, channels, i) == fullest; k++)
+    for (size_t i = 0; i < pixels; i++) {
+        if (bin_of(planes, pixels, channels, i) != fullest)
+            continue;
+        for (int k = 0; k < channels; k++)
             sums[k] += planes[(size_t)k * pixels + i];
+    }
     for (int k = 0; k < channels; k++)
         colour[k] = (float)(sums[k] / (double)members);
     return members >= SHARE * (double)pixels;
