@@ -7,7 +7,7 @@
 /* Tiles of a row that are looked at together. */
 #define ABREAST 4
 
-/* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last, no rows where first > last. */
+/* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last; none where first > last. */
 inline void rows_touched(__global const float *restrict drawn, __global const float *restrict extent, int tx, int ty,
                          int *restrict first, int *restrict last) {
     float4 x0 =

@@ -38,7 +38,8 @@
 #define GSCL_PARAMS 14
 
 /* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
- * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; of upright splats 2^-(vy^2), what a step of one row does; four channels; the wave. */
+ * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; of upright splats 2^-(vy^2), what a step of
+ * one row does; four channels; the wave. */
 #define GSCL_DRAWN_X 0
 #define GSCL_DRAWN_Y 1
 #define GSCL_DRAWN_UX 2
@@ -133,7 +134,8 @@
 #define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels; each wave is longer than the one before by */
 #define GSCL_OCTAVES_PER_WAVE 0.4375f /* so much */
 
-/* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures; then opacities. */
+/* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures; then
+ * opacities. */
 #define GSCL_BITS_PLAIN (4 * GSCL_COLOUR_CODES)  /* a splat without a wave */
 #define GSCL_BITS_TEXTURED (GSCL_BITS_PLAIN + 1) /* one with a wave, its phase included */
 #define GSCL_BITS_WAVE (GSCL_BITS_PLAIN + 2)

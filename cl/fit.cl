@@ -148,8 +148,8 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
 
 /* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
  * levels of the pyramid agree.  Writes a slot per entry and the loss per tile.
- * A tile whose loss is below `quiet` a pixel has nothing to teach: it sits out the next GSCL_REST steps, with slots of 0 and the
- * loss that it had.  `wakes`: the step with which it works again. */
+ * A tile whose loss is below `quiet` a pixel has nothing to teach: it sits out the next GSCL_REST steps, with slots of
+ * 0 and the loss that it had.  `wakes`: the step with which it works again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict picture, int width, int height, int tiles_x, ulong plane,

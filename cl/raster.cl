@@ -112,7 +112,8 @@ inline bool canvas_is_opaque(const canvas *c) {
 }
 #endif
 
-/* Adds a tile's splats; `kept`: KEPT_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the back. */
+/* Adds a tile's splats; `kept`: KEPT_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the
+ * back. */
 inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *restrict splats,
                          __global const uint *restrict entries, int count, pix *restrict kept) {
     int row = 0;

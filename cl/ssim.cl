@@ -122,8 +122,8 @@ __kernel void ssim_slope(__global const float *restrict sums, __global const flo
 #define MOST_GAIN 0.5f
 #define SMOOTHING 0.8f /* exponent on weights before the picture is known; below 1 measured better */
 
-/* Judges each window: writes MAPS padded images.  `moments`: ssim_rows of the picture and the image; not `known`: of the
- * image with itself. */
+/* Judges each window: writes MAPS padded images.  `moments`: ssim_rows of the picture and the image; not `known`: of
+ * the image with itself. */
 __kernel void ssim_judge(__global const float *restrict moments, int width, int height, int channels, int stride,
                          ulong image, int known, __global float *restrict maps) {
     int x, y, k;

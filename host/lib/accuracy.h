@@ -30,8 +30,8 @@ gscl_blend gscl_subject_blend(const gscl_subject *subject);
 /* What the public structs call GSCL_EXPONENTIAL_... */
 const char *gscl_exponential_name(int exponential);
 
-/* Makes `count` things, 0..count - 1, again and again, and gives the median of what the kernels of each took, in seconds.
- * They take turns, so that whatever else the machine does slows all of them down. */
+/* Makes `count` things, 0..count - 1, again and again, and gives the median of what the kernels of each took, in
+ * seconds. They take turns, so that whatever else the machine does slows all of them down. */
 typedef gscl_result gscl_subject_run(void *opaque, size_t which);
 gscl_result gscl_subject_time(const gscl_subject *subject, gscl_subject_run *run, void *opaque, size_t count,
                               double *seconds);

@@ -259,8 +259,8 @@ static gscl_result run_rounds(trainer *t) {
     return GSCL_OK;
 }
 
-/* Takes the front-most splats of the smallest shape away, and the words that only they used, until the file fits: a last
- * resort. */
+/* Takes the front-most splats of the smallest shape away, and the words that only they used, until the file fits: a
+ * last resort. */
 static gscl_result trim(trainer *t, size_t size) {
     gsf_header *header = &t->encoder->picture.file.header;
     while (size > t->bytes && header->splat_count > 0) {

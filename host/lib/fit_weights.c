@@ -11,7 +11,7 @@ const gscl_buffer *gscl_fit_goal(const gscl_fit *f) {
     return f->level == f->first_level && f->adapted.memory ? &f->adapted : &f->levels[f->level];
 }
 
-/* Adds a level's weights, judged without a picture or of one at that level, to those behind the first level's `planes`. */
+/* Adds a level's weights, judged without a picture or of one at that level, to those behind the first level's planes. */
 static gscl_result add_weights(gscl_fit *f, int level, const gscl_buffer *picture, float share,
                                const gscl_buffer *planes) {
     gscl_buffer part = {0};

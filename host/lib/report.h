@@ -1,5 +1,5 @@
-/* What an encode tells of itself (gscl_encode_report): its stages on the wall clock and, where the settings ask for them,
- * the rounds of its fit.
+/* What an encode tells of itself (gscl_encode_report): its stages on the wall clock and, where the settings ask for
+ * them, the rounds of its fit.
  *
  * A recorder belongs to one encode; the context knows it meanwhile, so that gscl_stage (timing.h) can tell it. */
 #ifndef GSCL_LIB_REPORT_H

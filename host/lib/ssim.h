@@ -20,9 +20,9 @@ gscl_result gscl_ssim_derivative(gscl_ssim *ssim, gscl_context *context, const g
  * it makes): less where `target` is busy, and where the picture is busy.  `picture` may be NULL: not yet known. */
 gscl_result gscl_ssim_weights(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options, int width,
                               int height, const gscl_buffer *picture, const gscl_buffer *target, gscl_buffer *weights);
-/* After gscl_ssim_weights with a picture: by how much contrast around the local mean is to be raised so that squared error
- * leads where SSIM does; for each channel a plane of gains, 0..0.5, then for each one of means.  Images of at least
- * 11x11 pixels. */
+/* After gscl_ssim_weights with a picture: by how much contrast around the local mean is to be raised so that squared
+ * error leads where SSIM does; for each channel a plane of gains, 0..0.5, then for each one of means.  Images of at
+ * least 11x11 pixels. */
 gscl_result gscl_ssim_gains(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options, int width,
                             int height, gscl_buffer *gains);
 /* Accepts a zeroed state. */

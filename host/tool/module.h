@@ -1,4 +1,4 @@
-/* Parts of the tool that are loaded when they are first needed: what they link takes long to load, or may be missing. */
+/* Parts of the tool that are loaded when they are first needed: what they link loads slowly, or may be missing. */
 #ifndef GSCL_TOOL_MODULE_H
 #define GSCL_TOOL_MODULE_H
 

@@ -1,5 +1,5 @@
-/* What a plot shows, for the module that draws it: panels with axes and series of points.  Plain data with no pointers into
- * the heap; texts are static or the caller's, and must live as long as the plot. */
+/* What a plot shows, for the module that draws it: panels with axes and series of points.  Plain data with no pointers
+ * into the heap; texts are static or the caller's, and must live as long as the plot. */
 #ifndef GSCL_TOOL_PLOT_H
 #define GSCL_TOOL_PLOT_H
 

@@ -29,7 +29,7 @@ static void include(axis_scale *axis, double value) {
     axis->high = fmax(axis->high, value);
 }
 
-/* Space around the points; bars stand on the bottom, which is 0 or a power of ten, and leave room for a legend above. */
+/* Space around the points; bars stand on the bottom, 0 or a power of ten, and leave room for a legend above. */
 static void widen(axis_scale *axis, bool bars) {
     if (!(axis->low <= axis->high)) /* no point at all */
         axis->low = axis->is_log ? 0.1 : 0, axis->high = 1;
