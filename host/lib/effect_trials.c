@@ -1,4 +1,4 @@
-/* Trials of effects: encodes of a smaller copy of the image, with an effect and without. */
+/* Trials of effects: quick fits of the image for the same budget, with an effect and without. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -6,13 +6,11 @@
 #include "effects.h"
 #include "timing.h"
 
-#define TRIAL_LEVEL 2     /* of the pyramid: a quarter of the size, */
-#define TRIAL_SIDE 64     /* or more, so that the shorter side has so many pixels */
 #define BITS_PER_SPLAT 34 /* about */
 #define LOOK_LEVEL 1      /* at which the image is looked at */
 #define COHERENT 0.3      /* images whose edges agree less on a direction may do without ellipses */
 #define WINDOW 0.6        /* in which they are to agree: its radius, in distances from splat to splat */
-#define OPACITY_GAIN 0.2  /* dB that opacity must show */
+#define OPACITY_LOSS 0.4  /* dB that opacity may lose in a sketch: passes, which choose codes by rate, make up for it */
 #define LEAST_BYTES 100   /* smaller files have nothing to try */
 #define FAINT (8.0 / 255) /* root mean square of colour differences, up to which grey may do */
 
@@ -90,116 +88,122 @@ static double colourfulness(const gscl_encoder *e) {
 
 /* ---- Trials ---- */
 
-/* The image at a quarter of its size, or what is left at TRIAL_SIDE: the caller frees the pixels. */
-static gscl_result make_copy(const gscl_encoder *e, gscl_image *copy) {
-    const gsf_header *header = &e->picture.file.header;
-    int level = e->first_level, colours = header->has_chroma ? 3 : 1;
-    uint32_t shorter = e->image->width < e->image->height ? e->image->width : e->image->height;
-    while (level < e->first_level + TRIAL_LEVEL && gscl_level_size(shorter, level + 1) >= TRIAL_SIDE)
-        level++;
-    *copy = (gscl_image){.width = gscl_level_size(e->image->width, level),
-                         .height = gscl_level_size(e->image->height, level),
-                         .channels = gsf_channel_count(header),
-                         .sample = GSCL_SAMPLE_F32,
-                         .premultiplied = true};
-    size_t pixels = (size_t)copy->width * copy->height, channels = copy->channels;
-    float *planes = malloc(pixels * channels * sizeof *planes), *samples = malloc(pixels * channels * sizeof *samples);
-    if (planes && samples) {
-        gscl_image_to_planes(e->image, colours, header->has_alpha, level, planes);
-        for (size_t i = 0; i < pixels * channels; i++)
-            samples[i] = planes[i % channels * pixels + i / channels];
-        copy->pixels = samples;
-    } else {
-        free(samples);
-    }
-    free(planes);
-    return copy->pixels ? GSCL_OK : gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
-}
+/* The file that is to be made, and what is known of it. */
+typedef struct trial {
+    gscl_encoder *encoder;
+    size_t bytes, splats; /* the budget; splats where bytes is 0 */
+    double missing;       /* squared error per sample that no sketch sees: of colours that grey leaves out */
+    double psnr;          /* of a sketch with what the settings say so far; NAN: not known */
+} trial;
 
-/* PSNR of the copy, encoded quickly with these effects. */
-static gscl_result try_with(gscl_encoder *e, const gscl_image *copy, double bytes, double splats, uint32_t on,
-                            uint32_t off, double *psnr) {
+/* PSNR of a sketch with these effects asked for, and these ruled out. */
+static gscl_result sketch_with(const trial *t, uint32_t on, uint32_t off, double *psnr) {
+    gscl_encoder *e = t->encoder;
     gscl_encode_settings settings = e->settings;
-    gscl_encode_report report;
-    uint8_t *file = NULL;
-    size_t size;
-    settings.effects_on |= on;
-    settings.effects_off |= off;
-    settings.effort = 0;
-    settings.progress = NULL;
-    settings.target = bytes > 0 ? GSCL_TARGET_BYTES : GSCL_TARGET_SPLATS;
-    settings.target_value = bytes > 0 ? bytes : splats;
-    GSCL_TRY(gscl_encode(e->context, copy, &settings, &file, &size, &report));
-    free(file);
-    *psnr = report.psnr;
-    return GSCL_OK;
+    double mse = 0;
+    e->settings.effects_on |= on;
+    e->settings.effects_off |= off;
+    gscl_result result = gscl_sketch_scalar(e, t->bytes, t->splats, &mse);
+    e->settings = settings;
+    *psnr = -10 * log10(fmax(mse + t->missing, 1e-12));
+    return result;
 }
 
-/* Asks for `effects` where the copy is better with them, by more than `least` dB, and else rules them out. */
-static gscl_result try_both(gscl_encoder *e, uint32_t effects, double least, double bytes, double splats) {
-    gscl_image copy;
-    double with, without;
-    GSCL_TRY(make_copy(e, &copy));
-    gscl_result result = try_with(e, &copy, bytes, splats, effects, 0, &with);
-    if (result == GSCL_OK)
-        result = try_with(e, &copy, bytes, splats, 0, effects, &without);
-    free(copy.pixels);
-    GSCL_TRY(result);
-    bool on = with - without > least;
+/* Asks for effects, or rules them out. */
+static void decide(trial *t, uint32_t effects, bool on, double gain_db) {
+    gscl_encoder *e = t->encoder;
     *(on ? &e->settings.effects_on : &e->settings.effects_off) |= effects;
     for (uint32_t effect = 1; effect <= effects; effect <<= 1)
         if (effects & effect)
-            gscl_effect_decide(e, (gscl_effect)effect, GSCL_EFFECT_TRIAL, on, with - without);
-    return GSCL_OK;
+            gscl_effect_decide(e, (gscl_effect)effect, GSCL_EFFECT_TRIAL, on, gain_db);
+}
+
+static gscl_result know_psnr(trial *t) {
+    return isnan(t->psnr) ? sketch_with(t, 0, 0, &t->psnr) : GSCL_OK;
 }
 
 /* Ellipses against circles. */
-static gscl_result try_shapes(gscl_encoder *e, double bytes, double splats) {
+static gscl_result try_shapes(trial *t) {
     const uint32_t shapes = GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY;
-    bool open = !((e->settings.effects_on | e->settings.effects_off) & shapes);
-    return open ? try_both(e, shapes, 0, bytes, splats) : GSCL_OK;
+    double circles;
+    if ((t->encoder->settings.effects_on | t->encoder->settings.effects_off) & shapes)
+        return GSCL_OK;
+    GSCL_TRY(know_psnr(t));
+    GSCL_TRY(sketch_with(t, 0, shapes, &circles));
+    double gain_db = t->psnr - circles;
+    decide(t, shapes, gain_db > 0, gain_db);
+    t->psnr = fmax(t->psnr, circles);
+    return GSCL_OK;
 }
 
 /* Pays where things hide each other, not in photographs. */
-static gscl_result try_opacity(gscl_encoder *e, double bytes, double splats) {
-    bool open = gscl_effect_is_open(&e->settings, GSCL_EFFECT_OPACITY) && e->settings.blend != GSCL_BLEND_ALPHA &&
-                !e->picture.file.header.has_alpha;
-    return open ? try_both(e, GSCL_EFFECT_OPACITY, OPACITY_GAIN, bytes, splats) : GSCL_OK;
+static gscl_result try_opacity(trial *t) {
+    const gscl_encode_settings *settings = &t->encoder->settings;
+    double with;
+    if (!gscl_effect_is_open(settings, GSCL_EFFECT_OPACITY) || settings->blend == GSCL_BLEND_ALPHA)
+        return GSCL_OK;
+    GSCL_TRY(know_psnr(t));
+    GSCL_TRY(sketch_with(t, GSCL_EFFECT_OPACITY, 0, &with));
+    decide(t, GSCL_EFFECT_OPACITY, with - t->psnr > -OPACITY_LOSS, with - t->psnr);
+    return GSCL_OK;
 }
 
-static gscl_result try_chroma(gscl_encoder *e, double bytes, double splats) {
-    if (!e->picture.file.header.has_chroma || !gscl_effect_is_open(&e->settings, GSCL_EFFECT_CHROMA))
+/* The image becomes grey, or coloured again. */
+static gscl_result set_chroma(gscl_encoder *e, bool chroma) {
+    e->picture.file.header.has_chroma = chroma;
+    return gscl_encoder_make_planes(e);
+}
+
+/* Faint colours against grey.  With an alpha channel the errors of grey and colour do not compare. */
+static gscl_result try_chroma(trial *t) {
+    gscl_encoder *e = t->encoder;
+    const gsf_header *header = &e->picture.file.header;
+    double grey;
+    if (!header->has_chroma || header->has_alpha || !gscl_effect_is_open(&e->settings, GSCL_EFFECT_CHROMA))
         return GSCL_OK;
     double colourful = colourfulness(e);
     gscl_log(e->context, GSCL_LOG_DEBUG, "colourfulness: %.4f", colourful);
     if (colourful > FAINT)
         return GSCL_OK;
-    GSCL_TRY(try_both(e, GSCL_EFFECT_CHROMA, 0, bytes, splats));
-    e->picture.file.header.has_chroma = e->settings.effects_on & GSCL_EFFECT_CHROMA;
-    return e->picture.file.header.has_chroma ? GSCL_OK : gscl_encoder_make_planes(e);
+    GSCL_TRY(know_psnr(t));
+    grey = -20 * log10(fmax(colourful, 1e-6)); /* at best: all but the colours right */
+    if (t->psnr < grey) {
+        GSCL_TRY(set_chroma(e, false));
+        t->missing = colourful * colourful;
+        GSCL_TRY(sketch_with(t, 0, GSCL_EFFECT_CHROMA, &grey));
+    }
+    bool pays = t->psnr > grey;
+    decide(t, GSCL_EFFECT_CHROMA, pays, t->psnr - grey);
+    t->psnr = fmax(t->psnr, grey);
+    if (!pays || header->has_chroma)
+        return GSCL_OK;
+    t->missing = 0;
+    return set_chroma(e, true);
 }
 
 /* What is tried depends on how the image looks. */
-static gscl_result look_and_try(gscl_encoder *e, double bytes, double splats) {
-    double coherent = 1;
-    GSCL_TRY(try_chroma(e, bytes, splats));
+static gscl_result look_and_try(trial *t) {
+    gscl_encoder *e = t->encoder;
+    double coherent = 1, splats = t->bytes ? 8.0 * (double)t->bytes / BITS_PER_SPLAT : (double)t->splats;
+    GSCL_TRY(try_chroma(t));
     GSCL_TRY(look_at_shapes(e, splats, &coherent));
     gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f%s", coherent, e->has_ground ? ", plain ground" : "");
     if (coherent < COHERENT)
-        GSCL_TRY(try_shapes(e, bytes, splats));
-    return coherent < COHERENT || e->has_ground ? try_opacity(e, bytes, splats) : GSCL_OK;
+        GSCL_TRY(try_shapes(t));
+    return coherent < COHERENT || e->has_ground ? try_opacity(t) : GSCL_OK;
 }
 
-gscl_result gscl_effects_try(gscl_encoder *e, double bytes, double splats) {
+gscl_result gscl_effects_try(gscl_encoder *e, size_t bytes, size_t splats) {
     if (e->settings.profile == GSCL_PROFILE_PAPER || e->settings.effort == 0)
         return GSCL_OK;
-    if (bytes > 0 && bytes < LEAST_BYTES)
+    if (bytes && bytes < LEAST_BYTES)
         return GSCL_OK;
-    if (bytes > 0)
-        splats = 8 * bytes / BITS_PER_SPLAT;
+    trial t = {.encoder = e, .bytes = bytes, .splats = splats, .psnr = NAN};
     gscl_stage(e->context, "effect trials");
     gscl_stages_freeze(e->context, true);
-    gscl_result result = look_and_try(e, bytes, splats);
+    gscl_progress_stage(&e->progress, 0, 0);
+    gscl_result result = look_and_try(&t);
+    gscl_progress_stage(&e->progress, 0, 1);
     gscl_stages_freeze(e->context, false);
     return result;
 }

@@ -18,9 +18,9 @@ bool gscl_effect_is_open(const gscl_encode_settings *settings, gscl_effect effec
 /* Notes a decision for the report; a later one on the same effect replaces it. */
 void gscl_effect_decide(gscl_encoder *encoder, gscl_effect effect, gscl_effect_reason reason, bool on, double gain_db);
 
-/* Tries effects that this image, looked at quickly, may be better without, each on a smaller copy: encoded with it and
- * without, at the size that the file is to have (`bytes`, or else `splats`).  What loses goes into
- * settings.effects_off, so that what follows is what it would have been, had the caller said so. */
-gscl_result gscl_effects_try(gscl_encoder *encoder, double bytes, double splats);
+/* Tries effects that this image, looked at quickly, may be better with or without: a sketch each way (encoder.h), for
+ * the file that is to be made (of `bytes`, or where they are 0 of `splats`).  What wins is asked for in the settings
+ * and what loses ruled out, so that what follows is what it would have been, had the caller said so. */
+gscl_result gscl_effects_try(gscl_encoder *encoder, size_t bytes, size_t splats);
 
 #endif

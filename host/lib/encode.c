@@ -189,8 +189,9 @@ static gscl_result encode_to_bytes(gscl_encoder *e) {
     GSCL_TRY(check_budget(e, budget));
     if (e->content.flat)
         return GSCL_OK;
-    GSCL_TRY(gscl_effects_try(e, budget, 0));
-    GSCL_TRY(gscl_encode_fit(e, (size_t)fmin(budget, 1e12), 0));
+    size_t bytes = (size_t)fmin(budget, 1e12);
+    GSCL_TRY(gscl_effects_try(e, bytes, 0));
+    GSCL_TRY(gscl_encode_fit(e, bytes, 0));
     return prefer_flat(e);
 }
 
@@ -204,7 +205,7 @@ static gscl_result encode_target(gscl_encoder *e) {
         encode_flat(e);
         if (e->content.flat || e->settings.target_value < 1)
             return GSCL_OK;
-        GSCL_TRY(gscl_effects_try(e, 0, e->settings.target_value));
+        GSCL_TRY(gscl_effects_try(e, 0, (size_t)e->settings.target_value));
         return gscl_encode_fit(e, 0, (size_t)e->settings.target_value);
     case GSCL_TARGET_PSNR:
         break;
@@ -212,7 +213,7 @@ static gscl_result encode_target(gscl_encoder *e) {
     encode_flat(e);
     if (e->content.flat)
         return GSCL_OK;
-    GSCL_TRY(gscl_effects_try(e, AUTO_BPP / 8 * e->image->width * e->image->height, 0));
+    GSCL_TRY(gscl_effects_try(e, (size_t)(AUTO_BPP / 8 * e->image->width * e->image->height), 0));
     return gscl_encode_to_psnr(e);
 }
 

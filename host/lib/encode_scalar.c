@@ -32,6 +32,7 @@
 #define SPARSE_SURPLUS 0.2        /* more surplus where splats are sparse; */
 #define SPARSE_STEPS 0.6          /* there a step is quick, and more of them are made */
 #define TEXTURE_EFFORT 1          /* from here on textures are looked for */
+#define SKETCH_DENSE 12.0         /* sketches are made at full size where splats are closer, in pixels */
 
 typedef gscl_scalar_schedule schedule;
 
@@ -223,8 +224,8 @@ static gscl_result fit_and_quantise(schedule *s) {
     return s->bytes ? gscl_scalar_trim(s) : GSCL_OK;
 }
 
-gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
-    const rung *r = &ladder[e->settings.effort];
+/* What to do for the budget; the encoder's effects are settled. */
+static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats) {
     schedule s = {.encoder = e,
                   .steps = r->steps,
                   .passes = r->passes,
@@ -235,8 +236,6 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
                   .keep_all = bytes == 0,
                   .target = splats,
                   .pressure = bytes ? r->pressure : 1};
-    e->picture.file.steps = steps_for(&e->settings);
-    gscl_effects_begin(e); /* a fit before may have decided otherwise */
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;
     double sparse = fmin(fmax(sparseness(&s) - 1, 0), 1);
@@ -246,8 +245,60 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
     if (s.target > s.most)
         s.target = s.most;
     s.start = (size_t)ceil((double)s.target * START_SHARE);
+    return s;
+}
+
+static void settle(gscl_encoder *e) {
+    e->picture.file.steps = steps_for(&e->settings);
+    gscl_effects_begin(e); /* a fit before may have decided otherwise */
+}
+
+gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
+    settle(e);
+    schedule s = plan(e, &ladder[e->settings.effort], bytes, splats);
     gscl_result result = fit_and_quantise(&s);
     gscl_fit_free(&s.fit);
     free(s.params);
+    return result;
+}
+
+/* ---- Sketches ---- */
+
+static const rung sketch_rung = {.steps = 180, .surplus = 1.08, .pressure = 1.0};
+
+/* The coarsest level that still shows what so many splats can. */
+static int sketch_level(const schedule *s) {
+    double pixels = fitted_pixels(s->encoder);
+    int level = 0;
+    while (pixels > SMALL_IMAGE && pixels / (double)(s->target + 1) > SKETCH_DENSE * SKETCH_DENSE) {
+        pixels /= 4;
+        level++;
+    }
+    return level;
+}
+
+/* Of what the fit shows now, through its quantiser, at its level. */
+static gscl_result mean_error(gscl_fit *fit, double *mse) {
+    double sum;
+    GSCL_TRY(gscl_renderer_bin(&fit->renderer, true));
+    GSCL_TRY(gscl_renderer_draw(&fit->renderer));
+    GSCL_TRY(gscl_fit_error_sum(fit, &fit->renderer.image, &sum));
+    *mse = sum / ((double)gscl_fit_level_pixels(fit, fit->level) * fit->renderer.channels);
+    return GSCL_OK;
+}
+
+gscl_result gscl_sketch_scalar(gscl_encoder *e, size_t bytes, size_t splats, double *mse) {
+    uint64_t random = e->random;
+    settle(e);
+    schedule s = plan(e, &sketch_rung, bytes, splats);
+    s.finest = sketch_level(&s);
+    gscl_result result = create_fit(&s);
+    if (result == GSCL_OK)
+        result = run_steps(&s);
+    if (result == GSCL_OK)
+        result = mean_error(&s.fit, mse);
+    gscl_fit_free(&s.fit);
+    free(s.params);
+    e->random = random;
     return result;
 }

@@ -30,6 +30,10 @@ typedef struct gscl_encoder {
  * larger than `bytes`. */
 gscl_result gscl_encode_scalar(gscl_encoder *encoder, size_t bytes, size_t splats);
 gscl_result gscl_encode_codebook(gscl_encoder *encoder, size_t bytes, size_t splats);
+/* A quick fit of the default profile, for the same budget and with the effects that the settings give: `mse` is the
+ * squared error per sample (weighted where the fit is) before anything is chosen by rate.  Of the encoder only the
+ * picture changes, which has no meaning afterwards. */
+gscl_result gscl_sketch_scalar(gscl_encoder *encoder, size_t bytes, size_t splats, double *mse);
 /* Splats beyond which more bytes are of no use to this image; no limit but the format's when `bytes` is 0 (the caller
  * asked for a number of splats). */
 size_t gscl_most_splats(const gscl_encoder *encoder, size_t bytes);

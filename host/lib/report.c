@@ -13,7 +13,7 @@ static const char aside[] = "measuring rounds";
 
 void gscl_recorder_begin(gscl_recorder *r, gscl_context *context, gscl_encode_report *report, bool rounds) {
     *report = (gscl_encode_report){0};
-    *r = (gscl_recorder){.outer = context->recorder, .report = report, .rounds = rounds, .start_s = gscl_now()};
+    *r = (gscl_recorder){.report = report, .rounds = rounds, .start_s = gscl_now()};
     context->recorder = r;
 }
 
@@ -22,7 +22,7 @@ void gscl_recorder_end(gscl_recorder *r, gscl_context *context) {
         return;
     r->report->seconds = gscl_now() - r->start_s - r->aside_s;
     gscl_renderer_free(&r->probe);
-    context->recorder = r->outer;
+    context->recorder = NULL;
     r->report = NULL;
 }
 

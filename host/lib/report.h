@@ -9,7 +9,6 @@
 #include "fit.h"
 
 typedef struct gscl_recorder {
-    struct gscl_recorder *outer; /* of the encode that this one is a trial of, or NULL */
     gscl_encode_report *report;
     bool rounds; /* are wanted */
     double start_s;

@@ -173,7 +173,7 @@ typedef enum gscl_effect_reason {
     GSCL_EFFECT_ASKED = 0,   /* the settings */
     GSCL_EFFECT_CONTENT = 1, /* the image has, or lacks, what it is for */
     GSCL_EFFECT_PROFILE = 2, /* profile and blend */
-    GSCL_EFFECT_TRIAL = 3,   /* a trial on a smaller copy of this image */
+    GSCL_EFFECT_TRIAL = 3,   /* trials: quick fits of this image */
     GSCL_EFFECT_PASSES = 4   /* the rate-distortion passes, splat by splat */
 } gscl_effect_reason;
 /* "asked", "content", "profile", "trial", "passes"; NULL for anything else. */
@@ -183,7 +183,7 @@ typedef struct gscl_effect_decision {
     gscl_effect effect;
     bool on;
     gscl_effect_reason reason;
-    double gain_db; /* TRIAL: PSNR with it less PSNR without, at the same size, of a smaller copy; else NaN */
+    double gain_db; /* TRIAL: PSNR with it less PSNR without, of quick fits for the same budget; else NaN */
 } gscl_effect_decision;
 
 /* ---- Encoding ---------------------------------------------------------------------------- */
