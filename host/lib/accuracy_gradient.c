@@ -8,7 +8,9 @@
 #include "fit.h"
 
 #define MOST_SIDE 128 /* pixels of the part that is looked at */
-#define STEP 1e-5     /* of the differences, in the units of the parameters */
+/* Of the differences, in the units of the parameters.  Where a needle alone reaches a pixel, `normalized` goes from the
+ * background to its colour within some 1e-5 rad: longer steps jump over that. */
+#define STEP 1e-6
 
 typedef struct kind {
     const char *name;

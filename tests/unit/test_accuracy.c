@@ -286,7 +286,7 @@ static void test_step_factor(void **state) {
 
 static void check_gradient(void *opaque, const gscl_gradient_accuracy *a) {
     assert_true(a->parameters > 0 && a->ns_per_pixel > 0);
-    if (!(a->rms_error < 5e-3 && a->largest_error < 5e-3)) /* needles are worst */
+    if (!(a->rms_error < 1e-3 && a->largest_error < 1e-3))
         fail_msg("%s, %s: off by %g, at most by %g", a->kind, a->variant, a->rms_error, a->largest_error);
     ++*(int *)opaque;
 }
