@@ -78,6 +78,9 @@ inline pix pix_load_clipped(__global const real *row, int count) {
 /* 1 in the lanes that lie inside the image, else 0. */
 inline pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), pix_offsets() < (pix)((float)count)); }
 
+/* Where Gaussians end, as u^2 + v^2. */
+#define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
+
 #if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT
 inline pix pix_exp2_minus(pix q) { return exp2(-q); }
 #elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
@@ -86,7 +89,6 @@ inline pix pix_exp2_minus(pix q) { return native_exp2(-q); }
 /* 2^-q for q in [0, SUPPORT2]; larger q give a value at or below GSCL_WEIGHT_FLOOR.  The nearest integer comes
  * from adding and taking away 1.5 * 2^23, whose low bits then also shift into the exponent; the rest is a
  * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
-#define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
 inline pix pix_exp2_minus(pix q) {
     pix y = -fmin(q, (pix)(SUPPORT2));
     pix shifted = y + 12582912.0f;

@@ -24,7 +24,8 @@ inline void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *r
     float step = drawn[GSCL_DRAWN_VY];
     s->u = dx * drawn[GSCL_DRAWN_UX];
     s->v = dy * step;
-    s->column = pix_exp2_minus(s->u * s->u);
+    /* Exactly 0 where no row is seen: rows may be rounded to more than 1, and have a gradient where they are seen. */
+    s->column = select((pix)(0.0f), pix_exp2_minus(s->u * s->u), s->u * s->u < (pix)(SUPPORT2));
     s->row = exp2(-s->v * s->v);
     s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * drawn[GSCL_DRAWN_ROW_STEP];
     s->row_bend = drawn[GSCL_DRAWN_ROW_STEP] * drawn[GSCL_DRAWN_ROW_STEP];
