@@ -16,12 +16,14 @@
 #define STEEPEST 0.715 /* slope of 2^-r^2 */
 
 /* In the kernel's frame g = 2^-(u^2 + v^2). */
-static const double to_frame = 0.84932180028801905, factor = 1.3862943611198906, cut2 = 10.098865286222744;
+static const double ln2 = 0.69314718055994531, to_frame = 0.84932180028801905, factor = 1.3862943611198906,
+                    cut2 = 10.098865286222744;
 
 /* A splat at a pixel, with its errors. */
 typedef struct {
     double u, v, du, dv;
     double g, most, dg; /* the Gaussian, at most so much, off by */
+    double rounding;    /* of the Gaussian, relative, where u and v are exact */
     double w, dw;       /* the weight with its opacity */
     bool drawn;         /* maybe drawn */
     bool doubtful;      /* at the cut: maybe not drawn */
@@ -38,8 +40,18 @@ static void frame_errors(const oracle_appearance *a, double x, double y, sample 
     s->dv = RECORD * (dx * n + dy * c) * i2 + (3.0 + steps) * UNIT * walked_v;
 }
 
-static sample sample_at(const oracle_appearance *a, double x, double y) {
-    sample s = {0};
+/* Rows of what is not turned: row n is the first one times n ratios, each of which is the one before times the square of
+ * 2^-step^2.  An exp2 is off by 3 ulp besides what its argument is off by: so is the first row, the first ratio
+ * 2^(-2 v step) 2^-step^2 n times, and the square n (n - 1) / 2 times. */
+static double stepped_rounding(const oracle_appearance *a) {
+    const double step = a->i2 * to_frame, height = sqrt(14.0) / a->i2, n = fmin(TILE - 1, floor(2.0 * height) + 1.0);
+    const double bend = ln2 * step * step * 2.0 * RECORD + 7.0 * UNIT;
+    const double ratio = ln2 * 2.0 * sqrt(cut2) * step * (RECORD + 4.0 * UNIT) + 7.0 * UNIT + bend;
+    return 20.0 * UNIT + n * (ratio + 2.0 * UNIT) + n * (n - 1.0) / 2.0 * (2.0 * bend + UNIT);
+}
+
+static sample sample_at(const oracle_fit *fit, const oracle_appearance *a, double x, double y) {
+    sample s = {.rounding = GAUSS + (fit->stepped ? stepped_rounding(a) : 0.0)};
     oracle_frame(a, x, y, &s.u, &s.v);
     s.u *= to_frame;
     s.v *= to_frame;
@@ -48,10 +60,10 @@ static sample sample_at(const oracle_appearance *a, double x, double y) {
     s.drawn = near < cut * (1.0 + 4.0 * UNIT);
     if (!s.drawn)
         return s;
-    s.doubtful = fabs(r - cut) <= dr + GAUSS;
+    s.doubtful = fabs(r - cut) <= dr + s.rounding;
     s.g = exp2(-r * r);
     s.most = exp2(-near * near);
-    s.dg = fmin(factor * (r + dr) * s.most, STEEPEST) * dr + GAUSS * s.most;
+    s.dg = fmin(factor * (r + dr) * s.most, STEEPEST) * dr + s.rounding * s.most;
     s.w = r < cut ? a->opacity * (s.g - exp2(-cut2)) : 0.0;
     s.dw = a->opacity * (s.dg + 2.0 * UNIT) + LOGISTIC * s.w;
     return s;
@@ -68,7 +80,7 @@ static double power(double x, int n) {
 
 static term moment(const sample *s, int a, int b) {
     const double u = fabs(s->u) + s->du, v = fabs(s->v) + s->dv, most = power(u, a) * power(v, b) * s->most;
-    term t = {power(fabs(s->u), a) * power(fabs(s->v), b) * s->g, 40.0 * UNIT * most};
+    term t = {power(fabs(s->u), a) * power(fabs(s->v), b) * s->g, (18.0 * UNIT + s->rounding) * most};
     if (a > 0)
         t.error += a * s->du * power(u, a - 1) * power(v, b) * s->most;
     if (b > 0)
@@ -270,7 +282,7 @@ void oracle_fit_bounds(const oracle_fit *fit, const double *params, size_t count
     for (int pixel = 0; pixel < s.pixels; pixel++) {
         pixel_state p;
         for (size_t i = 0; i < count; i++)
-            samples[i] = sample_at(&s.splats[i], oracle_pixel_x(fit, pixel), oracle_pixel_y(fit, pixel));
+            samples[i] = sample_at(fit, &s.splats[i], oracle_pixel_x(fit, pixel), oracle_pixel_y(fit, pixel));
         draw_with_errors(&s, pixel, samples, &p);
         begin_chain(&s, pixel, &p);
         for (size_t j = 0; j < count; j++) {

@@ -16,6 +16,7 @@ typedef struct {
     int colours, alpha_channel; /* coded channels: their sum */
     bool opacity, texture;
     bool absolute;     /* loss L1, else L2 */
+    bool stepped;      /* no splat is turned: kernels step a Gaussian's rows by multiplication; for bounds */
     int level;         /* of the pyramid that is drawn */
     int width, height; /* of that level */
     double background[ORACLE_CHANNELS];

@@ -31,10 +31,21 @@ void scene_begin(scene *s, const char *name, int blend) {
     s->blend = blend;
     s->level = 0;
     s->round = false;
+    s->shape = GSCL_SHAPE_TURNED;
     s->count = 0;
     s->stride = 1;
     test_random_state = 12345;
     scene_resize(s, (int)scene_scaled(40, 18), (int)scene_scaled(33, 9));
+}
+
+void scene_take_shape(scene *s, int shape) {
+    s->shape = shape;
+    for (size_t i = 0; i < s->count && shape != GSCL_SHAPE_TURNED; i++) {
+        float *p = s->params + i * GSCL_PARAMS;
+        p[GSCL_THETA] = 0.0f;
+        if (shape == GSCL_SHAPE_ROUND)
+            p[GSCL_LOG_S2] = p[GSCL_LOG_S1];
+    }
 }
 
 double scene_log_uniform(double low, double high) {

@@ -18,6 +18,7 @@ typedef struct {
     int blend;
     int width, height, level; /* of the full-size image; of the pyramid */
     bool round;               /* all splats are: their angle must have a gradient of exactly 0 */
+    int shape;                /* GSCL_SHAPE_...: of the kernels */
     size_t count;
     size_t stride; /* the gradient is differenced for every such splat */
     float params[SCENE_SPLATS * GSCL_PARAMS];
@@ -38,6 +39,8 @@ void scene_begin(scene *s, const char *name, int blend);
 /* Adds a splat somewhere in the image, of axes from 0.7 to 15 pixels and any angle, opacity and colour. */
 float *scene_add(scene *s);
 void scene_set_axes(float *params, double s1, double s2);
+/* From now on no splat is turned, and of GSCL_SHAPE_ROUND all are circles with the first axis. */
+void scene_take_shape(scene *s, int shape);
 /* Another size, and noise to be fitted. */
 void scene_resize(scene *s, int width, int height);
 int scene_level_width(const scene *s);

@@ -11,12 +11,14 @@
 
 #include "check.h"
 
-#define MOST_TESTS 200
+#define MOST_TESTS 400
+
+static const char *const shapes[] = {"turned", "upright", "circles"}; /* GSCL_SHAPE_... */
 
 /* One test. */
 typedef struct {
     const scene_case *of;
-    int blend;
+    int blend, shape;
     char name[100];
 } hard_test;
 
@@ -25,35 +27,45 @@ static void test_hard_scene(void **state) {
     const hard_test *t = *state;
     scene_begin(&s, t->of->name, t->blend);
     t->of->make(&s);
+    scene_take_shape(&s, t->shape);
+    if (t->shape != GSCL_SHAPE_TURNED)
+        snprintf(s.name + strlen(s.name), sizeof s.name - strlen(s.name), ", %s", shapes[t->shape]);
     check_scene(&s);
 }
 
 /* STABILITY_BLEND: a blend's name, or `turn`: of each case one blend, of all cases all, and none of the images, which no
  * kernel knows. */
-static bool is_wanted(const scene_case *subject, size_t number, int blend) {
+static bool is_wanted(const scene_case *subject, size_t number, int blend, int shape) {
     const char *wanted = getenv("STABILITY_BLEND");
+    if (shape != GSCL_SHAPE_TURNED && subject == image_cases)
+        return false;
     if (wanted && !strcmp(wanted, "turn"))
-        return subject != image_cases && (int)(number % 3) == blend;
+        return subject != image_cases && (int)(number % 3) == blend && (shape == GSCL_SHAPE_TURNED || number % 4 == 0);
     return !wanted || !strcmp(wanted, stability_blends[blend]);
+}
+
+static hard_test hard[MOST_TESTS];
+static size_t hard_count;
+
+static void add_tests(const scene_case *subject, size_t number, int shape) {
+    for (int blend = 0; blend < 3; blend++) {
+        if (hard_count == MOST_TESTS || !is_wanted(subject, number, blend, shape))
+            continue;
+        hard_test *test = &hard[hard_count++];
+        *test = (hard_test){.of = &subject[number], .blend = blend, .shape = shape};
+        snprintf(test->name, sizeof test->name, "%s, %s, %s", subject[number].name, shapes[shape],
+                 stability_blends[blend]);
+    }
 }
 
 int main(void) {
     static const scene_case *const subjects[] = {shape_cases, blending_cases, place_cases, image_cases};
-    static hard_test hard[MOST_TESTS];
     static struct CMUnitTest tests[MOST_TESTS];
-    size_t count = 0;
-    for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++) {
-        for (size_t j = 0; subjects[i][j].name; j++) {
-            for (int blend = 0; blend < 3 && count < MOST_TESTS; blend++) {
-                if (!is_wanted(subjects[i], j, blend))
-                    continue;
-                hard[count] = (hard_test){.of = &subjects[i][j], .blend = blend};
-                snprintf(hard[count].name, sizeof hard[count].name, "%s, %s", subjects[i][j].name,
-                         stability_blends[blend]);
-                tests[count] = (struct CMUnitTest){hard[count].name, test_hard_scene, NULL, NULL, &hard[count]};
-                count++;
-            }
-        }
-    }
-    return _cmocka_run_group_tests("scenes", tests, count, stability_open, stability_close);
+    for (int shape = GSCL_SHAPE_TURNED; shape <= GSCL_SHAPE_ROUND; shape++)
+        for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++)
+            for (size_t j = 0; subjects[i][j].name; j++)
+                add_tests(subjects[i], j, shape);
+    for (size_t i = 0; i < hard_count; i++)
+        tests[i] = (struct CMUnitTest){hard[i].name, test_hard_scene, NULL, NULL, &hard[i]};
+    return _cmocka_run_group_tests("scenes", tests, hard_count, stability_open, stability_close);
 }
