@@ -62,6 +62,8 @@ check "format of sources" sh tests/check_format.sh
 # Host code under ASan and UBSan, hard cases of small size; leaks are looked for apart.
 check "build with sanitizers" build build-sanitize \
     --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled
+# The kernels are the same ones: what is built need not be built again.
+[ -d build-sanitize/tests/pocl ] || cp -R build-test/tests/pocl build-sanitize/tests/
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export STABILITY_SMALL=1
 suite build-sanitize --suite unit --suite fuzz --suite stability
