@@ -41,7 +41,8 @@ static void tensor_of(const field *f, tensor *t) {
         }
 }
 
-/* `planes`: room for three of the field's size; `line`: for its longer side.  1: in each window all edges have one direction; 0: all directions are there alike. */
+/* 1: in each window all edges have one direction; 0: all directions are there alike.  `planes`: room for three of the
+ * field's size; `line`: for its longer side. */
 static double coherence(const field *f, int radius, float *planes, double *line) {
     size_t pixels = (size_t)f->width * (size_t)f->height;
     tensor t = {planes, planes + pixels, planes + 2 * pixels};
@@ -122,26 +123,22 @@ static gscl_result know_psnr(trial *t) {
     return isnan(t->psnr) ? sketch_with(t, 0, 0, &t->psnr) : GSCL_OK;
 }
 
+#define SHAPES (GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY)
+
 /* Ellipses against circles. */
 static gscl_result try_shapes(trial *t) {
-    const uint32_t shapes = GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY;
     double circles;
-    if ((t->encoder->settings.effects_on | t->encoder->settings.effects_off) & shapes)
-        return GSCL_OK;
     GSCL_TRY(know_psnr(t));
-    GSCL_TRY(sketch_with(t, 0, shapes, &circles));
+    GSCL_TRY(sketch_with(t, 0, SHAPES, &circles));
     double gain_db = t->psnr - circles;
-    decide(t, shapes, gain_db > 0, gain_db);
+    decide(t, SHAPES, gain_db > 0, gain_db);
     t->psnr = fmax(t->psnr, circles);
     return GSCL_OK;
 }
 
 /* Pays where things hide each other, not in photographs. */
 static gscl_result try_opacity(trial *t) {
-    const gscl_encode_settings *settings = &t->encoder->settings;
     double with;
-    if (!gscl_effect_is_open(settings, GSCL_EFFECT_OPACITY) || settings->blend == GSCL_BLEND_ALPHA)
-        return GSCL_OK;
     GSCL_TRY(know_psnr(t));
     GSCL_TRY(sketch_with(t, GSCL_EFFECT_OPACITY, 0, &with));
     decide(t, GSCL_EFFECT_OPACITY, with - t->psnr > -OPACITY_LOSS, with - t->psnr);
@@ -185,12 +182,17 @@ static gscl_result try_chroma(trial *t) {
 static gscl_result look_and_try(trial *t) {
     gscl_encoder *e = t->encoder;
     double coherent = 1, splats = t->bytes ? 8.0 * (double)t->bytes / BITS_PER_SPLAT : (double)t->splats;
+    const gscl_encode_settings *settings = &e->settings;
+    bool shapes_open = !((settings->effects_on | settings->effects_off) & SHAPES);
+    bool opacity_open = gscl_effect_is_open(settings, GSCL_EFFECT_OPACITY) && settings->blend != GSCL_BLEND_ALPHA;
     GSCL_TRY(try_chroma(t));
+    if (!shapes_open && !opacity_open)
+        return GSCL_OK;
     GSCL_TRY(look_at_shapes(e, splats, &coherent));
     gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f%s", coherent, e->has_ground ? ", plain ground" : "");
-    if (coherent < COHERENT)
+    if (shapes_open && coherent < COHERENT)
         GSCL_TRY(try_shapes(t));
-    return coherent < COHERENT || e->has_ground ? try_opacity(t) : GSCL_OK;
+    return opacity_open && (coherent < COHERENT || e->has_ground) ? try_opacity(t) : GSCL_OK;
 }
 
 gscl_result gscl_effects_try(gscl_encoder *e, size_t bytes, size_t splats) {

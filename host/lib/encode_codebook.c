@@ -192,19 +192,12 @@ static gscl_result write_size(trainer *t, size_t *size) {
     return gscl_encoder_size(t->encoder, size);
 }
 
-/* Squared error of what is projected. */
-static gscl_result measure_error(trainer *t, double *error) {
-    GSCL_TRY(gscl_renderer_bin(&t->fit.renderer, true));
-    GSCL_TRY(gscl_renderer_draw(&t->fit.renderer));
-    return gscl_fit_error_sum(&t->fit, &t->fit.renderer.image, error);
-}
-
 /* One pass of choosing words at a price of `factor` times the current one. */
 static gscl_result choose(trainer *t, double factor, size_t *size) {
     double error;
     GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->picture));
     GSCL_TRY(gscl_codebook_project(&t->codebook));
-    GSCL_TRY(measure_error(t, &error));
+    GSCL_TRY(gscl_fit_drawn_error(&t->fit, &error));
     GSCL_TRY(write_size(t, size));
     double bits = 8.0 * (double)(t->bytes ? t->bytes : *size);
     bool keep_all = t->bytes == 0 || *size < t->bytes;
@@ -297,7 +290,7 @@ static gscl_result train(trainer *t) {
     for (int k = 0; k < t->fit.renderer.channels; k++)
         e->picture.file.background[k] = gscl_quantise_background(&e->picture.file.header, t->fit.background[k]);
     GSCL_TRY(fit_freely(t, through));
-    GSCL_TRY(measure_error(t, &t->error));
+    GSCL_TRY(gscl_fit_drawn_error(&t->fit, &t->error));
     GSCL_TRY(gscl_codebook_create(&t->codebook, &t->fit, POSITION_BITS, bits, bits));
     gscl_log(e->context, GSCL_LOG_DEBUG, "free fit: %d of %zu splats", (int)t->fit.renderer.count, t->target);
     gscl_stage(e->context, "fit, through codebooks");

@@ -224,7 +224,7 @@ static gscl_result fit_and_quantise(schedule *s) {
     return s->bytes ? gscl_scalar_trim(s) : GSCL_OK;
 }
 
-/* What to do for the budget; the encoder's effects are settled. */
+/* Settles the effects, and what to do for the budget. */
 static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats) {
     schedule s = {.encoder = e,
                   .steps = r->steps,
@@ -236,6 +236,8 @@ static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats
                   .keep_all = bytes == 0,
                   .target = splats,
                   .pressure = bytes ? r->pressure : 1};
+    e->picture.file.steps = steps_for(&e->settings);
+    gscl_effects_begin(e); /* a fit before may have decided otherwise */
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;
     double sparse = fmin(fmax(sparseness(&s) - 1, 0), 1);
@@ -248,13 +250,7 @@ static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats
     return s;
 }
 
-static void settle(gscl_encoder *e) {
-    e->picture.file.steps = steps_for(&e->settings);
-    gscl_effects_begin(e); /* a fit before may have decided otherwise */
-}
-
 gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
-    settle(e);
     schedule s = plan(e, &ladder[e->settings.effort], bytes, splats);
     gscl_result result = fit_and_quantise(&s);
     gscl_fit_free(&s.fit);
@@ -264,7 +260,7 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, size_t bytes, size_t splats) {
 
 /* ---- Sketches ---- */
 
-static const rung sketch_rung = {.steps = 180, .surplus = 1.08, .pressure = 1.0};
+static const rung sketch_rung = {.steps = 180, .surplus = 1.08};
 
 /* The coarsest level that still shows what so many splats can. */
 static int sketch_level(const schedule *s) {
@@ -280,16 +276,13 @@ static int sketch_level(const schedule *s) {
 /* Of what the fit shows now, through its quantiser, at its level. */
 static gscl_result mean_error(gscl_fit *fit, double *mse) {
     double sum;
-    GSCL_TRY(gscl_renderer_bin(&fit->renderer, true));
-    GSCL_TRY(gscl_renderer_draw(&fit->renderer));
-    GSCL_TRY(gscl_fit_error_sum(fit, &fit->renderer.image, &sum));
+    GSCL_TRY(gscl_fit_drawn_error(fit, &sum));
     *mse = sum / ((double)gscl_fit_level_pixels(fit, fit->level) * fit->renderer.channels);
     return GSCL_OK;
 }
 
 gscl_result gscl_sketch_scalar(gscl_encoder *e, size_t bytes, size_t splats, double *mse) {
     uint64_t random = e->random;
-    settle(e);
     schedule s = plan(e, &sketch_rung, bytes, splats);
     s.finest = sketch_level(&s);
     gscl_result result = create_fit(&s);

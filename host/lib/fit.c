@@ -332,10 +332,19 @@ static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, float *err
     return read_distance(f, planes, gscl_fit_goal(f), f->level, f->renderer.options.weighted, error);
 }
 
-gscl_result gscl_fit_error(gscl_fit *f, float *error) {
+static gscl_result draw(gscl_fit *f) {
     GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
-    GSCL_TRY(gscl_renderer_draw(&f->renderer));
+    return gscl_renderer_draw(&f->renderer);
+}
+
+gscl_result gscl_fit_error(gscl_fit *f, float *error) {
+    GSCL_TRY(draw(f));
     return read_error(f, &f->renderer.image, error);
+}
+
+gscl_result gscl_fit_drawn_error(gscl_fit *f, double *sum) {
+    GSCL_TRY(draw(f));
+    return gscl_fit_error_sum(f, &f->renderer.image, sum);
 }
 
 gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *sum) {

@@ -94,6 +94,8 @@ gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
 /* Draws the splats as they are now (through the quantiser) and reads the squared error of each pixel of the
  * level, added over channels, times its weight. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
+/* Draws the splats likewise: the sum over the level. */
+gscl_result gscl_fit_drawn_error(gscl_fit *fit, double *sum);
 /* Sum of (weighted) squared errors of planes (of the level's size) against the level's target. */
 gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
 /* Mean squared error of planes of the first level's size against the image, per sample and not weighted. */

@@ -30,12 +30,11 @@ FIXED = {
 
 
 def encode(arguments, image, effects, seed, work):
-    """Encodes once; returns the report, with the effects that the file has."""
+    """Encodes once; returns the report."""
     options = ["--effects", effects] if effects else []
     report = codec.run(arguments.gscl, "encode", image, "-o", work / "picture.gscl", "--bpp", arguments.bpp, "-q", "--json",
                        "--seed", seed, *options)[1]
     report["psnr"] = 99.0 if report["psnr"] is None else report["psnr"]
-    report["used"] = codec.run(arguments.gscl, "info", work / "picture.gscl", "--json")[1]["effects"]
     return report
 
 
@@ -61,15 +60,17 @@ def describe(reports):
 def row_of(arguments, image, work):
     choices = {"auto": "", **FIXED}
     reports = {name: [] for name in choices}
-    for seed in range(1, arguments.seeds + 1): # choices take turns: what slows the machine down slows them all
+    for seed in range(1, arguments.seeds + 1):  # choices take turns: what slows the machine down slows them all
         for name, effects in choices.items():
             reports[name].append(encode(arguments, image, effects, seed, work))
+            if name == "auto":
+                reports[name][-1]["used"] = codec.run(arguments.gscl, "info", work / "picture.gscl", "--json")[1]["effects"]
+    seconds = {name: statistics.median(report["seconds"] for report in reports[name]) for name in ("auto", "all on")}
     best = max(FIXED, key=lambda name: mean(reports[name], "psnr"))
     psnrs = [report["psnr"] for report in reports["auto"]]
     return dict(name=image.stem, text=describe(reports["auto"]), psnr=mean(reports["auto"], "psnr"),
-                spread=statistics.stdev(psnrs) if len(psnrs) > 1 else 0.0, seconds=statistics.median(r["seconds"] for r in reports["auto"]),
-                all_psnr=mean(reports["all on"], "psnr"), all_seconds=statistics.median(r["seconds"] for r in reports["all on"]),
-                best=best, best_psnr=mean(reports[best], "psnr"))
+                spread=statistics.stdev(psnrs) if len(psnrs) > 1 else 0.0, seconds=seconds["auto"],
+                all_psnr=mean(reports["all on"], "psnr"), all_seconds=seconds["all on"], best=best, best_psnr=mean(reports[best], "psnr"))
 
 
 def table_of(rows, arguments):

@@ -71,6 +71,13 @@ double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count
 
 /* ---- Differences ---- */
 
+void oracle_shape_gradient(double *gradient, bool turned, bool round) {
+    if (!turned)
+        gradient[4] = 0.0;
+    if (round)
+        gradient[2] = gradient[3] = gradient[2] + gradient[3];
+}
+
 double oracle_natural_step(const oracle_fit *fit, const double *p, size_t parameter) {
     const oracle_appearance a = oracle_appear(fit, p);
     const double scale = ldexp(1.0, fit->level), pi = 3.14159265358979323846;

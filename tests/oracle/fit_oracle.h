@@ -36,6 +36,10 @@ double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count
  * which each pixel stands. */
 void oracle_fit_gradient(const oracle_fit *fit, const double *params, size_t count, size_t stride, double *gradient);
 
+/* What is left of one splat's gradient, or of its bounds, where kernels do not turn splats: no angle; and of a circle's
+ * one axis the whole, in both places. */
+void oracle_shape_gradient(double *gradient, bool turned, bool round);
+
 /* How far a parameter must go to change much in the picture: an axis's length, or what moves its end by so much. */
 double oracle_natural_step(const oracle_fit *fit, const double *params, size_t parameter);
 

@@ -50,14 +50,6 @@ static size_t samples_of(const scene *s) {
     return (size_t)scene_level_width(s) * (size_t)scene_level_height(s) * SCENE_CHANNELS;
 }
 
-/* Upright splats have no angle; circles have one axis, whose gradient both places hold. */
-static void take_shape(const scene *s, double *gradient) {
-    if (s->shape != GSCL_SHAPE_TURNED)
-        gradient[GSCL_THETA] = 0.0;
-    if (s->shape == GSCL_SHAPE_ROUND)
-        gradient[GSCL_LOG_S1] = gradient[GSCL_LOG_S2] = gradient[GSCL_LOG_S1] + gradient[GSCL_LOG_S2];
-}
-
 static truth make_truth(const scene *s, const float background[4]) {
     const size_t samples = samples_of(s), parameters = s->count * GSCL_PARAMS;
     double *target = doubles(samples), *params = doubles(parameters);
@@ -79,9 +71,10 @@ static truth make_truth(const scene *s, const float background[4]) {
     oracle_fit_draw(&fit, params, s->count, t.planes);
     oracle_fit_gradient(&fit, params, s->count, s->stride, t.gradient);
     oracle_fit_bounds(&fit, params, s->count, t.bounds, t.gradient_bounds);
+    const bool turned = s->shape == GSCL_SHAPE_TURNED, round = s->shape == GSCL_SHAPE_ROUND;
     for (size_t i = 0; i < s->count; i++) {
-        take_shape(s, t.gradient + i * GSCL_PARAMS);
-        take_shape(s, t.gradient_bounds + i * GSCL_PARAMS);
+        oracle_shape_gradient(t.gradient + i * GSCL_PARAMS, turned, round);
+        oracle_shape_gradient(t.gradient_bounds + i * GSCL_PARAMS, turned, round);
     }
     for (size_t i = 0; i < parameters; i++)
         t.natural[i] = oracle_natural_step(&fit, params + i / GSCL_PARAMS * GSCL_PARAMS, i % GSCL_PARAMS);

@@ -21,7 +21,8 @@ extern const char *const stability_mappings[2], *const stability_blends[3];
 int stability_open(void **state);
 int stability_close(void **state);
 
-/* All of it, of kernels for turned splats, else forward and backward, as one test; writes what it measured into the file that STABILITY_REPORT names. */
+/* All of it as one test (of splats that kernels do not turn only scene_agrees); writes what it measured into the file that
+ * STABILITY_REPORT names. */
 void check_scene(const scene *s);
 /* Forward, backward and finite alone; tells in `message` what is wrong, else returns true. */
 bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t room);

@@ -92,22 +92,13 @@ typedef struct {
     double loss;
 } truth;
 
-/* Upright splats have no angle; circles have one axis, whose derivative both places hold. */
+/* Upright splats have no angle; circles have one axis. */
 static void take_shape(const fit_case *c, double *params) {
     for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_TURNED; i++) {
         double *p = params + i * ORACLE_PARAMS;
         p[GSCL_THETA] = 0.0;
         if (c->options.shape == GSCL_SHAPE_ROUND)
             p[GSCL_LOG_S2] = p[GSCL_LOG_S1];
-    }
-}
-
-static void take_shape_gradient(const fit_case *c, double *gradient) {
-    for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_TURNED; i++) {
-        double *g = gradient + i * ORACLE_PARAMS;
-        g[GSCL_THETA] = 0.0;
-        if (c->options.shape == GSCL_SHAPE_ROUND)
-            g[GSCL_LOG_S1] = g[GSCL_LOG_S2] = g[GSCL_LOG_S1] + g[GSCL_LOG_S2];
     }
 }
 
@@ -136,7 +127,9 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
     oracle_fit_draw(&t->fit, t->params, c->count, t->planes);
     t->loss = oracle_fit_loss(&t->fit, t->params, c->count);
     oracle_fit_gradient(&t->fit, t->params, c->count, 1, t->gradient);
-    take_shape_gradient(c, t->gradient);
+    for (size_t i = 0; i < c->count; i++)
+        oracle_shape_gradient(t->gradient + i * ORACLE_PARAMS, c->options.shape == GSCL_SHAPE_TURNED,
+                              c->options.shape == GSCL_SHAPE_ROUND);
 }
 
 /* ---- The library's side ---- */
