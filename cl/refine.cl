@@ -67,19 +67,16 @@ inline float colour_bits(const codes *c, __global const float *restrict tables) 
     return bits;
 }
 
-inline float colour_cost(const quadratic *q, const splat *s, const codes *c, __global const float *restrict tables,
-                         float lambda) {
-    float cost = q->fixed + lambda * colour_bits(c, tables);
-    for (int k = 0; k < CHANNELS; k++) cost += s->colour[k] * fma(q->square, s->colour[k], 2.0f * q->linear[k]);
+inline float colour_cost(const quadratic *q, const codes *c, __global const float *restrict tables, refine_settings t) {
+    float cost = q->fixed + t.lambda * colour_bits(c, tables), colour[CHANNELS];
+    codes_colour(c, t, colour);
+    for (int k = 0; k < CHANNELS; k++) cost += colour[k] * fma(q->square, colour[k], 2.0f * q->linear[k]);
     return cost;
 }
 
 /* Improves the colour codes one at a time, in steps, from where they are; returns the cost of the best. */
-inline float colour_descend(const quadratic *q, codes *c, __global const minor_entry *minors,
-                            __global const aspect_entry *aspects, __global const float *restrict tables,
-                            refine_settings t) {
-    splat s = codes_splat(c, minors, aspects, t);
-    float best = colour_cost(q, &s, c, tables, t.lambda);
+inline float colour_descend(const quadratic *q, codes *c, __global const float *restrict tables, refine_settings t) {
+    float best = colour_cost(q, c, tables, t);
     for (int round = 0; round < 6; round++) {
         bool better = false;
         for (int k = 0; k < 4; k++) {
@@ -89,8 +86,7 @@ inline float colour_descend(const quadratic *q, codes *c, __global const minor_e
                 codes other = *c;
                 other.code[CODE_LUMA + k] += step;
                 if (other.code[CODE_LUMA + k] < t.min[k] || other.code[CODE_LUMA + k] > t.max[k]) continue;
-                s = codes_splat(&other, minors, aspects, t);
-                float cost = colour_cost(q, &s, &other, tables, t.lambda);
+                float cost = colour_cost(q, &other, tables, t);
                 if (cost < best) {
                     best = cost;
                     *c = other;
@@ -184,7 +180,7 @@ __kernel void refine_weigh(__global const int *restrict visits, int start, int c
         appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
         if (move == 0 || within(&a, owned[i])) {
             quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
-            outcome.cost = colour_descend(&q, &now, minors, aspects, tables, t);
+            outcome.cost = colour_descend(&q, &now, tables, t);
             if (OPACITY) other_bits += tables[GSCL_BITS_OPACITY + now.code[CODE_OPACITY]];
             outcome.cost += t.lambda * (existence + other_bits + minors[now.code[CODE_MINOR]].bits +
                                         aspects[now.code[CODE_ASPECT]].bits);

@@ -48,6 +48,21 @@ inline float wave_frequency(int wave) {
     return (1.0f / GSCL_FIRST_WAVELENGTH) * exp2(-GSCL_OCTAVES_PER_WAVE * (float)wave);
 }
 
+inline void codes_colour(const codes *c, refine_settings t, float *restrict colour) {
+    float y = (float)c->code[CODE_LUMA] * t.luma_step;
+#if COLOURS == 3
+    float co = (float)c->code[CODE_LUMA + 1] * t.chroma_step, cg = (float)c->code[CODE_LUMA + 2] * t.chroma_step;
+    colour[1] = y + 0.5f * cg;
+    colour[2] = y - 0.5f * cg - 0.5f * co;
+    colour[0] = colour[2] + co;
+#else
+    colour[0] = y;
+#endif
+#if ALPHA_CHANNEL
+    colour[COLOURS] = (float)c->code[CODE_ALPHA] * t.alpha_step;
+#endif
+}
+
 inline splat codes_splat(const codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
                          refine_settings t) {
     splat s;
@@ -59,23 +74,15 @@ inline splat codes_splat(const codes *c, __global const minor_entry *minors, __g
         fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
     s.theta = ROTATION ? (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles : 0.0f;
     s.opacity = OPACITY ? ((float)c->code[CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
-    float y = (float)c->code[CODE_LUMA] * t.luma_step;
-#if COLOURS == 3
-    float co = (float)c->code[CODE_LUMA + 1] * t.chroma_step, cg = (float)c->code[CODE_LUMA + 2] * t.chroma_step;
-    s.colour[1] = y + 0.5f * cg;
-    s.colour[2] = y - 0.5f * cg - 0.5f * co;
-    s.colour[0] = s.colour[2] + co;
-#else
-    s.colour[0] = y;
-#endif
-#if ALPHA_CHANNEL
-    s.colour[COLOURS] = (float)c->code[CODE_ALPHA] * t.alpha_step;
-#endif
+    codes_colour(c, t, s.colour);
 #if TEXTURE
-    float frequency = wave_frequency(c->code[CODE_WAVE]);
-    float direction = (float)c->code[CODE_DIRECTION] * (M_PI_F / GSCL_DIRECTIONS);
-    s.wave_x = frequency * cos(direction);
-    s.wave_y = frequency * sin(direction);
+    s.wave_x = s.wave_y = 0.0f;
+    if (c->code[CODE_AMPLITUDE] > 0) {
+        float frequency = wave_frequency(c->code[CODE_WAVE]);
+        float direction = (float)c->code[CODE_DIRECTION] * (M_PI_F / GSCL_DIRECTIONS);
+        s.wave_x = frequency * cos(direction);
+        s.wave_y = frequency * sin(direction);
+    }
     s.wave_phase = (float)c->code[CODE_PHASE] * (1.0f / GSCL_PHASES);
     s.wave_amplitude = (float)c->code[CODE_AMPLITUDE] * t.amplitude_step;
 #endif
