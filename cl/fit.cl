@@ -68,12 +68,30 @@ inline pix chain_begin(chain *b, const canvas *c, place p, __global const float 
     return loss;
 }
 
-/* Adds up a value over the work-items of the tile and stores it. */
+/* Adds up the sums over the work-items of the tile and stores them. */
 #if ITEMS == 1
-#define SLOT_STORE(slot, sums) \
-    UNROLL                     \
-    for (int k = 0; k < SLOT; k++) (slot)[k] = pix_sum((sums)[k])
+/* Eight sums over their lanes at once take a third of the instructions of one after the other. */
+inline float8 pix_sum_8(const pix *restrict s) {
+    float16 a[4], b[2];
+    UNROLL
+    for (int k = 0; k < 4; k++)
+        a[k] = (float16)(s[2 * k].lo, s[2 * k + 1].lo) + (float16)(s[2 * k].hi, s[2 * k + 1].hi);
+    UNROLL
+    for (int k = 0; k < 2; k++)
+        b[k] = (float16)(a[2 * k].even, a[2 * k + 1].even) + (float16)(a[2 * k].odd, a[2 * k + 1].odd);
+    float16 c = (float16)(b[0].even, b[1].even) + (float16)(b[0].odd, b[1].odd);
+    return c.even + c.odd;
+}
+inline void slot_store(__global float *restrict slot, const pix *restrict sums) {
+    float first[8];
+    vstore8(pix_sum_8(sums), 0, first);
+    UNROLL
+    for (int k = 0; k < SLOT; k++) slot[k] = k < 8 ? first[k] : pix_sum(sums[k]);
+}
+#define SUMS LARGER(SLOT, 8) /* no fewer than are added up at once */
+#define SLOT_STORE(slot, sums) slot_store(slot, sums)
 #else
+#define SUMS SLOT
 #define SLOT_STORE(slot, sums)                                                        \
     do {                                                                              \
         int item = (int)get_local_id(0);                                              \
@@ -193,9 +211,9 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - p.row0, ROWS - 1);
         pix dx = px - drawn[GSCL_DRAWN_X];
         float dy = py - drawn[GSCL_DRAWN_Y];
-        pix sums[SLOT];
+        pix sums[SUMS];
         UNROLL
-        for (int k = 0; k < SLOT; k++) sums[k] = (pix)(0.0f);
+        for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
         splat_weight s;
         weigh_begin(&s, dx, dy + (float)first, drawn);
         for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
