@@ -1,4 +1,4 @@
-/* From slots to parameters: a splat's gradient, Adam, and the projection for the next step. */
+/* From slots to parameters: gradients, Adam, and the projection for the next step. */
 
 #if LANES == 16
 #define COUNTED 32 /* entries that are counted rather than searched: no branch to be guessed wrong */
@@ -26,43 +26,82 @@ inline int slot_find(__global const uint *restrict entries, int2 range, uint i) 
     return low < range.y && GSCL_ENTRY_SPLAT(entries[low]) == i ? low : -1;
 }
 
-/* Adds a splat's slots over the tiles of its box, row by row: always the same order. */
-inline void slots_gather(float *restrict sums, uint i, int4 box, int tiles_x, __global const float *restrict drawn,
-                         __global const float *restrict extent, __global const uint *restrict entries,
-                         __global const int2 *restrict tile_ranges, __global const float *restrict slots) {
-    UNROLL
-    for (int k = 0; k < SLOT; k++) sums[k] = 0.0f;
-    for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
-        int2 tiles = tiles_touched(drawn, extent, box, ty, 2.0f); /* no tighter than the lists were made */
-        for (int tx = tiles.x; tx <= tiles.y; tx++) {
-            int at = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], i);
-            if (at < 0) continue;
-            UNROLL
-            for (int k = 0; k < SLOT; k++) sums[k] += slots[(size_t)at * SLOT + k];
-        }
+/* Slots are looked for first and added after: what other cores have written takes its time to come, and is waited
+ * for all at once. */
+#if SPLATS_ABREAST > 1
+#define FOUND 128
+#else
+#define FOUND 1
+#endif
+typedef struct {
+    int slot[FOUND], owner[FOUND];
+    int count;
+} found_slots;
+
+/* `sums`: SLOT floats for each splat.  Empties the list. */
+inline void slots_add(float *restrict sums, found_slots *found, __global const float *restrict slots) {
+    for (int j = 0; j < found->count; j++) {
+        float *sum = sums + found->owner[j] * SLOT;
+        __global const float *slot = slots + (size_t)found->slot[j] * SLOT;
+        UNROLL
+        for (int k = 0; k < SLOT; k++) sum[k] += slot[k];
     }
+    found->count = 0;
 }
 
-/* Chain rule from the frame's sums to the parameters.  `s` is the splat that was drawn. */
-inline void gradient_from_sums(float *restrict gradient, const float *restrict sums, splat s,
+/* Adds the slots of splats `first` to `first + live` over the tiles of their boxes, row by row: always the same
+ * order. */
+inline void slots_gather(float *restrict sums, size_t first, int live, __global const int4 *restrict boxes, int tiles_x,
+                         __global const float *restrict drawn, __global const float *restrict extents,
+                         __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
+                         __global const float *restrict slots) {
+    found_slots found;
+    found.count = 0;
+    for (int k = 0; k < SPLATS_ABREAST * SLOT; k++) sums[k] = 0.0f;
+    for (int owner = 0; owner < live; owner++) {
+        size_t i = first + (size_t)owner;
+        int4 box = boxes[i];
+        for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
+            /* no tighter than the lists were made */
+            int2 tiles = tiles_touched(drawn + i * GSCL_DRAWN, extents + i * GSCL_EXTENT, box, ty, 2.0f);
+            for (int tx = tiles.x; tx <= tiles.y; tx++) {
+                int slot = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], (uint)i);
+                if (slot < 0) continue;
+                found.slot[found.count] = slot;
+                found.owner[found.count++] = owner;
+                if (found.count == FOUND) slots_add(sums, &found, slots);
+            }
+        }
+    }
+    slots_add(sums, &found, slots);
+}
+
+/* Sum `k` of each splat. */
+#define EACH_SUM(k) LOAD_EACH(sums + (k), SLOT)
+
+/* Chain rule from the frame's sums to the parameters.  `s`, `drawn`: the splats as they were drawn. */
+inline void gradient_from_sums(each *restrict gradient, const float *restrict sums, splat s,
                                __global const float *restrict drawn, view seen) {
-    float e1 = seen_axis(s.s1, seen.blur), e2 = seen_axis(s.s2, seen.blur);
+    each e1 = seen_axis(s.s1, seen.blur), e2 = seen_axis(s.s2, seen.blur);
     /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
     const float factor = 2.0f * M_LN2_F;
-    float du = factor * sums[SLOT_U], dv = factor * sums[SLOT_V];
-    gradient[GSCL_X] = seen.inv_scale * fma(drawn[GSCL_DRAWN_UX], du, drawn[GSCL_DRAWN_VX] * dv);
-    gradient[GSCL_Y] = seen.inv_scale * fma(drawn[GSCL_DRAWN_UY], du, drawn[GSCL_DRAWN_VY] * dv);
+    each du = factor * EACH_SUM(SLOT_U), dv = factor * EACH_SUM(SLOT_V);
+    gradient[GSCL_X] = seen.inv_scale * fma(LOAD_EACH(drawn + GSCL_DRAWN_UX, GSCL_DRAWN), du,
+                                            LOAD_EACH(drawn + GSCL_DRAWN_VX, GSCL_DRAWN) * dv);
+    gradient[GSCL_Y] = seen.inv_scale * fma(LOAD_EACH(drawn + GSCL_DRAWN_UY, GSCL_DRAWN), du,
+                                            LOAD_EACH(drawn + GSCL_DRAWN_VY, GSCL_DRAWN) * dv);
 #if TEXTURE
     /* d/dcentre of cos(2 pi (k.d - h)) = 2 pi k sin(...), and sin is cos a quarter of a turn later. */
-    float dwave = 2.0f * M_PI_F * sums[SLOT_WAVE] * seen.inv_scale;
-    gradient[GSCL_X] = fma(drawn[GSCL_DRAWN_WAVE_X], dwave, gradient[GSCL_X]);
-    gradient[GSCL_Y] = fma(drawn[GSCL_DRAWN_WAVE_Y], dwave, gradient[GSCL_Y]);
+    each dwave = 2.0f * M_PI_F * EACH_SUM(SLOT_WAVE) * seen.inv_scale;
+    gradient[GSCL_X] = fma(LOAD_EACH(drawn + GSCL_DRAWN_WAVE_X, GSCL_DRAWN), dwave, gradient[GSCL_X]);
+    gradient[GSCL_Y] = fma(LOAD_EACH(drawn + GSCL_DRAWN_WAVE_Y, GSCL_DRAWN), dwave, gradient[GSCL_Y]);
 #endif
-    gradient[GSCL_LOG_S1] = factor * sums[SLOT_UU] * (s.s1 / e1) * (s.s1 / e1);
-    gradient[GSCL_LOG_S2] = factor * sums[SLOT_VV] * (s.s2 / e2) * (s.s2 / e2);
-    gradient[GSCL_THETA] = ROTATION ? factor * sums[SLOT_UV] * (e1 / e2 - e2 / e1) : 0.0f;
-    gradient[GSCL_OPACITY] = OPACITY ? sums[SLOT_OPACITY] * s.opacity * (1.0f - s.opacity) : 0.0f;
-    for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = sums[SLOT_COLOUR + k];
+    gradient[GSCL_LOG_S1] = factor * EACH_SUM(SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
+    gradient[GSCL_LOG_S2] = factor * EACH_SUM(SLOT_VV) * (s.s2 / e2) * (s.s2 / e2);
+    gradient[GSCL_THETA] = ROTATION ? factor * EACH_SUM(SLOT_UV) * (e1 / e2 - e2 / e1) : (each)(0.0f);
+    gradient[GSCL_OPACITY] = OPACITY ? EACH_SUM(SLOT_OPACITY) * s.opacity * (1.0f - s.opacity) : (each)(0.0f);
+    UNROLL
+    for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = EACH_SUM(SLOT_COLOUR + k);
 }
 
 /* Learning rates and bounds of one step. */
@@ -85,75 +124,87 @@ typedef struct {
 #define RATE_COLOUR 0.012f
 #define RATE_OPACITY 0.04f
 
+/* Parameters that are fitted, and those of them that the picture's effects leave something to do. */
+#define FITTED (GSCL_COLOUR + CHANNELS)
+#define IS_FITTED(k) (((k) != GSCL_THETA || ROTATION) && ((k) != GSCL_OPACITY || OPACITY))
+
 /* Turns (x, y) by the angle whose cosine and sine are given. */
-inline void turn(float *restrict x, float *restrict y, float c, float s) {
-    float turned = c * *x - s * *y;
+inline void turn(each *restrict x, each *restrict y, each c, each s) {
+    each turned = c * *x - s * *y;
     *y = fma(c, *y, s * *x);
     *x = turned;
 }
 
 /* The learning rate of each parameter.  The centre moves along the axes in units of each, and needles turn slowly, by
  * the power 3/4: both keep a step's effect on the picture alike for all shapes. */
-inline void learning_rates(float *restrict rates, __global const float *restrict p) {
-    float s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
-    float roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
+inline void learning_rates(each *restrict rates, const each *restrict p) {
+    each s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
+    each roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
     rates[GSCL_X] = RATE_POSITION * s1;
     rates[GSCL_Y] = RATE_POSITION * s2;
-    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = RATE_SHAPE;
+    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = (each)(RATE_SHAPE);
     rates[GSCL_THETA] = RATE_TURN * roundness * sqrt(roundness);
-    rates[GSCL_OPACITY] = RATE_OPACITY;
-    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = RATE_COLOUR;
+    rates[GSCL_OPACITY] = (each)(RATE_OPACITY);
+    UNROLL
+    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = (each)(RATE_COLOUR);
 }
 
 /* Adam with the bias correction of each splat's own age; moments of the centre are in the splat's own frame. */
-inline void adam(__global float *restrict p, __global float *restrict m, __global float *restrict v, int age,
-                 __global const float *restrict gradient, limits bounds) {
-    float correct1 = bounds.rate / (1.0f - exp2(LOG2_BETA1 * (float)age));
-    float correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * (float)age));
-    float c = ROTATION ? cos(p[GSCL_THETA]) : 1.0f, s = ROTATION ? sin(p[GSCL_THETA]) : 0.0f,
-          steps[GSCL_COLOUR + CHANNELS], rates[GSCL_COLOUR + CHANNELS];
+inline void adam(each *restrict p, __global float *restrict first_moment, __global float *restrict second_moment,
+                 each age, __global const float *restrict gradient, float rate) {
+    each correct1 = rate / (1.0f - exp2(LOG2_BETA1 * age)), correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * age));
+    each c = ROTATION ? cos(p[GSCL_THETA]) : (each)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (each)(0.0f),
+         steps[FITTED], rates[FITTED];
     learning_rates(rates, p);
-    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) steps[k] = gradient[k];
+    UNROLL
+    for (int k = 0; k < FITTED; k++) steps[k] = LOAD_EACH(gradient + k, GSCL_PARAMS);
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
-    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) {
-        m[k] = fma(ADAM_BETA1, m[k], (1.0f - ADAM_BETA1) * steps[k]);
-        v[k] = fma(ADAM_BETA2, v[k], (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
-        steps[k] = rates[k] * (m[k] * correct1) / (sqrt(v[k] * correct2) + ADAM_EPSILON);
+    UNROLL
+    for (int k = 0; k < FITTED; k++) {
+        if (!IS_FITTED(k)) continue;
+        each m = fma((each)(ADAM_BETA1), LOAD_EACH(first_moment + k, GSCL_PARAMS), (1.0f - ADAM_BETA1) * steps[k]);
+        each v = fma((each)(ADAM_BETA2), LOAD_EACH(second_moment + k, GSCL_PARAMS),
+                     (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
+        store_each(m, first_moment + k, GSCL_PARAMS);
+        store_each(v, second_moment + k, GSCL_PARAMS);
+        steps[k] = rates[k] * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
     }
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, s);
-    for (int k = 0; k < GSCL_COLOUR + CHANNELS; k++) p[k] -= steps[k];
+    UNROLL
+    for (int k = 0; k < FITTED; k++)
+        if (IS_FITTED(k)) p[k] -= steps[k];
 }
 
-inline void keep_within(__global float *restrict p, limits b) {
+inline void keep_within(each *restrict p, limits b) {
     p[GSCL_X] = clamp(p[GSCL_X], 0.0f, b.width);
     p[GSCL_Y] = clamp(p[GSCL_Y], 0.0f, b.height);
-    float excess = 0.5f * (fabs(p[GSCL_LOG_S1] - p[GSCL_LOG_S2]) - b.log_aspect);
-    if (excess > 0.0f) {
-        if (p[GSCL_LOG_S1] < p[GSCL_LOG_S2]) excess = -excess;
-        p[GSCL_LOG_S1] -= excess;
-        p[GSCL_LOG_S2] += excess;
-    }
-    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1], b.log_min, b.log_max);
-    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2], b.log_min, b.log_max);
+    each difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
+    each excess = fmax(0.5f * (fabs(difference) - b.log_aspect), 0.0f);
+    excess = difference < 0.0f ? -excess : excess;
+    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1] - excess, b.log_min, b.log_max);
+    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2] + excess, b.log_min, b.log_max);
     p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], -8.0f, 8.0f);
+    UNROLL
     for (int k = 0; k < CHANNELS; k++) p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], b.colour_min, b.colour_max);
 }
 
-/* Writes every splat's gradient (GSCL_PARAMS floats each). */
+/* Writes the gradients of SPLATS_ABREAST splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
+ * they are). */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
                                view seen, __global const int4 *restrict boxes, __global const float *restrict drawn,
                                __global const float *restrict extents, __global const uint *restrict entries,
                                __global const int2 *restrict tile_ranges, __global const float *restrict slots,
                                __global float *restrict gradients) {
-    int i = (int)get_global_id(0);
-    if (i >= count) return;
-    float sums[SLOT], gradient[GSCL_PARAMS];
-    slots_gather(sums, (uint)i, boxes[i], seen.tiles_x, drawn + (size_t)i * GSCL_DRAWN,
-                 extents + (size_t)i * GSCL_EXTENT, entries, tile_ranges, slots);
-    splat s = splat_quantise(splat_load(params + (size_t)i * GSCL_PARAMS), steps);
-    gradient_from_sums(gradient, sums, s, drawn + (size_t)i * GSCL_DRAWN, seen);
-    for (int k = 0; k < GSCL_PARAMS; k++)
-        gradients[(size_t)i * GSCL_PARAMS + k] = k < GSCL_COLOUR + CHANNELS ? gradient[k] : 0.0f;
+    size_t i = get_global_id(0) * SPLATS_ABREAST;
+    if (i >= (size_t)count) return;
+    float sums[SPLATS_ABREAST * SLOT];
+    each gradient[FITTED];
+    int live = min(count - (int)i, SPLATS_ABREAST);
+    slots_gather(sums, i, live, boxes, seen.tiles_x, drawn, extents, entries, tile_ranges, slots);
+    splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, live), steps);
+    gradient_from_sums(gradient, sums, s, drawn + i * GSCL_DRAWN, seen);
+    UNROLL
+    for (int k = 0; k < FITTED; k++) store_each(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
 }
 
 /* One step of Adam from the gradients, then the projection of the (quantised) result. */
@@ -162,10 +213,18 @@ __kernel void adam_step(__global float *restrict params, __global float *restric
                         __global const float *restrict gradients, __global const float *restrict steps, int count,
                         limits bounds, view seen, __global float *restrict drawn, __global float *restrict extents,
                         __global int4 *restrict boxes) {
-    int i = (int)get_global_id(0);
-    if (i >= count) return;
-    size_t at = (size_t)i * GSCL_PARAMS;
-    adam(params + at, first_moment + at, second_moment + at, ++ages[i], gradients + at, bounds);
-    keep_within(params + at, bounds);
-    splat_project(splat_quantise(splat_load(params + at), steps), seen, i, drawn, extents, boxes);
+    size_t i = get_global_id(0) * SPLATS_ABREAST, at = i * GSCL_PARAMS;
+    if (i >= (size_t)count) return;
+    each p[FITTED];
+    int live = min(count - (int)i, SPLATS_ABREAST);
+    UNROLL
+    for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, live);
+    each_int age = LOAD_EACH_INT(ages + i) + 1;
+    store_each_int(age, ages + i, 1);
+    adam(p, first_moment + at, second_moment + at, LIVE(EACH_FLOAT(age), live), gradients + at, bounds.rate);
+    keep_within(p, bounds);
+    UNROLL
+    for (int k = 0; k < FITTED; k++)
+        if (IS_FITTED(k)) store_each(p[k], params + at + k, GSCL_PARAMS);
+    splat_project(splat_quantise(splat_load(params + at, live), steps), seen, i, drawn, extents, boxes);
 }

@@ -54,7 +54,8 @@ gscl_result gscl_codebook_create(gscl_codebook *c, gscl_fit *fit, int position_b
             GSCL_TRY(gscl_buffer_reserve(fit->context, buffers[i], BOOK_BYTES));
     }
     GSCL_TRY(reserve(c));
-    GSCL_TRY(gscl_buffer_reserve(fit->context, &c->learnt, splats(c) * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(
+        gscl_buffer_reserve(fit->context, &c->learnt, gscl_room_for_splats(splats(c)) * GSCL_PARAMS * sizeof(float)));
     GSCL_TRY(gscl_buffer_reserve(fit->context, &c->indices, splats(c) * sizeof(cl_int2)));
     GSCL_TRY(gscl_fit_read(fit, c->params));
     return gscl_codebook_push(c);

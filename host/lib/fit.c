@@ -146,10 +146,11 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
 static gscl_result reserve(gscl_fit *f, size_t count) {
     if (count <= f->capacity)
         return GSCL_OK;
-    count += count / 4;
+    count = gscl_room_for_splats(count + count / 4);
     size_t row = GSCL_PARAMS * sizeof(float), used = (size_t)f->renderer.count * row;
     GSCL_TRY(gscl_renderer_reserve(&f->renderer, count));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradients, count * row));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->gradients, 0, count * row)); /* not all are ever written */
     GSCL_TRY(gscl_buffer_grow(f->context, &f->first_moment, count * row, used));
     GSCL_TRY(gscl_buffer_grow(f->context, &f->second_moment, count * row, used));
     GSCL_TRY(
@@ -231,11 +232,11 @@ static gscl_result launch_gather(gscl_fit *f) {
     gscl_renderer *r = &f->renderer;
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "gather_gradients", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
-                       GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view),
-                       GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->slots),
-                       GSCL_ARG_BUFFER(f->gradients));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                       gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(r->params),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->slots), GSCL_ARG_BUFFER(f->gradients));
 }
 
 gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
@@ -243,11 +244,12 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "adam_step", &kernel));
     f->limits.rate = rate;
-    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
-                       GSCL_ARG_BUFFER(*params), GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment),
-                       GSCL_ARG_BUFFER(f->ages), GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps),
-                       GSCL_ARG(r->count), GSCL_ARG(f->limits), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->drawn),
-                       GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                       gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(*params),
+                       GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
+                       GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count),
+                       GSCL_ARG(f->limits), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents),
+                       GSCL_ARG_BUFFER(r->boxes));
 }
 
 static double most_crowd(const gscl_fit *f) {

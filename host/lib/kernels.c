@@ -27,12 +27,13 @@ struct gscl_program {
 
 /* Source files of each kind, in the order in which the compiler reads them. */
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "bin.cl", "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl"},
-    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "outline.cl", "refine_codes.cl",
-                             "texture.cl", "refine.cl"},
-    [GSCL_PROGRAM_CODEBOOK] = {"constants.h", "pixel.cl", "raster.cl", "project.cl", "fit.cl", "update.cl",
-                               "outline.cl", "codebook.cl", "codebook_choose.cl"},
+    [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "bin.cl",
+                             "samples.cl"},
+    [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "fit.cl", "update.cl"},
+    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "outline.cl",
+                             "refine_codes.cl", "texture.cl", "refine.cl"},
+    [GSCL_PROGRAM_CODEBOOK] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "fit.cl",
+                               "update.cl", "outline.cl", "codebook.cl", "codebook_choose.cl"},
     [GSCL_PROGRAM_SSIM] = {"constants.h", "pixel.cl", "ssim.cl"},
     [GSCL_PROGRAM_IMAGE] = {"constants.h", "image.cl"},
     [GSCL_PROGRAM_BENCHMARK] = {"constants.h", "pixel.cl", "benchmark.cl"},
@@ -51,6 +52,11 @@ int gscl_mapping_lanes(const gscl_context *context) {
 }
 static int mapping_rows(const gscl_context *context) {
     return context->gpu_mapping ? GPU_ROWS : CPU_ROWS;
+}
+
+/* Only a fit has so many steps that the longer build pays. */
+int gscl_splats_abreast(const gscl_context *context, gscl_program_kind kind) {
+    return kind == GSCL_PROGRAM_FIT && !context->gpu_mapping ? GSCL_MOST_SPLATS_ABREAST : 1;
 }
 
 size_t gscl_tile_group_size(const gscl_context *context) {
@@ -86,11 +92,12 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     if (kind == GSCL_PROGRAM_IMAGE)
         return;
     bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
-    length += snprintf(
-        text + length, MAX_OPTIONS - (size_t)length,
-        " -DLANES=%d -DROWS=%d -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d -DSHAPE=%d",
-        gscl_mapping_lanes(context), mapping_rows(context), options->blend, options->colours, options->alpha_channel,
-        options->opacity, options->texture, options->shape);
+    length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLANES=%d -DROWS=%d -DSPLATS_ABREAST=%d",
+                       gscl_mapping_lanes(context), mapping_rows(context), gscl_splats_abreast(context, kind));
+    length +=
+        snprintf(text + length, MAX_OPTIONS - (size_t)length,
+                 " -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d -DSHAPE=%d", options->blend,
+                 options->colours, options->alpha_channel, options->opacity, options->texture, options->shape);
     if (fits || kind == GSCL_PROGRAM_REFINE)
         length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);
     if (fits)

@@ -25,7 +25,7 @@ typedef struct gscl_kernel_options {
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
     GSCL_PROGRAM_RENDER,    /* project, bin_bands, bin, raster_samples: all that decoding needs; raster_forward */
-    GSCL_PROGRAM_FIT,       /* and fit_tiles, sum_loss, gather_gradients, adam_step, ... */
+    GSCL_PROGRAM_FIT,       /* and fit_tiles, sum_loss, gather_gradients, adam_step */
     GSCL_PROGRAM_REFINE,    /* refine_begin, refine_take_out, refine_weigh, refine_settle */
     GSCL_PROGRAM_CODEBOOK,  /* codebooks while fitting, and choosing their words */
     GSCL_PROGRAM_SSIM,      /* the SSIM loss */
@@ -42,6 +42,9 @@ gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gsc
 
 /* Pixels of a row that a work-item of this context's mapping handles at once. */
 int gscl_mapping_lanes(const gscl_context *context);
+/* Splats that a work-item of `project`, `gather_gradients` or `adam_step` handles at once (cl/abreast.cl). */
+int gscl_splats_abreast(const gscl_context *context, gscl_program_kind kind);
+#define GSCL_MOST_SPLATS_ABREAST 16
 /* Work-items of a group that draws one tile in this context's mapping. */
 size_t gscl_tile_group_size(const gscl_context *context);
 

@@ -45,6 +45,7 @@ gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint
 
 gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
     size_t used = (size_t)r->count * GSCL_PARAMS * sizeof(float);
+    count = gscl_room_for_splats(count);
     GSCL_TRY(gscl_buffer_grow(r->context, &r->params, count * GSCL_PARAMS * sizeof(float), used));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->drawn, count * GSCL_DRAWN * sizeof(float)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->extents, count * GSCL_EXTENT * sizeof(float)));
@@ -69,9 +70,10 @@ gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
 gscl_result gscl_renderer_project(gscl_renderer *r) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "project", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP), GSCL_SPLATS_PER_GROUP,
-                       GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view),
-                       GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
+    return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                       gscl_splat_group_size(r->context, GSCL_PROGRAM_RENDER), GSCL_ARG_BUFFER(r->params),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->drawn),
+                       GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
 }
 
 /* The largest number of entries that a row of tiles wanted at the last binning; counts the crowd, too. */

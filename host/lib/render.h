@@ -72,6 +72,14 @@ static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
 static inline size_t gscl_groups(size_t count, size_t size) {
     return (count + size - 1) / size;
 }
-#define GSCL_SPLATS_PER_GROUP 64
+#define GSCL_SPLATS_PER_GROUP 32
+/* Work-items of a group that handles GSCL_SPLATS_PER_GROUP splats. */
+static inline size_t gscl_splat_group_size(const gscl_context *context, gscl_program_kind kind) {
+    return GSCL_SPLATS_PER_GROUP / (size_t)gscl_splats_abreast(context, kind);
+}
+/* Buffers of splats have room for whole vectors of them. */
+static inline size_t gscl_room_for_splats(size_t count) {
+    return gscl_groups(count, GSCL_MOST_SPLATS_ABREAST) * GSCL_MOST_SPLATS_ABREAST;
+}
 
 #endif
