@@ -84,6 +84,7 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     f->first_level = first_level;
     f->ssim_weight = 0.5f; /* paper, section 3.4 */
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
+    f->renderer.program = GSCL_PROGRAM_FIT;
     GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
     GSCL_TRY(build_pyramid(f, planes));
     if (options->weighted)

@@ -8,6 +8,7 @@
 #include "constants.h"
 #include "kernel_sources.h"
 #include "opencl.h"
+#include "timing.h"
 
 #define MAX_FILES 10
 #define MAX_KERNELS 16
@@ -29,8 +30,9 @@ struct gscl_program {
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_RENDER] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "bin.cl",
                              "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "fit.cl", "update.cl"},
-    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "outline.cl",
+    [GSCL_PROGRAM_FIT] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "bin.cl", "fit.cl",
+                          "update.cl"},
+    [GSCL_PROGRAM_REFINE] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "bin.cl", "outline.cl",
                              "refine_codes.cl", "texture.cl", "refine.cl"},
     [GSCL_PROGRAM_CODEBOOK] = {"constants.h", "pixel.cl", "raster.cl", "abreast.cl", "project.cl", "fit.cl",
                                "update.cl", "outline.cl", "codebook.cl", "codebook_choose.cl"},
@@ -145,7 +147,10 @@ static gscl_result program_build(gscl_context *context, struct gscl_program *pro
     program->program = clCreateProgramWithSource(context->cl, count, texts, lengths, &error);
     if (error != CL_SUCCESS)
         return gscl_cl_fail(context, error, "clCreateProgramWithSource");
+    double start = gscl_now();
     error = clBuildProgram(program->program, 1, &context->device, program->options, NULL, NULL);
+    gscl_log(context, GSCL_LOG_DEBUG, "built %s in %.0f ms: %s", program_files[program->kind][count - 1],
+             1e3 * (gscl_now() - start), program->options);
     return error == CL_SUCCESS ? GSCL_OK : build_failed(context, program, error);
 }
 

@@ -24,8 +24,9 @@ typedef struct gscl_kernel_options {
 
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
-    GSCL_PROGRAM_RENDER,    /* project, bin_bands, bin, raster_samples: all that decoding needs; raster_forward */
-    GSCL_PROGRAM_FIT,       /* and fit_tiles, sum_loss, gather_gradients, adam_step */
+    /* These three draw: project, bin_bands, bin, raster_forward.  And: */
+    GSCL_PROGRAM_RENDER,    /* raster_samples, which decoding ends with */
+    GSCL_PROGRAM_FIT,       /* fit_tiles, sum_loss, gather_gradients, adam_step */
     GSCL_PROGRAM_REFINE,    /* refine_begin, refine_take_out, refine_weigh, refine_settle */
     GSCL_PROGRAM_CODEBOOK,  /* codebooks while fitting, and choosing their words */
     GSCL_PROGRAM_SSIM,      /* the SSIM loss */

@@ -403,6 +403,7 @@ gscl_result gscl_refine_pass(gscl_fit *fit, gscl_picture *picture, const gscl_re
     if (p.count == 0)
         return GSCL_OK;
     fit->renderer.options.texture = picture->file.header.has_texture;
+    fit->renderer.program = GSCL_PROGRAM_REFINE;
     gscl_stage(fit->context, "rate-distortion passes");
     gscl_result result = run(&p, how->pressure);
     pass_free(&p);

@@ -13,6 +13,7 @@
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
     r->context = context;
+    r->program = GSCL_PROGRAM_RENDER;
     r->options = *options;
     r->channels = options->colours + options->alpha_channel;
     GSCL_TRY(gscl_buffer_reserve(context, &r->background, 4 * sizeof(float)));
@@ -69,9 +70,9 @@ gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
 
 gscl_result gscl_renderer_project(gscl_renderer *r) {
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "project", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "project", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
-                       gscl_splat_group_size(r->context, GSCL_PROGRAM_RENDER), GSCL_ARG_BUFFER(r->params),
+                       gscl_splat_group_size(r->context, r->program), GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->drawn),
                        GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
 }
@@ -110,7 +111,7 @@ static gscl_result launch_bands(gscl_renderer *r, cl_int *band_rows) {
     *band_rows = (r->view.tiles_y + bands - 1) / bands;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, MOST_BANDS * sizeof(cl_int)));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "bin_bands", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin_bands", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)bands, 1, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
                        GSCL_ARG(bands), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
                        GSCL_ARG_BUFFER(r->listed_counts));
@@ -120,7 +121,7 @@ static gscl_result launch_bin(gscl_renderer *r) {
     cl_kernel kernel;
     cl_int band_rows;
     GSCL_TRY(launch_bands(r, &band_rows));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "bin", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->drawn),
                        GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
                        GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(band_rows),
@@ -154,7 +155,7 @@ gscl_result gscl_renderer_draw(gscl_renderer *r) {
     cl_kernel kernel;
     cl_ulong plane = gscl_renderer_plane(r);
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, (size_t)plane * (size_t)r->channels * sizeof(float)));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_forward", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "raster_forward", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
                        gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->drawn), GSCL_ARG_BUFFER(r->entries),
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image),

@@ -25,6 +25,7 @@ typedef struct gscl_sample_layout {
 typedef struct gscl_renderer {
     gscl_context *context;
     gscl_kernel_options options;
+    gscl_program_kind program; /* whose kernels draw: RENDER at first, or one that is needed besides */
     int channels;
     gscl_view view;
     cl_int width, height; /* of the view, pixels */

@@ -47,6 +47,7 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
 /* Fits all splats for a while, `more` of them new where the picture is worst. */
 static gscl_result refit(schedule *s, size_t more, int steps) {
     s->fit.renderer.options.texture = s->encoder->picture.file.header.has_texture;
+    s->fit.renderer.program = GSCL_PROGRAM_FIT;
     gscl_stage(s->encoder->context, "refit");
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));
