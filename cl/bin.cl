@@ -34,31 +34,37 @@ inline void rows_touched(__global const float *restrict drawn, __global const fl
     vstore4(convert_int4(to) - 1, 0, last);
 }
 
-/* Rows of tiles share the walk over all splats: each band of rows lists those whose box touches it.  One work-item a
- * band, `count` places each. */
-__kernel void bin_bands(__global const int4 *restrict boxes, int count, int bands, int band_rows,
-                        __global int *restrict listed, __global int *restrict listed_counts) {
-    int band = (int)get_global_id(0), n = 0;
-    if (band >= bands) return;
-    int first = band * band_rows, last = first + band_rows - 1;
-    __global int *list = listed + (size_t)band * count;
+/* Lists the splats whose box touches the rows of tiles from `first` to `last`; returns how many. */
+inline int list_splats(__global const int4 *restrict boxes, int count, int first, int last,
+                       __global int *restrict list) {
+    int n = 0;
     for (int i = 0; i < count; i++) {
         int4 box = boxes[i];
         if (box.z <= last && box.w >= first && box.x <= box.y) list[n++] = i;
     }
-    listed_counts[band] = n;
+    return n;
 }
 
+/* Where there are many, rows of tiles share the walk over all splats: a band of `band_rows` rows has one list.  One
+ * work-item a band, `count` places each. */
+__kernel void bin_bands(__global const int4 *restrict boxes, int count, int bands, int band_rows,
+                        __global int *restrict listed, __global int *restrict listed_counts) {
+    int band = (int)get_global_id(0), first = band * band_rows;
+    if (band >= bands) return;
+    listed_counts[band] = list_splats(boxes, count, first, first + band_rows - 1, listed + (size_t)band * count);
+}
+
+/* `band_rows` 0: there are no bands, each row lists its own. */
 __kernel void bin(__global const float *restrict drawn, __global const float *restrict extents,
-                  __global const int4 *restrict boxes, int count, __global const int *restrict listed,
+                  __global const int4 *restrict boxes, int count, __global int *restrict listed,
                   __global const int *restrict listed_counts, int band_rows, int tiles_x, int tiles_y, int row_capacity,
                   __global uint *restrict entries, __global int2 *restrict tile_ranges,
                   __global int *restrict row_totals) {
-    int ty = (int)get_global_id(0);
+    int ty = (int)get_global_id(0), band = band_rows > 0 ? ty / band_rows : ty;
     if (ty >= tiles_y) return;
     __global int2 *ranges = tile_ranges + (size_t)ty * tiles_x;
-    __global const int *list = listed + (size_t)(ty / band_rows) * count;
-    int listed_count = listed_counts[ty / band_rows];
+    __global int *list = listed + (size_t)band * count;
+    int listed_count = band_rows > 0 ? listed_counts[band] : list_splats(boxes, count, ty, ty, list);
     for (int tx = 0; tx < tiles_x; tx++) ranges[tx] = (int2)(0, 0);
     for (int j = 0; j < listed_count; j++) {
         size_t i = (size_t)list[j];

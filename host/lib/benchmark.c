@@ -221,7 +221,7 @@ static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
     GSCL_TRY(sample(b, "whole", draw, &fit->renderer));
     report(b, "raster_forward", evaluations, FORWARD_FLOP * evaluations);
     GSCL_TRY(sample(b, "fit step", step, fit));
-    static const char *const parts[] = {"bin_bands", "bin", "fit_tiles", "gather_gradients", "adam_step"};
+    static const char *const parts[] = {"bin", "fit_tiles", "gather_gradients", "adam_step"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         report(b, parts[i], evaluations, 0);
     report(b, "fit step", evaluations, STEP_FLOP * evaluations);

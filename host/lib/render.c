@@ -9,6 +9,7 @@
 
 #define SPARE_ENTRIES 8 /* behind the last list: searches load vectors of entries */
 #define MOST_BANDS 32   /* of rows of tiles: work for many cores, and few enough lists for many splats */
+#define FEW_ROWS 64     /* of tiles: no bands */
 
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
@@ -104,13 +105,16 @@ static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
     return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
 }
 
-/* Which splats touch which band of rows of tiles. */
-static gscl_result launch_bands(gscl_renderer *r, cl_int *band_rows) {
+/* Which splats touch which band of rows of tiles; *band_rows is 0 where there are no bands. */
+static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
     cl_kernel kernel;
-    cl_int bands = r->view.tiles_y < MOST_BANDS ? r->view.tiles_y : MOST_BANDS;
-    *band_rows = (r->view.tiles_y + bands - 1) / bands;
+    bool few = r->view.tiles_y <= FEW_ROWS;
+    cl_int bands = few ? r->view.tiles_y : MOST_BANDS;
+    *band_rows = few ? 0 : (r->view.tiles_y + bands - 1) / bands;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, MOST_BANDS * sizeof(cl_int)));
+    if (few)
+        return GSCL_OK;
     GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin_bands", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)bands, 1, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
                        GSCL_ARG(bands), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
@@ -120,7 +124,7 @@ static gscl_result launch_bands(gscl_renderer *r, cl_int *band_rows) {
 static gscl_result launch_bin(gscl_renderer *r) {
     cl_kernel kernel;
     cl_int band_rows;
-    GSCL_TRY(launch_bands(r, &band_rows));
+    GSCL_TRY(list_bands(r, &band_rows));
     GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->drawn),
                        GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
