@@ -97,11 +97,18 @@ typedef struct trial {
     double psnr;          /* of a sketch with what the settings say so far; NAN: not known */
 } trial;
 
+static bool opacity_is_open(const gscl_encode_settings *s) {
+    return gscl_effect_is_open(s, GSCL_EFFECT_OPACITY) && s->blend != GSCL_BLEND_ALPHA;
+}
+
 /* PSNR of a sketch with these effects asked for, and these ruled out. */
 static gscl_result sketch_with(const trial *t, uint32_t on, uint32_t off, double *psnr) {
     gscl_encoder *e = t->encoder;
     gscl_encode_settings settings = e->settings;
     double mse = 0;
+    /* Opacity by content (effects.c) is left out: sketches tell shapes apart better without it. */
+    if (e->has_ground && opacity_is_open(&e->settings))
+        off |= GSCL_EFFECT_OPACITY;
     e->settings.effects_on |= on;
     e->settings.effects_off |= off;
     gscl_result result = gscl_sketch_scalar(e, t->bytes, t->splats, &mse);
@@ -184,15 +191,15 @@ static gscl_result look_and_try(trial *t) {
     double coherent = 1, splats = t->bytes ? 8.0 * (double)t->bytes / BITS_PER_SPLAT : (double)t->splats;
     const gscl_encode_settings *settings = &e->settings;
     bool shapes_open = !((settings->effects_on | settings->effects_off) & SHAPES);
-    bool opacity_open = gscl_effect_is_open(settings, GSCL_EFFECT_OPACITY) && settings->blend != GSCL_BLEND_ALPHA;
+    bool opacity_open = opacity_is_open(settings) && !e->has_ground;
     GSCL_TRY(try_chroma(t));
     if (!shapes_open && !opacity_open)
         return GSCL_OK;
     GSCL_TRY(look_at_shapes(e, splats, &coherent));
-    gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f%s", coherent, e->has_ground ? ", plain ground" : "");
+    gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f", coherent);
     if (shapes_open && coherent < COHERENT)
         GSCL_TRY(try_shapes(t));
-    return opacity_open && (coherent < COHERENT || e->has_ground) ? try_opacity(t) : GSCL_OK;
+    return opacity_open && coherent < COHERENT ? try_opacity(t) : GSCL_OK;
 }
 
 gscl_result gscl_effects_try(gscl_encoder *e, size_t bytes, size_t splats) {

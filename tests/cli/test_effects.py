@@ -57,6 +57,7 @@ class Automatic(ToolTest):
         for name in ("rotation", "anisotropy"):
             self.assertEqual((decisions[name]["on"], decisions[name]["reason"]), (False, "trial"))
             self.assertLess(decisions[name]["gain_db"], 0)
+        self.assertEqual((decisions["opacity"]["on"], decisions["opacity"]["reason"]), (True, "content"))  # a plain ground
         streams = {stream["name"] for stream in self.gscl_json("info", "dots.gscl")["streams"]}
         self.assertNotIn("angle", streams)
         # Trials are a stage of their own; those after them are told as ever.
