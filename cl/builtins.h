@@ -2,9 +2,9 @@
  *
  * PoCL 3 has the compiler read the whole of Clang's opencl-c.h, a megabyte, before each program, also where all of the
  * program's kernels have long been compiled: most of the time that loading a program takes.  Build option -D_OPENCL_H_,
- * the guard of that header, keeps it out, and this file takes its place; where (host/lib/kernels.c) that is not so, this
- * file is empty. */
-#ifdef _OPENCL_H_
+ * the guard of that header, keeps it out, and with -DGSCL_BUILTINS this file takes its place (host/lib/kernels.c);
+ * otherwise it is empty. */
+#ifdef GSCL_BUILTINS
 #define MAXFLOAT 0x1.fffffep127f
 #define as_int4(x) __builtin_astype((x), int4)
 #define as_int8(x) __builtin_astype((x), int8)

@@ -20,6 +20,7 @@ struct gscl_context {
     gscl_device_info info;
     bool gpu_mapping;
     struct gscl_program *programs;  /* built so far, a list */
+    bool needs_header;              /* cl/builtins.h was not enough for one of them */
     struct gscl_timings *timings;   /* NULL when nothing is measured */
     bool stages_frozen;             /* what runs is a part of the stage under way (timing.h) */
     struct gscl_renderer *renderer; /* of the last decode, or NULL */

@@ -13,7 +13,7 @@
 #define MAX_FILES 11
 #define MAX_KERNELS 16
 #define MAX_OPTIONS 384
-#define SPARE_HEADER " -D_OPENCL_H_" /* cl/builtins.h */
+#define SPARE_HEADER " -D_OPENCL_H_ -DGSCL_BUILTINS" /* cl/builtins.h */
 
 struct gscl_program {
     struct gscl_program *next;
@@ -156,7 +156,7 @@ static gscl_result program_create(gscl_context *context, struct gscl_program *pr
 static bool can_spare_header(const gscl_context *context, gscl_program_kind kind) {
     char version[256] = "";
     clGetPlatformInfo(context->platform, CL_PLATFORM_VERSION, sizeof version, version, NULL);
-    return kind != GSCL_PROGRAM_ACCURACY && strstr(version, "PoCL 3.");
+    return !context->needs_header && kind != GSCL_PROGRAM_ACCURACY && strstr(version, "PoCL 3.");
 }
 
 static gscl_result program_build(gscl_context *context, struct gscl_program *program) {
@@ -167,7 +167,8 @@ static gscl_result program_build(gscl_context *context, struct gscl_program *pro
         snprintf(options, sizeof options, "%s%s", program->options, SPARE_HEADER);
         GSCL_TRY(program_create(context, program));
         error = clBuildProgram(program->program, 1, &context->device, options, NULL, NULL);
-        if (error != CL_SUCCESS)
+        context->needs_header = error != CL_SUCCESS;
+        if (context->needs_header)
             gscl_log(context, GSCL_LOG_DEBUG, "cl/builtins.h is not enough for %s", program->options);
     }
     if (error != CL_SUCCESS) {

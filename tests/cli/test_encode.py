@@ -13,6 +13,21 @@ from pictures import (Picture, checkerboard, document, faint_and_strong, flat, n
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
 
+class Kernels(ToolTest):
+    def test_declarations_of_our_own_are_enough(self):
+        """Where the compiler's header of built-in functions is spared (cl/builtins.h), no program needs it after all."""
+        self.write_png("rgb.png", textured(48, 40))
+        self.write_png("rgba.png", scene(48, 40, 4))
+        for name, arguments in (("rgb", ()), ("rgba", ("--blend", "alpha")), ("rgb", ("--tune", "ssim")),
+                                ("rgb", ("--profile", "paper", "--loss", "l1+ssim")), ("rgb", ("--mapping", "gpu"))):
+            with self.subTest(name, arguments=arguments):
+                done = self.start("encode", f"{name}.png", "-o", "x.gscl", "-v", *FAST, "--bytes", "400", *arguments)
+                said = done.stderr.decode()
+                self.assertEqual(done.returncode, 0, said)
+                self.assertIn("loaded a program", said)
+                self.assertNotIn("is not enough", said)
+
+
 class Targets(ToolTest):
     def test_bytes_are_used_but_never_exceeded(self):
         picture = png_bytes(textured(96, 64))
