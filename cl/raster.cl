@@ -135,7 +135,7 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
         weigh_begin(&s, dx, dy + (float)first, drawn);
         for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
             weigh(&s);
-            if (row < KEPT_ROWS) kept[row++] = s.gauss;
+            if (kept && row < KEPT_ROWS) kept[row++] = s.gauss;
             pix w = WITH_OPACITY(s.weight, drawn);
 #if BLEND == GSCL_ALPHA
             w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->rest[r];

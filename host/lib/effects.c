@@ -82,9 +82,9 @@ void gscl_effects_begin(gscl_encoder *e) {
         header->has_alpha = begin_with(e, GSCL_EFFECT_ALPHA_CHANNEL, GSCL_EFFECT_CONTENT, e->content.alpha);
     /* On a plain ground things end or fade out: opacity gains up to 1.6 dB there, and trials of it chose no better than
      * this, at half the time of an encode. */
-    bool plain = !paper && e->has_ground;
-    header->has_opacity = begin_with(e, GSCL_EFFECT_OPACITY, plain ? GSCL_EFFECT_CONTENT : GSCL_EFFECT_PROFILE,
-                                     plain || e->settings.blend == GSCL_BLEND_ALPHA);
+    bool alpha = e->settings.blend == GSCL_BLEND_ALPHA, plain = !paper && !alpha && e->has_ground;
+    header->has_opacity =
+        begin_with(e, GSCL_EFFECT_OPACITY, plain ? GSCL_EFFECT_CONTENT : GSCL_EFFECT_PROFILE, plain || alpha);
     /* Without rotation the default profile's ellipses would all lie flat: there it is circles or everything. */
     turned = gscl_effect_wanted(&e->settings, GSCL_EFFECT_ROTATION, true) &&
              gscl_effect_wanted(&e->settings, GSCL_EFFECT_ANISOTROPY, true);
