@@ -2,7 +2,7 @@
  * its vectors.
  *
  * Build option SPLATS_ABREAST: 16, what a CPU's vectors are for (a splat by itself takes as long); 1 on GPUs, and where
- * splats are visited one by one. */
+ * splats are visited one by one.  Bounds in clamp, min and max are vectors too: Oclgrind takes scalar ones wrongly. */
 #if SPLATS_ABREAST == 16
 typedef float16 each; /* a value for each of the splats */
 typedef int16 each_int;

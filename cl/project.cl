@@ -107,17 +107,17 @@ typedef struct {
 
 /* Clamped as floats: a giant's box does not fit an int. */
 inline each_int tile_at(each position, int tiles) {
-    return EACH_INT(clamp(floor(position * (1.0f / GSCL_TILE)), -1.0f, (float)tiles));
+    return EACH_INT(clamp(floor(position * (1.0f / GSCL_TILE)), (each)(-1.0f), (each)((float)tiles)));
 }
 
 inline tile_boxes appearance_tiles(const appearance *a, view seen) {
     each x = a->drawn[GSCL_DRAWN_X], half_width = a->extent[GSCL_EXTENT_HALF_WIDTH];
     each y = a->drawn[GSCL_DRAWN_Y], half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
     tile_boxes b;
-    b.first_x = max(tile_at(x - half_width, seen.tiles_x), 0);
-    b.last_x = min(tile_at(x + half_width, seen.tiles_x), seen.tiles_x - 1);
-    b.first_y = max(tile_at(y - half_height, seen.tiles_y), 0);
-    b.last_y = min(tile_at(y + half_height, seen.tiles_y), seen.tiles_y - 1);
+    b.first_x = max(tile_at(x - half_width, seen.tiles_x), (each_int)(0));
+    b.last_x = min(tile_at(x + half_width, seen.tiles_x), (each_int)(seen.tiles_x - 1));
+    b.first_y = max(tile_at(y - half_height, seen.tiles_y), (each_int)(0));
+    b.last_y = min(tile_at(y + half_height, seen.tiles_y), (each_int)(seen.tiles_y - 1));
     return b;
 }
 
@@ -179,14 +179,14 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
         splat_set_axes(&s, s.log_s1, s.log_s2);
         return s;
     }
-    splat_set_axes(&s, fmax(rint((s.log_s1 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F,
-                   fmax(rint((s.log_s2 + M_LN2_F) / scale), 0.0f) * scale - M_LN2_F);
-    each position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), 1.0f / 32.0f);
+    splat_set_axes(&s, fmax(rint((s.log_s1 + M_LN2_F) / scale), (each)(0.0f)) * scale - M_LN2_F,
+                   fmax(rint((s.log_s2 + M_LN2_F) / scale), (each)(0.0f)) * scale - M_LN2_F);
+    each position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), (each)(1.0f / 32.0f));
     s.x = (floor(s.x / position) + 0.5f) * position;
     s.y = (floor(s.y / position) + 0.5f) * position;
 #if ROTATION
     each aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
-    each angles = clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), 1.0f, 512.0f);
+    each angles = clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), (each)(1.0f), (each)(512.0f));
     each turn = s.log_s1 < s.log_s2 ? (each)(M_PI_2_F) : (each)(0.0f); /* codes count from the major axis */
     s.theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles - turn;
 #endif
@@ -207,7 +207,7 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
 #endif
 #if OPACITY
     float levels = steps[GSCL_STEP_OPACITY];
-    s.opacity = clamp(rint(s.opacity * levels), 1.0f, levels) / levels;
+    s.opacity = clamp(rint(s.opacity * levels), (each)(1.0f), (each)(levels)) / levels;
 #endif
     return s;
 }

@@ -176,16 +176,17 @@ inline void adam(each *restrict p, __global float *restrict first_moment, __glob
 }
 
 inline void keep_within(each *restrict p, limits b) {
-    p[GSCL_X] = clamp(p[GSCL_X], 0.0f, b.width);
-    p[GSCL_Y] = clamp(p[GSCL_Y], 0.0f, b.height);
+    p[GSCL_X] = clamp(p[GSCL_X], (each)(0.0f), (each)(b.width));
+    p[GSCL_Y] = clamp(p[GSCL_Y], (each)(0.0f), (each)(b.height));
     each difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
-    each excess = fmax(0.5f * (fabs(difference) - b.log_aspect), 0.0f);
+    each excess = fmax(0.5f * (fabs(difference) - b.log_aspect), (each)(0.0f));
     excess = difference < 0.0f ? -excess : excess;
-    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1] - excess, b.log_min, b.log_max);
-    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2] + excess, b.log_min, b.log_max);
-    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], -8.0f, 8.0f);
+    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1] - excess, (each)(b.log_min), (each)(b.log_max));
+    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2] + excess, (each)(b.log_min), (each)(b.log_max));
+    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], (each)(-8.0f), (each)(8.0f));
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], b.colour_min, b.colour_max);
+    for (int k = 0; k < CHANNELS; k++)
+        p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (each)(b.colour_min), (each)(b.colour_max));
 }
 
 /* Writes the gradients of SPLATS_ABREAST splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
