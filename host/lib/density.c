@@ -13,6 +13,7 @@
 #define SEED_SIZE 0.4f       /* first axes, in mean distances between neighbours */
 #define GROWN_SIZE 0.45f     /* axes of later splats, in mean distances */
 #define GROUND_DISTANCE 1.5f /* from an edge on, ground is left to the background; in mean distances */
+#define LEAST_BUSY 0.02f     /* of the pixels, however large the ground is */
 #define SPLIT_FACTOR 1.6f    /* the paper's released code */
 #define ERROR_BLUR 0.35f     /* radius of the error's box blur, in mean distances */
 #define GROWN_OPACITY -0.5f  /* logit; later splats begin shy so that they do not hide what is good */
@@ -46,11 +47,16 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
     pixels = (size_t)p->width * (size_t)p->height;
     p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
     p->density = malloc(pixels * sizeof(float));
-    p->near_edges = f->has_ground ? malloc(pixels * sizeof(float)) : NULL;
+    p->near_edges = f->ground.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
     p->sums = malloc(pixels * sizeof(double));
-    if (!p->target || !p->density || (f->has_ground && !p->near_edges) || !p->sums)
+    if (!p->target || !p->density || (f->ground.pixels > 0 && !p->near_edges) || !p->sums)
         return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
     return gscl_fit_target(f, p->target);
+}
+
+/* Pixels that splats are to show: all but the ground. */
+static float busy_pixels(const gscl_fit *f, const placement *p) {
+    return fmaxf(1.0f - (float)f->ground.pixels, LEAST_BUSY) * (float)p->width * (float)p->height;
 }
 
 static double accumulate(placement *p) {
@@ -112,13 +118,14 @@ static void spread(const gscl_fit *f, placement *p, size_t count) {
     double total = accumulate(p);
     for (size_t i = 0; i < pixels; i++)
         p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
-    if (f->has_ground) {
+    if (f->ground.pixels > 0) {
         memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
         gscl_box_blur(p->near_edges, p->width, p->height,
-                      (int)(GROUND_DISTANCE * sqrtf((float)pixels / (float)count)) + 1, p->sums);
+                      (int)(GROUND_DISTANCE * sqrtf(busy_pixels(f, p) / (float)count)) + 1, p->sums);
     }
     for (size_t i = 0; i < pixels; i++)
-        if (!f->has_ground || p->near_edges[i] > 0 || !gscl_is_ground(p->target, pixels, p->channels, f->background, i))
+        if (f->ground.pixels == 0 || p->near_edges[i] > 0 ||
+            !gscl_is_ground(p->target, pixels, p->channels, f->background, i))
             p->density[i] += 0.5f / (float)pixels;
 }
 
@@ -129,7 +136,7 @@ static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *rando
     double total = accumulate(p);
     for (size_t i = 0; i < count; i++) {
         size_t pixel = pixel_of(p, gscl_random_unit(random) * total);
-        float sigma = SEED_SIZE * p->scale / sqrtf(p->density[pixel] * (float)count);
+        float sigma = SEED_SIZE * p->scale / sqrtf(p->density[pixel] / (float)total * (float)count);
         place(p, pixel, fmaxf(sigma, 0.5f), 0.0f, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);
@@ -138,7 +145,7 @@ static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *rando
 static gscl_result grow(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(placement_create(p, f));
     GSCL_TRY(gscl_fit_error(f, p->density));
-    float distance = sqrtf((float)p->width * (float)p->height / (float)((size_t)f->renderer.count + count));
+    float distance = sqrtf(busy_pixels(f, p) / (float)((size_t)f->renderer.count + count));
     gscl_box_blur(p->density, p->width, p->height, (int)(ERROR_BLUR * distance) + 1, p->sums);
     double total = accumulate(p);
     for (size_t i = 0; i < count; i++)

@@ -107,7 +107,7 @@ static gscl_result sketch_with(const trial *t, uint32_t on, uint32_t off, double
     gscl_encode_settings settings = e->settings;
     double mse = 0;
     /* Opacity by content (effects.c) is left out: sketches tell shapes apart better without it. */
-    if (e->has_ground && opacity_is_open(&e->settings))
+    if (e->ground.pixels > 0 && opacity_is_open(&e->settings))
         off |= GSCL_EFFECT_OPACITY;
     e->settings.effects_on |= on;
     e->settings.effects_off |= off;
@@ -191,7 +191,7 @@ static gscl_result look_and_try(trial *t) {
     double coherent = 1, splats = t->bytes ? 8.0 * (double)t->bytes / BITS_PER_SPLAT : (double)t->splats;
     const gscl_encode_settings *settings = &e->settings;
     bool shapes_open = !((settings->effects_on | settings->effects_off) & SHAPES);
-    bool opacity_open = opacity_is_open(settings) && !e->has_ground;
+    bool opacity_open = opacity_is_open(settings) && e->ground.pixels == 0;
     GSCL_TRY(try_chroma(t));
     if (!shapes_open && !opacity_open)
         return GSCL_OK;

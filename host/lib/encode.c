@@ -83,15 +83,16 @@ gscl_result gscl_encoder_make_planes(gscl_encoder *e) {
     const gsf_header *header = &e->picture.file.header;
     while (((uint64_t)e->image->width * e->image->height >> (2 * e->first_level)) > FIT_PIXELS)
         e->first_level++;
-    e->pixels =
-        (size_t)gscl_level_size(e->image->width, e->first_level) * gscl_level_size(e->image->height, e->first_level);
+    uint32_t width = gscl_level_size(e->image->width, e->first_level);
+    uint32_t height = gscl_level_size(e->image->height, e->first_level);
+    e->pixels = (size_t)width * height;
     free(e->planes);
     e->planes = malloc(e->pixels * gsf_channel_count(header) * sizeof(float));
     if (!e->planes)
         return gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", e->image->width,
                          e->image->height);
     gscl_image_to_planes(e->image, header->has_chroma ? 3 : 1, header->has_alpha, e->first_level, e->planes);
-    e->has_ground = gscl_find_ground(e->planes, e->pixels, (int)gsf_channel_count(header), e->ground);
+    e->ground = gscl_find_ground(e->planes, width, height, (int)gsf_channel_count(header));
     return GSCL_OK;
 }
 

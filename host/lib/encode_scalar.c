@@ -206,8 +206,8 @@ static gscl_result create_fit(schedule *s) {
     options.weighted = e->settings.tune == GSCL_TUNE_SSIM;
     GSCL_TRY(
         gscl_fit_create(&s->fit, e->context, &options, e->image->width, e->image->height, e->first_level, e->planes));
-    if (e->has_ground)
-        GSCL_TRY(gscl_fit_take_ground(&s->fit, e->ground));
+    if (e->ground.pixels > 0)
+        GSCL_TRY(gscl_fit_take_ground(&s->fit, &e->ground));
     for (int k = 0; k < s->fit.renderer.channels; k++)
         e->picture.file.background[k] = gscl_quantise_background(&e->picture.file.header, s->fit.background[k]);
     return GSCL_OK;

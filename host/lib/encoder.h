@@ -17,8 +17,7 @@ typedef struct gscl_encoder {
     int first_level; /* finest level that is fitted; 0 unless the image is very large */
     float *planes;   /* the image at that level, */
     size_t pixels;   /* of so many pixels each */
-    bool has_ground; /* a good part of it has one colour: */
-    float ground[4];
+    gscl_ground ground;
     gscl_picture picture; /* header filled in; the result */
     size_t decision_count;
     gscl_effect_decision decisions[GSCL_MAX_EFFECTS];

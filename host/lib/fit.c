@@ -10,11 +10,12 @@
 
 #define SMALLEST_LEVEL_SIDE 32 /* pixels: smaller levels would hold nothing to fit */
 #define CHECK_INTERVAL 8       /* steps between looks at how full the tiles' lists are */
-#define MOST_CROWD 24.0        /* splats on a tile, on average, */
+#define MOST_CROWD 24.0        /* splats on a tile, on average over those that hold more than the ground, */
 #define MOST_ALPHA_CROWD 150.0 /* more where splats hide each other and need to be many, */
 #define CROWD_OF_SMALL 4.0     /* besides those that are as small as a tile, which touch so many at most: beyond, the */
                                /* longest axes are cut back */
 #define QUIET 0.02             /* of the mean loss of a tile: a tile with less sits out steps */
+#define LEAST_BUSY 0.1         /* of the tiles, however large the ground is */
 #define CROWD_SHRINK 0.2f      /* by so much (ln) at a time: splats without end would cost time without end */
 
 size_t gscl_fit_level_pixels(const gscl_fit *f, int level) {
@@ -104,9 +105,9 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     return gscl_fit_set_level(f, first_level);
 }
 
-gscl_result gscl_fit_take_ground(gscl_fit *f, const float colour[4]) {
-    f->has_ground = true;
-    memcpy(f->background, colour, sizeof f->background);
+gscl_result gscl_fit_take_ground(gscl_fit *f, const gscl_ground *ground) {
+    f->ground = *ground;
+    memcpy(f->background, ground->colour, sizeof f->background);
     return gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background);
 }
 
@@ -253,10 +254,15 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
                        GSCL_ARG_BUFFER(r->boxes));
 }
 
+/* The part of the tiles that hold more than the ground. */
+static double busy_tiles(const gscl_fit *f) {
+    return fmax(1 - f->ground.tiles, LEAST_BUSY);
+}
+
 static double most_crowd(const gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
     double large = r->options.blend == GSCL_ALPHA ? MOST_ALPHA_CROWD : MOST_CROWD;
-    return large + CROWD_OF_SMALL * r->count / ((double)r->view.tiles_x * r->view.tiles_y);
+    return busy_tiles(f) * large + CROWD_OF_SMALL * r->count / ((double)r->view.tiles_x * r->view.tiles_y);
 }
 
 /* From the losses of the last step; an external loss has none. */
@@ -265,7 +271,7 @@ static gscl_result set_quiet(gscl_fit *f) {
     if (!f->has_losses || f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL)
         return GSCL_OK;
     GSCL_TRY(gscl_fit_loss(f, &loss));
-    f->quiet = (float)(QUIET * loss * f->renderer.channels);
+    f->quiet = (float)(QUIET * loss * f->renderer.channels / busy_tiles(f));
     return GSCL_OK;
 }
 

@@ -5,6 +5,7 @@
 #ifndef GSCL_LIB_FIT_H
 #define GSCL_LIB_FIT_H
 
+#include "ground.h"
 #include "render.h"
 #include "ssim.h"
 
@@ -34,8 +35,8 @@ typedef struct gscl_fit {
     size_t capacity; /* splats that fit in the buffers */
     int steps_since_check;
     float background[4];
-    bool has_ground;   /* the background is the colour of a good part of the picture, not the mean of all */
-    float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
+    gscl_ground ground; /* where the picture has one, the background is its colour, not the mean of all */
+    float ssim_weight;  /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
     gscl_buffer derivative; /* of the loss by the picture */
     gscl_buffer adapted;    /* what gscl_fit_adapt makes of the first level's target; else empty */
@@ -46,8 +47,8 @@ typedef struct gscl_fit {
  * `fit` may hold anything before. */
 gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes);
-/* Takes the colour of the picture's ground (ground.h) for the background. */
-gscl_result gscl_fit_take_ground(gscl_fit *fit, const float colour[4]);
+/* Takes the colour of the picture's ground for the background, and looks for what there is to do besides it. */
+gscl_result gscl_fit_take_ground(gscl_fit *fit, const gscl_ground *ground);
 /* Accepts a fit that was zeroed and never created. */
 void gscl_fit_free(gscl_fit *fit);
 

@@ -1,8 +1,9 @@
 #include "ground.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
+
+#include "constants.h"
 
 #define BITS 4               /* of each channel, when colours are counted */
 #define SHARE 0.25           /* of the pixels: a ground has so many */
@@ -49,11 +50,33 @@ static bool fullest_bin(const float *planes, size_t pixels, int channels, float 
     return members >= SHARE * (double)pixels;
 }
 
-bool gscl_find_ground(const float *planes, size_t pixels, int channels, float colour[4]) {
-    size_t same = 0;
-    if (!fullest_bin(planes, pixels, channels, colour))
-        return false;
+/* The part of the tiles that hold nothing else. */
+static double ground_tiles(const float *planes, size_t width, size_t height, int channels, const float colour[4]) {
+    size_t tiles = 0, plain = 0;
+    for (size_t top = 0; top < height; top += GSCL_TILE)
+        for (size_t left = 0; left < width; left += GSCL_TILE) {
+            size_t bottom = top + GSCL_TILE < height ? top + GSCL_TILE : height;
+            size_t right = left + GSCL_TILE < width ? left + GSCL_TILE : width;
+            bool same = true;
+            for (size_t y = top; y < bottom && same; y++)
+                for (size_t x = left; x < right && same; x++)
+                    same = gscl_is_ground(planes, width * height, channels, colour, y * width + x);
+            tiles++;
+            plain += same;
+        }
+    return (double)plain / (double)tiles;
+}
+
+gscl_ground gscl_find_ground(const float *planes, uint32_t width, uint32_t height, int channels) {
+    gscl_ground ground = {.pixels = 0};
+    size_t pixels = (size_t)width * height, same = 0;
+    if (!fullest_bin(planes, pixels, channels, ground.colour))
+        return ground;
     for (size_t i = 0; i < pixels; i++)
-        same += gscl_is_ground(planes, pixels, channels, colour, i);
-    return same >= SHARE * (double)pixels;
+        same += gscl_is_ground(planes, pixels, channels, ground.colour, i);
+    if ((double)same < SHARE * (double)pixels)
+        return ground;
+    ground.pixels = (double)same / (double)pixels;
+    ground.tiles = ground_tiles(planes, width, height, channels, ground.colour);
+    return ground;
 }

@@ -4,11 +4,18 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
-/* Whether a good part of the pixels has one colour, and that colour.  `planes`: `channels` (1 to 4) planes of `pixels`
- * values in 0..1. */
-bool gscl_find_ground(const float *planes, size_t pixels, int channels, float colour[4]);
-/* Whether pixel `at` has it. */
+/* The one colour of a good part of a picture. */
+typedef struct gscl_ground {
+    float colour[4];
+    double pixels; /* the part of the pixels that has it; 0: no colour has a good part, */
+    double tiles;  /* the part of the tiles (cl/constants.h) that hold nothing else */
+} gscl_ground;
+
+/* `planes`: `channels` (1 to 4) planes of width * height values in 0..1. */
+gscl_ground gscl_find_ground(const float *planes, uint32_t width, uint32_t height, int channels);
+/* Whether pixel `at` has that colour; `pixels`: of a plane. */
 bool gscl_is_ground(const float *planes, size_t pixels, int channels, const float colour[4], size_t at);
 
 #endif

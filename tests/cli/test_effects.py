@@ -52,7 +52,7 @@ class Automatic(ToolTest):
 
     def test_circles_for_dots(self):
         self.write_png("dots.png", dots(256, 192))
-        report = self.gscl_json("encode", "dots.png", "-o", "dots.gscl", "--bytes", "900", "--effort", "1")
+        report = self.gscl_json("encode", "dots.png", "-o", "dots.gscl", "--bytes", "1400", "--effort", "1")
         decisions = {decision["name"]: decision for decision in report["effects"]}
         for name in ("rotation", "anisotropy"):
             self.assertEqual((decisions[name]["on"], decisions[name]["reason"]), (False, "trial"))
