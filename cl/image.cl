@@ -13,6 +13,31 @@ __kernel void halve(__global const float *restrict from, ulong from_at, int from
     to[i] = 0.25f * ((row0[x] + row0[x1]) + (row1[x] + row1[x1]));
 }
 
+/* What planes show and those of half the size do not, even with their slopes: squared difference per sample, for each
+ * pixel of the smaller ones. */
+__kernel void detail(__global const float *restrict planes, __global const float *restrict half_size, int channels,
+                     int width, int height, __global float *restrict map) {
+    int half_width = (width + 1) / 2, half_height = (height + 1) / 2, at = (int)get_global_id(0);
+    if (at >= half_width * half_height) return;
+    int x = at % half_width, y = at / half_width;
+    int left = max(x - 1, 0), right = min(x + 1, half_width - 1);
+    int above = max(y - 1, 0), below = min(y + 1, half_height - 1);
+    float sum = 0.0f;
+    for (int k = 0; k < channels; k++, planes += (size_t)width * height, half_size += half_width * half_height) {
+        float slope_x =
+            (half_size[y * half_width + right] - half_size[y * half_width + left]) / (float)max(right - left, 1);
+        float slope_y =
+            (half_size[below * half_width + x] - half_size[above * half_width + x]) / (float)max(below - above, 1);
+        for (int i = 0; i < 4; i++) {
+            int dx = i & 1, dy = i >> 1;
+            float guess = half_size[at] + (dx ? 0.25f : -0.25f) * slope_x + (dy ? 0.25f : -0.25f) * slope_y;
+            float e = planes[(size_t)min(2 * y + dy, height - 1) * width + min(2 * x + dx, width - 1)] - guess;
+            sum = fma(e, e, sum);
+        }
+    }
+    map[at] = sum / (float)(4 * channels);
+}
+
 /* Squared error per pixel, added over channels.  Where `weighted`, the target has a plane of weights behind it. */
 __kernel void squared_error(__global const float *restrict picture, __global const float *restrict target, int channels,
                             int weighted, int count, __global float *restrict error) {

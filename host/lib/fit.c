@@ -8,15 +8,16 @@
 #include "image.h"
 #include "timing.h"
 
-#define SMALLEST_LEVEL_SIDE 32 /* pixels: smaller levels would hold nothing to fit */
-#define CHECK_INTERVAL 8       /* steps between looks at how full the tiles' lists are */
-#define MOST_CROWD 24.0        /* splats on a tile, on average over those that hold more than the ground, */
-#define MOST_ALPHA_CROWD 150.0 /* more where splats hide each other and need to be many, */
-#define CROWD_OF_SMALL 4.0     /* besides those that are as small as a tile, which touch so many at most: beyond, the */
-                               /* longest axes are cut back */
-#define QUIET 0.02             /* of the mean loss of a tile: a tile with less sits out steps */
-#define LEAST_BUSY 0.1         /* of the tiles, however large the ground is */
-#define CROWD_SHRINK 0.2f      /* by so much (ln) at a time: splats without end would cost time without end */
+#define SMALLEST_LEVEL_SIDE 32     /* pixels: smaller levels would hold nothing to fit */
+#define CHECK_INTERVAL 8           /* steps between looks at how full the tiles' lists are */
+#define MOST_CROWD 24.0            /* splats on a tile, on average over those that hold more than the ground, */
+#define MOST_SMALL_SIZE_CROWD 48.0 /* more at smaller sizes, which have fewer tiles, */
+#define MOST_ALPHA_CROWD 150.0     /* more where splats hide each other and need to be many, */
+#define CROWD_OF_SMALL 4.0 /* besides those that are as small as a tile, which touch so many at most: beyond, the */
+                           /* longest axes are cut back */
+#define QUIET 0.02         /* of the mean loss of a tile: a tile with less sits out steps */
+#define LEAST_BUSY 0.1     /* of the tiles, however large the ground is */
+#define CROWD_SHRINK 0.2f  /* by so much (ln) at a time: splats without end would cost time without end */
 
 size_t gscl_fit_level_pixels(const gscl_fit *f, int level) {
     return (size_t)gscl_level_size(f->width, level) * gscl_level_size(f->height, level);
@@ -261,7 +262,9 @@ static double busy_tiles(const gscl_fit *f) {
 
 static double most_crowd(const gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
-    double large = r->options.blend == GSCL_ALPHA ? MOST_ALPHA_CROWD : MOST_CROWD;
+    double large = r->options.blend == GSCL_ALPHA ? MOST_ALPHA_CROWD
+                   : f->level > f->first_level    ? MOST_SMALL_SIZE_CROWD
+                                                  : MOST_CROWD;
     return busy_tiles(f) * large + CROWD_OF_SMALL * r->count / ((double)r->view.tiles_x * r->view.tiles_y);
 }
 

@@ -71,6 +71,9 @@ gscl_result gscl_fit_adapt(gscl_fit *fit);
 /* What the splats are to look like at this level: the target's planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_goal(const gscl_fit *fit);
 
+/* What level `level` shows and the next smaller one, which must exist, does not, in the tiles that show most (a hundredth
+ * left out): mean squared difference per sample from that level's pixels and slopes (fit_detail.c). */
+gscl_result gscl_fit_detail(gscl_fit *fit, int level, double *detail);
 /* Works on this level (clamped to those that exist) from now on. */
 gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
 /* Appends splats (GSCL_PARAMS floats each) with fresh optimiser state. */

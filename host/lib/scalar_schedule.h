@@ -10,15 +10,17 @@ typedef struct gscl_scalar_schedule {
     gscl_encoder *encoder;
     gscl_fit fit;
     int steps;
-    int finest;              /* level of the pyramid that is fitted, counted from the first */
-    size_t start, target;    /* splats */
-    size_t bytes;            /* budget, or 0 */
-    size_t most;             /* splats that the image can use */
-    double surplus;          /* splats fitted for each that the budget holds; refinement drops the others */
-    int passes, passes_done; /* of refinement */
-    bool textures;           /* may be used */
-    bool keep_all;           /* no splat is dropped */
-    double pressure;         /* price of a bit in the next pass of refinement, see gscl_refine_settings */
+    int finest;                      /* level of the pyramid that is fitted, counted from the first */
+    double details[GSCL_MAX_LEVELS]; /* of levels (gscl_fit_detail), beyond what rounding makes; NAN: not known yet */
+    int next_look;                   /* step at which it is asked again whether a finer level is worth it */
+    size_t start, target;            /* splats */
+    size_t bytes;                    /* budget, or 0 */
+    size_t most;                     /* splats that the image can use */
+    double surplus;                  /* splats fitted for each that the budget holds; refinement drops the others */
+    int passes, passes_done;         /* of refinement */
+    bool textures;                   /* may be used */
+    bool keep_all;                   /* no splat is dropped */
+    double pressure;                 /* price of a bit in the next pass of refinement, see gscl_refine_settings */
     float *params;
     size_t capacity;
 } gscl_scalar_schedule;
