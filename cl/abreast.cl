@@ -16,18 +16,16 @@ typedef int16 each_int;
 /* 0 in the lanes behind the last of `live` splats.  What is found there must not be seen: an argument that is out of
  * range in one lane makes vector functions take another way for all, with other roundings. */
 #define LIVE(v, live) select((each)(0.0f), v, (each_int)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (live))
-inline void store_each(each v, __global float *p, int stride) {
-    float lanes[SPLATS_ABREAST];
-    vstore16(v, 0, lanes);
-    UNROLL
-    for (int i = 0; i < SPLATS_ABREAST; i++) p[i * stride] = lanes[i];
-}
-inline void store_each_int(each_int v, __global int *p, int stride) {
-    int lanes[SPLATS_ABREAST];
-    vstore16(v, 0, lanes);
-    UNROLL
-    for (int i = 0; i < SPLATS_ABREAST; i++) p[i * stride] = lanes[i];
-}
+#define OF_TYPE(name, vector, type)                                        \
+    inline void name(vector v, __global type *p, int stride) {             \
+        type lanes[SPLATS_ABREAST];                                        \
+        vstore16(v, 0, lanes);                                             \
+        UNROLL                                                             \
+        for (int i = 0; i < SPLATS_ABREAST; i++) p[i * stride] = lanes[i]; \
+    }
+OF_TYPE(store_each, each, float)
+OF_TYPE(store_each_int, each_int, int)
+#undef OF_TYPE
 #else
 typedef float each;
 typedef int each_int;

@@ -49,13 +49,8 @@ OF_FLOATS(float4, int4)
 OF_FLOATS(float16, int16)
 #undef OF_FLOATS
 
-/* Vectors with one bound for all lanes. */
 #define OF_VECTORS(real, integer, n)     \
-    PURE real fmax(real, float);         \
-    PURE real fmin(real, float);         \
     PURE real clamp(real, float, float); \
-    PURE integer max(integer, int);      \
-    PURE integer min(integer, int);      \
     PURE int any(integer);               \
     PURE integer convert_int##n(real);   \
     PURE real convert_float##n(integer); \
