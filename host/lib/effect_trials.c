@@ -10,7 +10,6 @@
 #define LOOK_LEVEL 1      /* at which the image is looked at */
 #define COHERENT 0.3      /* images whose edges agree less on a direction may do without ellipses */
 #define WINDOW 0.6        /* in which they are to agree: its radius, in distances from splat to splat */
-#define OPACITY_LOSS 0.4  /* dB that opacity may lose in a sketch: passes, which choose codes by rate, make up for it */
 #define LEAST_BYTES 100   /* smaller files have nothing to try */
 #define FAINT (8.0 / 255) /* root mean square of colour differences, up to which grey may do */
 
@@ -97,19 +96,14 @@ typedef struct trial {
     double psnr;          /* of a sketch with what the settings say so far; NAN: not known */
 } trial;
 
-static bool opacity_is_open(const gscl_encode_settings *s) {
-    return gscl_effect_is_open(s, GSCL_EFFECT_OPACITY) && s->blend != GSCL_BLEND_ALPHA;
-}
-
-/* PSNR of a sketch with these effects asked for, and these ruled out. */
-static gscl_result sketch_with(const trial *t, uint32_t on, uint32_t off, double *psnr) {
+/* PSNR of a sketch without these effects. */
+static gscl_result sketch_without(const trial *t, uint32_t off, double *psnr) {
     gscl_encoder *e = t->encoder;
     gscl_encode_settings settings = e->settings;
     double mse = 0;
     /* Opacity by content (effects.c) is left out: sketches tell shapes apart better without it. */
-    if (e->ground.pixels > 0 && opacity_is_open(&e->settings))
+    if (gscl_effect_is_open(&settings, GSCL_EFFECT_OPACITY) && settings.blend != GSCL_BLEND_ALPHA)
         off |= GSCL_EFFECT_OPACITY;
-    e->settings.effects_on |= on;
     e->settings.effects_off |= off;
     gscl_result result = gscl_sketch_scalar(e, t->bytes, t->splats, &mse);
     e->settings = settings;
@@ -127,7 +121,7 @@ static void decide(trial *t, uint32_t effects, bool on, double gain_db) {
 }
 
 static gscl_result know_psnr(trial *t) {
-    return isnan(t->psnr) ? sketch_with(t, 0, 0, &t->psnr) : GSCL_OK;
+    return isnan(t->psnr) ? sketch_without(t, 0, &t->psnr) : GSCL_OK;
 }
 
 #define SHAPES (GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY)
@@ -136,19 +130,10 @@ static gscl_result know_psnr(trial *t) {
 static gscl_result try_shapes(trial *t) {
     double circles;
     GSCL_TRY(know_psnr(t));
-    GSCL_TRY(sketch_with(t, 0, SHAPES, &circles));
+    GSCL_TRY(sketch_without(t, SHAPES, &circles));
     double gain_db = t->psnr - circles;
     decide(t, SHAPES, gain_db > 0, gain_db);
     t->psnr = fmax(t->psnr, circles);
-    return GSCL_OK;
-}
-
-/* Pays where things hide each other, not in photographs. */
-static gscl_result try_opacity(trial *t) {
-    double with;
-    GSCL_TRY(know_psnr(t));
-    GSCL_TRY(sketch_with(t, GSCL_EFFECT_OPACITY, 0, &with));
-    decide(t, GSCL_EFFECT_OPACITY, with - t->psnr > -OPACITY_LOSS, with - t->psnr);
     return GSCL_OK;
 }
 
@@ -174,7 +159,7 @@ static gscl_result try_chroma(trial *t) {
     if (t->psnr < grey) {
         GSCL_TRY(set_chroma(e, false));
         t->missing = colourful * colourful;
-        GSCL_TRY(sketch_with(t, 0, GSCL_EFFECT_CHROMA, &grey));
+        GSCL_TRY(sketch_without(t, GSCL_EFFECT_CHROMA, &grey));
     }
     bool pays = t->psnr > grey;
     decide(t, GSCL_EFFECT_CHROMA, pays, t->psnr - grey);
@@ -191,15 +176,12 @@ static gscl_result look_and_try(trial *t) {
     double coherent = 1, splats = t->bytes ? 8.0 * (double)t->bytes / BITS_PER_SPLAT : (double)t->splats;
     const gscl_encode_settings *settings = &e->settings;
     bool shapes_open = !((settings->effects_on | settings->effects_off) & SHAPES);
-    bool opacity_open = opacity_is_open(settings) && e->ground.pixels == 0;
     GSCL_TRY(try_chroma(t));
-    if (!shapes_open && !opacity_open)
+    if (!shapes_open)
         return GSCL_OK;
     GSCL_TRY(look_at_shapes(e, splats, &coherent));
     gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f", coherent);
-    if (shapes_open && coherent < COHERENT)
-        GSCL_TRY(try_shapes(t));
-    return opacity_open && coherent < COHERENT ? try_opacity(t) : GSCL_OK;
+    return coherent < COHERENT ? try_shapes(t) : GSCL_OK;
 }
 
 gscl_result gscl_effects_try(gscl_encoder *e, size_t bytes, size_t splats) {

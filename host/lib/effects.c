@@ -80,8 +80,8 @@ void gscl_effects_begin(gscl_encoder *e) {
         header->has_chroma = begin_with(e, GSCL_EFFECT_CHROMA, GSCL_EFFECT_CONTENT, e->content.chroma);
     if (header->layout == GSF_GREY_ALPHA || header->layout == GSF_RGBA)
         header->has_alpha = begin_with(e, GSCL_EFFECT_ALPHA_CHANNEL, GSCL_EFFECT_CONTENT, e->content.alpha);
-    /* On a plain ground things end or fade out: opacity gains up to 1.6 dB there, and trials of it chose no better than
-     * this, at half the time of an encode. */
+    /* On a plain ground things end or fade out: opacity gains up to 1.6 dB there, and nothing elsewhere.  Trials of it
+     * chose no better than this, at half the time of an encode. */
     bool alpha = e->settings.blend == GSCL_BLEND_ALPHA, plain = !paper && !alpha && e->ground.pixels > 0;
     header->has_opacity =
         begin_with(e, GSCL_EFFECT_OPACITY, plain ? GSCL_EFFECT_CONTENT : GSCL_EFFECT_PROFILE, plain || alpha);

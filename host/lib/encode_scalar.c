@@ -251,6 +251,8 @@ static gscl_result fit_and_quantise(schedule *s) {
     gscl_encoder *e = s->encoder;
     GSCL_TRY(create_fit(s));
     GSCL_TRY(run_steps(s));
+    if (gscl_effect_is_open(&e->settings, GSCL_EFFECT_TEXTURE) && s->fit.level > e->first_level + s->finest)
+        s->textures = false; /* there is nothing to show that a wave could */
     gscl_stage(e->context, "quantise");
     GSCL_TRY(gscl_scalar_quantise(s));
     if (can_refine(e))
