@@ -10,13 +10,13 @@
 #include "timing.h"
 #include "random.h"
 
-#define SEED_SIZE 0.4f       /* first axes, in mean distances between neighbours */
-#define GROWN_SIZE 0.45f     /* axes of later splats, in mean distances */
-#define GROUND_DISTANCE 1.5f /* from an edge on, ground is left to the background; in mean distances */
-#define LEAST_BUSY 0.02f     /* of the pixels, however large the ground is */
-#define SPLIT_FACTOR 1.6f    /* the paper's released code */
-#define ERROR_BLUR 0.35f     /* radius of the error's box blur, in mean distances */
-#define GROWN_OPACITY -0.5f  /* logit; later splats begin shy so that they do not hide what is good */
+#define SEED_SIZE 0.4f          /* first axes, in mean distances between neighbours */
+#define GROWN_SIZE 0.45f        /* axes of later splats, in mean distances */
+#define GROUND_DISTANCE 1.5f    /* from an edge on, ground is left to the background; in mean distances */
+#define LEAST_BUSY_PIXELS 0.02f /* of the pixels, however large the ground is */
+#define SPLIT_FACTOR 1.6f       /* the paper's released code */
+#define ERROR_BLUR 0.35f        /* radius of the error's box blur, in mean distances */
+#define GROWN_OPACITY -0.5f     /* logit; later splats begin shy so that they do not hide what is good */
 
 /* One level's maps while splats are placed. */
 typedef struct placement {
@@ -56,7 +56,7 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
 
 /* Pixels that splats are to show: all but the ground. */
 static float busy_pixels(const gscl_fit *f, const placement *p) {
-    return fmaxf(1.0f - (float)f->ground.pixels, LEAST_BUSY) * (float)p->width * (float)p->height;
+    return fmaxf(1.0f - (float)f->ground.pixels, LEAST_BUSY_PIXELS) * (float)p->width * (float)p->height;
 }
 
 static double accumulate(placement *p) {

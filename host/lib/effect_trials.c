@@ -133,7 +133,6 @@ static gscl_result try_shapes(trial *t) {
     GSCL_TRY(sketch_without(t, SHAPES, &circles));
     double gain_db = t->psnr - circles;
     decide(t, SHAPES, gain_db > 0, gain_db);
-    t->psnr = fmax(t->psnr, circles);
     return GSCL_OK;
 }
 

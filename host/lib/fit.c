@@ -13,11 +13,11 @@
 #define MOST_CROWD 24.0            /* splats on a tile, on average over those that hold more than the ground, */
 #define MOST_SMALL_SIZE_CROWD 48.0 /* more at smaller sizes, which have fewer tiles, */
 #define MOST_ALPHA_CROWD 150.0     /* more where splats hide each other and need to be many, */
-#define CROWD_OF_SMALL 4.0 /* besides those that are as small as a tile, which touch so many at most: beyond, the */
-                           /* longest axes are cut back */
-#define QUIET 0.02         /* of the mean loss of a tile: a tile with less sits out steps */
-#define LEAST_BUSY 0.1     /* of the tiles, however large the ground is */
-#define CROWD_SHRINK 0.2f  /* by so much (ln) at a time: splats without end would cost time without end */
+#define CROWD_OF_SMALL 4.0   /* besides those that are as small as a tile, which touch so many at most: beyond, the */
+                             /* longest axes are cut back */
+#define QUIET 0.02           /* of the mean loss of a tile: a tile with less sits out steps */
+#define LEAST_BUSY_TILES 0.1 /* of the tiles, however large the ground is */
+#define CROWD_SHRINK 0.2f    /* by so much (ln) at a time: splats without end would cost time without end */
 
 size_t gscl_fit_level_pixels(const gscl_fit *f, int level) {
     return (size_t)gscl_level_size(f->width, level) * gscl_level_size(f->height, level);
@@ -257,7 +257,7 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
 
 /* The part of the tiles that hold more than the ground. */
 static double busy_tiles(const gscl_fit *f) {
-    return fmax(1 - f->ground.tiles, LEAST_BUSY);
+    return fmax(1 - f->ground.tiles, LEAST_BUSY_TILES);
 }
 
 static double most_crowd(const gscl_fit *f) {

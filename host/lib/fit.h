@@ -47,7 +47,8 @@ typedef struct gscl_fit {
  * `fit` may hold anything before. */
 gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes);
-/* Takes the colour of the picture's ground for the background, and looks for what there is to do besides it. */
+/* Takes the colour of the picture's ground for the background; how large and how many splats become, and which tiles
+ * rest, goes by the rest of the picture. */
 gscl_result gscl_fit_take_ground(gscl_fit *fit, const gscl_ground *ground);
 /* Accepts a fit that was zeroed and never created. */
 void gscl_fit_free(gscl_fit *fit);

@@ -13,7 +13,7 @@ static int compare_floats(const void *a, const void *b) {
     return (*p > *q) - (*p < *q);
 }
 
-/* Means of blocks of a map of sums. */
+/* Means of a map's blocks; returns how many there are. */
 static size_t block_means(const float *map, size_t width, size_t height, float *means) {
     size_t count = 0;
     for (size_t top = 0; top < height; top += BLOCK)
