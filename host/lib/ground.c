@@ -80,3 +80,7 @@ gscl_ground gscl_find_ground(const float *planes, uint32_t width, uint32_t heigh
     ground.tiles = ground_tiles(planes, width, height, channels, ground.colour);
     return ground;
 }
+
+double gscl_ground_in_busy_tiles(const gscl_ground *ground) {
+    return ground->tiles < 1 ? (ground->pixels - ground->tiles) / (1 - ground->tiles) : 0;
+}

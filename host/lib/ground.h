@@ -15,6 +15,8 @@ typedef struct gscl_ground {
 
 /* `planes`: `channels` (1 to 4) planes of width * height values in 0..1. */
 gscl_ground gscl_find_ground(const float *planes, uint32_t width, uint32_t height, int channels);
+/* About the part of the other tiles' pixels that has it: small where one border divides the ground from the rest. */
+double gscl_ground_in_busy_tiles(const gscl_ground *ground);
 /* Whether pixel `at` has that colour; `pixels`: of a plane. */
 bool gscl_is_ground(const float *planes, size_t pixels, int channels, const float colour[4], size_t at);
 

@@ -67,6 +67,16 @@ class Automatic(ToolTest):
         self.assertIn("rate-distortion passes", stages)
         self.assertIn("write", stages)
 
+    def test_no_opacity_beside_a_plain_ground(self):
+        samples = []
+        for y in range(64):
+            for x in range(96):
+                samples += (240, 240, 240) if x < 48 else ((x * y) % 251, (x * 7 + y * y) % 256, 90)
+        self.write_png("half.png", Picture(96, 64, 3, 8, samples))
+        report = self.gscl_json("encode", "half.png", "-o", "half.gscl", "--bytes", "400", "--effort", "1")
+        opacity = next(decision for decision in report["effects"] if decision["name"] == "opacity")
+        self.assertEqual((opacity["on"], opacity["reason"]), (False, "profile"))
+
     def test_a_decision_leads_where_asking_leads(self):
         self.write_png("dots.png", dots(256, 192))
         automatic = self.gscl_json("encode", "dots.png", "-o", "a.gscl", "--bytes", "900", "--effort", "1")

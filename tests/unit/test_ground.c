@@ -47,6 +47,23 @@ static void test_one_other_pixel_makes_a_tile_busy(void **state) {
     free(planes);
 }
 
+static void test_ground_in_busy_tiles(void **state) {
+    (void)state;
+    float *planes = picture_plain_from(20);
+    gscl_ground ground = gscl_find_ground(planes, WIDTH, HEIGHT, 3);
+    /* 12 of the 32 columns of busy tiles, were the last tile a whole one */
+    assert_float_equal(gscl_ground_in_busy_tiles(&ground), 12.0 / 32.0, 0.1);
+    free(planes);
+    planes = picture_plain_from(0);
+    ground = gscl_find_ground(planes, WIDTH, HEIGHT, 3);
+    assert_true(gscl_ground_in_busy_tiles(&ground) == 0);
+    free(planes);
+    planes = picture_plain_from(32);
+    ground = gscl_find_ground(planes, WIDTH, HEIGHT, 3);
+    assert_true(gscl_ground_in_busy_tiles(&ground) < 0.1); /* the border is a border of tiles */
+    free(planes);
+}
+
 static void test_too_small_a_part_is_no_ground(void **state) {
     (void)state;
     float *planes = picture_plain_from(80);
@@ -68,6 +85,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_finds_colour_and_shares),
         cmocka_unit_test(test_one_other_pixel_makes_a_tile_busy),
+        cmocka_unit_test(test_ground_in_busy_tiles),
         cmocka_unit_test(test_too_small_a_part_is_no_ground),
         cmocka_unit_test(test_grey),
     };
