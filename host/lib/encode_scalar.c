@@ -276,6 +276,8 @@ static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats
         s.details[i] = NAN;
     e->picture.file.steps = steps_for(&e->settings);
     gscl_effects_begin(e); /* a fit before may have decided otherwise */
+    if (e->ground.pixels > 0 && !(e->settings.step_factor > 0))
+        gscl_fit_steps_to_colour(&e->picture.file, e->ground.colour);
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;
     double sparse = fmin(fmax(sparseness(&s) - 1, 0), 1);

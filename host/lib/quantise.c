@@ -7,6 +7,11 @@
 
 #define COLOUR_STEPS 16 /* that the format has */
 
+/* For a colour that many pixels have, */
+#define FINER_LUMA 2 /* as many finer steps are looked at */
+#define FINER_CHROMA 3
+#define ERROR_FOR_BIT 2.0 /* of that colour, in (1/255)^2: what a bit a splat must win */
+
 static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 
 /* The nearest code, within its range even where it is far beyond what an int holds. */
@@ -170,6 +175,40 @@ void gscl_dequantise(const gsf_picture *p, const gsf_splat *s, float *params) {
     params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
     dequantise_colour(p, s, params + GSCL_COLOUR);
     dequantise_texture(p, &s->texture, params);
+}
+
+/* Squared error of a colour that is coded, a pixel, in (1/255)^2. */
+static double coded_colour_error(const gsf_picture *p, const float *colour) {
+    gsf_splat splat = {0};
+    float coded[4] = {0};
+    double sum = 0;
+    unsigned channels = gsf_channel_count(&p->header);
+    quantise_colour(p, colour, &splat);
+    dequantise_colour(p, &splat, coded);
+    for (unsigned k = 0; k < channels; k++)
+        sum += 255 * 255 * (double)(coded[k] - colour[k]) * (double)(coded[k] - colour[k]);
+    return sum / channels;
+}
+
+void gscl_fit_steps_to_colour(gsf_picture *p, const float *colour) {
+    const gsf_steps usual = p->steps;
+    gsf_steps best = usual;
+    int most_chroma = p->header.has_chroma ? usual.chroma + FINER_CHROMA : usual.chroma;
+    double least = INFINITY;
+    for (int luma = usual.luma; luma <= usual.luma + FINER_LUMA && luma < COLOUR_STEPS; luma++)
+        for (int chroma = usual.chroma; chroma <= most_chroma && chroma < COLOUR_STEPS; chroma++) {
+            p->steps.luma = (uint8_t)luma;
+            p->steps.chroma = (uint8_t)chroma;
+            double finer_luma = gsf_colour_levels(p->steps.luma) / (double)gsf_colour_levels(usual.luma);
+            double finer_chroma = gsf_colour_levels(p->steps.chroma) / (double)gsf_colour_levels(usual.chroma);
+            double bits = log2(finer_luma) + 2 * log2(finer_chroma);
+            double cost = coded_colour_error(p, colour) + ERROR_FOR_BIT * bits;
+            if (cost < least) {
+                least = cost;
+                best = p->steps;
+            }
+        }
+    p->steps = best;
 }
 
 /* Paper eq. 7: a code between the ends of its range. */

@@ -10,6 +10,10 @@ void gscl_steps_to_floats(const gsf_steps *steps, float *floats);
 /* About `factor` times the steps, as far as the format has such steps; of opacities the same. */
 gsf_steps gscl_scale_steps(const gsf_steps *steps, double factor);
 
+/* Makes the picture's steps of colour so much finer as `colour` (0..1, each channel), which many of its pixels have,
+ * is worth: between two codes it would be off everywhere. */
+void gscl_fit_steps_to_colour(gsf_picture *picture, const float *colour);
+
 /* The nearest codes for a splat's parameters (GSCL_PARAMS floats); `picture` gives header and steps. */
 void gscl_quantise(const gsf_picture *picture, const float *params, gsf_splat *splat);
 /* Position and angle codes again, for a splat whose axes' codes have been set. */
