@@ -228,9 +228,15 @@ static bool can_refine(const gscl_encoder *e) {
     return e->settings.blend != GSCL_BLEND_ALPHA;
 }
 
-static gsf_steps steps_for(const gscl_encode_settings *settings) {
+/* Of the quantiser; the effects are settled. */
+static void choose_steps(gscl_encoder *e) {
     const gsf_steps usual = {.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
-    return settings->step_factor > 0 ? gscl_scale_steps(&usual, settings->step_factor) : usual;
+    gsf_picture *file = &e->picture.file;
+    file->steps = usual;
+    if (e->settings.step_factor > 0)
+        file->steps = gscl_scale_steps(&usual, e->settings.step_factor);
+    else if (e->ground.pixels > 0)
+        gscl_fit_steps_to_colour(file, e->ground.colour);
 }
 
 static gscl_result create_fit(schedule *s) {
@@ -274,10 +280,8 @@ static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats
                   .pressure = bytes ? r->pressure : 1};
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
         s.details[i] = NAN;
-    e->picture.file.steps = steps_for(&e->settings);
     gscl_effects_begin(e); /* a fit before may have decided otherwise */
-    if (e->ground.pixels > 0 && !(e->settings.step_factor > 0))
-        gscl_fit_steps_to_colour(&e->picture.file, e->ground.colour);
+    choose_steps(e);
     if (bytes)
         s.target = bytes > 24 ? (size_t)((double)(bytes - 20) * 8 / BITS_PER_SPLAT) + 1 : 0;
     double sparse = fmin(fmax(sparseness(&s) - 1, 0), 1);

@@ -45,11 +45,12 @@ static gscl_result read_map(gscl_fit *f, int level, float *map) {
 
 gscl_result gscl_fit_detail(gscl_fit *f, int level, double *detail) {
     size_t width = gscl_level_size(f->width, level + 1), height = gscl_level_size(f->height, level + 1);
-    float *map = malloc(2 * width * height * sizeof *map), *means = map + width * height;
+    float *map = malloc(2 * width * height * sizeof *map);
     if (!map)
         return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
     gscl_result result = read_map(f, level, map);
     if (result == GSCL_OK) {
+        float *means = map + width * height;
         size_t count = block_means(map, width, height, means);
         qsort(means, count, sizeof *means, compare_floats);
         *detail = means[count - 1 - (size_t)(LEFT_OUT * (double)count)];
