@@ -108,8 +108,8 @@ inline void slot_store(__global float *restrict slot, const pix *restrict sums) 
 #endif
 
 /* Adds one row of one splat to its sums. */
-inline void slot_add_row(pix *restrict sums, chain *restrict b, int r, splat_weight s, pix dx, float dy,
-                         __global const float *restrict drawn) {
+ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix dx, float dy,
+                                __global const float *drawn) {
     pix w = WITH_OPACITY(s.weight, drawn);
     pix paint = (pix)(0.0f);
     UNROLL

@@ -28,6 +28,9 @@ typedef float real;
 #define ITEMS (ITEMS_X * ITEMS_Y)
 #define ROTATION (SHAPE == GSCL_SHAPE_TURNED)
 #define ANISOTROPY (SHAPE != GSCL_SHAPE_ROUND)
+/* What is done for each row of each splat must not be called: its values would go through memory.  Parameters are not
+ * `restrict`: Oclgrind does not know what inlining leaves of that. */
+#define ALWAYS_INLINE __attribute__((always_inline)) inline
 /* Loops over channels and sums must not remain loops: their arrays live in registers. */
 #define UNROLL _Pragma("unroll")
 

@@ -127,8 +127,8 @@ inline tile_boxes appearance_tiles(const appearance *a, view seen) {
 
 /* First and last tile of row `ty` of its box that the outline touches; a little more than that (by `slack` = 1, or
  * more) where rounding might lose one. */
-__attribute__((always_inline)) inline int2 tiles_touched(__global const float *drawn, __global const float *extent,
-                                                         int4 box, int ty, float slack) {
+ALWAYS_INLINE int2 tiles_touched(__global const float *drawn, __global const float *extent, int4 box, int ty,
+                                 float slack) {
     float half_width = extent[GSCL_EXTENT_HALF_WIDTH], half_height = extent[GSCL_EXTENT_HALF_HEIGHT];
     float x = drawn[GSCL_DRAWN_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
     float low = LARGER(y0, -half_height), high = LESSER(y0 + (float)(GSCL_TILE - 1), half_height);

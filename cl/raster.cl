@@ -16,7 +16,7 @@ typedef struct {
 } splat_weight;
 
 /* At a row, `dx` and `dy` from the centre, that the outline touches. */
-inline void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *restrict drawn) {
+ALWAYS_INLINE void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *drawn) {
 #if ROTATION
     s->u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
     s->v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));

@@ -39,8 +39,7 @@ inline void store_rgb8(const pix *values, __global uchar *restrict to) {
 #endif
 
 /* Stores `count` pixels, given as vectors of each channel, from pixel `first` of the image on. */
-inline void store_pixels(pix *restrict values, sample_layout layout, __global uchar *restrict samples, size_t first,
-                         int count) {
+ALWAYS_INLINE void store_pixels(pix *values, sample_layout layout, __global uchar *samples, size_t first, int count) {
     int colours = layout.channels >= 3 ? 3 : 1;
     size_t to = first * layout.channels;
     pix alpha = (pix)(1.0f);
