@@ -36,7 +36,7 @@ inline pix private_weight(pix dx, float dy, const appearance *a) {
     pix u = dx * a->drawn[GSCL_DRAWN_UX];
     float v = dy * a->drawn[GSCL_DRAWN_VY];
 #endif
-    return fmax(pix_exp2_minus(fma(u, u, v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
+    return fmax(pix_exp2(fma(-u, u, -v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
 /* The weight with which it is blended. */

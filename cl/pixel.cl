@@ -85,15 +85,15 @@ inline pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), pix_o
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
 
 #if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT
-inline pix pix_exp2_minus(pix q) { return exp2(-q); }
+inline pix pix_exp2(pix y) { return exp2(y); }
 #elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
-inline pix pix_exp2_minus(pix q) { return native_exp2(-q); }
+inline pix pix_exp2(pix y) { return native_exp2(y); }
 #else
-/* 2^-q for q in [0, SUPPORT2]; larger q give a value at or below GSCL_WEIGHT_FLOOR.  The nearest integer comes
+/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  The nearest integer comes
  * from adding and taking away 1.5 * 2^23, whose low bits then also shift into the exponent; the rest is a
  * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
-inline pix pix_exp2_minus(pix q) {
-    pix y = -fmin(q, (pix)(SUPPORT2));
+inline pix pix_exp2(pix y) {
+    y = fmax(y, (pix)(-SUPPORT2));
     pix shifted = y + 12582912.0f;
     pix r = y - (shifted - 12582912.0f);
     pix p = fma((pix)(1.3276472e-3f), r, (pix)(9.6755419e-3f));

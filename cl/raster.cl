@@ -25,7 +25,7 @@ ALWAYS_INLINE void weigh_begin(splat_weight *s, pix dx, real dy, __global const 
     s->u = dx * drawn[GSCL_DRAWN_UX];
     s->v = dy * step;
     /* Exactly 0 where no row is seen: rows may be rounded to more than 1, and have a gradient where they are seen. */
-    s->column = select((pix)(0.0f), pix_exp2_minus(s->u * s->u), s->u * s->u < (pix)(SUPPORT2));
+    s->column = select((pix)(0.0f), pix_exp2(-s->u * s->u), s->u * s->u < (pix)(SUPPORT2));
     s->row = exp2(-s->v * s->v);
     s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * drawn[GSCL_DRAWN_ROW_STEP];
     s->row_bend = drawn[GSCL_DRAWN_ROW_STEP] * drawn[GSCL_DRAWN_ROW_STEP];
@@ -41,7 +41,7 @@ inline void weigh_known(splat_weight *s, pix gauss) {
 /* or from the coordinates. */
 inline void weigh(splat_weight *s) {
 #if ROTATION
-    weigh_known(s, pix_exp2_minus(fma(s->u, s->u, s->v * s->v)));
+    weigh_known(s, pix_exp2(fma(-s->u, s->u, -s->v * s->v)));
 #else
     weigh_known(s, s->column * s->row);
 #endif

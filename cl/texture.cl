@@ -141,7 +141,7 @@ inline pix scan_score(const appearance *plain, const scan_state *s) {
     pix u = fma(s->step_x, (pix)(d[GSCL_DRAWN_UX]), s->step_y * d[GSCL_DRAWN_UY]) / u2;
     pix v = fma(s->step_x, (pix)(d[GSCL_DRAWN_VX]), s->step_y * d[GSCL_DRAWN_VY]) / v2;
     /* (2 pi)^2 / (2 ln 2) brings the frame's units to sigmas, 1 / ln 2 e to 2 */
-    pix r = pix_exp2_minus((2.0f * M_PI_F * M_PI_F / (M_LN2_F * M_LN2_F)) * fma(u, u, v * v));
+    pix r = pix_exp2((2.0f * M_PI_F * M_PI_F / (M_LN2_F * M_LN2_F)) * fma(-u, u, -v * v));
     return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
 }
 
