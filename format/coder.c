@@ -54,12 +54,17 @@ bool gsf_coder_starved(const gsf_coder *coder) {
     return coder->decoding && gsf_range_decoder_starved(&coder->decoder);
 }
 
+static void count_bits(gsf_coder *coder, uint32_t freq, uint32_t total) {
+    if (coder->stream_bits256)
+        coder->stream_bits256[coder->stream] += gsf_cost256(freq, total);
+}
+
 static void code_interval(gsf_coder *coder, uint32_t cum, uint32_t freq, uint32_t total) {
     if (coder->decoding)
         gsf_range_decode_consume(&coder->decoder, cum, freq, total);
     else
         gsf_range_encode(&coder->encoder, cum, freq, total);
-    coder->stream_bits256[coder->stream] += gsf_cost256(freq, total);
+    count_bits(coder, freq, total);
 }
 
 #define STRIDE 8
@@ -77,8 +82,16 @@ static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t targe
         *cum += sum;
         value += STRIDE;
     }
-    while (value + 1 < count && *cum + freq[value] <= target)
-        *cum += freq[value++];
+    /* Nor is there a branch on the place within a stride: it would be guessed wrong. */
+    uint32_t end = *cum;
+    const uint32_t first = value;
+    const uint32_t last = count - value <= STRIDE ? count - value - 1 : STRIDE - 1;
+    for (uint32_t i = 0; i < last; i++) {
+        end += freq[first + i];
+        const bool beyond = end <= target;
+        value += beyond;
+        *cum = beyond ? end : *cum;
+    }
     return value;
 }
 
@@ -100,7 +113,7 @@ uint32_t gsf_code_either(gsf_coder *coder, uint32_t value, uint32_t first, uint3
         value = !gsf_range_decode_first(&coder->decoder, first, total);
     else
         gsf_range_encode(&coder->encoder, value ? first : 0, value ? total - first : first, total);
-    coder->stream_bits256[coder->stream] += gsf_cost256(value ? total - first : first, total);
+    count_bits(coder, value ? total - first : first, total);
     return value;
 }
 

@@ -1,6 +1,6 @@
 /* One coder for both directions: the description of the payload is written once, in functions that
  * take a value and give it back when writing, and ignore the value and give the decoded one when
- * reading.  Also counts the bits that each stream costs. */
+ * reading.  Counts the bits that each stream costs for those who want to know. */
 #ifndef GSCL_FORMAT_CODER_H
 #define GSCL_FORMAT_CODER_H
 
@@ -12,7 +12,7 @@ typedef struct gsf_coder {
     gsf_range_encoder encoder;
     gsf_range_decoder decoder;
     gsf_stream stream;        /* whose bits are being counted */
-    uint64_t *stream_bits256; /* GSF_STREAM_COUNT counters */
+    uint64_t *stream_bits256; /* GSF_STREAM_COUNT counters, or NULL */
 } gsf_coder;
 
 void gsf_coder_write_to(gsf_coder *coder, uint8_t *bytes, size_t capacity, uint64_t *stream_bits256);

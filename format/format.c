@@ -34,6 +34,14 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, gsf_header *header
     return gsf_parse_header(bytes, size, header, &header_size);
 }
 
+/* Counting begins with the header. */
+static void count_header(const gsf_picture *picture, size_t size) {
+    if (!picture->stream_bits256)
+        return;
+    memset(picture->stream_bits256, 0, GSF_STREAM_COUNT * sizeof *picture->stream_bits256);
+    picture->stream_bits256[GSF_STREAM_HEADER] = (uint64_t)size * 8 * 256;
+}
+
 /* The payload ends exactly where the decoder does. */
 static gsf_result read_payload(gsf_picture *picture, const uint8_t *bytes, size_t size, void *scratch) {
     gsf_coder coder;
@@ -47,7 +55,6 @@ static gsf_result read_payload(gsf_picture *picture, const uint8_t *bytes, size_
 /* Everything that reading sets, except the caller's arrays and the pointers to them. */
 static void clear(gsf_picture *picture) {
     gsf_codebooks *books = &picture->codebooks;
-    memset(picture->stream_bits256, 0, sizeof picture->stream_bits256);
     memset(picture->background, 0, sizeof picture->background);
     memset(&picture->steps, 0, sizeof picture->steps);
     memset(books->shape, 0, sizeof books->shape);
@@ -62,7 +69,7 @@ gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_picture *picture, voi
     gsf_result result = gsf_parse_header(bytes, size, &picture->header, &start);
     if (result != GSF_OK)
         return result;
-    picture->stream_bits256[GSF_STREAM_HEADER] = (uint64_t)start * 8 * 256;
+    count_header(picture, start);
     result = read_payload(picture, bytes + start, size - start, scratch);
     if (gsf_file_checksum(bytes, size, start) == gsf_stored_checksum(bytes, start))
         return result == GSF_OK ? GSF_OK : GSF_CORRUPT;
@@ -111,7 +118,6 @@ gsf_result gsf_write(gsf_picture *picture, uint8_t *bytes, size_t capacity, size
     uint8_t header[GSF_MAX_HEADER_SIZE];
     size_t payload_size;
     *size = 0;
-    memset(picture->stream_bits256, 0, sizeof picture->stream_bits256);
     picture->header.version = GSF_VERSION;
     if (!gsf_picture_is_valid(picture))
         return GSF_INVALID;
@@ -119,7 +125,7 @@ gsf_result gsf_write(gsf_picture *picture, uint8_t *bytes, size_t capacity, size
     if (capacity < start)
         return GSF_NO_SPACE;
     memcpy(bytes, header, start);
-    picture->stream_bits256[GSF_STREAM_HEADER] = (uint64_t)start * 8 * 256;
+    count_header(picture, start);
     gsf_sort(picture, scratch);
     const gsf_result result = write_payload(picture, bytes + start, capacity - start, &payload_size, scratch);
     if (result != GSF_OK)

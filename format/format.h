@@ -154,12 +154,12 @@ typedef enum gsf_stream {
 /* A whole picture. */
 typedef struct gsf_picture {
     gsf_header header;
-    uint16_t background[GSF_MAX_CHANNELS];     /* coded channels (Y, or R G B; then alpha), in 1/255 (deep: 1/65535) */
-    gsf_steps steps;                           /* scalar coding */
-    gsf_splat *splats;                         /* scalar coding: caller's array of splat_count */
-    gsf_codebooks codebooks;                   /* codebook coding */
-    gsf_indexed_splat *indexed;                /* codebook coding: caller's array of splat_count */
-    uint64_t stream_bits256[GSF_STREAM_COUNT]; /* out: 1/256 bits spent, by stream */
+    uint16_t background[GSF_MAX_CHANNELS]; /* coded channels (Y, or R G B; then alpha), in 1/255 (deep: 1/65535) */
+    gsf_steps steps;                       /* scalar coding */
+    gsf_splat *splats;                     /* scalar coding: caller's array of splat_count */
+    gsf_codebooks codebooks;               /* codebook coding */
+    gsf_indexed_splat *indexed;            /* codebook coding: caller's array of splat_count */
+    uint64_t *stream_bits256; /* out: 1/256 bits spent, by stream: caller's GSF_STREAM_COUNT numbers, or NULL */
 } gsf_picture;
 
 /* Channels that the picture codes: 1 or 3 colours plus 1 for alpha. */

@@ -115,11 +115,15 @@ static uint32_t partition(gsf_prior *list, uint32_t n, const gsf_split *split, c
     return left;
 }
 
-static void share_by_area(uint32_t total, const gsf_split *split, uint32_t weight[2]) {
-    const uint32_t first = split->along_x ? split->half[0].width : split->half[0].height;
-    const uint32_t second = split->along_x ? split->half[1].width : split->half[1].height;
-    weight[0] = total * first / (first + second);
+/* The halves' shares, where a side of `length` cells is cut. */
+static void share_by_area(uint32_t total, uint32_t length, uint32_t weight[2]) {
+    weight[0] = total * (length / 2) / length;
     weight[1] = total - weight[0];
+}
+
+/* The side that is cut. */
+static uint32_t length_cut(const gsf_split *split, gsf_rect rect) {
+    return split->along_x ? rect.width : rect.height;
 }
 
 static void place(gsf_point *points, const node *leaf) {
@@ -134,6 +138,7 @@ typedef struct task {
     uint32_t n;
     gsf_prior *priors;
     uint32_t prior_n;
+    const gsf_ball *narrow; /* by the side that is cut, of rectangles that are not wide */
 } task;
 
 /* The priors of a class: whole classes, going back from it for as long as they fit. */
@@ -150,17 +155,17 @@ static uint32_t collect_priors(const gsf_point *points, const uint32_t *counts, 
     return n;
 }
 
-/* Weights of the halves; *near is the number of priors in the first half, once those are in front. */
-static void weigh(const task *t, const node *whole, const gsf_split *split, uint32_t weight[2], uint32_t *near) {
-    *near = 0;
-    if (!is_wide(whole->rect)) {
-        share_by_area(NARROW_WEIGHT, split, weight);
-        return;
-    }
-    share_by_area(WIDE_WEIGHT, split, weight);
-    *near = partition(t->priors + whole->prior_first, whole->prior_n, split, t->grid);
-    weight[0] += PRIOR_WEIGHT * *near;
-    weight[1] += PRIOR_WEIGHT * (whole->prior_n - *near);
+static void weigh_narrow(uint32_t length, uint32_t weight[2]) {
+    share_by_area(NARROW_WEIGHT, length, weight);
+}
+
+/* Returns the number of priors in the first half, and brings those to the front. */
+static uint32_t weigh_wide(const task *t, const node *whole, const gsf_split *split, uint32_t weight[2]) {
+    share_by_area(WIDE_WEIGHT, length_cut(split, whole->rect), weight);
+    const uint32_t near = partition(t->priors + whole->prior_first, whole->prior_n, split, t->grid);
+    weight[0] += PRIOR_WEIGHT * near;
+    weight[1] += PRIOR_WEIGHT * (whole->prior_n - near);
+    return near;
 }
 
 /* Codes how one rectangle's points divide, and puts the halves that have points on the stack, the
@@ -168,8 +173,11 @@ static void weigh(const task *t, const node *whole, const gsf_split *split, uint
 static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigned depth) {
     const node whole = stack[--depth];
     const gsf_split split = gsf_split_rect(t->grid, whole.rect);
-    uint32_t weight[2], near;
-    weigh(t, &whole, &split, weight, &near);
+    uint32_t weight[2], near = 0;
+    if (is_wide(whole.rect))
+        near = weigh_wide(t, &whole, &split, weight);
+    else
+        weigh_narrow(length_cut(&split, whole.rect), weight);
     const uint32_t known = coder->decoding ? 0 : count_left(t->points + whole.first, whole.n, &split);
     const uint32_t left = gsf_code_urn(coder, known, whole.n, weight[0], weight[1]);
     if (left < whole.n)
@@ -183,12 +191,15 @@ static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigne
 /* The splits around a single point, which most splits are: as code_split, with one half to go on with. */
 static void code_point(gsf_coder *coder, const task *t, node at) {
     gsf_point *point = &t->points[at.first];
-    while ((at.rect.width > 1 || at.rect.height > 1) && !gsf_coder_starved(coder)) {
+    while (at.rect.width > 1 || at.rect.height > 1) {
         const gsf_split split = gsf_split_rect(t->grid, at.rect);
-        uint32_t weight[2], near;
-        weigh(t, &at, &split, weight, &near);
+        uint32_t weight[2], near = 0;
+        if (is_wide(at.rect))
+            near = weigh_wide(t, &at, &split, weight);
+        const gsf_ball ball =
+            is_wide(at.rect) ? gsf_ball_of(weight[0], weight[1]) : t->narrow[length_cut(&split, at.rect)];
         const bool known = !coder->decoding && (split.along_x ? point->x : point->y) < split.at;
-        const bool left = gsf_code_urn(coder, known, 1, weight[0], weight[1]) != 0;
+        const bool left = gsf_code_ball(coder, known, ball);
         at.rect = split.half[!left];
         at.prior_first += left ? 0 : near;
         at.prior_n = left ? near : at.prior_n - near;
@@ -211,13 +222,23 @@ static void code_class(gsf_coder *coder, const task *t) {
     }
 }
 
+static void fill_narrow(gsf_ball narrow[WIDE + 1]) {
+    for (uint32_t length = 2; length <= WIDE; length++) {
+        uint32_t weight[2];
+        weigh_narrow(length, weight);
+        narrow[length] = gsf_ball_of(weight[0], weight[1]);
+    }
+}
+
 void gsf_code_points(gsf_coder *coder, gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
                      uint32_t classes, gsf_prior *priors) {
+    gsf_ball narrow[WIDE + 1];
+    fill_narrow(narrow);
     for (uint32_t i = 0; i < classes; i++) {
         if (counts[i] == 0)
             continue;
         const uint32_t prior_n = collect_priors(points, counts, grids, i, priors);
-        const task t = {&grids[i], points, counts[i], priors, prior_n};
+        const task t = {&grids[i], points, counts[i], priors, prior_n, narrow};
         code_class(coder, &t);
         points += counts[i];
     }

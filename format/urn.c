@@ -48,26 +48,37 @@ static uint32_t fill_table(const urn *u, uint16_t *freq) {
     return total;
 }
 
-/* An urn of one ball, which most are: what fill_table and gsf_code_symbol come to.  The likelier side weighs PEAK. */
-static uint32_t code_ball(gsf_coder *coder, uint32_t value, const urn *u) {
-    const bool left = u->left > u->right;
-    const uint64_t less = left ? PEAK * u->right / u->left : PEAK * u->left / u->right, sum = PEAK + less;
-    const uint64_t shared = PEAK * (GSF_MAX_TOTAL - 2), share = shared / sum;
-    const uint32_t rest = (uint32_t)(GSF_MAX_TOTAL - 2 - share - (share * sum != shared)); /* both are rounded down */
-    return gsf_code_either(coder, value, 1 + (left ? rest : (uint32_t)share), 2 + (uint32_t)share + rest);
+/* Weights that products have room for. */
+static urn urn_of(uint32_t n, uint32_t left_weight, uint32_t right_weight) {
+    while (left_weight > MAX_WEIGHT || right_weight > MAX_WEIGHT) {
+        left_weight = (left_weight + 1) / 2;
+        right_weight = (right_weight + 1) / 2;
+    }
+    return (urn){n, left_weight, right_weight};
+}
+
+/* What fill_table comes to for one ball.  The likelier side weighs PEAK. */
+gsf_ball gsf_ball_of(uint32_t left_weight, uint32_t right_weight) {
+    const urn u = urn_of(1, left_weight, right_weight);
+    const bool left = u.left > u.right;
+    const uint64_t less = left ? PEAK * u.right / u.left : PEAK * u.left / u.right;
+    const uint64_t sum = PEAK + less, shared = PEAK * (GSF_MAX_TOTAL - 2), share = shared / sum;
+    const bool inexact = share * sum != shared;
+    const uint32_t rest = (uint32_t)(GSF_MAX_TOTAL - 2 - share - inexact); /* both are rounded down */
+    return (gsf_ball){1 + (left ? rest : (uint32_t)share), GSF_MAX_TOTAL - inexact};
+}
+
+bool gsf_code_ball(gsf_coder *coder, bool left, gsf_ball ball) {
+    return gsf_code_either(coder, left, ball.right, ball.total) != 0;
 }
 
 uint32_t gsf_code_urn(gsf_coder *coder, uint32_t left, uint32_t n, uint32_t left_weight, uint32_t right_weight) {
     unsigned shift = 0; /* low bits of the count that are coded as they are */
     while (n >> shift > MAX_TABLE)
         shift++;
-    while (left_weight > MAX_WEIGHT || right_weight > MAX_WEIGHT) {
-        left_weight = (left_weight + 1) / 2;
-        right_weight = (right_weight + 1) / 2;
-    }
-    const urn u = {n >> shift, left_weight, right_weight};
     if (n == 1)
-        return code_ball(coder, left, &u);
+        return gsf_code_ball(coder, left != 0, gsf_ball_of(left_weight, right_weight));
+    const urn u = urn_of(n >> shift, left_weight, right_weight);
     uint16_t freq[MAX_TABLE + 1];
     const uint32_t total = fill_table(&u, freq);
     const uint32_t base = gsf_code_symbol(coder, left >> shift, freq, (n >> shift) + 1, total) << shift;

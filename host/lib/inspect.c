@@ -68,15 +68,15 @@ static void describe(const gsf_header *header, size_t size, gscl_info *info) {
 
 /* Lists the streams in use.  What the coder's rounding and last bytes add goes to the side information, so
  * that the bits add up to the file. */
-static void list_streams(const gsf_picture *file, size_t size, gscl_info *info) {
+static void list_streams(const uint64_t *stream_bits256, size_t size, gscl_info *info) {
     double total = 0;
     size_t side = SIZE_MAX;
     for (int i = 0; i < GSF_STREAM_COUNT; i++) {
-        if (file->stream_bits256[i] == 0 && i != GSF_STREAM_SIDE)
+        if (stream_bits256[i] == 0 && i != GSF_STREAM_SIDE)
             continue;
         if (i == GSF_STREAM_SIDE)
             side = info->stream_count;
-        double bits = file->stream_bits256[i] / 256.0;
+        double bits = stream_bits256[i] / 256.0;
         info->streams[info->stream_count++] = (gscl_stream_bits){stream_names[i], bits};
         total += bits;
     }
@@ -97,13 +97,14 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_picture picture;
-    GSCL_TRY(gscl_picture_read(&picture, bytes, size));
+    uint64_t stream_bits256[GSF_STREAM_COUNT];
+    GSCL_TRY(gscl_picture_read_counted(&picture, bytes, size, stream_bits256));
     describe(&picture.file.header, size, info);
     if (picture.file.header.coding == GSF_CODING_CODEBOOK && picture.file.header.splat_count > 0) {
         info->shape_words = picture.file.codebooks.shape_count;
         info->colour_words = picture.file.codebooks.colour_count;
     }
-    list_streams(&picture.file, size, info);
+    list_streams(stream_bits256, size, info);
     gscl_picture_free(&picture);
     return GSCL_OK;
 }

@@ -46,7 +46,12 @@ gscl_result gscl_picture_reserve(gscl_picture *p, size_t splats) {
 }
 
 gscl_result gscl_picture_read(gscl_picture *p, const uint8_t *bytes, size_t size) {
+    return gscl_picture_read_counted(p, bytes, size, NULL);
+}
+
+gscl_result gscl_picture_read_counted(gscl_picture *p, const uint8_t *bytes, size_t size, uint64_t *stream_bits256) {
     memset(p, 0, sizeof *p);
+    p->file.stream_bits256 = stream_bits256;
     GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &p->file.header)));
     gscl_result result = gscl_picture_reserve(p, p->file.header.splat_count);
     if (result == GSCL_OK)

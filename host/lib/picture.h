@@ -21,6 +21,9 @@ void gscl_picture_free(gscl_picture *picture);
 
 /* Reads a file into a picture (which may hold anything before). */
 gscl_result gscl_picture_read(gscl_picture *picture, const uint8_t *bytes, size_t size);
+/* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that stay with the picture, or NULL. */
+gscl_result gscl_picture_read_counted(gscl_picture *picture, const uint8_t *bytes, size_t size,
+                                      uint64_t *stream_bits256);
 /* Writes the picture into a new buffer (gscl_free); sorts its splats into the stored order. */
 gscl_result gscl_picture_write(gscl_picture *picture, uint8_t **bytes, size_t *size);
 /* The size that gscl_picture_write would give. */

@@ -21,8 +21,11 @@ static void *allocate(size_t size) {
     return memory;
 }
 
+static uint64_t stream_bits256[GSF_STREAM_COUNT];
+
 static void create(gsf_picture *picture, const gsf_header *header) {
     memset(picture, 0, sizeof *picture);
+    picture->stream_bits256 = stream_bits256;
     picture->header = *header;
     picture->splats = allocate(header->splat_count * sizeof *picture->splats);
     picture->indexed = allocate(header->splat_count * sizeof *picture->indexed);

@@ -17,6 +17,7 @@ typedef struct fixture {
     uint8_t *bytes;
     size_t capacity, size;
     void *scratch;
+    uint64_t stream_bits256[GSF_STREAM_COUNT];
 } fixture;
 
 static uint32_t random_state;
@@ -40,6 +41,7 @@ static void create(fixture *f, const gsf_header *header) {
     f->picture.indexed = allocate(header->splat_count, sizeof *f->picture.indexed);
     f->picture.codebooks.shape_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->picture.codebooks.shape_words);
     f->picture.codebooks.colour_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->picture.codebooks.colour_words);
+    f->picture.stream_bits256 = f->stream_bits256;
     f->scratch = allocate(gsf_scratch_size(header), 1);
 }
 
@@ -194,7 +196,7 @@ static void assert_same_picture(const gsf_picture *a, const gsf_picture *b) {
     assert_same_header(&a->header, &b->header);
     assert_memory_equal(a->background, b->background, sizeof a->background);
     assert_memory_equal(&a->steps, &b->steps, sizeof a->steps);
-    assert_memory_equal(a->stream_bits256, b->stream_bits256, sizeof a->stream_bits256);
+    assert_memory_equal(a->stream_bits256, b->stream_bits256, GSF_STREAM_COUNT * sizeof *a->stream_bits256);
     if (a->header.coding == GSF_CODING_SCALAR)
         assert_memory_equal(a->splats, b->splats, n * sizeof *a->splats);
     else
