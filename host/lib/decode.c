@@ -111,11 +111,11 @@ void gscl_decoder_free(gscl_context *context) {
     context->renderer = NULL;
 }
 
+/* `params` and `background`: room for what the device is given. */
 static gscl_result draw_splats(gscl_context *context, const gscl_picture *picture, const frame *f,
-                               const gscl_image *image, float *params) {
+                               const gscl_image *image, float *params, float background[4]) {
     const gsf_header *header = &picture->file.header;
     gscl_kernel_options options = gscl_picture_options(header);
-    float background[4];
     double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     gscl_stage(context, "dequantise");
     gscl_picture_params(picture, params, background);
@@ -124,15 +124,17 @@ static gscl_result draw_splats(gscl_context *context, const gscl_picture *pictur
         options.shape = GSCL_SHAPE_TURNED; /* what scaling makes of them */
     gscl_stage(context, "draw");
     GSCL_TRY(reuse_renderer(context, &options));
-    GSCL_TRY(gscl_renderer_set_splats(context->renderer, params, header->splat_count, background));
+    GSCL_TRY(gscl_renderer_set_splats_later(context->renderer, params, header->splat_count, background));
     return draw_bands(context->renderer, f, image);
 }
 
 static gscl_result draw(gscl_context *context, const gscl_picture *picture, const frame *f, const gscl_image *image) {
-    float *params = malloc(((size_t)picture->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
+    float background[4],
+        *params = malloc(((size_t)picture->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
         return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
-    gscl_result result = draw_splats(context, picture, f, image, params);
+    gscl_result result = draw_splats(context, picture, f, image, params, background);
+    gscl_finish(context); /* also after an error nobody reads them any more */
     free(params);
     return result;
 }

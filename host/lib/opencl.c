@@ -104,18 +104,41 @@ void gscl_buffer_free(gscl_buffer *buffer) {
     *buffer = (gscl_buffer){NULL, 0};
 }
 
-gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
-                              size_t size) {
-    if (size == 0)
-        return GSCL_OK;
-    GSCL_CL(context, clEnqueueWriteBuffer(context->queue, buffer->memory, CL_TRUE, offset, size, data, 0, NULL, NULL));
+static gscl_result write_buffer(gscl_context *context, const gscl_buffer *buffer, cl_bool waits, size_t offset,
+                                const void *data, size_t size) {
+    if (size > 0)
+        GSCL_CL(context,
+                clEnqueueWriteBuffer(context->queue, buffer->memory, waits, offset, size, data, 0, NULL, NULL));
     return GSCL_OK;
 }
 
+static gscl_result read_buffer(gscl_context *context, const gscl_buffer *buffer, cl_bool waits, size_t offset,
+                               void *data, size_t size) {
+    if (size > 0)
+        GSCL_CL(context, clEnqueueReadBuffer(context->queue, buffer->memory, waits, offset, size, data, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
+                              size_t size) {
+    return write_buffer(context, buffer, CL_TRUE, offset, data, size);
+}
+
+gscl_result gscl_buffer_write_later(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size) {
+    return write_buffer(context, buffer, CL_FALSE, 0, data, size);
+}
+
 gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, size_t offset, void *data, size_t size) {
-    if (size == 0)
-        return GSCL_OK;
-    GSCL_CL(context, clEnqueueReadBuffer(context->queue, buffer->memory, CL_TRUE, offset, size, data, 0, NULL, NULL));
+    return read_buffer(context, buffer, CL_TRUE, offset, data, size);
+}
+
+gscl_result gscl_buffer_read_later(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size) {
+    return read_buffer(context, buffer, CL_FALSE, 0, data, size);
+}
+
+gscl_result gscl_finish(gscl_context *context) {
+    if (context->queue)
+        GSCL_CL(context, clFinish(context->queue));
     return GSCL_OK;
 }
 

@@ -39,6 +39,12 @@ gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const
 gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
                               size_t size);
 gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, size_t offset, void *data, size_t size);
+/* Copies that nobody waits for: the data must stay where it is until the queue has come to it, that is until a blocking
+ * copy later on, or gscl_finish. */
+gscl_result gscl_buffer_write_later(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size);
+gscl_result gscl_buffer_read_later(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size);
+/* Waits until the queue is empty; accepts a context without one. */
+gscl_result gscl_finish(gscl_context *context);
 /* Copies bytes to the same place in another buffer. */
 gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,
                              size_t size);

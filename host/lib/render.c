@@ -7,9 +7,10 @@
 #include "constants.h"
 #include "image.h"
 
-#define SPARE_ENTRIES 8 /* behind the last list: searches load vectors of entries */
-#define MOST_BANDS 32   /* of rows of tiles: work for many cores, and few enough lists for many splats */
-#define FEW_ROWS 64     /* of tiles: no bands */
+#define SPARE_ENTRIES 8  /* behind the last list: searches load vectors of entries */
+#define FEW_ENTRIES 1024 /* that a row of tiles has room for beside one for each splat: few splats may be wide */
+#define MOST_BANDS 32    /* of rows of tiles: work for many cores, and few enough lists for many splats */
+#define FEW_ROWS 64      /* of tiles: no bands */
 
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
@@ -27,6 +28,8 @@ void gscl_renderer_free(gscl_renderer *r) {
                               &r->listed,  &r->listed_counts, &r->samples};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
+    free(r->totals);
+    r->totals = NULL;
 }
 
 gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint32_t y, uint32_t width,
@@ -54,13 +57,20 @@ gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
     return gscl_buffer_reserve(r->context, &r->boxes, count * sizeof(cl_int4));
 }
 
-gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
+gscl_result gscl_renderer_set_splats_later(gscl_renderer *r, const float *params, size_t count,
+                                           const float *background) {
     r->count = 0;
     GSCL_TRY(gscl_renderer_reserve(r, count));
-    GSCL_TRY(gscl_buffer_write(r->context, &r->params, 0, params, count * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_write(r->context, &r->background, 0, background, (size_t)r->channels * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_later(r->context, &r->params, params, count * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_later(r->context, &r->background, background, (size_t)r->channels * sizeof(float)));
     r->count = (cl_int)count;
     return GSCL_OK;
+}
+
+gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
+    gscl_result result = gscl_renderer_set_splats_later(r, params, count, background);
+    gscl_result finished = gscl_finish(r->context); /* in any case: the first may be on its way */
+    return result == GSCL_OK ? finished : result;
 }
 
 gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
@@ -78,23 +88,27 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
                        GSCL_ARG_BUFFER(r->extents), GSCL_ARG_BUFFER(r->boxes));
 }
 
-/* The largest number of entries that a row of tiles wanted at the last binning; counts the crowd, too. */
-static gscl_result measure_rows(gscl_renderer *r, cl_int *largest) {
-    size_t rows = (size_t)r->view.tiles_y;
-    cl_int *totals = malloc(rows * sizeof *totals);
+/* Reads what the rows of tiles wanted at the last binning, without waiting for it. */
+static gscl_result read_totals_later(gscl_renderer *r) {
+    size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
+    cl_int *totals = realloc(r->totals, size);
     if (!totals)
         return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
-    gscl_result result = gscl_buffer_read(r->context, &r->row_totals, 0, totals, rows * sizeof *totals);
+    r->totals = totals;
+    return gscl_buffer_read_later(r->context, &r->row_totals, totals, size);
+}
+
+/* The largest number of entries that a row of tiles wanted; counts the crowd, too. */
+static cl_int measure_rows(gscl_renderer *r) {
     double total = 0;
-    *largest = 0;
-    for (size_t i = 0; i < rows && result == GSCL_OK; i++) {
-        total += totals[i];
-        if (totals[i] > *largest)
-            *largest = totals[i];
+    cl_int largest = 0;
+    for (cl_int i = 0; i < r->view.tiles_y; i++) {
+        total += r->totals[i];
+        if (r->totals[i] > largest)
+            largest = r->totals[i];
     }
-    r->crowd = total / ((double)rows * r->view.tiles_x);
-    free(totals);
-    return result;
+    r->crowd = total / ((double)r->view.tiles_y * r->view.tiles_x);
+    return largest;
 }
 
 static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
@@ -135,7 +149,7 @@ static gscl_result launch_bin(gscl_renderer *r) {
 
 /* To begin with: a guess, or what the buffer holds already. */
 static cl_int first_row_capacity(const gscl_renderer *r) {
-    size_t held = r->entries.size / sizeof(cl_uint), guess = (size_t)r->count + 64;
+    size_t held = r->entries.size / sizeof(cl_uint), guess = (size_t)r->count + FEW_ENTRIES;
     held = held > SPARE_ENTRIES ? (held - SPARE_ENTRIES) / (size_t)r->view.tiles_y : 0;
     return (cl_int)(held > guess ? held : guess);
 }
@@ -147,8 +161,9 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
     GSCL_TRY(launch_bin(r));
     if (!exact)
         return GSCL_OK;
-    cl_int largest = 0; /* grow early: until the next exact binning the splats move */
-    GSCL_TRY(measure_rows(r, &largest));
+    GSCL_TRY(read_totals_later(r));
+    GSCL_TRY(gscl_finish(r->context));
+    cl_int largest = measure_rows(r); /* grow early: until the next exact binning the splats move */
     if (largest + largest / 4 <= r->row_capacity)
         return GSCL_OK;
     GSCL_TRY(set_row_capacity(r, largest + largest / 2));
@@ -181,16 +196,28 @@ static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
                        GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
 }
 
-gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
-    size_t row = (size_t)r->width * (size_t)layout.channels * gscl_sample_size((gscl_sample)layout.sample);
+static gscl_result read_samples(gscl_renderer *r, size_t row, void *pixels, size_t stride) {
     size_t rows = (size_t)r->height, origin[3] = {0}, region[3] = {row, rows, 1};
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->samples, row * rows));
-    GSCL_TRY(gscl_renderer_project(r));
-    GSCL_TRY(gscl_renderer_bin(r, true));
-    GSCL_TRY(launch_samples(r, layout));
     if (stride == row)
         return gscl_buffer_read(r->context, &r->samples, 0, pixels, row * rows);
     GSCL_CL(r->context, clEnqueueReadBufferRect(r->context->queue, r->samples.memory, CL_TRUE, origin, origin, region,
                                                 row, 0, stride, 0, pixels, 0, NULL, NULL));
     return GSCL_OK;
+}
+
+/* A guess of what the lists hold is nearly always enough, and waiting for them takes as long as filling them. */
+gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
+    size_t row = (size_t)r->width * (size_t)layout.channels * gscl_sample_size((gscl_sample)layout.sample);
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->samples, row * (size_t)r->height));
+    GSCL_TRY(gscl_renderer_project(r));
+    for (;;) {
+        GSCL_TRY(gscl_renderer_bin(r, false));
+        GSCL_TRY(read_totals_later(r));
+        GSCL_TRY(launch_samples(r, layout));
+        GSCL_TRY(read_samples(r, row, pixels, stride));
+        cl_int largest = measure_rows(r);
+        if (largest <= r->row_capacity)
+            return GSCL_OK;
+        GSCL_TRY(set_row_capacity(r, largest));
+    }
 }

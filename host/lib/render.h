@@ -32,6 +32,7 @@ typedef struct gscl_renderer {
     cl_int count;         /* splats */
     cl_int row_capacity;  /* list entries that each row of tiles owns */
     double crowd;         /* mean entries of a tile at the last exact binning */
+    cl_int *totals;       /* entries that each row of tiles wanted, as last read from row_totals */
     gscl_buffer params, steps, drawn, extents, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
     gscl_buffer samples;
@@ -48,6 +49,9 @@ gscl_result gscl_renderer_set_view(gscl_renderer *renderer, int level, uint32_t 
 /* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device. */
 gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
                                      const float *background);
+/* Likewise, without waiting: they must stay where they are until the queue has come to it (gscl_buffer_write_later). */
+gscl_result gscl_renderer_set_splats_later(gscl_renderer *renderer, const float *params, size_t count,
+                                           const float *background);
 /* Makes room for `count` splats without touching those that are there. */
 gscl_result gscl_renderer_reserve(gscl_renderer *renderer, size_t count);
 /* Quantiser steps to look through (GSCL_STEP_COUNT floats), or NULL for none. */
@@ -62,7 +66,8 @@ gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
 gscl_result gscl_renderer_draw(gscl_renderer *renderer);
 /* All three. */
 gscl_result gscl_renderer_render(gscl_renderer *renderer);
-/* Likewise, but straight into an image in memory, rows `stride` bytes apart. */
+/* Likewise, but straight into an image in memory, rows `stride` bytes apart.  Waits once, for the image, unless a list
+ * turns out to have overflown: then it draws again. */
 gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
 
 /* Floats from the start of one plane of renderer->image to the next. */

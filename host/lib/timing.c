@@ -35,16 +35,10 @@ gscl_result gscl_timing_create(gscl_context *context) {
     return context->timings ? GSCL_OK : gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
-/* Waits for what the device was told to do. */
-static void finish(gscl_context *context) {
-    if (context->queue)
-        clFinish(context->queue);
-}
-
 /* Reads the times of kernels that have ended, once all have. */
 static void collect(gscl_context *context) {
     struct gscl_timings *t = context->timings;
-    finish(context);
+    gscl_finish(context);
     for (size_t i = 0; i < t->pending_count; i++) {
         if (!t->pending[i])
             continue;                /* the launch failed */
@@ -97,7 +91,7 @@ const char *gscl_stage(gscl_context *context, const char *name) {
     struct gscl_timings *t = context->timings;
     if ((!t && !context->recorder) || context->stages_frozen)
         return NULL;
-    finish(context);
+    gscl_finish(context);
     double now = gscl_now();
     const char *recorded = context->recorder ? gscl_recorder_stage(context->recorder, name, now) : NULL;
     if (!t)

@@ -10,6 +10,7 @@
 
 #include "constants.h"
 #include "fit.h"
+#include "one_context.h"
 
 #define WIDTH 94 /* not of whole tiles */
 #define HEIGHT 70
@@ -18,7 +19,7 @@
 typedef float painter(int x, int y, int channel);
 
 /* Detail of a picture's finest level. */
-static double detail_of(void **state, painter *paint) {
+static double detail_of(painter *paint) {
     static float planes[CHANNELS * HEIGHT * WIDTH];
     for (int k = 0; k < CHANNELS; k++)
         for (int y = 0; y < HEIGHT; y++)
@@ -27,7 +28,7 @@ static double detail_of(void **state, painter *paint) {
     const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = CHANNELS};
     gscl_fit fit = {0};
     double detail = NAN;
-    assert_int_equal(gscl_fit_create(&fit, *state, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
+    assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
     assert_int_equal(gscl_fit_detail(&fit, 0, &detail), GSCL_OK);
     gscl_fit_free(&fit);
     return detail;
@@ -36,37 +37,27 @@ static double detail_of(void **state, painter *paint) {
 static float ramp(int x, int y, int channel) {
     return 0.1f + 0.005f * (float)x + 0.004f * (float)y * (float)channel;
 }
-static void test_slopes_are_no_detail(void **state) {
-    assert_float_equal(detail_of(state, ramp), 0, 1e-9);
+static void test_slopes_are_no_detail(void **unused) {
+    (void)unused;
+    assert_float_equal(detail_of(ramp), 0, 1e-9);
 }
 
 static float checkers(int x, int y, int channel) {
     return 0.5f + ((x + y) % 2 ? 0.1f : -0.1f) * (channel == 1 ? 2.0f : 1.0f);
 }
-static void test_single_pixels_are_detail(void **state) {
-    assert_float_equal(detail_of(state, checkers), (0.01 + 0.04 + 0.01) / 3, 1e-6);
+static void test_single_pixels_are_detail(void **unused) {
+    (void)unused;
+    assert_float_equal(detail_of(checkers), (0.01 + 0.04 + 0.01) / 3, 1e-6);
 }
 
 static float one_checkered_tile(int x, int y, int channel) {
     return x < GSCL_TILE && y < GSCL_TILE ? checkers(x, y, channel) : 0.5f;
 }
 /* One tile of thirty is more than the hundredth that does not count. */
-static void test_a_small_thing_counts_in_full(void **state) {
-    double all = detail_of(state, checkers), one = detail_of(state, one_checkered_tile);
+static void test_a_small_thing_counts_in_full(void **unused) {
+    (void)unused;
+    double all = detail_of(checkers), one = detail_of(one_checkered_tile);
     assert_true(one > 0.5 * all);
-}
-
-static int open_context(void **state) {
-    gscl_context *context;
-    if (gscl_context_create(&context, NULL) != GSCL_OK)
-        return -1;
-    *state = context;
-    return 0;
-}
-static int close_context(void **state) {
-    gscl_context *context = *state;
-    gscl_context_free(&context);
-    return 0;
 }
 
 int main(void) {

@@ -11,20 +11,8 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
+#include "one_context.h"
 #include "test_image.h"
-
-static gscl_context *context;
-
-static int open_context(void **state) {
-    (void)state;
-    return gscl_context_create(&context, NULL) == GSCL_OK ? 0 : -1;
-}
-
-static int close_context(void **state) {
-    (void)state;
-    gscl_context_free(&context);
-    return context ? -1 : 0;
-}
 
 /* ---- Helpers ---- */
 

@@ -9,23 +9,11 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
+#include "one_context.h"
 #include "test_image.h"
 
 #define WIDTH 96
 #define HEIGHT 80
-
-static gscl_context *context;
-
-static int open_context(void **state) {
-    (void)state;
-    return gscl_context_create(&context, NULL) == GSCL_OK ? 0 : -1;
-}
-
-static int close_context(void **state) {
-    (void)state;
-    gscl_context_free(&context);
-    return 0;
-}
 
 typedef struct {
     uint8_t *bytes;
