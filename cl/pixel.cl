@@ -6,6 +6,10 @@
  * 1), LOSS, KEPT_ROWS (raster.cl).  Only for measuring what exactness costs (host/lib/accuracy.c): DOUBLE, EXPONENTIAL,
  * EARLY_STOP, GSCL_SUPPORT. */
 #pragma OPENCL FP_CONTRACT OFF
+#ifdef __clang__
+/* Vectors longer than the device's are passed otherwise than on a device with longer ones: no matter within a program. */
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
 
 #ifdef DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable

@@ -274,6 +274,14 @@ class Reports(ToolTest):
         done = self.start("encode", "in.png", "-q", *FAST)
         self.assertEqual((done.stdout, done.stderr), (b"", b""))
 
+    def test_compiling_kernels_says_nothing(self):
+        self.write_png("in.png", scene(16, 16))
+        self.path("cache").mkdir()
+        for profile in "default", "paper":
+            done = self.start("encode", "in.png", "-q", "--profile", profile, *FAST,
+                              env={"POCL_CACHE_DIR": str(self.path("cache"))})
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"", b""))
+
     def test_verbose_says_more(self):
         self.write_png("in.png", scene(16, 16))
         self.assertGreater(len(self.start("encode", "in.png", "-v", *FAST).stderr.splitlines()), 1)
