@@ -67,7 +67,7 @@ gscl_result gscl_renderer_draw(gscl_renderer *renderer);
 /* All three. */
 gscl_result gscl_renderer_render(gscl_renderer *renderer);
 /* Likewise, but straight into an image in memory, rows `stride` bytes apart.  Waits once, for the image, unless a list
- * turns out to have overflown: then it draws again. */
+ * turns out to have been too short: then it draws again. */
 gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
 
 /* Floats from the start of one plane of renderer->image to the next. */
