@@ -61,12 +61,11 @@ inline void put_in(const appearance *a, int4 box, __global float *restrict pictu
 inline word_error walk(const appearance *a, __global const float *restrict picture,
                        __global const float *restrict front, __global const float *restrict through,
                        __global const float *restrict target, int width, int height, ulong plane) {
-    outline o = outline_of(a);
-    int2 rows = outline_rows(o, height);
+    outline o = outline_of(a, width, height);
     pix light[CHANNELS], mixed[CHANNELS], behind = (pix)(0.0f), square = (pix)(0.0f), passed = (pix)(0.0f);
     for (int k = 0; k < CHANNELS; k++) light[k] = mixed[k] = (pix)(0.0f);
-    for (int y = rows.x; y <= rows.y; y++) {
-        int2 columns = outline_columns(o, y, width);
+    for (int y = o.rows.x; y <= o.rows.y; y++) {
+        int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             size_t at = (size_t)y * width + x;
             pix g = private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a) *

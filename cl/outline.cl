@@ -1,11 +1,26 @@
 /* Walking over the pixels inside one splat's outline: what the passes that try other codes do. */
 
-/* Rows of the image that an outline touches, and its columns in a row. */
+/* An outline in an image: its centre, the rows that it touches, and the columns of LANES rows at a time, which take no
+ * longer than those of one. */
 typedef struct {
-    float x, y, half_height, slope, width2, curve;
+    float x, y;
+    int2 rows; /* first and last; none where first > last */
+    float half_height, slope, width2, curve;
+    int width;
+    int first[LANES], last[LANES];
 } outline;
 
-inline outline outline_of(const appearance *a) {
+/* Whole numbers from `from` to `to`, within [0, count): first and last.  Cutting off and comparing rounds as ceil and
+ * floor do, which take a dozen instructions each; a comparison that is true is -1. */
+inline void whole_within(pix from, pix to, int count, pix_mask *first, pix_mask *last) {
+    from = LESSER(LARGER(from, (pix)(0.0f)), (pix)((float)count));
+    to = LESSER(LARGER(to, (pix)(-1.0f)), (pix)((float)(count - 1)));
+    pix_mask least = PIX_INT(from), most = PIX_INT(to);
+    *first = least - (PIX_FLOAT(least) < from);
+    *last = most + (PIX_FLOAT(most) > to);
+}
+
+inline outline outline_of(const appearance *a, int width, int height) {
     outline o;
     o.x = a->drawn[GSCL_DRAWN_X];
     o.y = a->drawn[GSCL_DRAWN_Y];
@@ -13,26 +28,25 @@ inline outline outline_of(const appearance *a) {
     o.slope = a->extent[GSCL_EXTENT_SLOPE_X];
     o.width2 = a->extent[GSCL_EXTENT_WIDTH2];
     o.curve = a->extent[GSCL_EXTENT_CURVE_X];
+    o.width = width;
+    pix_mask first, last;
+    whole_within((pix)(o.y - o.half_height - 0.5f), (pix)(o.y + o.half_height - 0.5f), height, &first, &last);
+    o.rows = (int2)(first.s0, last.s0);
     return o;
 }
 
-/* The whole numbers from `from` to `to`, within [0, count): first and last; none where first > last.  Cutting off and
- * comparing rounds as ceil and floor do, which take a dozen instructions each. */
-inline int2 whole_within(float from, float to, int count) {
-    from = LESSER(LARGER(from, 0.0f), (float)count);
-    to = LESSER(LARGER(to, -1.0f), (float)(count - 1));
-    int first = (int)from, last = (int)to;
-    return (int2)(first + ((float)first < from), last - ((float)last > to));
-}
-
-inline int2 outline_rows(outline o, int height) {
-    return whole_within(o.y - o.half_height - 0.5f, o.y + o.half_height - 0.5f, height);
-}
-
-inline int2 outline_columns(outline o, int row, int width) {
-    float dy = (float)row + 0.5f - o.y, arc = o.width2 - o.curve * dy * dy;
-    float half_width = sqrt(LARGER(arc, 0.0f)), middle = o.x + o.slope * dy - 0.5f;
-    return whole_within(middle - half_width, middle + half_width, width);
+/* First and last column of a row, of which the first is asked for first, then each next. */
+inline int2 outline_columns(outline *o, int row) {
+    int lane = (row - o->rows.x) % LANES;
+    if (lane == 0) {
+        pix dy = pix_offsets() + ((float)row + 0.5f - o->y), arc = o->width2 - o->curve * dy * dy;
+        pix half_width = sqrt(LARGER(arc, (pix)(0.0f))), middle = o->x + o->slope * dy - 0.5f;
+        pix_mask first, last;
+        whole_within(middle - half_width, middle + half_width, o->width, &first, &last);
+        PIX_STORE(first, o->first);
+        PIX_STORE(last, o->last);
+    }
+    return (int2)(o->first[lane], o->last[lane]);
 }
 
 inline pix private_weight(pix dx, float dy, const appearance *a) {

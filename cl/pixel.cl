@@ -43,6 +43,8 @@ typedef REALS(16) pix;
 typedef MASKS(16) pix_mask;
 #define PIX_LOAD(p) vload16(0, p)
 #define PIX_STORE(v, p) vstore16(v, 0, p)
+#define PIX_INT(v) convert_int16(v)
+#define PIX_FLOAT(v) convert_float16(v)
 inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
 inline real pix_sum(pix v) {
     REALS(8) a = v.lo + v.hi;
@@ -55,6 +57,8 @@ typedef REALS(4) pix;
 typedef MASKS(4) pix_mask;
 #define PIX_LOAD(p) vload4(0, p)
 #define PIX_STORE(v, p) vstore4(v, 0, p)
+#define PIX_INT(v) convert_int4(v)
+#define PIX_FLOAT(v) convert_float4(v)
 inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3); }
 inline real pix_sum(pix v) {
     REALS(2) c = v.lo + v.hi;

@@ -12,17 +12,16 @@ typedef struct {
     float fixed, linear[CHANNELS], square;
 } quadratic;
 
-/* The error as a function of colour, for a splat of this geometry and wave that is not in the picture: it changes a
- * pixel by s c - share. */
+/* The error as a function of colour, for a splat of this geometry and wave that is not in the picture: with colour 0 it
+ * leaves the error `rest`, of which a colour adds s to each pixel. */
 inline quadratic picture_weigh(const appearance *a, __global const float *restrict picture,
                                __global const float *restrict weights, __global const float *restrict target, int width,
                                int height, ulong plane) {
-    outline o = outline_of(a);
-    int2 rows = outline_rows(o, height);
-    pix fixed = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
+    outline o = outline_of(a, width, height);
+    pix before = (pix)(0.0f), after = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
     for (int k = 0; k < CHANNELS; k++) linear[k] = (pix)(0.0f);
-    for (int y = rows.x; y <= rows.y; y++) {
-        int2 columns = outline_columns(o, y, width);
+    for (int y = o.rows.x; y <= o.rows.y; y++) {
+        int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             size_t at = (size_t)y * width + x;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
@@ -32,24 +31,25 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
 #if BLEND == GSCL_NORMALIZED
             s /= PIX_LOAD(weights + at) + s;
 #endif
-            pix weighted = s, weight = (pix)(1.0f);
+            pix weight = (pix)(1.0f);
 #if WEIGHTED
             weight = PIX_LOAD(target + CHANNELS * plane + at);
-            weighted *= weight;
 #endif
+            pix weighted = weight * s;
             square = fma(weighted, s, square);
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
-                pix p = PIX_LOAD(picture + k * plane + at), e = p - PIX_LOAD(target + k * plane + at);
-                pix share = BLEND == GSCL_NORMALIZED ? s * p : (pix)(0.0f);
-                if (TEXTURE && k < COLOURS) share = fma(-s, wave, share);
-                linear[k] = fma(weighted, e - share, linear[k]);
-                fixed = fma(weight * share, share - 2.0f * e, fixed);
+                pix p = PIX_LOAD(picture + k * plane + at), error = p - PIX_LOAD(target + k * plane + at);
+                pix rest = BLEND == GSCL_NORMALIZED ? fma(-s, p, error) : error;
+                if (TEXTURE && k < COLOURS) rest = fma(s, wave, rest);
+                linear[k] = fma(weighted, rest, linear[k]);
+                before = fma(weight * error, error, before);
+                after = fma(weight * rest, rest, after);
             }
         }
     }
     quadratic q;
-    q.fixed = pix_sum(fixed);
+    q.fixed = pix_sum(after - before);
     q.square = pix_sum(square);
     for (int k = 0; k < CHANNELS; k++) q.linear[k] = pix_sum(linear[k]);
     return q;

@@ -101,10 +101,9 @@ inline bool has_wave(const appearance *a) { return TEXTURE && a->drawn[GSCL_DRAW
 /* Puts the splat in (sign 1) or takes it out (sign -1). */
 inline void picture_change(const appearance *a, float sign, __global float *restrict picture,
                            __global float *restrict weights, int width, int height, ulong plane) {
-    outline o = outline_of(a);
-    int2 rows = outline_rows(o, height);
-    for (int y = rows.x; y <= rows.y; y++) {
-        int2 columns = outline_columns(o, y, width);
+    outline o = outline_of(a, width, height);
+    for (int y = o.rows.x; y <= o.rows.y; y++) {
+        int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             size_t at = (size_t)y * width + x;
             int lanes = columns.y - x + 1;

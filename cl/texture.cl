@@ -24,12 +24,12 @@ inline float wave_bits(const codes *c, __global const float *restrict tables) {
 #define WIDEST 6.0f                       /* longest wavelength that is looked at, in major axes */
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
-inline void share_and_error(const appearance *plain, outline o, int x, int y, int lanes,
+inline void share_and_error(const appearance *plain, const outline *o, int x, int y, int lanes,
                             __global const float *restrict picture, __global const float *restrict weights,
                             __global const float *restrict target, int width, ulong plane, pix *share, pix *error) {
     size_t at = (size_t)y * width + x;
     pix inside = pix_inside(lanes);
-    pix s = painted_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, plain) * inside;
+    pix s = painted_weight(pix_offsets() + ((float)x + 0.5f - o->x), (float)y + 0.5f - o->y, plain) * inside;
 #if BLEND == GSCL_NORMALIZED
     s /= PIX_LOAD(weights + at) + s;
 #endif
@@ -56,14 +56,13 @@ typedef struct {
 inline wave_sums wave_weigh(const appearance *plain, float2 cycles, __global const float *restrict picture,
                             __global const float *restrict weights, __global const float *restrict target, int width,
                             int height, ulong plane) {
-    outline o = outline_of(plain);
-    int2 rows = outline_rows(o, height);
+    outline o = outline_of(plain, width, height);
     pix ec = (pix)(0.0f), es = (pix)(0.0f), cc = (pix)(0.0f), ss = (pix)(0.0f), cs = (pix)(0.0f);
-    for (int y = rows.x; y <= rows.y; y++) {
-        int2 columns = outline_columns(o, y, width);
+    for (int y = o.rows.x; y <= o.rows.y; y++) {
+        int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             pix s, e;
-            share_and_error(plain, o, x, y, columns.y - x + 1, picture, weights, target, width, plane, &s, &e);
+            share_and_error(plain, &o, x, y, columns.y - x + 1, picture, weights, target, width, plane, &s, &e);
             pix turns = fma(pix_offsets() + ((float)x + 0.5f - o.x), (pix)(cycles.x),
                             (pix)(((float)y + 0.5f - o.y) * cycles.y));
             pix c = s * pix_cos_turns(turns), n = s * pix_cos_turns(turns - 0.25f);
@@ -161,14 +160,13 @@ inline int2 wave_scan(const appearance *plain, float major, view seen, __global 
         states[i].turn_sin = pix_cos_turns(states[i].step_x - 0.25f);
         states[i].error_cos = states[i].error_sin = (pix)(0.0f);
     }
-    outline o = outline_of(plain);
-    int2 rows = outline_rows(o, height);
-    for (int y = rows.x; y <= rows.y; y++) {
-        int2 columns = outline_columns(o, y, width);
+    outline o = outline_of(plain, width, height);
+    for (int y = o.rows.x; y <= o.rows.y; y++) {
+        int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             pix s, e;
             int lanes = min(columns.y - x + 1, LANES);
-            share_and_error(plain, o, x, y, lanes, picture, weights, target, width, plane, &s, &e);
+            share_and_error(plain, &o, x, y, lanes, picture, weights, target, width, plane, &s, &e);
             scan_add(states, waves, s * e, lanes, (float)x + 0.5f - o.x, (float)y + 0.5f - o.y);
         }
     }
