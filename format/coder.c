@@ -113,7 +113,8 @@ uint32_t gsf_code_either(gsf_coder *coder, uint32_t value, uint32_t first, uint3
         value = !gsf_range_decode_first(&coder->decoder, first, total);
     else
         gsf_range_encode(&coder->encoder, value ? first : 0, value ? total - first : first, total);
-    count_bits(coder, value ? total - first : first, total);
+    if (coder->stream_bits256) /* only then is there a branch on the value, which would be guessed wrong */
+        count_bits(coder, value ? total - first : first, total);
     return value;
 }
 

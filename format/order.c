@@ -18,9 +18,9 @@ static uint64_t path_to(const gsf_grid *grid, uint32_t x, uint32_t y) {
     gsf_rect rect = {0, 0, grid->cells_x, grid->cells_y};
     while (bits > 0 && (rect.width > 1 || rect.height > 1)) {
         const gsf_split split = gsf_split_rect(grid, rect);
-        const unsigned second = (split.along_x ? x : y) >= split.at;
+        const bool second = (split.along_x ? x : y) >= split.at;
         path |= (uint64_t)second << --bits;
-        rect = split.half[second];
+        rect = gsf_half(rect, &split, second);
     }
     return path;
 }

@@ -60,18 +60,23 @@ void gsf_code_class_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes,
 gsf_split gsf_split_rect(const gsf_grid *grid, gsf_rect rect) {
     const uint64_t length_x = (uint64_t)rect.width * grid->pitch_x;
     const uint64_t length_y = (uint64_t)rect.height * grid->pitch_y;
-    gsf_split split = {.half = {rect, rect}};
-    split.along_x = rect.width > 1 && (rect.height == 1 || length_x >= length_y);
-    if (split.along_x) {
-        split.half[0].width = rect.width / 2;
-        split.half[1].width = rect.width - rect.width / 2;
-        split.at = split.half[1].x = rect.x + rect.width / 2;
+    const bool along_x = rect.width > 1 && (rect.height == 1 || length_x >= length_y);
+    const uint32_t length = along_x ? rect.width : rect.height, first = length / 2;
+    return (gsf_split){along_x, length, first, (along_x ? rect.x : rect.y) + first};
+}
+
+gsf_rect gsf_half(gsf_rect rect, const gsf_split *split, bool second) {
+    /* No branch on which half it is, nor on which is longer: it would be guessed wrong. */
+    const uint32_t skipped = split->first & (0 - (uint32_t)second);
+    const uint32_t length = split->first + (split->length & (uint32_t)second);
+    if (split->along_x) {
+        rect.x += skipped;
+        rect.width = length;
     } else {
-        split.half[0].height = rect.height / 2;
-        split.half[1].height = rect.height - rect.height / 2;
-        split.at = split.half[1].y = rect.y + rect.height / 2;
+        rect.y += skipped;
+        rect.height = length;
     }
-    return split;
+    return rect;
 }
 
 /* A rectangle still to be coded, with its part of the lists. */
@@ -121,11 +126,6 @@ static void share_by_area(uint32_t total, uint32_t length, uint32_t weight[2]) {
     weight[1] = total - weight[0];
 }
 
-/* The side that is cut. */
-static uint32_t length_cut(const gsf_split *split, gsf_rect rect) {
-    return split->along_x ? rect.width : rect.height;
-}
-
 static void place(gsf_point *points, const node *leaf) {
     for (uint32_t i = 0; i < leaf->n; i++)
         points[leaf->first + i] = (gsf_point){leaf->rect.x, leaf->rect.y};
@@ -161,7 +161,7 @@ static void weigh_narrow(uint32_t length, uint32_t weight[2]) {
 
 /* Returns the number of priors in the first half, and brings those to the front. */
 static uint32_t weigh_wide(const task *t, const node *whole, const gsf_split *split, uint32_t weight[2]) {
-    share_by_area(WIDE_WEIGHT, length_cut(split, whole->rect), weight);
+    share_by_area(WIDE_WEIGHT, split->length, weight);
     const uint32_t near = partition(t->priors + whole->prior_first, whole->prior_n, split, t->grid);
     weight[0] += PRIOR_WEIGHT * near;
     weight[1] += PRIOR_WEIGHT * (whole->prior_n - near);
@@ -177,34 +177,41 @@ static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigne
     if (is_wide(whole.rect))
         near = weigh_wide(t, &whole, &split, weight);
     else
-        weigh_narrow(length_cut(&split, whole.rect), weight);
+        weigh_narrow(split.length, weight);
     const uint32_t known = coder->decoding ? 0 : count_left(t->points + whole.first, whole.n, &split);
     const uint32_t left = gsf_code_urn(coder, known, whole.n, weight[0], weight[1]);
     if (left < whole.n)
-        stack[depth++] =
-            (node){split.half[1], whole.first + left, whole.n - left, whole.prior_first + near, whole.prior_n - near};
+        stack[depth++] = (node){gsf_half(whole.rect, &split, true), whole.first + left, whole.n - left,
+                                whole.prior_first + near, whole.prior_n - near};
     if (left > 0)
-        stack[depth++] = (node){split.half[0], whole.first, left, whole.prior_first, near};
+        stack[depth++] = (node){gsf_half(whole.rect, &split, false), whole.first, left, whole.prior_first, near};
     return depth;
+}
+
+/* Whether a single point lies in the first half; a decoder does not know. */
+static bool known_left(const gsf_coder *coder, const gsf_point *point, const gsf_split *split) {
+    return !coder->decoding && (split->along_x ? point->x : point->y) < split->at;
 }
 
 /* The splits around a single point, which most splits are: as code_split, with one half to go on with. */
 static void code_point(gsf_coder *coder, const task *t, node at) {
     gsf_point *point = &t->points[at.first];
-    while (at.rect.width > 1 || at.rect.height > 1) {
+    while (is_wide(at.rect)) {
         const gsf_split split = gsf_split_rect(t->grid, at.rect);
-        uint32_t weight[2], near = 0;
-        if (is_wide(at.rect))
-            near = weigh_wide(t, &at, &split, weight);
-        const gsf_ball ball =
-            is_wide(at.rect) ? gsf_ball_of(weight[0], weight[1]) : t->narrow[length_cut(&split, at.rect)];
-        const bool known = !coder->decoding && (split.along_x ? point->x : point->y) < split.at;
-        const bool left = gsf_code_ball(coder, known, ball);
-        at.rect = split.half[!left];
+        uint32_t weight[2];
+        const uint32_t near = weigh_wide(t, &at, &split, weight);
+        const bool left = gsf_code_ball(coder, known_left(coder, point, &split), gsf_ball_of(weight[0], weight[1]));
+        at.rect = gsf_half(at.rect, &split, !left);
         at.prior_first += left ? 0 : near;
         at.prior_n = left ? near : at.prior_n - near;
     }
-    *point = (gsf_point){at.rect.x, at.rect.y};
+    gsf_rect rect = at.rect;
+    while (rect.width > 1 || rect.height > 1) {
+        const gsf_split split = gsf_split_rect(t->grid, rect);
+        const bool left = gsf_code_ball(coder, known_left(coder, point, &split), t->narrow[split.length]);
+        rect = gsf_half(rect, &split, !left);
+    }
+    *point = (gsf_point){rect.x, rect.y};
 }
 
 static void code_class(gsf_coder *coder, const task *t) {

@@ -17,13 +17,15 @@ typedef struct gsf_rect {
 } gsf_rect;
 
 typedef struct gsf_split {
-    bool along_x; /* the halves lie side by side, else one above the other */
-    uint32_t at;  /* first cell column (row) of the second half */
-    gsf_rect half[2];
+    bool along_x;    /* the halves lie side by side, else one above the other */
+    uint32_t length; /* cells of the side that is cut, */
+    uint32_t first;  /* and of its part in the first half */
+    uint32_t at;     /* first cell column (row) of the second half */
 } gsf_split;
 
 /* Cuts a rectangle of more than one cell across its longer side. */
 gsf_split gsf_split_rect(const gsf_grid *grid, gsf_rect rect);
+gsf_rect gsf_half(gsf_rect rect, const gsf_split *split, bool second);
 
 typedef struct gsf_point {
     uint32_t x, y; /* cell */

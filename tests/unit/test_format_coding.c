@@ -211,8 +211,11 @@ static void test_split_rect(void **unused) {
     const gsf_grid grid = {7, 3, 10, 30};
     gsf_split split = gsf_split_rect(&grid, (gsf_rect){0, 0, 7, 3});
     assert_false(split.along_x); /* 70 by 90 */
-    assert_int_equal(split.half[0].height, 1);
-    assert_int_equal(split.half[1].height, 2);
+    gsf_rect second = gsf_half((gsf_rect){0, 0, 7, 3}, &split, true);
+    assert_int_equal(gsf_half((gsf_rect){0, 0, 7, 3}, &split, false).height, 1);
+    assert_int_equal(second.y, 1);
+    assert_int_equal(second.height, 2);
+    assert_int_equal(second.width, 7);
     split = gsf_split_rect(&grid, (gsf_rect){2, 1, 3, 1});
     assert_true(split.along_x);
     assert_int_equal(split.at, 3);
