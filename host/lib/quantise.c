@@ -157,10 +157,15 @@ static void dequantise_colour(const gsf_picture *p, const gsf_splat *s, float *c
 }
 
 static void dequantise_texture(const gsf_picture *p, const gsf_texture *t, float *params) {
-    double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH * exp2(-GSCL_OCTAVES_PER_WAVE * t->wave),
-           direction = t->direction * pi / GSF_DIRECTIONS;
-    params[GSCL_WAVE_X] = (float)(frequency * cos(direction));
-    params[GSCL_WAVE_Y] = (float)(frequency * sin(direction));
+    double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH, cosine = 1, sine = 0;
+    if (t->amplitude > 0) { /* most splats have none, for which these functions would take long */
+        double direction = t->direction * pi / GSF_DIRECTIONS;
+        frequency *= exp2(-GSCL_OCTAVES_PER_WAVE * t->wave);
+        cosine = cos(direction);
+        sine = sin(direction);
+    }
+    params[GSCL_WAVE_X] = (float)(frequency * cosine);
+    params[GSCL_WAVE_Y] = (float)(frequency * sine);
     params[GSCL_WAVE_PHASE] = (float)t->phase / GSF_PHASES;
     params[GSCL_WAVE_AMPLITUDE] = (float)(t->amplitude * amplitude_step(&p->steps));
 }
