@@ -106,6 +106,11 @@ static uint32_t count_left(const gsf_point *points, uint32_t n, const gsf_split 
     return low;
 }
 
+/* What the encoder knows and the decoder is told. */
+static uint32_t known_left(const gsf_coder *coder, const gsf_point *points, uint32_t n, const gsf_split *split) {
+    return coder->decoding ? 0 : count_left(points, n, split);
+}
+
 /* Brings the priors of the first half to the front and returns their number. */
 static uint32_t partition(gsf_prior *list, uint32_t n, const gsf_split *split, const gsf_grid *grid) {
     const uint32_t bound = 2 * split->at * (split->along_x ? grid->pitch_x : grid->pitch_y);
@@ -178,7 +183,7 @@ static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigne
         near = weigh_wide(t, &whole, &split, weight);
     else
         weigh_narrow(split.length, weight);
-    const uint32_t known = coder->decoding ? 0 : count_left(t->points + whole.first, whole.n, &split);
+    const uint32_t known = known_left(coder, t->points + whole.first, whole.n, &split);
     const uint32_t left = gsf_code_urn(coder, known, whole.n, weight[0], weight[1]);
     if (left < whole.n)
         stack[depth++] = (node){gsf_half(whole.rect, &split, true), whole.first + left, whole.n - left,
@@ -188,11 +193,6 @@ static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigne
     return depth;
 }
 
-/* Whether a single point lies in the first half; a decoder does not know. */
-static bool known_left(const gsf_coder *coder, const gsf_point *point, const gsf_split *split) {
-    return !coder->decoding && (split->along_x ? point->x : point->y) < split->at;
-}
-
 /* The splits around a single point, which most splits are: as code_split, with one half to go on with. */
 static void code_point(gsf_coder *coder, const task *t, node at) {
     gsf_point *point = &t->points[at.first];
@@ -200,7 +200,8 @@ static void code_point(gsf_coder *coder, const task *t, node at) {
         const gsf_split split = gsf_split_rect(t->grid, at.rect);
         uint32_t weight[2];
         const uint32_t near = weigh_wide(t, &at, &split, weight);
-        const bool left = gsf_code_ball(coder, known_left(coder, point, &split), gsf_ball_of(weight[0], weight[1]));
+        const bool left =
+            gsf_code_ball(coder, known_left(coder, point, 1, &split) != 0, gsf_ball_of(weight[0], weight[1]));
         at.rect = gsf_half(at.rect, &split, !left);
         at.prior_first += left ? 0 : near;
         at.prior_n = left ? near : at.prior_n - near;
@@ -208,7 +209,7 @@ static void code_point(gsf_coder *coder, const task *t, node at) {
     gsf_rect rect = at.rect;
     while (rect.width > 1 || rect.height > 1) {
         const gsf_split split = gsf_split_rect(t->grid, rect);
-        const bool left = gsf_code_ball(coder, known_left(coder, point, &split), t->narrow[split.length]);
+        const bool left = gsf_code_ball(coder, known_left(coder, point, 1, &split) != 0, t->narrow[split.length]);
         rect = gsf_half(rect, &split, !left);
     }
     *point = (gsf_point){rect.x, rect.y};
