@@ -8,23 +8,23 @@
 #define ABREAST 4
 
 /* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last; none where first > last. */
-inline void rows_touched(__global const float *restrict drawn, __global const float *restrict extent, int tx, int ty,
-                         int *restrict first, int *restrict last) {
-    float4 x0 =
-        (float4)(0, GSCL_TILE, 2 * GSCL_TILE, 3 * GSCL_TILE) + ((float)(tx * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_X]);
-    float y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
-    float half_height = extent[GSCL_EXTENT_HALF_HEIGHT];
-    float4 half_width = (float4)(extent[GSCL_EXTENT_HALF_WIDTH]), zero = (float4)(0.0f);
+inline void rows_touched(__global const float *restrict projected, __global const float *restrict bounds, int tx,
+                         int ty, int *restrict first, int *restrict last) {
+    float4 x0 = (float4)(0, GSCL_TILE, 2 * GSCL_TILE, 3 * GSCL_TILE) +
+                ((float)(tx * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_X]);
+    float y0 = (float)(ty * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_Y];
+    float half_height = bounds[GSCL_BOUNDS_HALF_HEIGHT];
+    float4 half_width = (float4)(bounds[GSCL_BOUNDS_HALF_WIDTH]), zero = (float4)(0.0f);
     float4 left = LARGER(x0, -half_width), right = LESSER(x0 + (float)(GSCL_TILE - 1), half_width);
-    float slope = extent[GSCL_EXTENT_SLOPE], height2 = extent[GSCL_EXTENT_HEIGHT2], curve = extent[GSCL_EXTENT_CURVE];
-    float4 top_dx = (float4)(extent[GSCL_EXTENT_SLOPE_X] * half_height), top = LARGER(top_dx, left),
+    float slope = bounds[GSCL_BOUNDS_SLOPE], height2 = bounds[GSCL_BOUNDS_HEIGHT2], curve = bounds[GSCL_BOUNDS_CURVE];
+    float4 top_dx = (float4)(bounds[GSCL_BOUNDS_SLOPE_X] * half_height), top = LARGER(top_dx, left),
            bottom = LARGER(-top_dx, left);
     top = LESSER(top, right);
     bottom = LESSER(bottom, right);
     float4 arc_top = height2 - curve * top * top, arc_bottom = height2 - curve * bottom * bottom;
     float4 high = slope * top + sqrt(LARGER(arc_top, zero)), low = slope * bottom - sqrt(LARGER(arc_bottom, zero));
     /* A little wider than exact: rounding must not lose a row; weights beyond the outline are 0 anyway. */
-    float margin = 1e-3f * (1.0f + half_height) + 1e-6f * fabs(drawn[GSCL_DRAWN_Y]);
+    float margin = 1e-3f * (1.0f + half_height) + 1e-6f * fabs(projected[GSCL_PROJECTED_Y]);
     /* Rows from the lower end of the tile for the first, from the upper for the last: cutting off rounds down. */
     float4 most = (float4)(GSCL_TILE), from = most - (low - margin - y0), to = high + margin - y0 + 1.0f;
     from = LESSER(LARGER(from, zero), most);
@@ -55,7 +55,7 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
 }
 
 /* `band_rows` 0: there are no bands, each row lists its own. */
-__kernel void bin(__global const float *restrict drawn, __global const float *restrict extents,
+__kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
                   __global const int4 *restrict boxes, int count, __global int *restrict listed,
                   __global const int *restrict listed_counts, int band_rows, int tiles_x, int tiles_y, int row_capacity,
                   __global uint *restrict entries, __global int2 *restrict tile_ranges,
@@ -70,7 +70,7 @@ __kernel void bin(__global const float *restrict drawn, __global const float *re
         size_t i = (size_t)list[j];
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
-        int2 tiles = tiles_touched(drawn + i * GSCL_DRAWN, extents + i * GSCL_EXTENT, box, ty, 1.0f);
+        int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 1.0f);
         ranges[tiles.x].x++; /* begin here, */
         ranges[tiles.y].y++; /* end here */
     }
@@ -88,11 +88,11 @@ __kernel void bin(__global const float *restrict drawn, __global const float *re
         size_t i = (size_t)list[j];
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
-        __global const float *record = drawn + i * GSCL_DRAWN, *extent = extents + i * GSCL_EXTENT;
-        int2 tiles = tiles_touched(record, extent, box, ty, 1.0f);
+        __global const float *record = projected + i * GSCL_PROJECTED, *bounds = ellipse_bounds + i * GSCL_BOUNDS;
+        int2 tiles = tiles_touched(record, bounds, box, ty, 1.0f);
         for (int tx = tiles.x; tx <= tiles.y; tx += ABREAST) {
             int first[ABREAST], last[ABREAST];
-            rows_touched(record, extent, tx, ty, first, last);
+            rows_touched(record, bounds, tx, ty, first, last);
             for (int k = 0; k < ABREAST && tx + k <= tiles.y; k++)
                 if (first[k] <= last[k] && ranges[tx + k].y < end)
                     entries[ranges[tx + k].y++] = GSCL_ENTRY((uint)i, (uint)first[k], (uint)last[k]);

@@ -40,32 +40,32 @@
 /* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
  * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; of upright splats 2^-(vy^2), what a step of
  * one row does; four channels; the wave. */
-#define GSCL_DRAWN_X 0
-#define GSCL_DRAWN_Y 1
-#define GSCL_DRAWN_UX 2
-#define GSCL_DRAWN_UY 3
-#define GSCL_DRAWN_VX 4
-#define GSCL_DRAWN_VY 5
-#define GSCL_DRAWN_OPACITY 6
-#define GSCL_DRAWN_ROW_STEP 7
-#define GSCL_DRAWN_COLOUR 8
-#define GSCL_DRAWN_WAVE_X 12 /* cycles per pixel */
-#define GSCL_DRAWN_WAVE_Y 13
-#define GSCL_DRAWN_WAVE_PHASE 14 /* cycles */
-#define GSCL_DRAWN_WAVE_AMPLITUDE 15
-#define GSCL_DRAWN 16
+#define GSCL_PROJECTED_X 0
+#define GSCL_PROJECTED_Y 1
+#define GSCL_PROJECTED_UX 2
+#define GSCL_PROJECTED_UY 3
+#define GSCL_PROJECTED_VX 4
+#define GSCL_PROJECTED_VY 5
+#define GSCL_PROJECTED_OPACITY 6
+#define GSCL_PROJECTED_ROW_STEP 7
+#define GSCL_PROJECTED_COLOUR 8
+#define GSCL_PROJECTED_WAVE_X 12 /* cycles per pixel */
+#define GSCL_PROJECTED_WAVE_Y 13
+#define GSCL_PROJECTED_WAVE_PHASE 14 /* cycles */
+#define GSCL_PROJECTED_WAVE_AMPLITUDE 15
+#define GSCL_PROJECTED 16
 
 /* The outline q = GSCL_SUPPORT ("extent" record, floats): half width and half height; dy on the outline at a given dx:
  * slope * dx +- sqrt(max(0, height2 - curve * dx^2)), and likewise dx at a given dy. */
-#define GSCL_EXTENT_HALF_WIDTH 0
-#define GSCL_EXTENT_HALF_HEIGHT 1
-#define GSCL_EXTENT_SLOPE 2
-#define GSCL_EXTENT_HEIGHT2 3
-#define GSCL_EXTENT_CURVE 4
-#define GSCL_EXTENT_SLOPE_X 5
-#define GSCL_EXTENT_WIDTH2 6
-#define GSCL_EXTENT_CURVE_X 7
-#define GSCL_EXTENT 8
+#define GSCL_BOUNDS_HALF_WIDTH 0
+#define GSCL_BOUNDS_HALF_HEIGHT 1
+#define GSCL_BOUNDS_SLOPE 2
+#define GSCL_BOUNDS_HEIGHT2 3
+#define GSCL_BOUNDS_CURVE 4
+#define GSCL_BOUNDS_SLOPE_X 5
+#define GSCL_BOUNDS_WIDTH2 6
+#define GSCL_BOUNDS_CURVE_X 7
+#define GSCL_BOUNDS 8
 
 /* An entry of a tile's list: splat number and the rows of the tile that its outline touches. */
 #define GSCL_ENTRY_SPLAT(e) ((e) >> 8)
@@ -82,9 +82,9 @@
 #define GSCL_EXPONENTIAL_NATIVE 2
 
 /* Shapes of splats, from the most general: ellipses, upright ellipses (the angle is 0), circles (one axis besides). */
-#define GSCL_SHAPE_TURNED 0
-#define GSCL_SHAPE_UPRIGHT 1
-#define GSCL_SHAPE_ROUND 2
+#define GSCL_SHAPE_ROTATED 0
+#define GSCL_SHAPE_AXIS_ALIGNED 1
+#define GSCL_SHAPE_ISOTROPIC 2
 
 /* Losses of the fit. EXTERNAL: the derivative of the loss is read from an image. */
 #define GSCL_LOSS_KIND_L2 0
@@ -117,11 +117,11 @@
 /* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
 
-/* Rate-distortion refinement (cl/refine.cl): codes of a splat, the largest scale code (format), and entries of
+/* Rate-distortion refinement (cl/scalar_rdo.cl): codes of a splat, the largest scale code (format), and entries of
  * a table over colour codes, which may be negative. */
 #define GSCL_CODES 14
-#define GSCL_REFINE_MOVES 13        /* neighbours that a visit looks at, */
-#define GSCL_REFINE_OPACITY_MOVES 2 /* and two more with opacity */
+#define GSCL_RDO_MOVES 13        /* neighbours that a visit looks at, */
+#define GSCL_RDO_OPACITY_MOVES 2 /* and two more with opacity */
 #define GSCL_MAX_SCALE 63
 #define GSCL_COLOUR_CODES 1024
 

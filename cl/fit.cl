@@ -109,16 +109,16 @@ inline void slot_store(__global float *restrict slot, const pix *restrict sums) 
 
 /* Adds one row of one splat to its sums. */
 ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix dx, float dy,
-                                __global const float *drawn) {
-    pix w = WITH_OPACITY(s.weight, drawn);
+                                __global const float *projected) {
+    pix w = WITH_OPACITY(s.weight, projected);
     pix paint = (pix)(0.0f);
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) paint = fma((pix)(drawn[GSCL_DRAWN_COLOUR + k]), b->slope[k][r], paint);
+    for (int k = 0; k < CHANNELS; k++) paint = fma((pix)(projected[GSCL_PROJECTED_COLOUR + k]), b->slope[k][r], paint);
 #if TEXTURE
     pix waved = (pix)(0.0f); /* dL/dwave */
     UNROLL
     for (int k = 0; k < COLOURS; k++) waved += b->slope[k][r];
-    paint = fma(wave_at(dx, dy, 0.0f, drawn), waved, paint);
+    paint = fma(wave_at(dx, dy, 0.0f, projected), waved, paint);
 #endif
 #if BLEND == GSCL_NORMALIZED
     pix share = w;
@@ -134,7 +134,7 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
     pix h = select((pix)(0.0f), fma(b->rest[r], paint, -b->mean[r] / (1.0f - w)), free);
     b->rest[r] -= share;
 #endif
-    pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, drawn), s.weight > (pix)(0.0f));
+    pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, projected), s.weight > (pix)(0.0f));
     pix tv = t * s.v;
 #if ROTATION
     pix tu = t * s.u;
@@ -152,7 +152,7 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
     UNROLL
     for (int k = 0; k < CHANNELS; k++) sums[SLOT_COLOUR + k] = fma(share, b->slope[k][r], sums[SLOT_COLOUR + k]);
 #if TEXTURE
-    sums[SLOT_WAVE] = fma(share * waved, wave_at(dx, dy, 0.25f, drawn), sums[SLOT_WAVE]);
+    sums[SLOT_WAVE] = fma(share * waved, wave_at(dx, dy, 0.25f, projected), sums[SLOT_WAVE]);
 #endif
 }
 
@@ -206,20 +206,20 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     for (int i = range.x; i < range.y; i++) {
         int j = BLEND == GSCL_ALPHA ? range.y - 1 - (i - range.x) : i;
         uint entry = entries[j];
-        __global const float *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
+        __global const float *restrict projected = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
         int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - p.row0, 0);
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - p.row0, ROWS - 1);
-        pix dx = px - drawn[GSCL_DRAWN_X];
-        float dy = py - drawn[GSCL_DRAWN_Y];
+        pix dx = px - projected[GSCL_PROJECTED_X];
+        float dy = py - projected[GSCL_PROJECTED_Y];
         pix sums[SUMS];
         UNROLL
         for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
         splat_weight s;
-        weigh_begin(&s, dx, dy + (float)first, drawn);
-        for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
+        weigh_begin(&s, dx, dy + (float)first, projected);
+        for (int r = first; r <= last; r++, weigh_next(&s, projected)) {
             if (row < KEPT_ROWS) weigh_known(&s, kept[row++]);
             else weigh(&s);
-            slot_add_row(sums, &b, r, s, dx, dy + (float)r, drawn);
+            slot_add_row(sums, &b, r, s, dx, dy + (float)r, projected);
         }
         slot_end(sums, s);
         __global float *slot = slots + (size_t)j * SLOT;

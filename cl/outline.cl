@@ -22,12 +22,12 @@ inline void whole_within(pix from, pix to, int count, pix_mask *first, pix_mask 
 
 inline outline outline_of(const appearance *a, int width, int height) {
     outline o;
-    o.x = a->drawn[GSCL_DRAWN_X];
-    o.y = a->drawn[GSCL_DRAWN_Y];
-    o.half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
-    o.slope = a->extent[GSCL_EXTENT_SLOPE_X];
-    o.width2 = a->extent[GSCL_EXTENT_WIDTH2];
-    o.curve = a->extent[GSCL_EXTENT_CURVE_X];
+    o.x = a->projected[GSCL_PROJECTED_X];
+    o.y = a->projected[GSCL_PROJECTED_Y];
+    o.half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
+    o.slope = a->bounds[GSCL_BOUNDS_SLOPE_X];
+    o.width2 = a->bounds[GSCL_BOUNDS_WIDTH2];
+    o.curve = a->bounds[GSCL_BOUNDS_CURVE_X];
     o.width = width;
     pix_mask first, last;
     whole_within((pix)(o.y - o.half_height - 0.5f), (pix)(o.y + o.half_height - 0.5f), height, &first, &last);
@@ -51,24 +51,24 @@ inline int2 outline_columns(outline *o, int row) {
 
 inline pix private_weight(pix dx, float dy, const appearance *a) {
 #if ROTATION
-    pix u = fma(dx, (pix)(a->drawn[GSCL_DRAWN_UX]), (pix)(dy * a->drawn[GSCL_DRAWN_UY]));
-    pix v = fma(dx, (pix)(a->drawn[GSCL_DRAWN_VX]), (pix)(dy * a->drawn[GSCL_DRAWN_VY]));
+    pix u = fma(dx, (pix)(a->projected[GSCL_PROJECTED_UX]), (pix)(dy * a->projected[GSCL_PROJECTED_UY]));
+    pix v = fma(dx, (pix)(a->projected[GSCL_PROJECTED_VX]), (pix)(dy * a->projected[GSCL_PROJECTED_VY]));
 #else
-    pix u = dx * a->drawn[GSCL_DRAWN_UX];
-    float v = dy * a->drawn[GSCL_DRAWN_VY];
+    pix u = dx * a->projected[GSCL_PROJECTED_UX];
+    float v = dy * a->projected[GSCL_PROJECTED_VY];
 #endif
     return fmax(pix_exp2(fma(-u, u, -v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
 /* The weight with which it is blended. */
 inline pix painted_weight(pix dx, float dy, const appearance *a) {
-    return WITH_OPACITY(private_weight(dx, dy, a), a->drawn);
+    return WITH_OPACITY(private_weight(dx, dy, a), a->projected);
 }
 
 /* Whether the outline stays within the pixels that this visit owns. */
 inline bool within(const appearance *a, int4 owned) {
-    float x = a->drawn[GSCL_DRAWN_X], half_width = a->extent[GSCL_EXTENT_HALF_WIDTH];
-    float y = a->drawn[GSCL_DRAWN_Y], half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
+    float x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
+    float y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     return x - half_width >= (float)owned.x && x + half_width <= (float)owned.y && y - half_height >= (float)owned.z &&
            y + half_height <= (float)owned.w;
 }

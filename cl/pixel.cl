@@ -30,8 +30,8 @@ typedef float real;
 #define ITEMS_X (GSCL_TILE / LANES)
 #define ITEMS_Y (GSCL_TILE / ROWS)
 #define ITEMS (ITEMS_X * ITEMS_Y)
-#define ROTATION (SHAPE == GSCL_SHAPE_TURNED)
-#define ANISOTROPY (SHAPE != GSCL_SHAPE_ROUND)
+#define ROTATION (SHAPE == GSCL_SHAPE_ROTATED)
+#define ANISOTROPY (SHAPE != GSCL_SHAPE_ISOTROPIC)
 /* What is done for each row of each splat must not be called: its values would go through memory.  Parameters are not
  * `restrict`: Oclgrind does not know what inlining leaves of that. */
 #define ALWAYS_INLINE __attribute__((always_inline)) inline

@@ -56,8 +56,8 @@ inline each seen_axis(each sigma, float blur) { return sqrt(fma(sigma, sigma, (e
 
 /* What is drawn of a splat: the records of constants.h in private memory. */
 typedef struct {
-    each drawn[GSCL_DRAWN];
-    each extent[GSCL_EXTENT];
+    each projected[GSCL_PROJECTED];
+    each bounds[GSCL_BOUNDS];
 } appearance;
 
 inline appearance splat_appearance(splat s, view seen) {
@@ -66,37 +66,37 @@ inline appearance splat_appearance(splat s, view seen) {
     each c = ROTATION ? cos(s.theta) : (each)(1.0f), n = ROTATION ? sin(s.theta) : (each)(0.0f);
     each s1 = seen_axis(s.s1, seen.blur) * seen.inv_scale, s2 = seen_axis(s.s2, seen.blur) * seen.inv_scale;
     each i1 = to_frame / s1, i2 = to_frame / s2;
-    a.drawn[GSCL_DRAWN_X] = s.x * seen.inv_scale - seen.x;
-    a.drawn[GSCL_DRAWN_Y] = s.y * seen.inv_scale - seen.y;
-    a.drawn[GSCL_DRAWN_UX] = c * i1;
-    a.drawn[GSCL_DRAWN_UY] = n * i1;
-    a.drawn[GSCL_DRAWN_VX] = -n * i2;
-    a.drawn[GSCL_DRAWN_VY] = c * i2;
-    a.drawn[GSCL_DRAWN_OPACITY] = s.opacity;
-    a.drawn[GSCL_DRAWN_ROW_STEP] = ROTATION ? (each)(0.0f) : exp2(-i2 * i2);
-    for (int k = 0; k < CHANNELS; k++) a.drawn[GSCL_DRAWN_COLOUR + k] = s.colour[k];
+    a.projected[GSCL_PROJECTED_X] = s.x * seen.inv_scale - seen.x;
+    a.projected[GSCL_PROJECTED_Y] = s.y * seen.inv_scale - seen.y;
+    a.projected[GSCL_PROJECTED_UX] = c * i1;
+    a.projected[GSCL_PROJECTED_UY] = n * i1;
+    a.projected[GSCL_PROJECTED_VX] = -n * i2;
+    a.projected[GSCL_PROJECTED_VY] = c * i2;
+    a.projected[GSCL_PROJECTED_OPACITY] = s.opacity;
+    a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (each)(0.0f) : exp2(-i2 * i2);
+    for (int k = 0; k < CHANNELS; k++) a.projected[GSCL_PROJECTED_COLOUR + k] = s.colour[k];
 #if TEXTURE
     /* What a level's box filter leaves of the wave. */
     each cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
-    a.drawn[GSCL_DRAWN_WAVE_X] = s.wave_x / seen.inv_scale;
-    a.drawn[GSCL_DRAWN_WAVE_Y] = s.wave_y / seen.inv_scale;
-    a.drawn[GSCL_DRAWN_WAVE_PHASE] = s.wave_phase;
-    a.drawn[GSCL_DRAWN_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * seen.blur);
+    a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / seen.inv_scale;
+    a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / seen.inv_scale;
+    a.projected[GSCL_PROJECTED_WAVE_PHASE] = s.wave_phase;
+    a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * seen.blur);
 #endif
 
     /* Covariance entries; the outline's support function in x and y. */
     each xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
     each xy = c * n * (s1 * s1 - s2 * s2);
-    a.extent[GSCL_EXTENT_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
-    a.extent[GSCL_EXTENT_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy);
-    a.extent[GSCL_EXTENT_SLOPE] = xy / xx;
-    a.extent[GSCL_EXTENT_SLOPE_X] = xy / yy;
+    a.bounds[GSCL_BOUNDS_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
+    a.bounds[GSCL_BOUNDS_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy);
+    a.bounds[GSCL_BOUNDS_SLOPE] = xy / xx;
+    a.bounds[GSCL_BOUNDS_SLOPE_X] = xy / yy;
     each by_xx = s1 * (s1 / xx), by_yy = s1 * (s1 / yy); /* det / xx^2 and the like without overflow */
-    a.extent[GSCL_EXTENT_HEIGHT2] = 2.0f * GSCL_SUPPORT * by_xx * (s2 * s2);
-    a.extent[GSCL_EXTENT_WIDTH2] = 2.0f * GSCL_SUPPORT * by_yy * (s2 * s2);
+    a.bounds[GSCL_BOUNDS_HEIGHT2] = 2.0f * GSCL_SUPPORT * by_xx * (s2 * s2);
+    a.bounds[GSCL_BOUNDS_WIDTH2] = 2.0f * GSCL_SUPPORT * by_yy * (s2 * s2);
     each ratio_x = s1 * s2 / xx, ratio_y = s1 * s2 / yy;
-    a.extent[GSCL_EXTENT_CURVE] = ratio_x * ratio_x;
-    a.extent[GSCL_EXTENT_CURVE_X] = ratio_y * ratio_y;
+    a.bounds[GSCL_BOUNDS_CURVE] = ratio_x * ratio_x;
+    a.bounds[GSCL_BOUNDS_CURVE_X] = ratio_y * ratio_y;
     return a;
 }
 
@@ -111,8 +111,8 @@ inline each_int tile_at(each position, int tiles) {
 }
 
 inline tile_boxes appearance_tiles(const appearance *a, view seen) {
-    each x = a->drawn[GSCL_DRAWN_X], half_width = a->extent[GSCL_EXTENT_HALF_WIDTH];
-    each y = a->drawn[GSCL_DRAWN_Y], half_height = a->extent[GSCL_EXTENT_HALF_HEIGHT];
+    each x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
+    each y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     tile_boxes b;
     b.first_x = max(tile_at(x - half_width, seen.tiles_x), (each_int)(0));
     b.last_x = min(tile_at(x + half_width, seen.tiles_x), (each_int)(seen.tiles_x - 1));
@@ -127,15 +127,15 @@ inline tile_boxes appearance_tiles(const appearance *a, view seen) {
 
 /* First and last tile of row `ty` of its box that the outline touches; a little more than that (by `slack` = 1, or
  * more) where rounding might lose one. */
-ALWAYS_INLINE int2 tiles_touched(__global const float *drawn, __global const float *extent, int4 box, int ty,
+ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const float *bounds, int4 box, int ty,
                                  float slack) {
-    float half_width = extent[GSCL_EXTENT_HALF_WIDTH], half_height = extent[GSCL_EXTENT_HALF_HEIGHT];
-    float x = drawn[GSCL_DRAWN_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - drawn[GSCL_DRAWN_Y];
+    float half_width = bounds[GSCL_BOUNDS_HALF_WIDTH], half_height = bounds[GSCL_BOUNDS_HALF_HEIGHT];
+    float x = projected[GSCL_PROJECTED_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_Y];
     float low = LARGER(y0, -half_height), high = LESSER(y0 + (float)(GSCL_TILE - 1), half_height);
     high = LARGER(high, low); /* only just touched, or not quite */
     /* dy of the leftmost and of the rightmost point, within the row */
-    float right_dy = extent[GSCL_EXTENT_SLOPE] * half_width, slope = extent[GSCL_EXTENT_SLOPE_X];
-    float width2 = extent[GSCL_EXTENT_WIDTH2], curve = extent[GSCL_EXTENT_CURVE_X];
+    float right_dy = bounds[GSCL_BOUNDS_SLOPE] * half_width, slope = bounds[GSCL_BOUNDS_SLOPE_X];
+    float width2 = bounds[GSCL_BOUNDS_WIDTH2], curve = bounds[GSCL_BOUNDS_CURVE_X];
     float dy0 = LESSER(LARGER(-right_dy, low), high), dy1 = LESSER(LARGER(right_dy, low), high);
     float arc0 = width2 - curve * dy0 * dy0, arc1 = width2 - curve * dy1 * dy1;
     float left = slope * dy0 - sqrt(LARGER(arc0, 0.0f)), right = slope * dy1 + sqrt(LARGER(arc1, 0.0f));
@@ -150,20 +150,22 @@ ALWAYS_INLINE int2 tiles_touched(__global const float *drawn, __global const flo
 }
 
 /* Stores what is drawn of the splats from `i` on, and their boxes of tiles. */
-inline void splat_project(splat s, view seen, size_t i, __global float *restrict drawn,
-                          __global float *restrict extents, __global int4 *restrict boxes) {
+inline void splat_project(splat s, view seen, size_t i, __global float *restrict projected,
+                          __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     appearance a = splat_appearance(s, seen);
     tile_boxes b = appearance_tiles(&a, seen);
-    drawn += i * GSCL_DRAWN;
-    extents += i * GSCL_EXTENT;
+    projected += i * GSCL_PROJECTED;
+    ellipse_bounds += i * GSCL_BOUNDS;
     UNROLL
-    for (int k = 0; k < GSCL_DRAWN_COLOUR + CHANNELS; k++) store_each(a.drawn[k], drawn + k, GSCL_DRAWN);
+    for (int k = 0; k < GSCL_PROJECTED_COLOUR + CHANNELS; k++)
+        store_each(a.projected[k], projected + k, GSCL_PROJECTED);
 #if TEXTURE
     UNROLL
-    for (int k = GSCL_DRAWN_WAVE_X; k < GSCL_DRAWN; k++) store_each(a.drawn[k], drawn + k, GSCL_DRAWN);
+    for (int k = GSCL_PROJECTED_WAVE_X; k < GSCL_PROJECTED; k++)
+        store_each(a.projected[k], projected + k, GSCL_PROJECTED);
 #endif
     UNROLL
-    for (int k = 0; k < GSCL_EXTENT; k++) store_each(a.extent[k], extents + k, GSCL_EXTENT);
+    for (int k = 0; k < GSCL_BOUNDS; k++) store_each(a.bounds[k], ellipse_bounds + k, GSCL_BOUNDS);
     __global int *box = (__global int *)(boxes + i);
     store_each_int(b.first_x, box, 4);
     store_each_int(b.last_x, box + 1, 4);
@@ -214,9 +216,10 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
 
 /* Projects the splats as they are, or through the quantiser. */
 __kernel void project(__global const float *restrict params, __global const float *restrict steps, int count, view seen,
-                      __global float *restrict drawn, __global float *restrict extents, __global int4 *restrict boxes) {
-    size_t i = get_global_id(0) * SPLATS_ABREAST;
+                      __global float *restrict projected, __global float *restrict ellipse_bounds,
+                      __global int4 *restrict boxes) {
+    size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)count) return;
     splat s = splat_load(params + i * GSCL_PARAMS, count - (int)i);
-    splat_project(splat_quantise(s, steps), seen, i, drawn, extents, boxes);
+    splat_project(splat_quantise(s, steps), seen, i, projected, ellipse_bounds, boxes);
 }

@@ -16,19 +16,19 @@ typedef struct {
 } splat_weight;
 
 /* At a row, `dx` and `dy` from the centre, that the outline touches. */
-ALWAYS_INLINE void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *drawn) {
+ALWAYS_INLINE void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *projected) {
 #if ROTATION
-    s->u = fma(dx, (pix)(drawn[GSCL_DRAWN_UX]), (pix)(dy * drawn[GSCL_DRAWN_UY]));
-    s->v = fma(dx, (pix)(drawn[GSCL_DRAWN_VX]), (pix)(dy * drawn[GSCL_DRAWN_VY]));
+    s->u = fma(dx, (pix)(projected[GSCL_PROJECTED_UX]), (pix)(dy * projected[GSCL_PROJECTED_UY]));
+    s->v = fma(dx, (pix)(projected[GSCL_PROJECTED_VX]), (pix)(dy * projected[GSCL_PROJECTED_VY]));
 #else
-    float step = drawn[GSCL_DRAWN_VY];
-    s->u = dx * drawn[GSCL_DRAWN_UX];
+    float step = projected[GSCL_PROJECTED_VY];
+    s->u = dx * projected[GSCL_PROJECTED_UX];
     s->v = dy * step;
     /* Exactly 0 where no row is seen: rows may be rounded to more than 1, and have a gradient where they are seen. */
     s->column = select((pix)(0.0f), pix_exp2(-s->u * s->u), s->u * s->u < (pix)(SUPPORT2));
     s->row = exp2(-s->v * s->v);
-    s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * drawn[GSCL_DRAWN_ROW_STEP];
-    s->row_bend = drawn[GSCL_DRAWN_ROW_STEP] * drawn[GSCL_DRAWN_ROW_STEP];
+    s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * projected[GSCL_PROJECTED_ROW_STEP];
+    s->row_bend = projected[GSCL_PROJECTED_ROW_STEP] * projected[GSCL_PROJECTED_ROW_STEP];
 #endif
 }
 
@@ -54,30 +54,30 @@ inline void weigh(splat_weight *s) {
 #endif
 
 /* Goes on to the next row. */
-inline void weigh_next(splat_weight *s, __global const real *restrict drawn) {
+inline void weigh_next(splat_weight *s, __global const real *restrict projected) {
 #if ROTATION
-    s->u += drawn[GSCL_DRAWN_UY];
+    s->u += projected[GSCL_PROJECTED_UY];
 #else
     s->row *= s->row_ratio;
     s->row_ratio *= s->row_bend;
 #endif
-    s->v += drawn[GSCL_DRAWN_VY];
+    s->v += projected[GSCL_PROJECTED_VY];
 }
 
 #if TEXTURE
 /* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 where it has none. */
-inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict drawn) {
-    real amplitude = drawn[GSCL_DRAWN_WAVE_AMPLITUDE];
+inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected) {
+    real amplitude = projected[GSCL_PROJECTED_WAVE_AMPLITUDE];
     if (!(amplitude > 0.0f)) return (pix)(0.0f);
-    return amplitude *
-           pix_wave(dx, dy, drawn[GSCL_DRAWN_WAVE_X], drawn[GSCL_DRAWN_WAVE_Y], turns + drawn[GSCL_DRAWN_WAVE_PHASE]);
+    return amplitude * pix_wave(dx, dy, projected[GSCL_PROJECTED_WAVE_X], projected[GSCL_PROJECTED_WAVE_Y],
+                                turns + projected[GSCL_PROJECTED_WAVE_PHASE]);
 }
 #endif
 
 #if OPACITY
-#define WITH_OPACITY(weight, drawn) ((weight) * (drawn)[GSCL_DRAWN_OPACITY])
+#define WITH_OPACITY(weight, projected) ((weight) * (projected)[GSCL_PROJECTED_OPACITY])
 #else
-#define WITH_OPACITY(weight, drawn) (weight)
+#define WITH_OPACITY(weight, projected) (weight)
 #endif
 
 /* The blend's running sums of one work-item: colour, and the sum of weights (`normalized`) or the
@@ -123,20 +123,20 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
         if (i % STOP_INTERVAL == STOP_INTERVAL - 1 && canvas_is_opaque(c)) break;
 #endif
         uint entry = entries[BLEND == GSCL_ALPHA ? count - 1 - i : i];
-        __global const real *restrict drawn = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_DRAWN;
+        __global const real *restrict projected = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
         int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
-        pix dx = px - drawn[GSCL_DRAWN_X];
-        real dy = py - drawn[GSCL_DRAWN_Y];
+        pix dx = px - projected[GSCL_PROJECTED_X];
+        real dy = py - projected[GSCL_PROJECTED_Y];
 #if TEXTURE
-        bool waved = drawn[GSCL_DRAWN_WAVE_AMPLITUDE] > 0.0f;
+        bool waved = projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f;
 #endif
         splat_weight s;
-        weigh_begin(&s, dx, dy + (float)first, drawn);
-        for (int r = first; r <= last; r++, weigh_next(&s, drawn)) {
+        weigh_begin(&s, dx, dy + (float)first, projected);
+        for (int r = first; r <= last; r++, weigh_next(&s, projected)) {
             weigh(&s);
             if (kept && row < KEPT_ROWS) kept[row++] = s.gauss;
-            pix w = WITH_OPACITY(s.weight, drawn);
+            pix w = WITH_OPACITY(s.weight, projected);
 #if BLEND == GSCL_ALPHA
             w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->rest[r];
             c->rest[r] -= w;
@@ -145,10 +145,10 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
 #endif
             UNROLL
             for (int k = 0; k < CHANNELS; k++)
-                c->colour[k][r] = fma(w, (pix)(drawn[GSCL_DRAWN_COLOUR + k]), c->colour[k][r]);
+                c->colour[k][r] = fma(w, (pix)(projected[GSCL_PROJECTED_COLOUR + k]), c->colour[k][r]);
 #if TEXTURE
             if (!waved) continue;
-            pix wave = w * wave_at(dx, dy + (float)r, 0.0f, drawn);
+            pix wave = w * wave_at(dx, dy + (float)r, 0.0f, projected);
             UNROLL
             for (int k = 0; k < COLOURS; k++) c->colour[k][r] += wave;
 #endif

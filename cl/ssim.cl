@@ -130,8 +130,8 @@ __kernel void ssim_judge(__global const float *restrict moments, int width, int 
     if (!ssim_place(width, height, channels, &x, &y, &k)) return;
     pix m[5];
     window_moments(m, moments, x, y, k, height, stride, image);
-    pix drawn = fmax(m[2] - m[0] * m[0], (pix)(0.0f)) * (float)known;
-    pix variances = fmax(m[3] - m[1] * m[1], (pix)(0.0f)) + drawn + C2;
+    pix projected = fmax(m[2] - m[0] * m[0], (pix)(0.0f)) * (float)known;
+    pix variances = fmax(m[3] - m[1] * m[1], (pix)(0.0f)) + projected + C2;
     pix similarity = fma((pix)(2.0f), m[4] - m[0] * m[1], (pix)(C2)) / variances;
     pix gain = fmin(1.0f / fmax(similarity, (pix)(0.1f)) - 1.0f, (pix)(MOST_GAIN));
     pix there = y + TAPS <= height ? pix_inside(width - TAPS + 1 - x) : (pix)(0.0f);

@@ -36,7 +36,7 @@ inline void share_and_error(const appearance *plain, const outline *o, int x, in
     pix e = (pix)(0.0f);
     UNROLL
     for (int k = 0; k < COLOURS; k++) {
-        pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(plain->drawn[GSCL_DRAWN_COLOUR + k]);
+        pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
         e += fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
     }
 #if WEIGHTED /* both carry the root: sums of products then carry the weight */
@@ -134,11 +134,11 @@ inline void scan_add(scan_state *restrict states, int waves, pix shared_error, i
 /* What each wave of a state would win, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
  * (1 +- r) / 2, r = exp(-k' Sigma k). */
 inline pix scan_score(const appearance *plain, const scan_state *s) {
-    const float *d = plain->drawn;
-    float u2 = d[GSCL_DRAWN_UX] * d[GSCL_DRAWN_UX] + d[GSCL_DRAWN_UY] * d[GSCL_DRAWN_UY];
-    float v2 = d[GSCL_DRAWN_VX] * d[GSCL_DRAWN_VX] + d[GSCL_DRAWN_VY] * d[GSCL_DRAWN_VY];
-    pix u = fma(s->step_x, (pix)(d[GSCL_DRAWN_UX]), s->step_y * d[GSCL_DRAWN_UY]) / u2;
-    pix v = fma(s->step_x, (pix)(d[GSCL_DRAWN_VX]), s->step_y * d[GSCL_DRAWN_VY]) / v2;
+    const float *d = plain->projected;
+    float u2 = d[GSCL_PROJECTED_UX] * d[GSCL_PROJECTED_UX] + d[GSCL_PROJECTED_UY] * d[GSCL_PROJECTED_UY];
+    float v2 = d[GSCL_PROJECTED_VX] * d[GSCL_PROJECTED_VX] + d[GSCL_PROJECTED_VY] * d[GSCL_PROJECTED_VY];
+    pix u = fma(s->step_x, (pix)(d[GSCL_PROJECTED_UX]), s->step_y * d[GSCL_PROJECTED_UY]) / u2;
+    pix v = fma(s->step_x, (pix)(d[GSCL_PROJECTED_VX]), s->step_y * d[GSCL_PROJECTED_VY]) / v2;
     /* (2 pi)^2 / (2 ln 2) brings the frame's units to sigmas, 1 / ln 2 e to 2 */
     pix r = pix_exp2((2.0f * M_PI_F * M_PI_F / (M_LN2_F * M_LN2_F)) * fma(-u, u, -v * v));
     return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
@@ -214,9 +214,9 @@ inline void texture_choose(codes *c, __global const minor_entry *minors, __globa
         other.code[CODE_AMPLITUDE] = 1;
         splat waved = codes_splat(&other, minors, aspects, t);
         appearance seen_so = splat_appearance(waved, seen);
-        float2 cycles = (float2)(seen_so.drawn[GSCL_DRAWN_WAVE_X], seen_so.drawn[GSCL_DRAWN_WAVE_Y]);
+        float2 cycles = (float2)(seen_so.projected[GSCL_PROJECTED_WAVE_X], seen_so.projected[GSCL_PROJECTED_WAVE_Y]);
         wave_sums w = wave_weigh(&plain, cycles, picture, weights, target, width, height, plane);
-        float attenuation = seen_so.drawn[GSCL_DRAWN_WAVE_AMPLITUDE] / waved.wave_amplitude;
+        float attenuation = seen_so.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
         float cost = wave_settle(&other, &w, attenuation, tables, t);
         if (cost < best) {
             best = cost;

@@ -28,7 +28,7 @@ inline int slot_find(__global const uint *restrict entries, int2 range, uint i) 
 
 /* Slots are looked for first and added after: what other cores have written takes its time to come, and is waited
  * for all at once. */
-#if SPLATS_ABREAST > 1
+#if SPLAT_LANES > 1
 #define FOUND 128
 #else
 #define FOUND 1
@@ -52,18 +52,18 @@ inline void slots_add(float *restrict sums, found_slots *found, __global const f
 /* Adds the slots of splats `first` to `first + live` over the tiles of their boxes, row by row: always the same
  * order. */
 inline void slots_gather(float *restrict sums, size_t first, int live, __global const int4 *restrict boxes, int tiles_x,
-                         __global const float *restrict drawn, __global const float *restrict extents,
+                         __global const float *restrict projected, __global const float *restrict ellipse_bounds,
                          __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
                          __global const float *restrict slots) {
     found_slots found;
     found.count = 0;
-    for (int k = 0; k < SPLATS_ABREAST * SLOT; k++) sums[k] = 0.0f;
+    for (int k = 0; k < SPLAT_LANES * SLOT; k++) sums[k] = 0.0f;
     for (int owner = 0; owner < live; owner++) {
         size_t i = first + (size_t)owner;
         int4 box = boxes[i];
         for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
             /* no tighter than the lists were made */
-            int2 tiles = tiles_touched(drawn + i * GSCL_DRAWN, extents + i * GSCL_EXTENT, box, ty, 2.0f);
+            int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 2.0f);
             for (int tx = tiles.x; tx <= tiles.y; tx++) {
                 int slot = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], (uint)i);
                 if (slot < 0) continue;
@@ -81,20 +81,20 @@ inline void slots_gather(float *restrict sums, size_t first, int live, __global 
 
 /* Chain rule from the frame's sums to the parameters.  `s`, `drawn`: the splats as they were drawn. */
 inline void gradient_from_sums(each *restrict gradient, const float *restrict sums, splat s,
-                               __global const float *restrict drawn, view seen) {
+                               __global const float *restrict projected, view seen) {
     each e1 = seen_axis(s.s1, seen.blur), e2 = seen_axis(s.s2, seen.blur);
     /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
     const float factor = 2.0f * M_LN2_F;
     each du = factor * EACH_SUM(SLOT_U), dv = factor * EACH_SUM(SLOT_V);
-    gradient[GSCL_X] = seen.inv_scale * fma(LOAD_EACH(drawn + GSCL_DRAWN_UX, GSCL_DRAWN), du,
-                                            LOAD_EACH(drawn + GSCL_DRAWN_VX, GSCL_DRAWN) * dv);
-    gradient[GSCL_Y] = seen.inv_scale * fma(LOAD_EACH(drawn + GSCL_DRAWN_UY, GSCL_DRAWN), du,
-                                            LOAD_EACH(drawn + GSCL_DRAWN_VY, GSCL_DRAWN) * dv);
+    gradient[GSCL_X] = seen.inv_scale * fma(LOAD_EACH(projected + GSCL_PROJECTED_UX, GSCL_PROJECTED), du,
+                                            LOAD_EACH(projected + GSCL_PROJECTED_VX, GSCL_PROJECTED) * dv);
+    gradient[GSCL_Y] = seen.inv_scale * fma(LOAD_EACH(projected + GSCL_PROJECTED_UY, GSCL_PROJECTED), du,
+                                            LOAD_EACH(projected + GSCL_PROJECTED_VY, GSCL_PROJECTED) * dv);
 #if TEXTURE
     /* d/dcentre of cos(2 pi (k.d - h)) = 2 pi k sin(...), and sin is cos a quarter of a turn later. */
     each dwave = 2.0f * M_PI_F * EACH_SUM(SLOT_WAVE) * seen.inv_scale;
-    gradient[GSCL_X] = fma(LOAD_EACH(drawn + GSCL_DRAWN_WAVE_X, GSCL_DRAWN), dwave, gradient[GSCL_X]);
-    gradient[GSCL_Y] = fma(LOAD_EACH(drawn + GSCL_DRAWN_WAVE_Y, GSCL_DRAWN), dwave, gradient[GSCL_Y]);
+    gradient[GSCL_X] = fma(LOAD_EACH(projected + GSCL_PROJECTED_WAVE_X, GSCL_PROJECTED), dwave, gradient[GSCL_X]);
+    gradient[GSCL_Y] = fma(LOAD_EACH(projected + GSCL_PROJECTED_WAVE_Y, GSCL_PROJECTED), dwave, gradient[GSCL_Y]);
 #endif
     gradient[GSCL_LOG_S1] = factor * EACH_SUM(SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
     gradient[GSCL_LOG_S2] = factor * EACH_SUM(SLOT_VV) * (s.s2 / e2) * (s.s2 / e2);
@@ -189,21 +189,21 @@ inline void keep_within(each *restrict p, limits b) {
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (each)(b.colour_min), (each)(b.colour_max));
 }
 
-/* Writes the gradients of SPLATS_ABREAST splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
+/* Writes the gradients of SPLAT_LANES splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
  * they are). */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
-                               view seen, __global const int4 *restrict boxes, __global const float *restrict drawn,
-                               __global const float *restrict extents, __global const uint *restrict entries,
+                               view seen, __global const int4 *restrict boxes, __global const float *restrict projected,
+                               __global const float *restrict ellipse_bounds, __global const uint *restrict entries,
                                __global const int2 *restrict tile_ranges, __global const float *restrict slots,
                                __global float *restrict gradients) {
-    size_t i = get_global_id(0) * SPLATS_ABREAST;
+    size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)count) return;
-    float sums[SPLATS_ABREAST * SLOT];
+    float sums[SPLAT_LANES * SLOT];
     each gradient[FITTED];
-    int live = min(count - (int)i, SPLATS_ABREAST);
-    slots_gather(sums, i, live, boxes, seen.tiles_x, drawn, extents, entries, tile_ranges, slots);
+    int live = min(count - (int)i, SPLAT_LANES);
+    slots_gather(sums, i, live, boxes, seen.tiles_x, projected, ellipse_bounds, entries, tile_ranges, slots);
     splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, live), steps);
-    gradient_from_sums(gradient, sums, s, drawn + i * GSCL_DRAWN, seen);
+    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, seen);
     UNROLL
     for (int k = 0; k < FITTED; k++) store_each(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
 }
@@ -212,12 +212,12 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
 __kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
                         __global const float *restrict gradients, __global const float *restrict steps, int count,
-                        limits bounds, view seen, __global float *restrict drawn, __global float *restrict extents,
-                        __global int4 *restrict boxes) {
-    size_t i = get_global_id(0) * SPLATS_ABREAST, at = i * GSCL_PARAMS;
+                        limits bounds, view seen, __global float *restrict projected,
+                        __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
+    size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
     if (i >= (size_t)count) return;
     each p[FITTED];
-    int live = min(count - (int)i, SPLATS_ABREAST);
+    int live = min(count - (int)i, SPLAT_LANES);
     UNROLL
     for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, live);
     each_int age = LOAD_EACH_INT(ages + i) + 1;
@@ -227,5 +227,5 @@ __kernel void adam_step(__global float *restrict params, __global float *restric
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) store_each(p[k], params + at + k, GSCL_PARAMS);
-    splat_project(splat_quantise(splat_load(params + at, live), steps), seen, i, drawn, extents, boxes);
+    splat_project(splat_quantise(splat_load(params + at, live), steps), seen, i, projected, ellipse_bounds, boxes);
 }

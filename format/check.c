@@ -1,18 +1,18 @@
 /* What the writer refuses, and the limit of work that both directions keep. */
 #include "codebook.h"
 #include "header.h"
-#include "picture.h"
+#include "coded_image.h"
 
-uint32_t gsf_class_count(const gsf_picture *picture) {
+uint32_t gsf_class_count(const gsf_coded_image *picture) {
     return picture->header.coding == GSF_CODING_SCALAR ? GSF_MAX_SCALE_CODE + 1 : picture->codebooks.shape_count;
 }
 
-uint32_t gsf_class_of(const gsf_picture *picture, uint32_t splat) {
+uint32_t gsf_class_of(const gsf_coded_image *picture, uint32_t splat) {
     return picture->header.coding == GSF_CODING_SCALAR ? (uint32_t)GSF_MAX_SCALE_CODE - picture->splats[splat].minor
                                                        : picture->indexed[splat].shape;
 }
 
-gsf_grid gsf_class_grid(const gsf_picture *picture, uint32_t class_no) {
+gsf_grid gsf_class_grid(const gsf_coded_image *picture, uint32_t class_no) {
     const gsf_header *header = &picture->header;
     if (header->coding == GSF_CODING_CODEBOOK) {
         const uint32_t cells = UINT32_C(1) << picture->codebooks.position_bits;
@@ -29,7 +29,7 @@ static uint32_t whole_pixels(uint64_t q16) {
 }
 
 /* Axes of a splat in whole pixels, rounded up. */
-static void splat_axes(const gsf_picture *picture, uint32_t splat, uint64_t axes[2]) {
+static void splat_axes(const gsf_coded_image *picture, uint32_t splat, uint64_t axes[2]) {
     if (picture->header.coding == GSF_CODING_SCALAR) {
         const gsf_splat *s = &picture->splats[splat];
         axes[0] = whole_pixels(gsf_sigma_q16(&picture->steps, (unsigned)s->minor + s->aspect));
@@ -40,7 +40,7 @@ static void splat_axes(const gsf_picture *picture, uint32_t splat, uint64_t axes
     }
 }
 
-bool gsf_work_is_bounded(const gsf_picture *picture) {
+bool gsf_work_is_bounded(const gsf_coded_image *picture) {
     const uint64_t pixels = (uint64_t)picture->header.width * picture->header.height;
     uint64_t work = 0, axes[2];
     for (uint32_t i = 0; i < picture->header.splat_count; i++) {
@@ -51,10 +51,10 @@ bool gsf_work_is_bounded(const gsf_picture *picture) {
     return work <= 256 * pixels + (UINT64_C(1) << 26);
 }
 
-static bool background_is_valid(const gsf_picture *picture) {
+static bool background_is_valid(const gsf_coded_image *picture) {
     bool valid = true;
     for (unsigned i = 0; i < gsf_channel_count(&picture->header); i++)
-        valid = valid && (picture->header.deep || picture->background[i] <= 255);
+        valid = valid && (picture->header.high_bit_depth || picture->background[i] <= 255);
     return valid;
 }
 
@@ -67,7 +67,7 @@ static bool steps_are_valid(const gsf_steps *steps) {
             steps->opacity) <= 15;
 }
 
-static bool shape_is_valid(const gsf_picture *picture, const gsf_splat *splat) {
+static bool shape_is_valid(const gsf_coded_image *picture, const gsf_splat *splat) {
     const gsf_header *header = &picture->header;
     const gsf_steps *steps = &picture->steps;
     if (splat->minor > GSF_MAX_SCALE_CODE || (header->has_anisotropy && splat->aspect > GSF_MAX_SCALE_CODE))
@@ -84,7 +84,7 @@ static bool texture_is_valid(const gsf_texture *texture) {
            texture->phase < GSF_PHASES;
 }
 
-static bool colour_is_valid(const gsf_picture *picture, const gsf_splat *splat) {
+static bool colour_is_valid(const gsf_coded_image *picture, const gsf_splat *splat) {
     const gsf_header *header = &picture->header;
     int min, max;
     gsf_luma_range(header->blend, picture->steps.luma, &min, &max);
@@ -97,14 +97,14 @@ static bool colour_is_valid(const gsf_picture *picture, const gsf_splat *splat) 
     return valid && (!header->has_texture || texture_is_valid(&splat->texture));
 }
 
-static bool scalar_is_valid(const gsf_picture *picture) {
+static bool scalar_is_valid(const gsf_coded_image *picture) {
     bool valid = steps_are_valid(&picture->steps);
     for (uint32_t i = 0; valid && i < picture->header.splat_count; i++)
         valid = shape_is_valid(picture, &picture->splats[i]) && colour_is_valid(picture, &picture->splats[i]);
     return valid;
 }
 
-static bool indexed_is_valid(const gsf_picture *picture) {
+static bool indexed_is_valid(const gsf_coded_image *picture) {
     const gsf_codebooks *books = &picture->codebooks;
     if (!gsf_codebook_sides_are_valid(&picture->header, books) ||
         !gsf_codebook_words_are_valid(&picture->header, books))
@@ -118,7 +118,7 @@ static bool indexed_is_valid(const gsf_picture *picture) {
     return valid;
 }
 
-bool gsf_picture_is_valid(const gsf_picture *picture) {
+bool gsf_coded_image_is_valid(const gsf_coded_image *picture) {
     if (!gsf_header_is_valid(&picture->header) || !background_is_valid(picture))
         return false;
     if (picture->header.splat_count == 0)

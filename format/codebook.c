@@ -66,9 +66,9 @@ static uint32_t code_number(gsf_coder *coder, uint32_t value) {
 
 static void code_range(gsf_coder *coder, gsf_range *range, const limits *bounds) {
     const uint32_t low = (uint32_t)(range->min - bounds->min);
-    const uint32_t extent = (uint32_t)(range->max - range->min);
+    const uint32_t span = (uint32_t)(range->max - range->min);
     range->min = bounds->min + (int32_t)code_number(coder, low);
-    range->max = range->min + (int32_t)code_number(coder, extent);
+    range->max = range->min + (int32_t)code_number(coder, span);
 }
 
 bool gsf_code_codebook_sides(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books) {
@@ -137,7 +137,7 @@ void gsf_complete_shape_words(const gsf_header *header, gsf_codebooks *books) {
 uint32_t gsf_shape_sigma(const gsf_codebooks *books, unsigned word, unsigned axis) {
     const uint64_t last = (UINT64_C(1) << books->shape_bits) - 1;
     const gsf_range *range = &books->shape[axis];
-    const uint64_t extent = (uint64_t)(range->max - range->min);
-    const uint64_t scaled = (uint64_t)range->min * last + books->shape_words[word][axis] * extent;
+    const uint64_t span = (uint64_t)(range->max - range->min);
+    const uint64_t scaled = (uint64_t)range->min * last + books->shape_words[word][axis] * span;
     return gsf_octaves_to_pixels((unsigned)((scaled + last - 1) / last));
 }

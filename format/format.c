@@ -1,6 +1,6 @@
 /* gsf_read and gsf_write. */
 #include "header.h"
-#include "picture.h"
+#include "coded_image.h"
 
 #include <string.h>
 
@@ -35,7 +35,7 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, gsf_header *header
 }
 
 /* Counting begins with the header. */
-static void count_header(const gsf_picture *picture, size_t size) {
+static void count_header(const gsf_coded_image *picture, size_t size) {
     if (!picture->stream_bits256)
         return;
     memset(picture->stream_bits256, 0, GSF_STREAM_COUNT * sizeof *picture->stream_bits256);
@@ -43,7 +43,7 @@ static void count_header(const gsf_picture *picture, size_t size) {
 }
 
 /* The payload ends exactly where the decoder does. */
-static gsf_result read_payload(gsf_picture *picture, const uint8_t *bytes, size_t size, void *scratch) {
+static gsf_result read_payload(gsf_coded_image *picture, const uint8_t *bytes, size_t size, void *scratch) {
     gsf_coder coder;
     gsf_coder_read_from(&coder, bytes, size, picture->stream_bits256);
     const bool valid = gsf_code_payload(&coder, picture, divide_scratch(&picture->header, scratch));
@@ -53,7 +53,7 @@ static gsf_result read_payload(gsf_picture *picture, const uint8_t *bytes, size_
 }
 
 /* Everything that reading sets, except the caller's arrays and the pointers to them. */
-static void clear(gsf_picture *picture) {
+static void clear(gsf_coded_image *picture) {
     gsf_codebooks *books = &picture->codebooks;
     memset(picture->background, 0, sizeof picture->background);
     memset(&picture->steps, 0, sizeof picture->steps);
@@ -63,7 +63,7 @@ static void clear(gsf_picture *picture) {
     books->shape_count = books->colour_count = 0;
 }
 
-gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_picture *picture, void *scratch) {
+gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *picture, void *scratch) {
     size_t start;
     clear(picture);
     gsf_result result = gsf_parse_header(bytes, size, &picture->header, &start);
@@ -77,7 +77,7 @@ gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_picture *picture, voi
 }
 
 /* Splits on the way from a whole picture to one cell. */
-static size_t most_splits(const gsf_picture *picture) {
+static size_t most_splits(const gsf_coded_image *picture) {
     size_t splits = 0;
     for (uint32_t i = 0; i < gsf_class_count(picture); i++) {
         const gsf_grid grid = gsf_class_grid(picture, i);
@@ -91,7 +91,7 @@ static size_t most_splits(const gsf_picture *picture) {
 
 /* No symbol costs more than 17 bits: a frequency is at least 1 of 2^16, and dividing the range loses
  * less than a bit.  A splat has 7 attributes; a split of n > 0 splats codes one urn (two symbols only when n > 255). */
-size_t gsf_write_bound(const gsf_picture *picture) {
+size_t gsf_write_bound(const gsf_coded_image *picture) {
     const gsf_header *header = &picture->header;
     const size_t splat_bits = 17 * (13 + (header->splat_count > 0 ? most_splits(picture) : 0));
     const size_t class_bits = 2 * 17 * GSF_MAX_CLASSES;
@@ -100,11 +100,12 @@ size_t gsf_write_bound(const gsf_picture *picture) {
     return 512 + (header->splat_count * splat_bits + class_bits + book_bits) / 8;
 }
 
-void gsf_sort(gsf_picture *picture, void *scratch) {
+void gsf_sort(gsf_coded_image *picture, void *scratch) {
     gsf_put_in_order(picture, divide_scratch(&picture->header, scratch)->rest);
 }
 
-static gsf_result write_payload(gsf_picture *picture, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
+static gsf_result write_payload(gsf_coded_image *picture, uint8_t *bytes, size_t capacity, size_t *size,
+                                void *scratch) {
     gsf_coder coder;
     gsf_coder_write_to(&coder, bytes, capacity, picture->stream_bits256);
     if (!gsf_code_payload(&coder, picture, divide_scratch(&picture->header, scratch)))
@@ -114,12 +115,12 @@ static gsf_result write_payload(gsf_picture *picture, uint8_t *bytes, size_t cap
     return *size <= capacity ? GSF_OK : GSF_NO_SPACE;
 }
 
-gsf_result gsf_write(gsf_picture *picture, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
+gsf_result gsf_write(gsf_coded_image *picture, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
     uint8_t header[GSF_MAX_HEADER_SIZE];
     size_t payload_size;
     *size = 0;
     picture->header.version = GSF_VERSION;
-    if (!gsf_picture_is_valid(picture))
+    if (!gsf_coded_image_is_valid(picture))
         return GSF_INVALID;
     const size_t start = gsf_put_header(&picture->header, header);
     if (capacity < start)

@@ -40,7 +40,7 @@ typedef struct gsf_header {
     gsf_blend blend;
     gsf_coding coding;
     gsf_layout layout;
-    bool deep;              /* the source had 16 bits (or float) a sample; else 8 */
+    bool high_bit_depth;    /* the source had 16 bits (or float) a sample; else 8 */
     bool has_chroma;        /* effect: colour differences are coded */
     bool has_alpha;         /* effect: an alpha plane is coded; else alpha is 1 everywhere */
     bool has_opacity;       /* effect: each splat has an opacity; else it is 1 (normalized: weight 1) */
@@ -152,7 +152,7 @@ typedef enum gsf_stream {
 } gsf_stream;
 
 /* A whole picture. */
-typedef struct gsf_picture {
+typedef struct gsf_coded_image {
     gsf_header header;
     uint16_t background[GSF_MAX_CHANNELS]; /* coded channels (Y, or R G B; then alpha), in 1/255 (deep: 1/65535) */
     gsf_steps steps;                       /* scalar coding */
@@ -160,7 +160,7 @@ typedef struct gsf_picture {
     gsf_codebooks codebooks;               /* codebook coding */
     gsf_indexed_splat *indexed;            /* codebook coding: caller's array of splat_count */
     uint64_t *stream_bits256; /* out: 1/256 bits spent, by stream: caller's GSF_STREAM_COUNT numbers, or NULL */
-} gsf_picture;
+} gsf_coded_image;
 
 /* Channels that the picture codes: 1 or 3 colours plus 1 for alpha. */
 unsigned gsf_channel_count(const gsf_header *header);
@@ -171,23 +171,23 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, gsf_header *header
 
 /* Reads and checks everything.  `splats` or `indexed` (and the codebook arrays) must be in place.
  * Never reads outside bytes[0..size), whatever it holds. */
-gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_picture *picture, void *scratch);
+gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *picture, void *scratch);
 
 /* Bytes of working memory (aligned for uint64_t) that gsf_read and gsf_write want at `scratch`. */
 size_t gsf_scratch_size(const gsf_header *header);
 
 /* An upper bound of the size of the written file. */
-size_t gsf_write_bound(const gsf_picture *picture);
+size_t gsf_write_bound(const gsf_coded_image *picture);
 
 /* Writes the picture and returns its size in *size.  Ignores header.version, and sets it.  Codes of
  * effects that are off are ignored, and zero afterwards.  GSF_INVALID also when the splats together cover more
  * pixels than FORMAT.md's "Limits" allow.  Sorts picture->splats (or ->indexed) into the
  * stored order in place, so that afterwards the picture equals what gsf_read would give.
  * The file is a function of the picture alone. */
-gsf_result gsf_write(gsf_picture *picture, uint8_t *bytes, size_t capacity, size_t *size, void *scratch);
+gsf_result gsf_write(gsf_coded_image *picture, uint8_t *bytes, size_t capacity, size_t *size, void *scratch);
 
 /* Sorts the splats into the stored order without writing: `alpha` depends on it.  Zeroes the codes of
  * effects that are off.  The codes must be within their limits. */
-void gsf_sort(gsf_picture *picture, void *scratch);
+void gsf_sort(gsf_coded_image *picture, void *scratch);
 
 #endif

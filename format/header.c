@@ -31,7 +31,7 @@ bool gsf_header_is_valid(const gsf_header *header) {
 
 static unsigned pack_flags(const gsf_header *header) {
     return (unsigned)header->blend << FLAG_BLEND | (unsigned)header->coding << FLAG_CODING |
-           (unsigned)header->layout << FLAG_LAYOUT | (unsigned)header->deep << FLAG_DEEP |
+           (unsigned)header->layout << FLAG_LAYOUT | (unsigned)header->high_bit_depth << FLAG_DEEP |
            (unsigned)header->has_chroma << FLAG_CHROMA | (unsigned)header->has_alpha << FLAG_ALPHA |
            (unsigned)header->has_opacity << FLAG_OPACITY | (unsigned)header->has_rotation << FLAG_ROTATION |
            (unsigned)header->has_anisotropy << FLAG_ANISOTROPY | (unsigned)header->has_texture << FLAG_TEXTURE;
@@ -41,7 +41,7 @@ static void unpack_flags(unsigned flags, gsf_header *header) {
     header->blend = (gsf_blend)(flags >> FLAG_BLEND & 3);
     header->coding = (gsf_coding)(flags >> FLAG_CODING & 1);
     header->layout = (gsf_layout)(flags >> FLAG_LAYOUT & 3);
-    header->deep = flags >> FLAG_DEEP & 1;
+    header->high_bit_depth = flags >> FLAG_DEEP & 1;
     header->has_chroma = flags >> FLAG_CHROMA & 1;
     header->has_alpha = flags >> FLAG_ALPHA & 1;
     header->has_opacity = flags >> FLAG_OPACITY & 1;

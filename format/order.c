@@ -1,6 +1,6 @@
 /* The stored order (FORMAT.md, "Order"): by class, then as the splits of the position coding pass
  * the splats, then, within a cell, by the remaining codes. */
-#include "picture.h"
+#include "coded_image.h"
 
 #include <string.h>
 
@@ -25,7 +25,7 @@ static uint64_t path_to(const gsf_grid *grid, uint32_t x, uint32_t y) {
     return path;
 }
 
-static uint64_t key_of(const gsf_picture *picture, uint32_t splat) {
+static uint64_t key_of(const gsf_coded_image *picture, uint32_t splat) {
     const uint32_t class_no = gsf_class_of(picture, splat);
     const gsf_grid grid = gsf_class_grid(picture, class_no);
     const uint64_t path = picture->header.coding == GSF_CODING_SCALAR
@@ -53,7 +53,7 @@ static int compare_codes(const gsf_splat *a, const gsf_splat *b) {
     return 0;
 }
 
-static bool precedes(const gsf_picture *picture, const record *a, const record *b) {
+static bool precedes(const gsf_coded_image *picture, const record *a, const record *b) {
     if (a->key != b->key)
         return a->key < b->key;
     if (picture->header.coding == GSF_CODING_SCALAR)
@@ -62,7 +62,7 @@ static bool precedes(const gsf_picture *picture, const record *a, const record *
 }
 
 /* Merges the sorted runs from[0..middle) and from[middle..n) into to[0..n). */
-static void merge(const gsf_picture *picture, const record *from, uint32_t middle, uint32_t n, record *to) {
+static void merge(const gsf_coded_image *picture, const record *from, uint32_t middle, uint32_t n, record *to) {
     uint32_t left = 0, right = middle;
     for (uint32_t i = 0; i < n; i++) {
         const bool take_right = left == middle || (right < n && precedes(picture, &from[right], &from[left]));
@@ -75,7 +75,7 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 }
 
 /* Bottom-up merge sort; returns which of the two lists holds the result. */
-static record *merge_sort(const gsf_picture *picture, record *list, record *other, uint32_t n) {
+static record *merge_sort(const gsf_coded_image *picture, record *list, record *other, uint32_t n) {
     for (uint32_t run = 1; run < n; run *= 2) {
         for (uint32_t first = 0; first < n; first += 2 * run) {
             const uint32_t length = smaller(2 * run, n - first);
@@ -89,7 +89,7 @@ static record *merge_sort(const gsf_picture *picture, record *list, record *othe
 }
 
 /* Puts the splats in the order of the list; `copy` is room for all of them. */
-static void arrange(gsf_picture *picture, const record *list, void *copy) {
+static void arrange(gsf_coded_image *picture, const record *list, void *copy) {
     const uint32_t n = picture->header.splat_count;
     if (picture->header.coding == GSF_CODING_SCALAR) {
         const gsf_splat *old = memcpy(copy, picture->splats, n * sizeof *old);
@@ -103,7 +103,7 @@ static void arrange(gsf_picture *picture, const record *list, void *copy) {
 }
 
 /* Codes whose effect is off mean nothing: they must not decide the order. */
-static void clear_unused(gsf_picture *picture) {
+static void clear_unused(gsf_coded_image *picture) {
     const gsf_header *header = &picture->header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         gsf_splat *splat = &picture->splats[i];
@@ -124,7 +124,7 @@ size_t gsf_order_size(const gsf_header *header) {
     return header->splat_count * (sizeof(record) + larger);
 }
 
-void gsf_put_in_order(gsf_picture *picture, void *memory) {
+void gsf_put_in_order(gsf_coded_image *picture, void *memory) {
     const uint32_t n = picture->header.splat_count;
     record *list = memory, *other = list + n;
     if (n == 0) /* there need not be any arrays */

@@ -1,12 +1,13 @@
 #include "codebook.h"
-#include "picture.h"
+#include "coded_image.h"
 
 static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
 
-static void code_background(gsf_coder *coder, gsf_picture *picture) {
+static void code_background(gsf_coder *coder, gsf_coded_image *picture) {
     coder->stream = GSF_STREAM_SIDE;
     for (unsigned i = 0; i < gsf_channel_count(&picture->header); i++)
-        picture->background[i] = (uint16_t)gsf_code_bits(coder, picture->background[i], picture->header.deep ? 16 : 8);
+        picture->background[i] =
+            (uint16_t)gsf_code_bits(coder, picture->background[i], picture->header.high_bit_depth ? 16 : 8);
 }
 
 static void code_step(gsf_coder *coder, uint8_t *step, bool wanted) {
@@ -24,7 +25,7 @@ static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *st
 }
 
 /* The writer's splats to the lists that are coded. */
-static void list_splats(const gsf_picture *picture, gsf_workspace *w) {
+static void list_splats(const gsf_coded_image *picture, gsf_workspace *w) {
     for (uint32_t i = 0; i < GSF_MAX_CLASSES; i++)
         w->counts[i] = 0;
     for (uint32_t i = 0; i < picture->header.splat_count; i++) {
@@ -35,7 +36,7 @@ static void list_splats(const gsf_picture *picture, gsf_workspace *w) {
     }
 }
 
-static void place_splat(gsf_picture *picture, uint32_t splat, uint32_t class_no, gsf_point at) {
+static void place_splat(gsf_coded_image *picture, uint32_t splat, uint32_t class_no, gsf_point at) {
     if (picture->header.coding == GSF_CODING_SCALAR)
         picture->splats[splat] = (gsf_splat){.minor = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
     else
@@ -44,7 +45,7 @@ static void place_splat(gsf_picture *picture, uint32_t splat, uint32_t class_no,
 }
 
 /* The lists that were decoded to the reader's splats. */
-static void place_splats(gsf_picture *picture, const gsf_workspace *w) {
+static void place_splats(gsf_coded_image *picture, const gsf_workspace *w) {
     uint32_t splat = 0;
     for (uint32_t i = 0; i < gsf_class_count(picture); i++)
         for (uint32_t n = w->counts[i]; n > 0; n--, splat++)
@@ -52,7 +53,7 @@ static void place_splats(gsf_picture *picture, const gsf_workspace *w) {
 }
 
 /* Classes and positions. */
-static void code_places(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+static void code_places(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
     const uint32_t classes = gsf_class_count(picture);
     const bool scalar = picture->header.coding == GSF_CODING_SCALAR;
     if (!coder->decoding)
@@ -67,13 +68,13 @@ static void code_places(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w
         place_splats(picture, w);
 }
 
-static void code_scalar(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+static void code_scalar(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
     gsf_attributes_init(&w->attributes, &picture->header, &picture->steps);
     for (uint32_t i = 0; i < picture->header.splat_count && !gsf_coder_starved(coder); i++)
         gsf_code_attributes(coder, &w->attributes, &picture->splats[i]);
 }
 
-static void code_indexed(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+static void code_indexed(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
     coder->stream = GSF_STREAM_COLOUR_INDEX;
     gsf_model_init(&w->colour_index, &COLOUR_INDEX, picture->codebooks.colour_count, 0);
     for (uint32_t i = 0; i < picture->header.splat_count && !gsf_coder_starved(coder); i++) {
@@ -83,7 +84,7 @@ static void code_indexed(gsf_coder *coder, gsf_picture *picture, gsf_workspace *
 }
 
 /* What has to be known before the splats. */
-static bool code_side(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) {
+static bool code_side(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
     if (picture->header.coding == GSF_CODING_SCALAR) {
         code_steps(coder, &picture->header, &picture->steps);
         return !gsf_coder_starved(coder);
@@ -96,7 +97,7 @@ static bool code_side(gsf_coder *coder, gsf_picture *picture, gsf_workspace *w) 
     return !gsf_coder_starved(coder);
 }
 
-bool gsf_code_payload(gsf_coder *coder, gsf_picture *picture, gsf_workspace *workspace) {
+bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *workspace) {
     code_background(coder, picture);
     if (picture->header.splat_count == 0)
         return true;

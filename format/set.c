@@ -1,6 +1,6 @@
 #include "set.h"
 
-#include "urn.h"
+#include "count_split.h"
 
 /* Tuning: part of the format.  Splats cluster over the picture, but not within a few of their own
  * widths: there only areas count. */

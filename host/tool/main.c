@@ -5,9 +5,9 @@
 
 #include <gscl/gscl.h>
 
-#include "command.h"
-#include "interrupt.h"
-#include "message.h"
+#include "commands/command.h"
+#include "cli/interrupt.h"
+#include "cli/message.h"
 
 typedef struct command {
     const char *name;

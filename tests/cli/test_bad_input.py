@@ -311,7 +311,7 @@ class Usage(ToolTest):
         self.wrong("--codebook .* --profile paper", "encode", "in.png", "--codebook", "16")
         self.wrong("-q and -v exclude", "encode", "in.png", "-q", "-v")
         self.wrong("both want standard output", "encode", "in.png", "--json", "-o", "-")
-        self.wrong("--rounds is told by --json only", "encode", "in.png", "--rounds")
+        self.wrong("--trace is told by --json only", "encode", "in.png", "--trace")
         self.wrong("with standard input, give -o", "encode", "-")
         self.wrong("--scale and --size exclude", "decode", "a.gscl", "-o", "a.png", "--scale", "2", "--size", "3x3")
 

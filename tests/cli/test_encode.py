@@ -247,16 +247,16 @@ class Reports(ToolTest):
         self.assertGreater(report["seconds"], 0)
         self.assertIn("entropy coding", [stage["name"] for stage in report["stages"]])
         self.assertLessEqual(sum(stage["seconds"] for stage in report["stages"]), report["seconds"])
-        self.assertNotIn("rounds", report)
+        self.assertNotIn("trace", report)
 
-    def test_rounds(self):
+    def test_trace(self):
         self.write_png("in.png", scene(64, 48))
-        report = self.gscl_json("encode", "in.png", "--bytes", "300", "--rounds", *FAST)
-        seconds = [point["seconds"] for point in report["rounds"]]
+        report = self.gscl_json("encode", "in.png", "--bytes", "300", "--trace", *FAST)
+        seconds = [point["seconds"] for point in report["trace"]]
         self.assertGreater(len(seconds), 10)
         self.assertEqual(seconds, sorted(seconds))
         self.assertLessEqual(seconds[-1], report["seconds"])
-        self.assertAlmostEqual(report["rounds"][-1]["psnr"], report["psnr"], delta=0.3)
+        self.assertAlmostEqual(report["trace"][-1]["psnr"], report["psnr"], delta=0.3)
 
     def test_names_that_json_must_escape(self):
         name = "é quote\" back\\slash\nline.png"

@@ -11,7 +11,7 @@ from pictures import flat, read_png, scene
 from tool import GSCL, ToolTest, main
 
 WIDTH, HEIGHT = 96, 72
-TABLES = {"quality_time.csv", "quality_rate.csv", "rounds.csv", "accuracy.csv", "gradients.csv", "tradeoff.json"}
+TABLES = {"quality_time.csv", "quality_rate.csv", "trace.csv", "accuracy.csv", "gradients.csv", "tradeoff.json"}
 PLOTS = ("quality_time", "quality_rate", "accuracy", "gradients")
 HAS_PLOTS = pathlib.Path(GSCL).with_name("gscl-plot.so").exists()
 BLENDS = {"normalized", "alpha", "sum"}
@@ -59,11 +59,11 @@ class Tradeoff(ToolTest):
             self.assertAlmostEqual(float(row["bpp"]), 8 * int(row["bytes"]) / (WIDTH * HEIGHT), places=4)
             self.assertTrue(float(row["encode_s"]) > 0 and float(row["decode_s"]) > 0)
 
-    def test_rounds_lead_to_the_file(self):
-        rounds = self.table("rounds.csv")
-        self.check_numbers(rounds, text=("stage",))
+    def test_trace_lead_to_the_file(self):
+        trace = self.table("trace.csv")
+        self.check_numbers(trace, text=("stage",))
         for point in self.table("quality_time.csv"):
-            curve = [row for row in rounds if row["effort"] == point["effort"]]
+            curve = [row for row in trace if row["effort"] == point["effort"]]
             seconds = [float(row["seconds"]) for row in curve]
             self.assertGreater(len(curve), 10)
             self.assertEqual(seconds, sorted(seconds))
@@ -115,7 +115,7 @@ class Tradeoff(ToolTest):
             self.assertEqual(len(report[key]), len(self.table(table)))
         for encode, row in zip(report["quality_time"], self.table("quality_time.csv")):
             self.assertAlmostEqual(encode["psnr"], float(row["psnr_db"]), places=5)
-            self.assertTrue(encode["stages"] and encode["rounds"])
+            self.assertTrue(encode["stages"] and encode["trace"])
 
     def test_text_names_everything(self):
         printed = self.measured()[1]

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "format.h"
-#include "header.h"
+#include "format/format.h"
+#include "format/header.h"
 
 #define MOST_SPLATS 20000u /* more would only be slower */
 
@@ -23,7 +23,7 @@ static void *allocate(size_t size) {
 
 static uint64_t stream_bits256[GSF_STREAM_COUNT];
 
-static void create(gsf_picture *picture, const gsf_header *header) {
+static void create(gsf_coded_image *picture, const gsf_header *header) {
     memset(picture, 0, sizeof *picture);
     picture->stream_bits256 = stream_bits256;
     picture->header = *header;
@@ -33,7 +33,7 @@ static void create(gsf_picture *picture, const gsf_header *header) {
     picture->codebooks.colour_words = allocate(GSF_MAX_CODEBOOK * sizeof *picture->codebooks.colour_words);
 }
 
-static void destroy(gsf_picture *picture) {
+static void destroy(gsf_coded_image *picture) {
     free(picture->splats);
     free(picture->indexed);
     free(picture->codebooks.shape_words);
@@ -48,7 +48,7 @@ static void check(bool truth, const char *what) {
 }
 
 /* Writes a picture; the caller frees the bytes. */
-static uint8_t *write_picture(gsf_picture *picture, size_t *size, void *scratch) {
+static uint8_t *write_picture(gsf_coded_image *picture, size_t *size, void *scratch) {
     const size_t bound = gsf_write_bound(picture);
     uint8_t *bytes = allocate(bound);
     check(gsf_write(picture, bytes, bound, size, scratch) == GSF_OK, "what was read cannot be written");
@@ -56,9 +56,9 @@ static uint8_t *write_picture(gsf_picture *picture, size_t *size, void *scratch)
 }
 
 /* The picture that was read, written, read and written again. */
-static void check_rewriting(gsf_picture *picture, void *scratch) {
+static void check_rewriting(gsf_coded_image *picture, void *scratch) {
     size_t size, size_again;
-    gsf_picture again;
+    gsf_coded_image again;
     uint8_t *bytes = write_picture(picture, &size, scratch);
     create(&again, &picture->header);
     check(gsf_read(bytes, size, &again, scratch) == GSF_OK, "what was written cannot be read");
@@ -75,7 +75,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     uint8_t *bytes = allocate(size);
     memcpy(bytes, data, size);
     if (gsf_parse_header(bytes, size, &header, &start) == GSF_OK && header.splat_count <= MOST_SPLATS) {
-        gsf_picture picture;
+        gsf_coded_image picture;
         void *scratch = allocate(gsf_scratch_size(&header));
         create(&picture, &header);
         gsf_read(bytes, size, &picture, scratch);

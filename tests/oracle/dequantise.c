@@ -126,7 +126,7 @@ static oracle_splat codebook_splat(const oracle_payload *payload, const oracle_c
 void oracle_dequantise(const oracle_payload *payload, oracle_splat *splats, double *background) {
     const oracle_header *header = &payload->header;
     for (uint32_t i = 0; i < header->channels; i++)
-        background[i] = payload->background[i] / (header->deep ? 65535.0 : 255.0);
+        background[i] = payload->background[i] / (header->high_bit_depth ? 65535.0 : 255.0);
     for (uint32_t i = 0; i < header->splats; i++) {
         const oracle_codes *codes = &payload->splats[i];
         splats[i] = header->codebook ? codebook_splat(payload, codes) : scalar_splat(payload, codes);

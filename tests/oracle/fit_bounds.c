@@ -25,7 +25,7 @@ typedef struct {
     double g, most, dg; /* the Gaussian, at most so much, off by */
     double rounding;    /* of the Gaussian, relative, where u and v are exact */
     double w, dw;       /* the weight with its opacity */
-    bool drawn;         /* maybe drawn */
+    bool projected;     /* maybe drawn */
     bool doubtful;      /* at the cut: maybe not drawn */
 } sample;
 
@@ -57,8 +57,8 @@ static sample sample_at(const oracle_fit *fit, const oracle_appearance *a, doubl
     s.v *= to_frame;
     frame_errors(a, x, y, &s);
     const double r = hypot(s.u, s.v), dr = s.du + s.dv, cut = sqrt(cut2), near = fmax(r - dr, 0.0);
-    s.drawn = near < cut * (1.0 + 4.0 * UNIT);
-    if (!s.drawn)
+    s.projected = near < cut * (1.0 + 4.0 * UNIT);
+    if (!s.projected)
         return s;
     s.doubtful = fabs(r - cut) <= dr + s.rounding;
     s.g = exp2(-r * r);
@@ -114,7 +114,7 @@ static void draw_sums(const oracle_scene *s, const sample *samples, pixel_state 
         p->error[k] = UNIT * partial[k];
     }
     for (size_t i = 0; i < s->count; i++) {
-        if (!samples[i].drawn)
+        if (!samples[i].projected)
             continue;
         const double *c = s->splats[i].colour;
         weights += samples[i].w;
@@ -150,7 +150,7 @@ static void draw_alpha(const oracle_scene *s, const sample *samples, pixel_state
     for (int k = 0; k < s->channels; k++)
         p->error[k] = partial[k] = 0.0;
     for (size_t i = s->count; i-- > 0;) {
-        if (!samples[i].drawn)
+        if (!samples[i].projected)
             continue;
         const term share = pass_through(p, &samples[i]);
         for (int k = 0; k < s->channels; k++) {
@@ -287,7 +287,7 @@ void oracle_fit_bounds(const oracle_fit *fit, const double *params, size_t count
         begin_chain(&s, pixel, &p);
         for (size_t j = 0; j < count; j++) {
             const size_t i = fit->blend == ORACLE_ALPHA ? count - 1 - j : j;
-            if (!samples[i].drawn)
+            if (!samples[i].projected)
                 continue;
             term share;
             const term h = slope_by_weight(&s, i, &samples[i], &p, &share);

@@ -33,7 +33,7 @@ static void read_flags(uint32_t flags, oracle_header *header) {
     header->blend = (oracle_blend)(flags & 3);
     header->codebook = flags >> 2 & 1;
     header->layout = flags >> 3 & 3;
-    header->deep = flags >> 5 & 1;
+    header->high_bit_depth = flags >> 5 & 1;
     header->has_chroma = flags >> 8 & 1;
     header->has_alpha = flags >> 9 & 1;
     header->has_opacity = flags >> 10 & 1;

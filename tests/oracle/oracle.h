@@ -26,7 +26,7 @@ typedef struct {
     oracle_blend blend;
     bool codebook;   /* else scalar coding */
     uint32_t layout; /* 0 grey, 1 grey and alpha, 2 RGB, 3 RGB and alpha */
-    bool deep, has_chroma, has_alpha, has_opacity, has_rotation, has_anisotropy, has_texture;
+    bool high_bit_depth, has_chroma, has_alpha, has_opacity, has_rotation, has_anisotropy, has_texture;
     uint32_t colours;  /* coded colour channels: 1, or 3 with has_chroma */
     uint32_t channels; /* coded channels: the colours, then alpha when has_alpha is set */
     size_t bytes;      /* of the header with its checksum */

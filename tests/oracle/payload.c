@@ -66,7 +66,7 @@ bool oracle_read_payload(oracle_payload *payload) {
     const oracle_header *header = &payload->header;
     oracle_decoder *decoder = &payload->decoder;
     for (uint32_t i = 0; i < header->channels; i++)
-        payload->background[i] = oracle_raw(decoder, header->deep ? 16 : 8);
+        payload->background[i] = oracle_raw(decoder, header->high_bit_depth ? 16 : 8);
     if (header->splats == 0)
         return true;
 

@@ -23,19 +23,19 @@ typedef struct {
 } judgement;
 
 static judgement judge(const image *target, const image *picture, int x, int y) {
-    double mean = 0.0, square = 0.0, drawn = 0.0, drawn_square = 0.0, product = 0.0;
+    double mean = 0.0, square = 0.0, projected = 0.0, drawn_square = 0.0, product = 0.0;
     for (int v = 0; v < TAPS; v++)
         for (int u = 0; u < TAPS; u++) {
             const int at = (y + v) * target->width + x + u;
             const double share = tap(u) * tap(v), value = target->plane[at], other = picture ? picture->plane[at] : 0.0;
             mean += share * value;
             square += share * value * value;
-            drawn += share * other;
+            projected += share * other;
             drawn_square += share * other * other;
             product += share * value * other;
         }
-    const double variances = square - mean * mean + drawn_square - drawn * drawn + 9e-4;
-    const double similarity = (2.0 * (product - mean * drawn) + 9e-4) / variances;
+    const double variances = square - mean * mean + drawn_square - projected * projected + 9e-4;
+    const double similarity = (2.0 * (product - mean * projected) + 9e-4) / variances;
     return (judgement){9e-4 / variances, fmin(1.0 / fmax(similarity, 0.1) - 1.0, 0.5), mean};
 }
 

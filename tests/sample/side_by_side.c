@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "image_file.h"
-#include "message.h"
+#include "image/image_file.h"
+#include "cli/message.h"
 
 enum { GAP = 8 }; /* pixels of white between the pictures */
 

@@ -12,7 +12,7 @@
 
 #include "both_mappings.h"
 #include "check.h"
-#include "fit.h"
+#include "fit/fit.h"
 #include "fit_oracle.h"
 #include "report.h"
 
@@ -57,7 +57,7 @@ static truth make_truth(const scene *s, const float background[4]) {
     oracle_fit fit = {.blend = (oracle_blend)s->blend,
                       .colours = SCENE_CHANNELS,
                       .opacity = true,
-                      .stepped = s->shape != GSCL_SHAPE_TURNED,
+                      .stepped = s->shape != GSCL_SHAPE_ROTATED,
                       .level = s->level,
                       .width = scene_level_width(s),
                       .height = scene_level_height(s),
@@ -71,7 +71,7 @@ static truth make_truth(const scene *s, const float background[4]) {
     oracle_fit_draw(&fit, params, s->count, t.planes);
     oracle_fit_gradient(&fit, params, s->count, s->stride, t.gradient);
     oracle_fit_bounds(&fit, params, s->count, t.bounds, t.gradient_bounds);
-    const bool turned = s->shape == GSCL_SHAPE_TURNED, round = s->shape == GSCL_SHAPE_ROUND;
+    const bool turned = s->shape == GSCL_SHAPE_ROTATED, round = s->shape == GSCL_SHAPE_ISOTROPIC;
     for (size_t i = 0; i < s->count; i++) {
         oracle_shape_gradient(t.gradient + i * GSCL_PARAMS, turned, round);
         oracle_shape_gradient(t.gradient_bounds + i * GSCL_PARAMS, turned, round);
@@ -239,7 +239,7 @@ void check_scene(const scene *s) {
     scene_errors errors[2];
     char message[300];
     if (!scene_agrees(s, errors, message, sizeof message) ||
-        (s->shape == GSCL_SHAPE_TURNED && !scene_encodes(s, message, sizeof message)))
+        (s->shape == GSCL_SHAPE_ROTATED && !scene_encodes(s, message, sizeof message)))
         fail_msg("%s, %s: %s", s->name, stability_blends[s->blend], message);
     for (int m = 0; m < 2; m++) {
         char detail[40];

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "scene.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 static void opacity(scene *s, float logit) {
     for (size_t i = 0; i < scene_scaled(16, 6); i++)

@@ -6,11 +6,11 @@
 #include "oracle.h"
 
 static bool close_to(const oracle_picture *truth, const gscl_image *image, char *message, size_t room) {
-    const bool deep = image->sample == GSCL_SAMPLE_U16;
-    const int allowed = deep ? 257 : 1;
+    const bool high_bit_depth = image->sample == GSCL_SAMPLE_U16;
+    const int allowed = high_bit_depth ? 257 : 1;
     for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; i++) {
-        const int found = deep ? ((const uint16_t *)image->pixels)[i] : ((const uint8_t *)image->pixels)[i];
-        const int wanted = (int)oracle_round(truth->pixels[i], deep ? 65535 : 255);
+        const int found = high_bit_depth ? ((const uint16_t *)image->pixels)[i] : ((const uint8_t *)image->pixels)[i];
+        const int wanted = (int)oracle_round(truth->pixels[i], high_bit_depth ? 65535 : 255);
         if (abs(found - wanted) <= allowed)
             continue;
         snprintf(message, room, "sample %zu of the decoded file is %d, %d expected", i, found, wanted);

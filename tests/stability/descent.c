@@ -12,14 +12,14 @@
 
 #include "check.h"
 #include "decodes.h"
-#include "fit.h"
-#include "picture.h"
-#include "quantise.h"
+#include "fit/fit.h"
+#include "decode/coded_image.h"
+#include "decode/quantise.h"
 
 /* ---- The file ---- */
 
-static gscl_picture picture_of(const scene *s, const float *params, const float background[4]) {
-    gscl_picture p = {0};
+static gscl_coded_image picture_of(const scene *s, const float *params, const float background[4]) {
+    gscl_coded_image p = {0};
     p.file.header = (gsf_header){.blend = (gsf_blend)s->blend,
                                  .layout = GSF_RGB,
                                  .has_chroma = true,
@@ -30,7 +30,7 @@ static gscl_picture picture_of(const scene *s, const float *params, const float 
                                  .height = (uint32_t)s->height,
                                  .splat_count = (uint32_t)s->count};
     p.file.steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .opacity = 3};
-    assert_int_equal(gscl_picture_reserve(&p, s->count), GSCL_OK);
+    assert_int_equal(gscl_coded_image_reserve(&p, s->count), GSCL_OK);
     for (int k = 0; k < SCENE_CHANNELS; k++)
         p.file.background[k] = gscl_quantise_background(&p.file.header, background[k]);
     for (size_t i = 0; i < s->count; i++)
@@ -44,9 +44,9 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
     size_t sizes[2] = {0, 0};
     bool good = true;
     for (int i = 0; i < 2 && good; i++) {
-        gscl_picture p = picture_of(s, params, background);
-        good = gscl_picture_write(&p, &bytes[i], &sizes[i]) == GSCL_OK;
-        gscl_picture_free(&p);
+        gscl_coded_image p = picture_of(s, params, background);
+        good = gscl_coded_image_write(&p, &bytes[i], &sizes[i]) == GSCL_OK;
+        gscl_coded_image_free(&p);
     }
     if (!good)
         snprintf(message, room, "the splats cannot be written");

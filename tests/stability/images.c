@@ -1,6 +1,6 @@
 /* Pictures that are hard to fit, under ordinary splats. */
 #include "scene.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 static void fit(scene *s, int width, int height) {
     scene_resize(s, width, height);

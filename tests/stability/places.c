@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "scene.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 /* Near enough to be seen, and so far that they are not. */
 static void outside(scene *s) {

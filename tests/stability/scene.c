@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "image.h"
-#include "test_scene.h"
+#include "image/image.h"
+#include "synthetic_scene.h"
 
 size_t scene_scaled(size_t count, size_t few) {
     return getenv("STABILITY_SMALL") && few < count ? few : count;
@@ -31,7 +31,7 @@ void scene_begin(scene *s, const char *name, int blend) {
     s->blend = blend;
     s->level = 0;
     s->round = false;
-    s->shape = GSCL_SHAPE_TURNED;
+    s->shape = GSCL_SHAPE_ROTATED;
     s->count = 0;
     s->stride = 1;
     test_random_state = 12345;
@@ -40,10 +40,10 @@ void scene_begin(scene *s, const char *name, int blend) {
 
 void scene_take_shape(scene *s, int shape) {
     s->shape = shape;
-    for (size_t i = 0; i < s->count && shape != GSCL_SHAPE_TURNED; i++) {
+    for (size_t i = 0; i < s->count && shape != GSCL_SHAPE_ROTATED; i++) {
         float *p = s->params + i * GSCL_PARAMS;
         p[GSCL_THETA] = 0.0f;
-        if (shape == GSCL_SHAPE_ROUND)
+        if (shape == GSCL_SHAPE_ISOTROPIC)
             p[GSCL_LOG_S2] = p[GSCL_LOG_S1];
     }
 }

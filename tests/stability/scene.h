@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "constants.h"
+#include "cl/constants.h"
 
 #define SCENE_SPLATS 10000 /* at most */
 #define SCENE_PIXELS 65536 /* at most */
@@ -39,7 +39,7 @@ void scene_begin(scene *s, const char *name, int blend);
 /* Adds a splat somewhere in the image, of axes from 0.7 to 15 pixels and any angle, opacity and colour. */
 float *scene_add(scene *s);
 void scene_set_axes(float *params, double s1, double s2);
-/* From now on no splat is turned, and of GSCL_SHAPE_ROUND all are circles with the first axis. */
+/* From now on no splat is turned, and of GSCL_SHAPE_ISOTROPIC all are circles with the first axis. */
 void scene_take_shape(scene *s, int shape);
 /* Another size, and noise to be fitted. */
 void scene_resize(scene *s, int width, int height);

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "scene.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "both_mappings.h"
-#include "fit.h"
+#include "fit/fit.h"
 #include "report.h"
 #include "scene.h"
 

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "report.h"
-#include "test_clusters.h"
+#include "synthetic_clusters.h"
 
 #define POINTS 2000
 #define CLUSTERS 64

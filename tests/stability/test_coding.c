@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "parts.h"
-#include "range_coder.h"
+#include "format/range_coder.h"
 #include "report.h"
 
 /* Between symbols the range is at least 2^24, and a total at most 2^16: a symbol's share of the range is cut by less than one

@@ -12,7 +12,7 @@
 
 #include "both_mappings.h"
 #include "decodes.h"
-#include "picture.h"
+#include "decode/coded_image.h"
 #include "report.h"
 #include "scene.h"
 
@@ -76,15 +76,15 @@ static double flat_mse(const gscl_image *image) {
 }
 
 static void check_words_used(const uint8_t *bytes, size_t size) {
-    gscl_picture p;
+    gscl_coded_image p;
     bool used[2][GSF_MAX_CODEBOOK] = {{false}};
-    assert_int_equal(gscl_picture_read(&p, bytes, size), GSCL_OK);
+    assert_int_equal(gscl_coded_image_read(&p, bytes, size), GSCL_OK);
     for (uint32_t i = 0; i < p.file.header.splat_count; i++)
         used[0][p.file.indexed[i].shape] = used[1][p.file.indexed[i].colour] = true;
     for (uint16_t k = 0; p.file.header.splat_count > 0 && k < GSF_MAX_CODEBOOK; k++)
         if ((k < p.file.codebooks.shape_count && !used[0][k]) || (k < p.file.codebooks.colour_count && !used[1][k]))
             fail_msg("word %u of a codebook has no splat", k);
-    gscl_picture_free(&p);
+    gscl_coded_image_free(&p);
 }
 
 static void encode(gscl_context *context, const gscl_image *image, const mode *m, uint8_t **bytes, size_t *size) {

@@ -11,9 +11,9 @@
 
 #include "check.h"
 #include "fit_oracle.h"
-#include "render.h"
+#include "decode/renderer.h"
 #include "report.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 #define ORIGIN 16000
 #define SIDE 40

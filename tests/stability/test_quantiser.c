@@ -11,13 +11,13 @@
 #include <cmocka.h>
 
 #include "both_mappings.h"
-#include "codebook.h"
-#include "constants.h"
+#include "codebook/codebook.h"
+#include "cl/constants.h"
 #include "decodes.h"
-#include "picture.h"
-#include "quantise.h"
+#include "decode/coded_image.h"
+#include "decode/quantise.h"
 #include "report.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 static const double ln2 = 0.69314718055994530942, pi = 3.14159265358979323846;
 
@@ -31,8 +31,9 @@ static void check_bytes(const char *name, const uint8_t *bytes, size_t size) {
 
 static const gsf_blend blends[] = {GSF_BLEND_NORMALIZED, GSF_BLEND_ALPHA, GSF_BLEND_SUM};
 
-static gscl_picture scalar_picture(gsf_blend blend, uint8_t steps, uint32_t width, uint32_t height, uint32_t splats) {
-    gscl_picture p = {0};
+static gscl_coded_image scalar_picture(gsf_blend blend, uint8_t steps, uint32_t width, uint32_t height,
+                                       uint32_t splats) {
+    gscl_coded_image p = {0};
     p.file.header = (gsf_header){.blend = blend,
                                  .layout = GSF_RGBA,
                                  .has_chroma = true,
@@ -45,7 +46,7 @@ static gscl_picture scalar_picture(gsf_blend blend, uint8_t steps, uint32_t widt
                                  .height = height,
                                  .splat_count = splats};
     p.file.steps = (gsf_steps){steps, steps, steps, steps, steps, steps, steps};
-    assert_int_equal(gscl_picture_reserve(&p, splats), GSCL_OK);
+    assert_int_equal(gscl_coded_image_reserve(&p, splats), GSCL_OK);
     return p;
 }
 
@@ -62,7 +63,7 @@ static float extreme(size_t parameter, int which) {
 }
 
 /* Where the splats' colours end up, at most half a step from the parameter or at the end of the range. */
-static double colour_error(const gscl_picture *p, const float *params, const gsf_splat *splat) {
+static double colour_error(const gscl_coded_image *p, const float *params, const gsf_splat *splat) {
     float back[GSCL_PARAMS];
     int min, max;
     gscl_dequantise(&p->file, splat, back);
@@ -76,7 +77,7 @@ static void test_parameters_beyond_all_ends(void **state) {
     enum { COUNT = 9 * GSCL_PARAMS };
     double worst = 0.0;
     for (int i = 0; i < 3 * 16; i++) {
-        gscl_picture p = scalar_picture(blends[i % 3], (uint8_t)(i / 3), i % 2 ? 1 : 33, i % 2 ? 40 : 21, COUNT);
+        gscl_coded_image p = scalar_picture(blends[i % 3], (uint8_t)(i / 3), i % 2 ? 1 : 33, i % 2 ? 40 : 21, COUNT);
         for (size_t j = 0; j < COUNT; j++) {
             float params[GSCL_PARAMS] = {10.0f, 10.0f, 1.0f, 0.5f, 0.3f, 0.0f, 0.5f,
                                          0.5f,  0.5f,  0.5f, 0.1f, 0.1f, 0.2f, 0.2f};
@@ -86,10 +87,10 @@ static void test_parameters_beyond_all_ends(void **state) {
         }
         uint8_t *bytes = NULL;
         size_t size = 0;
-        assert_int_equal(gscl_picture_write(&p, &bytes, &size), GSCL_OK);
+        assert_int_equal(gscl_coded_image_write(&p, &bytes, &size), GSCL_OK);
         check_bytes("parameters beyond all ends", bytes, size);
         gscl_free(bytes);
-        gscl_picture_free(&p);
+        gscl_coded_image_free(&p);
     }
     report("quantiser", "scalar, parameters beyond all ends", "", "colour's error, steps", 0.5 + 1e-5, worst);
     assert_true(worst <= 0.5 + 1e-5); /* the colour returns as a float, 1e-5 of a step */
@@ -125,7 +126,7 @@ static test_scene *codebook_scene(gsf_blend blend, uint8_t bits, bool wide) {
 }
 
 /* Words at both ends of each dimension, and places at both ends of the picture. */
-static void use_ends(gsf_picture *p) {
+static void use_ends(gsf_coded_image *p) {
     gsf_codebooks *books = &p->codebooks;
     const uint16_t last = (uint16_t)((1u << books->shape_bits) - 1u);
     books->shape_count = books->colour_count = 8;
@@ -197,7 +198,7 @@ static void make_splats(const book_case *c, float *params) {
 }
 
 /* Each word of the file has a splat. */
-static void check_words_used(const book_case *c, const gsf_picture *file) {
+static void check_words_used(const book_case *c, const gsf_coded_image *file) {
     bool used[2][GSF_MAX_CODEBOOK] = {{false}};
     for (uint32_t i = 0; i < file->header.splat_count; i++)
         used[0][file->indexed[i].shape] = used[1][file->indexed[i].colour] = true;
@@ -212,7 +213,7 @@ static void check_words_used(const book_case *c, const gsf_picture *file) {
 }
 
 /* What the device draws of the words is within a step of them, in each dimension. */
-static double word_error(const gscl_codebook *book, const float *drawn) {
+static double word_error(const gscl_codebook *book, const float *projected) {
     double worst = 0.0;
     const gscl_book *shapes = &book->books[GSCL_BOOK_SHAPE];
     const double levels = (double)((1u << shapes->bits) - 1u);
@@ -225,15 +226,15 @@ static double word_error(const gscl_codebook *book, const float *drawn) {
         const double allowed = 0.5 * (high - low) / levels + 4 * 0x1p-24 * fmax(fabs(low), fabs(high));
         for (int i = 0; i < book->fit->renderer.count; i++) {
             const double word = shapes->words[book->pairs[i][0] * GSCL_BOOK_DIMS + d];
-            const double error = fabs(drawn[i * GSCL_PARAMS + GSCL_LOG_S1 + d] - word);
+            const double error = fabs(projected[i * GSCL_PARAMS + GSCL_LOG_S1 + d] - word);
             worst = fmax(worst, allowed > 0.0 ? error / allowed : error);
         }
     }
     return worst;
 }
 
-static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl_picture *picture, double *error) {
-    static float params[SPLATS * GSCL_PARAMS], drawn[SPLATS * GSCL_PARAMS];
+static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl_coded_image *picture, double *error) {
+    static float params[SPLATS * GSCL_PARAMS], projected[SPLATS * GSCL_PARAMS];
     gscl_codebook book;
     uint64_t random = 9;
     make_splats(c, params);
@@ -246,11 +247,11 @@ static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl
     }
     check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, true, &random));
     check_call(context, c->name, gscl_codebook_project(&book));
-    check_call(context, c->name, gscl_fit_read(fit, drawn));
+    check_call(context, c->name, gscl_fit_read(fit, projected));
     for (size_t i = 0; i < c->splats * GSCL_PARAMS; i++)
-        assert_true(isfinite(drawn[i]));
-    *error = word_error(&book, drawn);
-    check_call(context, c->name, gscl_codebook_to_picture(&book, picture));
+        assert_true(isfinite(projected[i]));
+    *error = word_error(&book, projected);
+    check_call(context, c->name, gscl_codebook_quantise(&book, picture));
     gscl_codebook_free(&book);
 }
 
@@ -259,7 +260,7 @@ static void check_books(gscl_context *context, const book_case *c, double *error
     const gscl_kernel_options options = {
         .blend = GSCL_ALPHA, .colours = 3, .opacity = 1, .loss = GSCL_LOSS_KIND_EXTERNAL};
     gscl_fit fit;
-    gscl_picture picture = {0};
+    gscl_coded_image picture = {0};
     uint8_t *bytes = NULL;
     size_t size;
     picture.file.header = (gsf_header){.blend = GSF_BLEND_ALPHA,
@@ -274,10 +275,10 @@ static void check_books(gscl_context *context, const book_case *c, double *error
     check_call(context, c->name, gscl_fit_create(&fit, context, &options, SIDE, SIDE, 0, target));
     learn(context, &fit, c, &picture, error);
     check_words_used(c, &picture.file);
-    assert_int_equal(gscl_picture_write(&picture, &bytes, &size), GSCL_OK);
+    assert_int_equal(gscl_coded_image_write(&picture, &bytes, &size), GSCL_OK);
     check_bytes(c->name, bytes, size);
     gscl_free(bytes);
-    gscl_picture_free(&picture);
+    gscl_coded_image_free(&picture);
     gscl_fit_free(&fit);
 }
 

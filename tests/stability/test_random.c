@@ -14,7 +14,7 @@
 
 #include "check.h"
 #include "report.h"
-#include "test_scene.h"
+#include "synthetic_scene.h"
 
 #define SCENES 3000
 #define FEW_SCENES 24

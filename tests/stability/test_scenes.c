@@ -28,7 +28,7 @@ static void test_hard_scene(void **state) {
     scene_begin(&s, t->of->name, t->blend);
     t->of->make(&s);
     scene_take_shape(&s, t->shape);
-    if (t->shape != GSCL_SHAPE_TURNED)
+    if (t->shape != GSCL_SHAPE_ROTATED)
         snprintf(s.name + strlen(s.name), sizeof s.name - strlen(s.name), ", %s", shapes[t->shape]);
     check_scene(&s);
 }
@@ -37,10 +37,10 @@ static void test_hard_scene(void **state) {
  * kernel knows. */
 static bool is_wanted(const scene_case *subject, size_t number, int blend, int shape) {
     const char *wanted = getenv("STABILITY_BLEND");
-    if (shape != GSCL_SHAPE_TURNED && subject == image_cases)
+    if (shape != GSCL_SHAPE_ROTATED && subject == image_cases)
         return false;
     if (wanted && !strcmp(wanted, "turn"))
-        return subject != image_cases && (int)(number % 3) == blend && (shape == GSCL_SHAPE_TURNED || number % 4 == 0);
+        return subject != image_cases && (int)(number % 3) == blend && (shape == GSCL_SHAPE_ROTATED || number % 4 == 0);
     return !wanted || !strcmp(wanted, stability_blends[blend]);
 }
 
@@ -61,7 +61,7 @@ static void add_tests(const scene_case *subject, size_t number, int shape) {
 int main(void) {
     static const scene_case *const subjects[] = {shape_cases, blending_cases, place_cases, image_cases};
     static struct CMUnitTest tests[MOST_TESTS];
-    for (int shape = GSCL_SHAPE_TURNED; shape <= GSCL_SHAPE_ROUND; shape++)
+    for (int shape = GSCL_SHAPE_ROTATED; shape <= GSCL_SHAPE_ISOTROPIC; shape++)
         for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++)
             for (size_t j = 0; subjects[i][j].name; j++)
                 add_tests(subjects[i], j, shape);

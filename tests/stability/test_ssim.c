@@ -10,8 +10,8 @@
 
 #include "both_mappings.h"
 #include "report.h"
-#include "ssim.h"
-#include "test_scene.h"
+#include "fit/ssim_loss.h"
+#include "synthetic_scene.h"
 
 #define WIDTH 23
 #define HEIGHT 19

@@ -10,11 +10,11 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
-#include "constants.h"
+#include "cl/constants.h"
 #include "oracle.h"
-#include "picture.h"
-#include "reference.h"
-#include "test_image.h"
+#include "decode/coded_image.h"
+#include "measure/reference.h"
+#include "synthetic_image.h"
 
 #define WIDTH 90 /* no multiple of a tile */
 #define HEIGHT 70
@@ -75,18 +75,18 @@ static int close_all(void **state) {
 
 static void draw_reference(const file *f, bool cut, double *planes) {
     static double weights[WIDTH * HEIGHT];
-    gscl_picture picture;
+    gscl_coded_image picture;
     gscl_reference reference;
     float background[4];
-    assert_int_equal(gscl_picture_read(&picture, f->bytes, f->size), GSCL_OK);
-    const gscl_kernel_options options = gscl_picture_options(&picture.file.header);
+    assert_int_equal(gscl_coded_image_read(&picture, f->bytes, f->size), GSCL_OK);
+    const gscl_kernel_options options = gscl_coded_image_options(&picture.file.header);
     const size_t count = picture.file.header.splat_count;
     float *params = malloc(count * GSCL_PARAMS * sizeof *params);
-    gscl_picture_params(&picture, params, background);
+    gscl_coded_image_params(&picture, params, background);
     assert_int_equal(gscl_reference_create(&reference, &options, params, count, background, cut), GSCL_OK);
     gscl_reference_draw(&reference, (gscl_rectangle){0, 0, WIDTH, HEIGHT}, planes, weights);
     gscl_reference_free(&reference);
-    gscl_picture_free(&picture);
+    gscl_coded_image_free(&picture);
     free(params);
 }
 
@@ -114,14 +114,14 @@ static void test_reference_draws_parts(void **state) {
     static double whole[3 * WIDTH * HEIGHT], part[3 * 20 * 10], weights[20 * 10];
     const gscl_rectangle where = {31, 17, 51, 27};
     for (int i = 0; i < BLENDS; i++) {
-        gscl_picture picture;
+        gscl_coded_image picture;
         gscl_reference reference;
         float background[4], *params;
         draw_reference(&files[i], true, whole);
-        assert_int_equal(gscl_picture_read(&picture, files[i].bytes, files[i].size), GSCL_OK);
-        const gscl_kernel_options options = gscl_picture_options(&picture.file.header);
+        assert_int_equal(gscl_coded_image_read(&picture, files[i].bytes, files[i].size), GSCL_OK);
+        const gscl_kernel_options options = gscl_coded_image_options(&picture.file.header);
         params = malloc(picture.file.header.splat_count * GSCL_PARAMS * sizeof *params);
-        gscl_picture_params(&picture, params, background);
+        gscl_coded_image_params(&picture, params, background);
         assert_int_equal(
             gscl_reference_create(&reference, &options, params, picture.file.header.splat_count, background, true),
             GSCL_OK);
@@ -132,7 +132,7 @@ static void test_reference_draws_parts(void **state) {
                     assert_true(part[(k * 10 + y) * 20 + x] ==
                                 whole[(k * HEIGHT + where.y0 + y) * WIDTH + where.x0 + x]);
         gscl_reference_free(&reference);
-        gscl_picture_free(&picture);
+        gscl_coded_image_free(&picture);
         free(params);
     }
 }

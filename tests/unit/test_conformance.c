@@ -14,8 +14,8 @@
 #include "both_mappings.h"
 #include "oracle.h"
 #include "parts.h"
-#include "test_image.h"
-#include "test_scene.h"
+#include "synthetic_image.h"
+#include "synthetic_scene.h"
 
 /* ---- Comparison ---- */
 
@@ -47,7 +47,7 @@ static void check_header(const oracle_picture *truth, const gscl_image *image) {
     assert_int_equal(image->width, truth->header.width);
     assert_int_equal(image->height, truth->header.height);
     assert_int_equal(image->channels, truth->samples);
-    assert_int_equal(image->sample, truth->header.deep ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8);
+    assert_int_equal(image->sample, truth->header.high_bit_depth ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8);
 }
 
 /* Decodes the file three times and compares. */
@@ -64,7 +64,7 @@ static void check_file(const char *name, const uint8_t *bytes, size_t size) {
         check_header(&truth, &images[i]);
     }
     gap cpu = {0}, gpu = {0}, between = {0};
-    const uint32_t peak = truth.header.deep ? 65535 : 255, allowed = truth.header.deep ? 257 : 1;
+    const uint32_t peak = truth.header.high_bit_depth ? 65535 : 255, allowed = truth.header.high_bit_depth ? 257 : 1;
     for (size_t i = 0; i < test_sample_count(&images[0]); i++) {
         const uint32_t expected = oracle_round(truth.pixels[i], peak);
         const uint32_t a = integer_sample(&images[0], i), b = integer_sample(&images[1], i);

@@ -8,12 +8,12 @@
 
 #include <cmocka.h>
 
-#include "format.h"
-#include "header.h"
+#include "format/format.h"
+#include "format/header.h"
 
 /* A picture with memory of its own. */
 typedef struct fixture {
-    gsf_picture picture;
+    gsf_coded_image picture;
     uint8_t *bytes;
     size_t capacity, size;
     void *scratch;
@@ -68,7 +68,7 @@ static void read_fixture(const fixture *written, fixture *f) {
     assert_int_equal(gsf_read(written->bytes, written->size, &f->picture, f->scratch), GSF_OK);
 }
 
-static void fill_steps(gsf_picture *picture) {
+static void fill_steps(gsf_coded_image *picture) {
     const gsf_header *h = &picture->header;
     uint8_t *steps[7] = {&picture->steps.scale,  &picture->steps.position, &picture->steps.angle,  &picture->steps.luma,
                          &picture->steps.chroma, &picture->steps.alpha,    &picture->steps.opacity};
@@ -81,7 +81,7 @@ static int16_t pick_between(int min, int max) {
     return (int16_t)(min + (int)pick((uint32_t)(max - min + 1)));
 }
 
-static void fill_splat(const gsf_picture *picture, gsf_splat *splat) {
+static void fill_splat(const gsf_coded_image *picture, gsf_splat *splat) {
     const gsf_header *h = &picture->header;
     const gsf_steps *steps = &picture->steps;
     int min, max;
@@ -120,7 +120,7 @@ static void fill_ranges(gsf_range *ranges, unsigned dims, int32_t lowest, int32_
     }
 }
 
-static void fill_codebooks(gsf_picture *picture) {
+static void fill_codebooks(gsf_coded_image *picture) {
     const gsf_header *h = &picture->header;
     gsf_codebooks *books = &picture->codebooks;
     const unsigned channels = gsf_channel_count(h);
@@ -143,7 +143,7 @@ static void fill_codebooks(gsf_picture *picture) {
     qsort(books->colour_words, books->colour_count, sizeof *books->colour_words, ascending);
 }
 
-static void fill_indexed(const gsf_picture *picture, gsf_indexed_splat *splat) {
+static void fill_indexed(const gsf_coded_image *picture, gsf_indexed_splat *splat) {
     const gsf_codebooks *books = &picture->codebooks;
     splat->shape = (uint16_t)pick(books->shape_count);
     splat->colour = (uint16_t)pick(books->colour_count);
@@ -152,10 +152,10 @@ static void fill_indexed(const gsf_picture *picture, gsf_indexed_splat *splat) {
 }
 
 /* Random content that the header allows. */
-static void fill(gsf_picture *picture) {
+static void fill(gsf_coded_image *picture) {
     const gsf_header *h = &picture->header;
     for (unsigned i = 0; i < gsf_channel_count(h); i++)
-        picture->background[i] = (uint16_t)pick(h->deep ? 65536 : 256);
+        picture->background[i] = (uint16_t)pick(h->high_bit_depth ? 65536 : 256);
     if (h->splat_count == 0)
         return;
     if (h->coding == GSF_CODING_SCALAR)
@@ -184,14 +184,15 @@ static void assert_same_codebooks(const gsf_codebooks *a, const gsf_codebooks *b
 
 static void assert_same_header(const gsf_header *a, const gsf_header *b) {
     assert_true(a->version == b->version && a->blend == b->blend && a->coding == b->coding && a->layout == b->layout);
-    assert_true(a->deep == b->deep && a->has_chroma == b->has_chroma && a->has_alpha == b->has_alpha);
+    assert_true(a->high_bit_depth == b->high_bit_depth && a->has_chroma == b->has_chroma &&
+                a->has_alpha == b->has_alpha);
     assert_true(a->has_opacity == b->has_opacity && a->has_rotation == b->has_rotation);
     assert_true(a->has_anisotropy == b->has_anisotropy && a->width == b->width && a->height == b->height);
     assert_int_equal(a->has_texture, b->has_texture);
     assert_int_equal(a->splat_count, b->splat_count);
 }
 
-static void assert_same_picture(const gsf_picture *a, const gsf_picture *b) {
+static void assert_same_picture(const gsf_coded_image *a, const gsf_coded_image *b) {
     const uint32_t n = a->header.splat_count;
     assert_same_header(&a->header, &b->header);
     assert_memory_equal(a->background, b->background, sizeof a->background);
@@ -219,7 +220,7 @@ static void check_round_trip(fixture *f) {
 
 static gsf_header header_from_bits(unsigned choice) {
     gsf_header h = {.layout = (gsf_layout)(choice & 3), .coding = (gsf_coding)(choice >> 2 & 1)};
-    h.deep = choice >> 3 & 1;
+    h.high_bit_depth = choice >> 3 & 1;
     h.has_chroma = (choice >> 4 & 1) && (h.layout == GSF_RGB || h.layout == GSF_RGBA);
     h.has_alpha = (choice >> 5 & 1) && (h.layout == GSF_GREY_ALPHA || h.layout == GSF_RGBA);
     h.has_opacity = choice >> 6 & 1;
@@ -322,7 +323,7 @@ static void test_largest_codes(void **unused) {
     header.splat_count = 2;
     header.layout = GSF_RGBA;
     header.blend = GSF_BLEND_SUM;
-    header.has_alpha = header.has_opacity = header.has_texture = header.deep = true;
+    header.has_alpha = header.has_opacity = header.has_texture = header.high_bit_depth = true;
     create(&f, &header);
     f.picture.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
     memset(f.picture.background, 0xFF, sizeof f.picture.background);

@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include "model.h"
-#include "set.h"
-#include "urn.h"
+#include "format/model.h"
+#include "format/set.h"
+#include "format/count_split.h"
 
 static uint64_t bits[GSF_STREAM_COUNT];
 

@@ -13,11 +13,11 @@
 #include <gscl/gscl.h>
 
 #include "both_mappings.h"
-#include "constants.h"
-#include "fit.h"
+#include "cl/constants.h"
+#include "fit/fit.h"
 #include "fit_oracle.h"
-#include "image.h"
-#include "test_scene.h"
+#include "image/image.h"
+#include "synthetic_scene.h"
 
 #define WIDTH 43 /* of the full-size image: no multiple of a tile or a vector, odd at level 1 */
 #define HEIGHT 37
@@ -94,10 +94,10 @@ typedef struct {
 
 /* Upright splats have no angle; circles have one axis. */
 static void take_shape(const fit_case *c, double *params) {
-    for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_TURNED; i++) {
+    for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_ROTATED; i++) {
         double *p = params + i * ORACLE_PARAMS;
         p[GSCL_THETA] = 0.0;
-        if (c->options.shape == GSCL_SHAPE_ROUND)
+        if (c->options.shape == GSCL_SHAPE_ISOTROPIC)
             p[GSCL_LOG_S2] = p[GSCL_LOG_S1];
     }
 }
@@ -128,8 +128,8 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
     t->loss = oracle_fit_loss(&t->fit, t->params, c->count);
     oracle_fit_gradient(&t->fit, t->params, c->count, 1, t->gradient);
     for (size_t i = 0; i < c->count; i++)
-        oracle_shape_gradient(t->gradient + i * ORACLE_PARAMS, c->options.shape == GSCL_SHAPE_TURNED,
-                              c->options.shape == GSCL_SHAPE_ROUND);
+        oracle_shape_gradient(t->gradient + i * ORACLE_PARAMS, c->options.shape == GSCL_SHAPE_ROTATED,
+                              c->options.shape == GSCL_SHAPE_ISOTROPIC);
 }
 
 /* ---- The library's side ---- */
@@ -256,7 +256,7 @@ static void test_shapes(void **state) {
     for (int variant = 0; variant < 12; variant++) {
         const int blend = variant % 3, level = variant / 3 % 2;
         fit_case *c = ordinary_case(blend, level ? 1 : 3, level, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, level);
-        c->options.shape = variant < 6 ? GSCL_SHAPE_UPRIGHT : GSCL_SHAPE_ROUND;
+        c->options.shape = variant < 6 ? GSCL_SHAPE_AXIS_ALIGNED : GSCL_SHAPE_ISOTROPIC;
         check_case(c, ALLOWED);
     }
 }
@@ -363,7 +363,7 @@ static void test_ssim_weights(void **state) {
 static void test_ssim_adaptation(void **state) {
     (void)state;
     enum { W = 149, H = 131, PLANE = W * H };
-    static float planes[3 * PLANE], drawn[3 * PLANE], found[4 * PLANE], params[SPLATS * GSCL_PARAMS];
+    static float planes[3 * PLANE], projected[3 * PLANE], found[4 * PLANE], params[SPLATS * GSCL_PARAMS];
     static double wanted_planes[3 * PLANE], picture[3 * PLANE], wanted[4 * PLANE];
     test_random_state = 3;
     for (int i = 0; i < 3 * PLANE; i++)
@@ -379,14 +379,14 @@ static void test_ssim_adaptation(void **state) {
         const gscl_kernel_options options = {.colours = 3, .weighted = 1};
         check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
         check_call(contexts[m], "append", gscl_fit_append(&fit, params, SPLATS));
-        assert_ptr_equal(gscl_fit_goal(&fit), &fit.levels[0]);
+        assert_ptr_equal(gscl_fit_weighted_target(&fit), &fit.levels[0]);
         check_call(contexts[m], "adapt", gscl_fit_adapt(&fit));
-        assert_ptr_equal(gscl_fit_goal(&fit), &fit.adapted);
+        assert_ptr_equal(gscl_fit_weighted_target(&fit), &fit.adapted);
         check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.adapted, 0, found, sizeof found));
-        check_call(contexts[m], "planes", render(&fit, drawn));
+        check_call(contexts[m], "planes", render(&fit, projected));
         for (int i = 0; i < 3 * PLANE; i++) {
             wanted_planes[i] = planes[i];
-            picture[i] = drawn[i];
+            picture[i] = projected[i];
         }
         oracle_ssim_adapt(wanted_planes, picture, 3, W, H, fit.last_level, wanted);
         for (int i = 0; i < 4 * PLANE; i++)
@@ -394,7 +394,7 @@ static void test_ssim_adaptation(void **state) {
                 fail_msg("plane %d, pixel (%d, %d) is %.7g, %.7g expected", i / PLANE, i % W, i / W % H, found[i],
                          wanted[i]);
         check_call(contexts[m], "level", gscl_fit_set_level(&fit, 1));
-        assert_ptr_equal(gscl_fit_goal(&fit), &fit.levels[1]);
+        assert_ptr_equal(gscl_fit_weighted_target(&fit), &fit.levels[1]);
         gscl_fit_free(&fit);
     }
 }

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "test_clusters.h"
+#include "synthetic_clusters.h"
 
 #define POINTS 600
 #define CLUSTERS 24

@@ -12,7 +12,7 @@
 #include <gscl/gscl.h>
 
 #include "one_context.h"
-#include "test_image.h"
+#include "synthetic_image.h"
 
 /* ---- Helpers ---- */
 

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "metrics.h"
+#include "image/metrics.h"
 
 #define MAX_SAMPLES (256 * 256 * 4)
 
@@ -137,20 +137,20 @@ static void test_alpha_counts_premultiplied(void **state) {
 static void test_sample_types_and_strides(void **state) {
     (void)state;
     enum { WIDTH = 20, HEIGHT = 15, STRIDE = 64 };
-    static uint16_t deep[HEIGHT][STRIDE];
+    static uint16_t high_bit_depth[HEIGHT][STRIDE];
     static float real[HEIGHT][STRIDE];
     draw_waves(WIDTH, HEIGHT, 1);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++) {
-            deep[y][x] = (uint16_t)(pixels_a[y * WIDTH + x] * 257);
+            high_bit_depth[y][x] = (uint16_t)(pixels_a[y * WIDTH + x] * 257);
             real[y][x] = (float)pixels_a[y * WIDTH + x] / 255.0f;
         }
     }
     const gscl_image a = image_of(WIDTH, HEIGHT, 1, pixels_a);
-    gscl_image b = image_of(WIDTH, HEIGHT, 1, deep), c = image_of(WIDTH, HEIGHT, 1, real);
+    gscl_image b = image_of(WIDTH, HEIGHT, 1, high_bit_depth), c = image_of(WIDTH, HEIGHT, 1, real);
     gscl_comparison comparison;
     b.sample = GSCL_SAMPLE_U16;
-    b.stride = sizeof *deep;
+    b.stride = sizeof *high_bit_depth;
     c.sample = GSCL_SAMPLE_F32;
     c.stride = sizeof *real;
     assert_int_equal(gscl_compare(&a, &b, &comparison), GSCL_OK);

@@ -9,8 +9,8 @@
 #include <cmocka.h>
 
 #include "both_mappings.h"
-#include "constants.h"
-#include "render.h"
+#include "cl/constants.h"
+#include "decode/renderer.h"
 
 #define WIDTH 1000 /* 63 tiles, the last one cut off */
 #define HEIGHT 20

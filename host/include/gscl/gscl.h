@@ -244,7 +244,7 @@ typedef struct gscl_encode_settings {
     uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
     double step_factor;     /* default profile: 0.25..4 times the quantiser's usual steps, as far as the format has such
                                steps; 0 (default): 1 */
-    bool rounds;            /* default false; true: the report lists the rounds of the fit.  Same bytes, more time */
+    bool trace;             /* default false; true: the report has the convergence trace.  Same bytes, more time */
     gscl_progress_callback progress; /* default NULL */
     void *progress_opaque;
 } gscl_encode_settings;
@@ -258,19 +258,19 @@ typedef struct gscl_stage_time {
 
 /* How far the fit had come at one moment: about two dozen while splats move, then one after each pass that chooses their
  * codes. */
-typedef struct gscl_round {
+typedef struct gscl_trace_point {
     const char *stage; /* under way: the name of one of the report's stages */
     uint32_t steps;    /* of gradient descent done, which passes do not count as */
     uint32_t splats;
     double seconds; /* since the encode began */
     double psnr;    /* dB of the picture drawn at full size, not rounded, against the image */
-} gscl_round;
+} gscl_trace_point;
 
 #define GSCL_MAX_STAGES 32
-#define GSCL_MAX_ROUNDS 96
+#define GSCL_MAX_TRACE_POINTS 96
 
 /* What an encode did; optional.  It holds no memory of the library's.  Times are on the wall clock, without the time that
- * measuring rounds took. */
+ * the convergence trace took. */
 typedef struct gscl_encode_report {
     uint32_t splats;
     uint64_t bytes;
@@ -282,8 +282,8 @@ typedef struct gscl_encode_report {
     gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* what was decided on each effect that could have been used */
     uint32_t stage_count; /* stages in the order in which they first came; their seconds add up to all but a rest */
     gscl_stage_time stages[GSCL_MAX_STAGES];
-    uint32_t round_count; /* rounds of the last fit; 0 unless the settings ask for rounds */
-    gscl_round rounds[GSCL_MAX_ROUNDS];
+    uint32_t trace_count; /* points of the last fit; 0 unless the settings ask for the trace */
+    gscl_trace_point trace[GSCL_MAX_TRACE_POINTS];
 } gscl_encode_report;
 
 GSCL_API void gscl_encode_settings_default(gscl_encode_settings *settings);

@@ -1,0 +1,296 @@
+#include "codebook/kmeans.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Everything one run works on.  Arrays marked * are owned and freed at the end. */
+typedef struct kmeans_run {
+    const kmeans_points *points;
+    float metric[KMEANS_MAX_DIMS];
+    float *centroids;     /* caller's, [wanted][dims] */
+    uint32_t *assignment; /* caller's, [count] */
+    double *distance;     /* * [count]: squared, to the assigned centroid, not weighted */
+    double *sums;         /* * [wanted][dims + 1]: weighted sums of members, then their weight */
+    uint32_t *members;    /* * [wanted] */
+    uint32_t clusters;    /* rows of centroids in use */
+} kmeans_run;
+
+/* xorshift64* (Marsaglia, Vigna); the state is never 0. */
+static uint64_t next_random(uint64_t *state) {
+    uint64_t x = *state;
+    x ^= x >> 12;
+    x ^= x << 25;
+    x ^= x >> 27;
+    *state = x;
+    return x * UINT64_C(0x2545F4914F6CDD1D);
+}
+
+/* Uniform in [0, 1). */
+static double random_unit(uint64_t *state) {
+    return (double)(next_random(state) >> 11) * 0x1p-53;
+}
+
+/* Spreads neighbouring seeds over all 64 bits (splitmix64's finaliser). */
+static uint64_t state_from_seed(uint64_t seed) {
+    uint64_t z = seed + UINT64_C(0x9E3779B97F4A7C15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    z ^= z >> 31;
+    return z ? z : 1;
+}
+
+static const float *point_at(const kmeans_run *run, uint32_t i) {
+    return run->points->values + (size_t)i * run->points->dims;
+}
+
+static float *centroid_at(const kmeans_run *run, uint32_t k) {
+    return run->centroids + (size_t)k * run->points->dims;
+}
+
+static double weight_at(const kmeans_run *run, uint32_t i) {
+    return run->points->weights ? run->points->weights[i] : 1.0;
+}
+
+static double squared_distance(const kmeans_run *run, const float *a, const float *b) {
+    double sum = 0.0;
+    for (uint32_t d = 0; d < run->points->dims; d++) {
+        const double difference = ((double)a[d] - b[d]) * run->metric[d];
+        sum += difference * difference;
+    }
+    return sum;
+}
+
+/* Moves every point that is nearer to centroid `k` than to its own over to `k`. */
+static void offer_centroid(kmeans_run *run, uint32_t k) {
+    for (uint32_t i = 0; i < run->points->count; i++) {
+        const double distance = squared_distance(run, point_at(run, i), centroid_at(run, k));
+        if (distance < run->distance[i]) {
+            run->distance[i] = distance;
+            run->assignment[i] = k;
+        }
+    }
+}
+
+/* Assigns every point to its nearest centroid, of equals to the first; returns whether any point
+ * changed sides. */
+static bool assign_points(kmeans_run *run) {
+    bool changed = false;
+    memset(run->members, 0, run->clusters * sizeof *run->members);
+    for (uint32_t i = 0; i < run->points->count; i++) {
+        double best = INFINITY;
+        uint32_t nearest = 0;
+        for (uint32_t k = 0; k < run->clusters; k++) {
+            const double distance = squared_distance(run, point_at(run, i), centroid_at(run, k));
+            if (distance < best) {
+                best = distance;
+                nearest = k;
+            }
+        }
+        changed |= run->assignment[i] != nearest;
+        run->assignment[i] = nearest;
+        run->distance[i] = best;
+        run->members[nearest]++;
+    }
+    return changed;
+}
+
+/* The point that costs most where it is, among those that have company there; `count` when every
+ * such point sits on its centroid. */
+static uint32_t farthest_point(const kmeans_run *run) {
+    uint32_t farthest = run->points->count;
+    double most = 0.0;
+    for (uint32_t i = 0; i < run->points->count; i++) {
+        const double cost = weight_at(run, i) * run->distance[i];
+        if (cost > most && run->members[run->assignment[i]] > 1) {
+            most = cost;
+            farthest = i;
+        }
+    }
+    return farthest;
+}
+
+/* Gives every cluster without members the farthest point, as long as there is one. */
+static bool refill_empty(kmeans_run *run) {
+    bool moved = false;
+    for (uint32_t k = 0; k < run->clusters; k++) {
+        if (run->members[k] > 0)
+            continue;
+        const uint32_t i = farthest_point(run);
+        if (i == run->points->count)
+            break;
+        run->members[run->assignment[i]]--;
+        run->members[k] = 1;
+        run->assignment[i] = k;
+        run->distance[i] = 0.0;
+        moved = true;
+    }
+    return moved;
+}
+
+/* Moves every centroid to the weighted mean of its members; one whose members weigh nothing stays. */
+static void update_centroids(kmeans_run *run) {
+    const uint32_t dims = run->points->dims;
+    memset(run->sums, 0, (size_t)run->clusters * (dims + 1) * sizeof *run->sums);
+    for (uint32_t i = 0; i < run->points->count; i++) {
+        double *sum = run->sums + (size_t)run->assignment[i] * (dims + 1);
+        const double weight = weight_at(run, i);
+        for (uint32_t d = 0; d < dims; d++)
+            sum[d] += weight * point_at(run, i)[d];
+        sum[dims] += weight;
+    }
+    for (uint32_t k = 0; k < run->clusters; k++) {
+        const double *sum = run->sums + (size_t)k * (dims + 1);
+        if (sum[dims] <= 0.0)
+            continue;
+        for (uint32_t d = 0; d < dims; d++)
+            centroid_at(run, k)[d] = (float)(sum[d] / sum[dims]);
+    }
+}
+
+/* Draws a point with probability proportional to its weight times its squared distance to the
+ * nearest centroid so far (to its weight alone when there is none yet); `count` when all such
+ * products are 0: the centroids cover every distinct point. */
+static uint32_t draw_point(const kmeans_run *run, uint64_t *state) {
+    const bool first = run->clusters == 0;
+    double total = 0.0;
+    for (uint32_t i = 0; i < run->points->count; i++)
+        total += weight_at(run, i) * (first ? 1.0 : run->distance[i]);
+    double left = random_unit(state) * total;
+    uint32_t projected = run->points->count;
+    for (uint32_t i = 0; i < run->points->count; i++) {
+        const double part = weight_at(run, i) * (first ? 1.0 : run->distance[i]);
+        if (part <= 0.0)
+            continue;
+        projected = i; /* the last one with any share, should rounding leave some of `left` */
+        if (left < part)
+            break;
+        left -= part;
+    }
+    return projected;
+}
+
+/* Keeps the first `warm` centroids and draws the others, up to `wanted` (k-means++). */
+static void seed_centroids(kmeans_run *run, uint32_t warm, uint32_t wanted, uint64_t seed) {
+    uint64_t state = state_from_seed(seed);
+    for (uint32_t i = 0; i < run->points->count; i++) {
+        run->distance[i] = INFINITY;
+        run->assignment[i] = 0;
+    }
+    for (run->clusters = 0; run->clusters < warm; run->clusters++)
+        offer_centroid(run, run->clusters);
+    while (run->clusters < wanted) {
+        const uint32_t i = draw_point(run, &state);
+        if (i == run->points->count)
+            break;
+        memcpy(centroid_at(run, run->clusters), point_at(run, i), run->points->dims * sizeof(float));
+        offer_centroid(run, run->clusters);
+        run->clusters++;
+    }
+}
+
+/* Points that all weigh nothing leave k-means++ without a draw: one code word serves them. */
+static void ensure_one_centroid(kmeans_run *run) {
+    if (run->clusters > 0)
+        return;
+    memcpy(centroid_at(run, 0), point_at(run, 0), run->points->dims * sizeof(float));
+    run->clusters = 1;
+}
+
+/* Removes centroids without members, moves the rest up and renumbers the assignment. */
+static void drop_empty(kmeans_run *run) {
+    const size_t row = run->points->dims * sizeof(float);
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < run->clusters; k++) {
+        if (run->members[k] == 0)
+            continue;
+        memmove(centroid_at(run, kept), centroid_at(run, k), row);
+        run->members[k] = kept++; /* from here on: the new number */
+    }
+    for (uint32_t i = 0; i < run->points->count; i++)
+        run->assignment[i] = run->members[run->assignment[i]];
+    run->clusters = kept;
+}
+
+/* Lloyd's iterations; leaves every point at its nearest centroid and returns how many were done. */
+static uint32_t iterate(kmeans_run *run, uint32_t most) {
+    uint32_t done = 0;
+    assign_points(run);
+    while (done < most) {
+        const bool moved = refill_empty(run);
+        update_centroids(run);
+        const bool changed = assign_points(run);
+        done++;
+        if (!moved && !changed)
+            break;
+    }
+    return done;
+}
+
+static double total_distortion(const kmeans_run *run) {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < run->points->count; i++)
+        sum += weight_at(run, i) * run->distance[i];
+    return sum;
+}
+
+static bool all_finite(const float *values, size_t count, bool negative_too) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(values[i]) || (!negative_too && values[i] < 0.0f))
+            return false;
+    return true;
+}
+
+static bool arguments_valid(const kmeans_points *points, const kmeans_options *options, const float *centroids) {
+    if (points->dims < 1 || points->dims > KMEANS_MAX_DIMS || points->count > KMEANS_MAX_POINTS ||
+        options->clusters < 1 || options->clusters > KMEANS_MAX_CLUSTERS || options->warm > options->clusters)
+        return false;
+    return all_finite(points->values, (size_t)points->count * points->dims, true) &&
+           (!points->weights || all_finite(points->weights, points->count, false)) &&
+           (!points->metric || all_finite(points->metric, points->dims, false)) &&
+           all_finite(centroids, (size_t)options->warm * points->dims, true);
+}
+
+/* Allocates the working arrays; on failure the caller still calls release_run. */
+static bool prepare_run(kmeans_run *run, uint32_t wanted) {
+    for (uint32_t d = 0; d < run->points->dims; d++)
+        run->metric[d] = run->points->metric ? run->points->metric[d] : 1.0f;
+    run->distance = malloc(run->points->count * sizeof *run->distance);
+    run->sums = malloc((size_t)wanted * (run->points->dims + 1) * sizeof *run->sums);
+    run->members = malloc(wanted * sizeof *run->members);
+    return run->distance && run->sums && run->members;
+}
+
+static void release_run(kmeans_run *run) {
+    free(run->distance);
+    free(run->sums);
+    free(run->members);
+}
+
+kmeans_status kmeans_cluster(const kmeans_points *points, const kmeans_options *options, float *centroids,
+                             uint32_t *assignment, kmeans_result *result) {
+    *result = (kmeans_result){0};
+    if (!arguments_valid(points, options, centroids))
+        return KMEANS_INVALID;
+    if (points->count == 0)
+        return KMEANS_OK;
+    kmeans_run run = {.points = points, .centroids = centroids, .assignment = assignment};
+    /* More drawn centroids than points would only run empty; warm ones are all looked at. */
+    uint32_t wanted = options->clusters < points->count ? options->clusters : points->count;
+    if (wanted < options->warm)
+        wanted = options->warm;
+    kmeans_status status = KMEANS_NO_MEMORY;
+    if (prepare_run(&run, wanted)) {
+        seed_centroids(&run, options->warm, wanted, options->seed);
+        ensure_one_centroid(&run);
+        result->iterations = iterate(&run, options->iterations);
+        result->distortion = total_distortion(&run);
+        drop_empty(&run);
+        result->clusters = run.clusters;
+        status = KMEANS_OK;
+    }
+    release_run(&run);
+    return status;
+}

@@ -1,0 +1,188 @@
+#include "decode/coded_image.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "decode/quantise.h"
+
+void gscl_coded_image_free(gscl_coded_image *p) {
+    free(p->file.splats);
+    free(p->file.indexed);
+    free(p->file.codebooks.shape_words);
+    free(p->file.codebooks.colour_words);
+    free(p->scratch);
+    memset(p, 0, sizeof *p);
+}
+
+static gscl_result reserve_codebooks(gsf_codebooks *books) {
+    if (!books->shape_words)
+        books->shape_words = calloc(GSF_MAX_CODEBOOK, sizeof *books->shape_words);
+    if (!books->colour_words)
+        books->colour_words = calloc(GSF_MAX_CODEBOOK, sizeof *books->colour_words);
+    return books->shape_words && books->colour_words ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
+}
+
+gscl_result gscl_coded_image_reserve(gscl_coded_image *p, size_t splats) {
+    bool indexed = p->file.header.coding == GSF_CODING_CODEBOOK;
+    if (indexed)
+        GSCL_TRY(reserve_codebooks(&p->file.codebooks));
+    if (p->scratch && splats <= p->capacity)
+        return GSCL_OK;
+    gsf_header largest = p->file.header;
+    largest.splat_count = (uint32_t)splats;
+    free(p->scratch);
+    p->scratch = malloc(gsf_scratch_size(&largest) + 8);
+    size_t row = indexed ? sizeof(gsf_indexed_splat) : sizeof(gsf_splat);
+    void *grown = realloc(indexed ? (void *)p->file.indexed : (void *)p->file.splats, (splats + 1) * row);
+    if (grown && indexed)
+        p->file.indexed = grown;
+    if (grown && !indexed)
+        p->file.splats = grown;
+    if (!grown || !p->scratch)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    p->capacity = splats;
+    return GSCL_OK;
+}
+
+gscl_result gscl_coded_image_read(gscl_coded_image *p, const uint8_t *bytes, size_t size) {
+    return gscl_coded_image_read_counted(p, bytes, size, NULL);
+}
+
+gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *bytes, size_t size,
+                                          uint64_t *stream_bits256) {
+    memset(p, 0, sizeof *p);
+    p->file.stream_bits256 = stream_bits256;
+    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &p->file.header)));
+    gscl_result result = gscl_coded_image_reserve(p, p->file.header.splat_count);
+    if (result == GSCL_OK)
+        result = gscl_result_of_format(gsf_read(bytes, size, &p->file, p->scratch));
+    if (result != GSCL_OK)
+        gscl_coded_image_free(p);
+    return result;
+}
+
+gscl_result gscl_coded_image_write(gscl_coded_image *p, uint8_t **bytes, size_t *size) {
+    GSCL_TRY(gscl_coded_image_reserve(p, p->file.header.splat_count));
+    size_t bound = gsf_write_bound(&p->file);
+    uint8_t *buffer = malloc(bound);
+    if (!buffer)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    gsf_result result = gsf_write(&p->file, buffer, bound, size, p->scratch);
+    if (result != GSF_OK) {
+        free(buffer);
+        return gscl_result_of_format(result);
+    }
+    uint8_t *shrunk = realloc(buffer, *size);
+    *bytes = shrunk ? shrunk : buffer;
+    return GSCL_OK;
+}
+
+gscl_result gscl_coded_image_size(gscl_coded_image *p, size_t *size) {
+    uint8_t *bytes = NULL;
+    GSCL_TRY(gscl_coded_image_write(p, &bytes, size));
+    free(bytes);
+    return GSCL_OK;
+}
+
+/* A splat's codes as bytes, and its place. */
+typedef struct tagged {
+    unsigned char codes[sizeof(gsf_splat) > sizeof(gsf_indexed_splat) ? sizeof(gsf_splat) : sizeof(gsf_indexed_splat)];
+    size_t place;
+} tagged;
+
+static int compare_tagged(const void *a, const void *b) {
+    const tagged *p = a, *q = b;
+    int order = memcmp(p->codes, q->codes, sizeof p->codes);
+    return order ? order : p->place < q->place ? -1 : p->place > q->place;
+}
+
+static void tag(const gsf_coded_image *file, tagged *tags) {
+    bool indexed = file->header.coding == GSF_CODING_CODEBOOK;
+    for (size_t i = 0; i < file->header.splat_count; i++) {
+        if (indexed)
+            memcpy(tags[i].codes, &file->indexed[i], sizeof file->indexed[i]);
+        else
+            memcpy(tags[i].codes, &file->splats[i], sizeof file->splats[i]);
+        tags[i].place = i;
+    }
+    qsort(tags, file->header.splat_count, sizeof *tags, compare_tagged);
+}
+
+gscl_result gscl_coded_image_sort(gscl_coded_image *p, size_t *order) {
+    size_t count = p->file.header.splat_count;
+    GSCL_TRY(gscl_coded_image_reserve(p, count));
+    tagged *before = calloc(2 * count + 1, sizeof *before), *after = before + count;
+    if (!before)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    tag(&p->file, before);
+    gsf_sort(&p->file, p->scratch);
+    tag(&p->file, after); /* the same codes, sorted the same way: pairs up equals in their old order */
+    for (size_t i = 0; i < count; i++)
+        order[after[i].place] = before[i].place;
+    free(before);
+    return GSCL_OK;
+}
+
+gscl_result gscl_result_of_format(gsf_result result) {
+    switch (result) {
+    case GSF_OK:
+        return GSCL_OK;
+    case GSF_NOT_GSCL:
+        return GSCL_ERROR_NOT_GSCL;
+    case GSF_NEWER_VERSION:
+        return GSCL_ERROR_NEWER_VERSION;
+    case GSF_TRUNCATED:
+        return GSCL_ERROR_TRUNCATED;
+    case GSF_DAMAGED:
+        return GSCL_ERROR_DAMAGED;
+    case GSF_CORRUPT:
+        return GSCL_ERROR_CORRUPT;
+    case GSF_NO_SPACE:
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    case GSF_INVALID:
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    }
+    return GSCL_ERROR_CORRUPT;
+}
+
+gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size) {
+    if (result == GSCL_ERROR_NEWER_VERSION && size > 3)
+        return gscl_fail(context, result, "written in format version %u; this program reads up to version %d", bytes[3],
+                         GSF_VERSION);
+    if (result == GSCL_ERROR_TRUNCATED)
+        return gscl_fail(context, result, "the file is incomplete: %zu bytes are there and more are needed", size);
+    return gscl_fail(context, result, "%s", gscl_result_text(result));
+}
+
+gscl_kernel_options gscl_coded_image_options(const gsf_header *header) {
+    static const int blends[] = {
+        [GSF_BLEND_NORMALIZED] = GSCL_NORMALIZED, [GSF_BLEND_ALPHA] = GSCL_ALPHA, [GSF_BLEND_SUM] = GSCL_SUM};
+    return (gscl_kernel_options){.blend = blends[header->blend],
+                                 .colours = header->has_chroma ? 3 : 1,
+                                 .alpha_channel = header->has_alpha,
+                                 .opacity = header->has_opacity,
+                                 .texture = header->has_texture,
+                                 .shape = header->has_rotation     ? GSCL_SHAPE_ROTATED
+                                          : header->has_anisotropy ? GSCL_SHAPE_AXIS_ALIGNED
+                                                                   : GSCL_SHAPE_ISOTROPIC};
+}
+
+uint32_t gscl_coded_image_channels(const gsf_header *header) {
+    static const uint32_t channels[] = {[GSF_GREY] = 1, [GSF_GREY_ALPHA] = 2, [GSF_RGB] = 3, [GSF_RGBA] = 4};
+    return channels[header->layout];
+}
+
+void gscl_coded_image_params(const gscl_coded_image *p, float *params, float background[4]) {
+    const gsf_header *header = &p->file.header;
+    unsigned channels = gsf_channel_count(header);
+    for (unsigned k = 0; k < channels; k++)
+        background[k] = (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
+    for (uint32_t i = 0; i < header->splat_count; i++) {
+        float *to = params + (size_t)i * GSCL_PARAMS;
+        if (header->coding == GSF_CODING_SCALAR)
+            gscl_dequantise(&p->file, &p->file.splats[i], to);
+        else
+            gscl_dequantise_indexed(&p->file, &p->file.indexed[i], to);
+    }
+}

@@ -1,0 +1,48 @@
+/* A gsf_coded_image that owns its memory, and its way from and to bytes and parameters. */
+#ifndef GSCL_LIB_PICTURE_H
+#define GSCL_LIB_PICTURE_H
+
+#include <gscl/gscl.h>
+
+#include "runtime/context.h"
+#include "format/format.h"
+#include "runtime/programs.h"
+
+typedef struct gscl_coded_image {
+    gsf_coded_image file;
+    size_t capacity; /* splats that fit in the arrays */
+    void *scratch;
+} gscl_coded_image;
+
+/* Makes room for `splats` splats of the picture's coding; header and codes are kept. */
+gscl_result gscl_coded_image_reserve(gscl_coded_image *picture, size_t splats);
+/* Frees the arrays; accepts a zeroed picture. */
+void gscl_coded_image_free(gscl_coded_image *picture);
+
+/* Reads a file into a picture (which may hold anything before). */
+gscl_result gscl_coded_image_read(gscl_coded_image *picture, const uint8_t *bytes, size_t size);
+/* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that stay with the picture, or NULL. */
+gscl_result gscl_coded_image_read_counted(gscl_coded_image *picture, const uint8_t *bytes, size_t size,
+                                          uint64_t *stream_bits256);
+/* Writes the picture into a new buffer (gscl_free); sorts its splats into the stored order. */
+gscl_result gscl_coded_image_write(gscl_coded_image *picture, uint8_t **bytes, size_t *size);
+/* The size that gscl_coded_image_write would give. */
+gscl_result gscl_coded_image_size(gscl_coded_image *picture, size_t *size);
+
+/* Sorts the splats into the stored order and tells where they came from: place i holds what was splat order[i]. */
+gscl_result gscl_coded_image_sort(gscl_coded_image *picture, size_t *order);
+
+/* The library's result for a format result. */
+gscl_result gscl_result_of_format(gsf_result result);
+/* A message in the context for a format error, naming versions and limits. */
+gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size);
+
+/* The kernels that draw this picture (loss is left 0). */
+gscl_kernel_options gscl_coded_image_options(const gsf_header *header);
+/* Channels of the decoded image, 1..4. */
+uint32_t gscl_coded_image_channels(const gsf_header *header);
+
+/* What the codes stand for: splat_count * GSCL_PARAMS parameters in drawing order, and the background. */
+void gscl_coded_image_params(const gscl_coded_image *picture, float *params, float background[4]);
+
+#endif

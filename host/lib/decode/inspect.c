@@ -1,0 +1,147 @@
+/* Looking into files without a device. */
+#include <gscl/gscl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "decode/coded_image.h"
+
+static const struct {
+    gscl_effect effect;
+    const char *name;
+} effects[] = {
+    {GSCL_EFFECT_CHROMA, "chroma"},         {GSCL_EFFECT_ALPHA_CHANNEL, "alpha-channel"},
+    {GSCL_EFFECT_OPACITY, "opacity"},       {GSCL_EFFECT_ROTATION, "rotation"},
+    {GSCL_EFFECT_ANISOTROPY, "anisotropy"}, {GSCL_EFFECT_CODEBOOKS, "codebooks"},
+    {GSCL_EFFECT_TEXTURE, "texture"},
+};
+
+const char *gscl_effect_name(gscl_effect effect) {
+    for (size_t i = 0; i < sizeof effects / sizeof effects[0]; i++)
+        if (effects[i].effect == effect)
+            return effects[i].name;
+    return NULL;
+}
+
+const char *gscl_effect_reason_name(gscl_effect_reason reason) {
+    static const char *const names[] = {"asked", "content", "profile", "trial", "passes"};
+    return (size_t)reason < sizeof names / sizeof names[0] ? names[reason] : NULL;
+}
+
+static const char *const stream_names[GSF_STREAM_COUNT] = {
+    [GSF_STREAM_HEADER] = "header",
+    [GSF_STREAM_SIDE] = "side",
+    [GSF_STREAM_CODEBOOK] = "codebook",
+    [GSF_STREAM_POSITION] = "position",
+    [GSF_STREAM_SCALE] = "scale",
+    [GSF_STREAM_ANGLE] = "angle",
+    [GSF_STREAM_LUMA] = "luma",
+    [GSF_STREAM_CHROMA] = "chroma",
+    [GSF_STREAM_ALPHA] = "alpha",
+    [GSF_STREAM_OPACITY] = "opacity",
+    [GSF_STREAM_TEXTURE] = "texture",
+    [GSF_STREAM_SHAPE_INDEX] = "shape-index",
+    [GSF_STREAM_COLOUR_INDEX] = "colour-index",
+};
+
+static void describe(const gsf_header *header, size_t size, gscl_info *info) {
+    static const gscl_blend blends[] = {[GSF_BLEND_NORMALIZED] = GSCL_BLEND_NORMALIZED,
+                                        [GSF_BLEND_ALPHA] = GSCL_BLEND_ALPHA,
+                                        [GSF_BLEND_SUM] = GSCL_BLEND_SUM};
+    memset(info, 0, sizeof *info);
+    info->format_version = header->version;
+    info->width = header->width;
+    info->height = header->height;
+    info->channels = gscl_coded_image_channels(header);
+    info->sample = header->high_bit_depth ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
+    info->profile = header->coding == GSF_CODING_CODEBOOK ? GSCL_PROFILE_PAPER : GSCL_PROFILE_DEFAULT;
+    info->blend = blends[header->blend];
+    info->splats = header->splat_count;
+    info->bytes = size;
+    info->effects =
+        (header->has_chroma ? GSCL_EFFECT_CHROMA : 0u) | (header->has_alpha ? GSCL_EFFECT_ALPHA_CHANNEL : 0u) |
+        (header->has_opacity ? GSCL_EFFECT_OPACITY : 0u) | (header->has_rotation ? GSCL_EFFECT_ROTATION : 0u) |
+        (header->has_anisotropy ? GSCL_EFFECT_ANISOTROPY : 0u) | (header->has_texture ? GSCL_EFFECT_TEXTURE : 0u) |
+        (header->coding == GSF_CODING_CODEBOOK ? GSCL_EFFECT_CODEBOOKS : 0u);
+}
+
+/* Lists the streams in use.  What the coder's rounding and last bytes add goes to the side information, so
+ * that the bits add up to the file. */
+static void list_streams(const uint64_t *stream_bits256, size_t size, gscl_info *info) {
+    double total = 0;
+    size_t side = SIZE_MAX;
+    for (int i = 0; i < GSF_STREAM_COUNT; i++) {
+        if (stream_bits256[i] == 0 && i != GSF_STREAM_SIDE)
+            continue;
+        if (i == GSF_STREAM_SIDE)
+            side = info->stream_count;
+        double bits = stream_bits256[i] / 256.0;
+        info->streams[info->stream_count++] = (gscl_stream_bits){stream_names[i], bits};
+        total += bits;
+    }
+    if (side != SIZE_MAX)
+        info->streams[side].bits += 8.0 * (double)size - total;
+}
+
+gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info) {
+    if (!bytes || !info)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gsf_header header;
+    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &header)));
+    describe(&header, size, info);
+    return GSCL_OK;
+}
+
+gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
+    if (!bytes || !info)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_coded_image picture;
+    uint64_t stream_bits256[GSF_STREAM_COUNT];
+    GSCL_TRY(gscl_coded_image_read_counted(&picture, bytes, size, stream_bits256));
+    describe(&picture.file.header, size, info);
+    if (picture.file.header.coding == GSF_CODING_CODEBOOK && picture.file.header.splat_count > 0) {
+        info->shape_words = picture.file.codebooks.shape_count;
+        info->colour_words = picture.file.codebooks.colour_count;
+    }
+    list_streams(stream_bits256, size, info);
+    gscl_coded_image_free(&picture);
+    return GSCL_OK;
+}
+
+static gscl_splat drawn_splat(const float *params, const gsf_header *header) {
+    bool chroma = header->has_chroma;
+    gscl_splat s = {.x = params[GSCL_X],
+                    .y = params[GSCL_Y],
+                    .sigma1 = expf(params[GSCL_LOG_S1]),
+                    .sigma2 = expf(params[GSCL_LOG_S2]),
+                    .theta = params[GSCL_THETA],
+                    .opacity = header->has_opacity ? 1.0f / (1.0f + expf(-params[GSCL_OPACITY])) : 1.0f};
+    for (int k = 0; k < 3; k++)
+        s.colour[k] = params[GSCL_COLOUR + (chroma ? k : 0)];
+    s.colour[3] = header->has_alpha ? params[GSCL_COLOUR + (chroma ? 3 : 1)] : 1.0f;
+    return s;
+}
+
+gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, gscl_splat **splats, size_t *count) {
+    if (!bytes || !splats || !count)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_coded_image picture;
+    GSCL_TRY(gscl_coded_image_read(&picture, bytes, size));
+    size_t n = picture.file.header.splat_count;
+    float background[4], *params = malloc((n + 1) * GSCL_PARAMS * sizeof(float));
+    gscl_splat *list = malloc((n + 1) * sizeof *list);
+    gscl_result result = params && list ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
+    if (result == GSCL_OK) {
+        gscl_coded_image_params(&picture, params, background);
+        for (size_t i = 0; i < n; i++)
+            list[i] = drawn_splat(params + i * GSCL_PARAMS, &picture.file.header);
+        *splats = list;
+        *count = n;
+    } else {
+        free(list);
+    }
+    free(params);
+    gscl_coded_image_free(&picture);
+    return result;
+}

@@ -1,0 +1,241 @@
+#include "decode/quantise.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cl/constants.h"
+
+#define COLOUR_STEPS 16 /* that the format has */
+
+/* For a colour that many pixels have, */
+#define FINER_LUMA 2 /* as many finer steps are looked at */
+#define FINER_CHROMA 3
+#define ERROR_FOR_BIT 2.0 /* of that colour, in (1/255)^2: what a bit a splat must win */
+
+static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
+
+/* The nearest code, within its range even where it is far beyond what an int holds. */
+static int nearest_code(double x, int min, int max) {
+    return (int)rint(fmin(fmax(x, min), max));
+}
+static double scale_step(const gsf_steps *s) {
+    return (s->scale + 4) / 32.0 * ln2;
+} /* of ln sigma */
+static double amplitude_step(const gsf_steps *s) {
+    return 4.0 / (3 * gsf_colour_levels(s->luma));
+}
+
+void gscl_steps_to_floats(const gsf_steps *s, float *f) {
+    memset(f, 0, GSCL_STEP_COUNT * sizeof *f);
+    f[GSCL_STEP_SCALE] = (float)scale_step(s);
+    f[GSCL_STEP_POSITION] = (float)(s->position + 2) / 32.0f;
+    f[GSCL_STEP_ANGLE] = (float)(s->angle + 2) / 16.0f;
+    f[GSCL_STEP_LUMA] = 1.0f / (float)gsf_colour_levels(s->luma);
+    f[GSCL_STEP_CHROMA] = 1.0f / (float)gsf_colour_levels(s->chroma);
+    f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
+    f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
+    f[GSCL_STEP_AMPLITUDE] = (float)amplitude_step(s);
+}
+
+/* The code whose step is nearest to `factor` times that of `code`; steps are in proportion to code + offset. */
+static uint8_t scaled_code(uint8_t code, int offset, double factor) {
+    double wanted = rint((code + offset) * factor) - offset;
+    return (uint8_t)fmin(fmax(wanted, 0), 15);
+}
+
+/* Likewise for colours, where codes name numbers of levels. */
+static uint8_t scaled_levels(uint8_t code, double factor) {
+    double wanted = gsf_colour_levels(code) / factor;
+    unsigned best = 0;
+    for (unsigned i = 1; i < COLOUR_STEPS; i++)
+        if (fabs(log(gsf_colour_levels(i) / wanted)) < fabs(log(gsf_colour_levels(best) / wanted)))
+            best = i;
+    return (uint8_t)best;
+}
+
+gsf_steps gscl_scale_steps(const gsf_steps *s, double factor) {
+    return (gsf_steps){.scale = scaled_code(s->scale, 4, factor),
+                       .position = scaled_code(s->position, 2, factor),
+                       .angle = scaled_code(s->angle, 2, factor),
+                       .luma = scaled_levels(s->luma, factor),
+                       .chroma = scaled_levels(s->chroma, factor),
+                       .alpha = scaled_levels(s->alpha, factor),
+                       .opacity = s->opacity};
+}
+
+uint16_t gscl_quantise_background(const gsf_header *header, float value) {
+    float v = value < 0.0f ? 0.0f : value > 1.0f ? 1.0f : value;
+    return (uint16_t)(v * (header->high_bit_depth ? 65535.0f : 255.0f) + 0.5f);
+}
+
+float gscl_logit(double opacity) {
+    double o = opacity < 1e-7 ? 1e-7 : opacity > 1 - 1e-7 ? 1 - 1e-7 : opacity;
+    return (float)log(o / (1 - o));
+}
+
+static void quantise_colour(const gsf_coded_image *p, const float *colour, gsf_splat *s) {
+    double luma = gsf_colour_levels(p->steps.luma), chroma = gsf_colour_levels(p->steps.chroma);
+    int min, max;
+    double y = colour[0];
+    gsf_luma_range(p->header.blend, p->steps.luma, &min, &max);
+    if (p->header.has_chroma) {
+        y = (colour[0] + 2.0 * colour[1] + colour[2]) / 4;
+        int chroma_min, chroma_max;
+        gsf_chroma_range(p->steps.chroma, &chroma_min, &chroma_max);
+        s->co = (int16_t)nearest_code((colour[0] - colour[2]) * chroma, chroma_min, chroma_max);
+        s->cg = (int16_t)nearest_code((colour[1] - (colour[0] + colour[2]) / 2.0) * chroma, chroma_min, chroma_max);
+    }
+    s->luma = (int16_t)nearest_code(y * luma, min, max);
+    if (p->header.has_alpha) {
+        gsf_luma_range(p->header.blend, p->steps.alpha, &min, &max);
+        s->alpha =
+            (int16_t)nearest_code(colour[p->header.has_chroma ? 3 : 1] * gsf_colour_levels(p->steps.alpha), min, max);
+    }
+}
+
+static uint32_t quantise_position(const gsf_coded_image *p, unsigned minor, float x, uint32_t dimension) {
+    double cell = floor(x * 256.0 / gsf_position_step_q8(&p->steps, minor));
+    uint32_t cells = gsf_position_cells(&p->steps, minor, dimension);
+    return cell <= 0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
+}
+
+void gscl_quantise_placement(const gsf_coded_image *p, const float *params, gsf_splat *s) {
+    s->x = quantise_position(p, s->minor, params[GSCL_X], p->header.width);
+    s->y = quantise_position(p, s->minor, params[GSCL_Y], p->header.height);
+    s->angle = 0;
+    if (!p->header.has_rotation)
+        return;
+    int count = (int)gsf_angle_count(&p->steps, s->aspect);
+    double turn = params[GSCL_LOG_S1] < params[GSCL_LOG_S2] ? pi / 2 : 0; /* codes count from the major axis */
+    double code = fmod(rint((params[GSCL_THETA] + turn) * count / pi), count);
+    s->angle = (uint16_t)(code < 0 ? code + count : code);
+}
+
+static void quantise_texture(const gsf_coded_image *p, const float *params, gsf_texture *t) {
+    double x = params[GSCL_WAVE_X], y = params[GSCL_WAVE_Y];
+    double amplitude = rint(params[GSCL_WAVE_AMPLITUDE] / amplitude_step(&p->steps));
+    if (!p->header.has_texture || amplitude < 1)
+        return;
+    t->amplitude = (uint8_t)fmin(amplitude, GSF_AMPLITUDES);
+    t->wave =
+        (uint8_t)nearest_code(-log2(hypot(x, y) * GSCL_FIRST_WAVELENGTH) / GSCL_OCTAVES_PER_WAVE, 0, GSF_WAVES - 1);
+    t->direction = (uint8_t)(((int)lrint(atan2(y, x) * GSF_DIRECTIONS / pi) + GSF_DIRECTIONS) % GSF_DIRECTIONS);
+    double turns = params[GSCL_WAVE_PHASE] - floor(params[GSCL_WAVE_PHASE]);
+    t->phase = (uint8_t)((int)lrint(turns * GSF_PHASES) % GSF_PHASES);
+}
+
+void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) {
+    double step = scale_step(&p->steps);
+    memset(s, 0, sizeof *s);
+    int a = nearest_code((params[GSCL_LOG_S1] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
+    int b = nearest_code((params[GSCL_LOG_S2] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
+    if (!p->header.has_anisotropy)
+        a = b = nearest_code(((params[GSCL_LOG_S1] + params[GSCL_LOG_S2]) / 2 + ln2) / step, 0, GSF_MAX_SCALE_CODE);
+    s->minor = (uint16_t)(a < b ? a : b);
+    s->aspect = (uint16_t)(a < b ? b - a : a - b);
+    gscl_quantise_placement(p, params, s);
+    quantise_colour(p, params + GSCL_COLOUR, s);
+    quantise_texture(p, params, &s->texture);
+    if (p->header.has_opacity) {
+        int levels = p->steps.opacity + 1;
+        double opacity = 1 / (1 + exp(-params[GSCL_OPACITY]));
+        s->opacity = (uint16_t)(nearest_code(opacity * levels, 1, levels) - 1);
+    }
+}
+
+static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, float *colour) {
+    double y = (double)s->luma / gsf_colour_levels(p->steps.luma);
+    colour[0] = (float)y;
+    if (p->header.has_chroma) {
+        double levels = gsf_colour_levels(p->steps.chroma), co = s->co / levels, cg = s->cg / levels;
+        colour[1] = (float)(y + cg / 2);
+        colour[2] = (float)(y - cg / 2 - co / 2);
+        colour[0] = (float)(y - cg / 2 + co / 2);
+    }
+    if (p->header.has_alpha)
+        colour[p->header.has_chroma ? 3 : 1] = (float)((double)s->alpha / gsf_colour_levels(p->steps.alpha));
+}
+
+static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, float *params) {
+    double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH, cosine = 1, sine = 0;
+    if (t->amplitude > 0) { /* most splats have none, for which these functions would take long */
+        double direction = t->direction * pi / GSF_DIRECTIONS;
+        frequency *= exp2(-GSCL_OCTAVES_PER_WAVE * t->wave);
+        cosine = cos(direction);
+        sine = sin(direction);
+    }
+    params[GSCL_WAVE_X] = (float)(frequency * cosine);
+    params[GSCL_WAVE_Y] = (float)(frequency * sine);
+    params[GSCL_WAVE_PHASE] = (float)t->phase / GSF_PHASES;
+    params[GSCL_WAVE_AMPLITUDE] = (float)(t->amplitude * amplitude_step(&p->steps));
+}
+
+void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params) {
+    double step = scale_step(&p->steps), position = gsf_position_step_q8(&p->steps, s->minor) / 256.0;
+    params[GSCL_X] = (float)((s->x + 0.5) * position);
+    params[GSCL_Y] = (float)((s->y + 0.5) * position);
+    params[GSCL_LOG_S1] = (float)fmin((s->minor + s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    params[GSCL_LOG_S2] = (float)fmin(s->minor * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    params[GSCL_THETA] = p->header.has_rotation ? (float)(s->angle * pi / gsf_angle_count(&p->steps, s->aspect)) : 0.0f;
+    params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
+    dequantise_colour(p, s, params + GSCL_COLOUR);
+    dequantise_texture(p, &s->texture, params);
+}
+
+/* Squared error of a colour that is coded, a pixel, in (1/255)^2. */
+static double coded_colour_error(const gsf_coded_image *p, const float *colour) {
+    gsf_splat splat = {0};
+    float coded[4] = {0};
+    double sum = 0;
+    unsigned channels = gsf_channel_count(&p->header);
+    quantise_colour(p, colour, &splat);
+    dequantise_colour(p, &splat, coded);
+    for (unsigned k = 0; k < channels; k++)
+        sum += 255 * 255 * (double)(coded[k] - colour[k]) * (double)(coded[k] - colour[k]);
+    return sum / channels;
+}
+
+void gscl_fit_steps_to_colour(gsf_coded_image *p, const float *colour) {
+    const gsf_steps usual = p->steps;
+    gsf_steps best = usual;
+    int most_chroma = p->header.has_chroma ? usual.chroma + FINER_CHROMA : usual.chroma;
+    double least = INFINITY;
+    for (int luma = usual.luma; luma <= usual.luma + FINER_LUMA && luma < COLOUR_STEPS; luma++)
+        for (int chroma = usual.chroma; chroma <= most_chroma && chroma < COLOUR_STEPS; chroma++) {
+            p->steps.luma = (uint8_t)luma;
+            p->steps.chroma = (uint8_t)chroma;
+            double finer_luma = gsf_colour_levels(p->steps.luma) / (double)gsf_colour_levels(usual.luma);
+            double finer_chroma = gsf_colour_levels(p->steps.chroma) / (double)gsf_colour_levels(usual.chroma);
+            double bits = log2(finer_luma) + 2 * log2(finer_chroma);
+            double cost = coded_colour_error(p, colour) + ERROR_FOR_BIT * bits;
+            if (cost < least) {
+                least = cost;
+                best = p->steps;
+            }
+        }
+    p->steps = best;
+}
+
+/* Paper eq. 7: a code between the ends of its range. */
+static double from_range(const gsf_range *range, unsigned code, unsigned bits) {
+    return range->min + (double)code * (range->max - range->min) / ((1u << bits) - 1u);
+}
+
+void gscl_dequantise_indexed(const gsf_coded_image *p, const gsf_indexed_splat *s, float *params) {
+    memset(params, 0, GSCL_PARAMS * sizeof *params);
+    const gsf_codebooks *books = &p->codebooks;
+    const uint16_t *shape = books->shape_words[s->shape], *colour = books->colour_words[s->colour];
+    double grid = (double)(1u << books->position_bits);
+    unsigned channels = gsf_channel_count(&p->header);
+    params[GSCL_X] = (float)((s->x + 0.5) / grid * p->header.width);
+    params[GSCL_Y] = (float)((s->y + 0.5) / grid * p->header.height);
+    params[GSCL_LOG_S1] = (float)((from_range(&books->shape[0], shape[0], books->shape_bits) / 32 - 4) * ln2);
+    params[GSCL_LOG_S2] = (float)((from_range(&books->shape[1], shape[1], books->shape_bits) / 32 - 4) * ln2);
+    params[GSCL_THETA] = (float)(from_range(&books->shape[2], shape[2], books->shape_bits) * pi / 256);
+    for (unsigned k = 0; k < channels; k++)
+        params[GSCL_COLOUR + k] = (float)(from_range(&books->colour[k], colour[k], books->colour_bits) / 255);
+    params[GSCL_OPACITY] =
+        p->header.has_opacity
+            ? gscl_logit(from_range(&books->colour[channels], colour[channels], books->colour_bits) / 255)
+            : 0.0f;
+}

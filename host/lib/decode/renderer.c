@@ -1,0 +1,223 @@
+#include "decode/renderer.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "image/image.h"
+
+#define SPARE_ENTRIES 8  /* behind the last list: searches load vectors of entries */
+#define FEW_ENTRIES 1024 /* that a row of tiles has room for beside one for each splat: few splats may be wide */
+#define MOST_BANDS 32    /* of rows of tiles: work for many cores, and few enough lists for many splats */
+#define FEW_ROWS 64      /* of tiles: no bands */
+
+gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
+    memset(r, 0, sizeof *r);
+    r->context = context;
+    r->program = GSCL_PROGRAM_RENDER;
+    r->options = *options;
+    r->channels = options->colours + options->alpha_channel;
+    GSCL_TRY(gscl_buffer_reserve(context, &r->background, 4 * sizeof(float)));
+    return gscl_renderer_set_steps(r, NULL);
+}
+
+void gscl_renderer_free(gscl_renderer *r) {
+    gscl_buffer *buffers[] = {&r->params,  &r->steps,         &r->projected,  &r->ellipse_bounds, &r->boxes,
+                              &r->entries, &r->tile_ranges,   &r->row_totals, &r->background,     &r->image,
+                              &r->listed,  &r->listed_counts, &r->samples};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        gscl_buffer_free(buffers[i]);
+    free(r->totals);
+    r->totals = NULL;
+}
+
+gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint32_t y, uint32_t width,
+                                   uint32_t height) {
+    float scale = (float)(1 << level);
+    r->width = (cl_int)width;
+    r->height = (cl_int)height;
+    r->view = (gscl_view){1.0f / scale,
+                          (scale * scale - 1.0f) / 12.0f,
+                          (float)x,
+                          (float)y,
+                          (cl_int)((width + GSCL_TILE - 1) / GSCL_TILE),
+                          (cl_int)((height + GSCL_TILE - 1) / GSCL_TILE)};
+    size_t tiles = (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_ranges, tiles * sizeof(cl_int2)));
+    return gscl_buffer_reserve(r->context, &r->row_totals, (size_t)r->view.tiles_y * sizeof(cl_int));
+}
+
+gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
+    size_t used = (size_t)r->count * GSCL_PARAMS * sizeof(float);
+    count = gscl_room_for_splats(count);
+    GSCL_TRY(gscl_buffer_grow(r->context, &r->params, count * GSCL_PARAMS * sizeof(float), used));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->projected, count * GSCL_PROJECTED * sizeof(float)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->ellipse_bounds, count * GSCL_BOUNDS * sizeof(float)));
+    return gscl_buffer_reserve(r->context, &r->boxes, count * sizeof(cl_int4));
+}
+
+gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params, size_t count,
+                                           const float *background) {
+    r->count = 0;
+    GSCL_TRY(gscl_renderer_reserve(r, count));
+    GSCL_TRY(gscl_buffer_write_async(r->context, &r->params, params, count * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_async(r->context, &r->background, background, (size_t)r->channels * sizeof(float)));
+    r->count = (cl_int)count;
+    return GSCL_OK;
+}
+
+gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
+    gscl_result result = gscl_renderer_set_splats_async(r, params, count, background);
+    gscl_result finished = gscl_finish(r->context); /* in any case: the first may be on its way */
+    return result == GSCL_OK ? finished : result;
+}
+
+gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
+    static const float none[GSCL_STEP_COUNT];
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->steps, sizeof none));
+    return gscl_buffer_write(r->context, &r->steps, 0, steps ? steps : none, sizeof none);
+}
+
+gscl_result gscl_renderer_project(gscl_renderer *r) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "project", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                       gscl_splat_group_size(r->context, r->program), GSCL_ARG_BUFFER(r->params),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
+}
+
+/* Reads what the rows of tiles wanted at the last binning, without waiting for it. */
+static gscl_result read_totals_async(gscl_renderer *r) {
+    size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
+    cl_int *totals = realloc(r->totals, size);
+    if (!totals)
+        return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    r->totals = totals;
+    return gscl_buffer_read_async(r->context, &r->row_totals, totals, size);
+}
+
+/* The largest number of entries that a row of tiles wanted; counts the crowd, too. */
+static cl_int measure_rows(gscl_renderer *r) {
+    double total = 0;
+    cl_int largest = 0;
+    for (cl_int i = 0; i < r->view.tiles_y; i++) {
+        total += r->totals[i];
+        if (r->totals[i] > largest)
+            largest = r->totals[i];
+    }
+    r->crowd = total / ((double)r->view.tiles_y * r->view.tiles_x);
+    return largest;
+}
+
+static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
+    if ((size_t)capacity * (size_t)r->view.tiles_y > INT_MAX)
+        return gscl_fail(r->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be drawn");
+    r->row_capacity = capacity;
+    size_t entries = (size_t)capacity * (size_t)r->view.tiles_y + SPARE_ENTRIES;
+    return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
+}
+
+/* Which splats touch which band of rows of tiles; *band_rows is 0 where there are no bands. */
+static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
+    cl_kernel kernel;
+    bool few = r->view.tiles_y <= FEW_ROWS;
+    cl_int bands = few ? r->view.tiles_y : MOST_BANDS;
+    *band_rows = few ? 0 : (r->view.tiles_y + bands - 1) / bands;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, MOST_BANDS * sizeof(cl_int)));
+    if (few)
+        return GSCL_OK;
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin_bands", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, 1, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
+                       GSCL_ARG(bands), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
+                       GSCL_ARG_BUFFER(r->listed_counts));
+}
+
+static gscl_result launch_bin(gscl_renderer *r) {
+    cl_kernel kernel;
+    cl_int band_rows;
+    GSCL_TRY(list_bands(r, &band_rows));
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
+                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(band_rows),
+                       GSCL_ARG(r->view.tiles_x), GSCL_ARG(r->view.tiles_y), GSCL_ARG(r->row_capacity),
+                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+}
+
+/* To begin with: a guess, or what the buffer holds already. */
+static cl_int first_row_capacity(const gscl_renderer *r) {
+    size_t held = r->entries.size / sizeof(cl_uint), guess = (size_t)r->count + FEW_ENTRIES;
+    held = held > SPARE_ENTRIES ? (held - SPARE_ENTRIES) / (size_t)r->view.tiles_y : 0;
+    return (cl_int)(held > guess ? held : guess);
+}
+
+gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
+    if (r->row_capacity == 0)
+        GSCL_TRY(set_row_capacity(r, first_row_capacity(r)));
+    GSCL_TRY(set_row_capacity(r, r->row_capacity)); /* the view may have more rows than before */
+    GSCL_TRY(launch_bin(r));
+    if (!exact)
+        return GSCL_OK;
+    GSCL_TRY(read_totals_async(r));
+    GSCL_TRY(gscl_finish(r->context));
+    cl_int largest = measure_rows(r); /* grow early: until the next exact binning the splats move */
+    if (largest + largest / 4 <= r->row_capacity)
+        return GSCL_OK;
+    GSCL_TRY(set_row_capacity(r, largest + largest / 2));
+    return launch_bin(r);
+}
+
+gscl_result gscl_renderer_draw(gscl_renderer *r) {
+    cl_kernel kernel;
+    cl_ulong plane = gscl_renderer_plane(r);
+    GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, (size_t)plane * (size_t)r->channels * sizeof(float)));
+    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "raster_forward", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
+                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image),
+                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
+}
+
+gscl_result gscl_renderer_render(gscl_renderer *r) {
+    GSCL_TRY(gscl_renderer_project(r));
+    GSCL_TRY(gscl_renderer_bin(r, true));
+    return gscl_renderer_draw(r);
+}
+
+static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_samples", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
+                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG(r->width),
+                       GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
+}
+
+static gscl_result read_samples(gscl_renderer *r, size_t row, void *pixels, size_t stride) {
+    size_t rows = (size_t)r->height, origin[3] = {0}, region[3] = {row, rows, 1};
+    if (stride == row)
+        return gscl_buffer_read(r->context, &r->samples, 0, pixels, row * rows);
+    GSCL_CL(r->context, clEnqueueReadBufferRect(r->context->queue, r->samples.memory, CL_TRUE, origin, origin, region,
+                                                row, 0, stride, 0, pixels, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+/* A guess of what the lists hold is nearly always enough, and waiting for them takes as long as filling them. */
+gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
+    size_t row = (size_t)r->width * (size_t)layout.channels * gscl_sample_size((gscl_sample)layout.sample);
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->samples, row * (size_t)r->height));
+    GSCL_TRY(gscl_renderer_project(r));
+    for (;;) {
+        GSCL_TRY(gscl_renderer_bin(r, false));
+        GSCL_TRY(read_totals_async(r));
+        GSCL_TRY(launch_samples(r, layout));
+        GSCL_TRY(read_samples(r, row, pixels, stride));
+        cl_int largest = measure_rows(r);
+        if (largest <= r->row_capacity)
+            return GSCL_OK;
+        GSCL_TRY(set_row_capacity(r, largest));
+    }
+}

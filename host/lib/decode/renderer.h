@@ -1,0 +1,91 @@
+/* The renderer: splats on the device, seen through a view, binned and drawn.  Shared by the decoder and
+ * by every step of the fit, so that the encoder optimises exactly what the decoder draws. */
+#ifndef GSCL_LIB_RENDER_H
+#define GSCL_LIB_RENDER_H
+
+#include "runtime/programs.h"
+#include "runtime/opencl.h"
+
+/* The part of the plane that is drawn (mirrors `view` in cl/project.cl).  A point p of the full-size image
+ * appears at p * inv_scale - (x, y). */
+typedef struct gscl_view {
+    cl_float inv_scale; /* 1: full size; 1/2, 1/4, ...: levels of the pyramid */
+    cl_float blur;      /* variance in full-size pixels that the level's box filter adds to a splat */
+    cl_float x, y;      /* origin, drawn pixels */
+    cl_int tiles_x, tiles_y;
+} gscl_view;
+
+/* Samples of an image in memory (mirrors `sample_layout` in cl/samples.cl). */
+typedef struct gscl_sample_layout {
+    cl_int channels;
+    cl_int sample;        /* gscl_sample, not AUTO */
+    cl_int premultiplied; /* 0 or 1 */
+} gscl_sample_layout;
+
+typedef struct gscl_renderer {
+    gscl_context *context;
+    gscl_kernel_options options;
+    gscl_program_kind program; /* whose kernels draw: RENDER at first, or one that is needed besides */
+    int channels;
+    gscl_view view;
+    cl_int width, height; /* of the view, pixels */
+    cl_int count;         /* splats */
+    cl_int row_capacity;  /* list entries that each row of tiles owns */
+    double crowd;         /* mean entries of a tile at the last exact binning */
+    cl_int *totals;       /* entries that each row of tiles wanted, as last read from row_totals */
+    gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
+    gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
+    gscl_buffer samples;
+} gscl_renderer;
+
+/* `renderer` may hold anything before. */
+gscl_result gscl_renderer_create(gscl_renderer *renderer, gscl_context *context, const gscl_kernel_options *options);
+/* Accepts a renderer that was zeroed and never created. */
+void gscl_renderer_free(gscl_renderer *renderer);
+
+/* Sets the size and origin of what is drawn, in pixels of level `level` (0: full size). */
+gscl_result gscl_renderer_set_view(gscl_renderer *renderer, int level, uint32_t x, uint32_t y, uint32_t width,
+                                   uint32_t height);
+/* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device. */
+gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
+                                     const float *background);
+/* Likewise, without waiting: they must stay where they are until the queue has come to it (gscl_buffer_write_async). */
+gscl_result gscl_renderer_set_splats_async(gscl_renderer *renderer, const float *params, size_t count,
+                                           const float *background);
+/* Makes room for `count` splats without touching those that are there. */
+gscl_result gscl_renderer_reserve(gscl_renderer *renderer, size_t count);
+/* Quantiser steps to look through (GSCL_STEP_COUNT floats), or NULL for none. */
+gscl_result gscl_renderer_set_steps(gscl_renderer *renderer, const float *steps);
+
+/* Parameters -> drawn records, outlines and boxes. */
+gscl_result gscl_renderer_project(gscl_renderer *renderer);
+/* Fills the tiles' lists.  `exact` makes sure that they hold everything, with a quarter to spare, at the
+ * price of waiting for the device; otherwise a list that overflows is cut short. */
+gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
+/* Draws the binned splats into renderer->image: planes of width * height floats. */
+gscl_result gscl_renderer_draw(gscl_renderer *renderer);
+/* All three. */
+gscl_result gscl_renderer_render(gscl_renderer *renderer);
+/* Likewise, but straight into an image in memory, rows `stride` bytes apart.  Waits once, for the image, unless a list
+ * turns out to have been too short: then it draws again. */
+gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
+
+/* Floats from the start of one plane of renderer->image to the next. */
+static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
+    return (cl_ulong)r->width * (cl_ulong)r->height;
+}
+/* Groups of `size` that cover `count` work-items. */
+static inline size_t gscl_groups(size_t count, size_t size) {
+    return (count + size - 1) / size;
+}
+#define GSCL_SPLATS_PER_GROUP 32
+/* Work-items of a group that handles GSCL_SPLATS_PER_GROUP splats. */
+static inline size_t gscl_splat_group_size(const gscl_context *context, gscl_program_kind kind) {
+    return GSCL_SPLATS_PER_GROUP / (size_t)gscl_splat_lanes(context, kind);
+}
+/* Buffers of splats have room for whole vectors of them. */
+static inline size_t gscl_room_for_splats(size_t count) {
+    return gscl_groups(count, GSCL_MAX_SPLAT_LANES) * GSCL_MAX_SPLAT_LANES;
+}
+
+#endif

@@ -1,0 +1,34 @@
+#include "decode/resize.h"
+
+#include <math.h>
+
+#include "cl/constants.h"
+
+static double box_variance(double scale) {
+    return scale < 1 ? (1 / (scale * scale) - 1) / 12 : 0;
+}
+
+/* Transforms one covariance and takes it apart into axes and angle again. */
+static void resize_shape(float *p, double sx, double sy) {
+    double v1 = exp(2.0 * p[GSCL_LOG_S1]), v2 = exp(2.0 * p[GSCL_LOG_S2]);
+    double c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]);
+    double xx = (c * c * v1 + s * s * v2 + box_variance(sx)) * sx * sx;
+    double yy = (s * s * v1 + c * c * v2 + box_variance(sy)) * sy * sy;
+    double xy = c * s * (v1 - v2) * sx * sy;
+    double mean = (xx + yy) / 2, half = hypot((xx - yy) / 2, xy);
+    double large = mean + half, small = fmax((xx * yy - xy * xy) / large, 1e-6 * large * 1e-6);
+    p[GSCL_LOG_S1] = (float)(0.5 * log(large));
+    p[GSCL_LOG_S2] = (float)(0.5 * log(small));
+    p[GSCL_THETA] = (float)(0.5 * atan2(2 * xy, xx - yy));
+}
+
+void gscl_resize_splats(float *params, size_t count, double sx, double sy) {
+    if (sx == 1 && sy == 1)
+        return;
+    for (size_t i = 0; i < count; i++) {
+        float *p = params + i * GSCL_PARAMS;
+        p[GSCL_X] = (float)(p[GSCL_X] * sx);
+        p[GSCL_Y] = (float)(p[GSCL_Y] * sy);
+        resize_shape(p, sx, sy);
+    }
+}

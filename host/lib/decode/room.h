@@ -1,0 +1,13 @@
+/* From bytes to pixels: the coded image, its dequantisation, and the renderer that the fit shares.
+ *
+ * It may use: image/, runtime/, format/ and cl/.
+ *
+ * In the order in which to read them:
+ *   coded_image.h: bytes to integers and back
+ *   quantise.h: integers to splat parameters and back
+ *   renderer.h: splats to pixels on the device
+ *   resize.h: drawing at another size
+ *   decode.c, inspect.c: the public functions */
+#ifndef GSCL_ROOM_LIB_DECODE_H
+#define GSCL_ROOM_LIB_DECODE_H
+#endif

@@ -1,0 +1,269 @@
+#include "fit/density.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "image/box_sum.h"
+#include "cl/constants.h"
+#include "image/flat_background.h"
+#include "runtime/timing.h"
+#include "fit/random.h"
+
+#define SEED_SIZE 0.4f          /* first axes, in mean distances between neighbours */
+#define GROWN_SIZE 0.45f        /* axes of later splats, in mean distances */
+#define GROUND_DISTANCE 1.5f    /* from an edge on, ground is left to the background; in mean distances */
+#define LEAST_BUSY_PIXELS 0.02f /* of the pixels, however large the ground is */
+#define SPLIT_FACTOR 1.6f       /* the paper's released code */
+#define ERROR_BLUR 0.35f        /* radius of the error's box blur, in mean distances */
+#define GROWN_OPACITY -0.5f     /* logit; later splats begin shy so that they do not hide what is good */
+
+/* One level's maps while splats are placed. */
+typedef struct placement {
+    int width, height, channels;
+    bool turned;       /* splats have an angle */
+    float scale;       /* full-size pixels per pixel of the level */
+    float *target;     /* channels planes */
+    float *density;    /* where to place, per pixel, not normalised */
+    float *near_edges; /* blurred edges, per pixel; NULL where there is no ground */
+    double *sums;      /* cumulative density */
+} placement;
+
+static void placement_free(placement *p) {
+    free(p->target);
+    free(p->density);
+    free(p->near_edges);
+    free(p->sums);
+}
+
+static gscl_result placement_create(placement *p, gscl_fit *f) {
+    size_t pixels;
+    memset(p, 0, sizeof *p);
+    p->width = (int)gscl_fit_level_width(f);
+    p->height = (int)gscl_fit_level_height(f);
+    p->channels = f->renderer.channels;
+    p->turned = f->renderer.options.shape == GSCL_SHAPE_ROTATED;
+    p->scale = ldexpf(1.0f, f->level);
+    pixels = (size_t)p->width * (size_t)p->height;
+    p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
+    p->density = malloc(pixels * sizeof(float));
+    p->near_edges = f->ground.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
+    p->sums = malloc(pixels * sizeof(double));
+    if (!p->target || !p->density || (f->ground.pixels > 0 && !p->near_edges) || !p->sums)
+        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    return gscl_fit_target(f, p->target);
+}
+
+/* Pixels that splats are to show: all but the ground. */
+static float busy_pixels(const gscl_fit *f, const placement *p) {
+    return fmaxf(1.0f - (float)f->ground.pixels, LEAST_BUSY_PIXELS) * (float)p->width * (float)p->height;
+}
+
+static double accumulate(placement *p) {
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    double total = 0;
+    for (size_t i = 0; i < pixels; i++)
+        p->sums[i] = total += p->density[i];
+    return total;
+}
+
+/* The pixel at which the cumulative density passes `value`. */
+static size_t pixel_of(const placement *p, double value) {
+    size_t low = 0, high = (size_t)p->width * (size_t)p->height - 1;
+    while (low < high) {
+        size_t mid = low + (high - low) / 2;
+        if (p->sums[mid] < value)
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low;
+}
+
+/* A round splat somewhere in the pixel, of the pixel's colour; `sigma` in full-size pixels. */
+static void place(const placement *p, size_t pixel, float sigma, float opacity, uint64_t *random, float *params) {
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    params[GSCL_X] = ((float)(pixel % (size_t)p->width) + gscl_random_unit(random)) * p->scale;
+    params[GSCL_Y] = ((float)(pixel / (size_t)p->width) + gscl_random_unit(random)) * p->scale;
+    params[GSCL_LOG_S1] = params[GSCL_LOG_S2] = logf(sigma);
+    float turn = 3.14159265f * gscl_random_unit(random);
+    params[GSCL_THETA] = p->turned ? turn : 0.0f;
+    params[GSCL_OPACITY] = opacity;
+    for (int k = 0; k < p->channels; k++)
+        params[GSCL_COLOUR + k] = p->target[(size_t)k * pixels + pixel];
+}
+
+/* Magnitude of the image's gradient, central differences, all channels. */
+static void gradient_magnitude(placement *p) {
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    for (int y = 0; y < p->height; y++)
+        for (int x = 0; x < p->width; x++) {
+            int left = x ? x - 1 : x, right = x < p->width - 1 ? x + 1 : x;
+            int up = y ? y - 1 : y, down = y < p->height - 1 ? y + 1 : y;
+            float sum = 0;
+            for (int k = 0; k < p->channels; k++) {
+                const float *t = p->target + (size_t)k * pixels;
+                float gx = t[y * p->width + right] - t[y * p->width + left];
+                float gy = t[down * p->width + x] - t[up * p->width + x];
+                sum += gx * gx + gy * gy;
+            }
+            p->density[y * p->width + x] = sqrtf(sum);
+        }
+}
+
+/* Half of the first splats go where edges are, half anywhere; but not deep inside a ground, which the background shows
+ * and where splats would only cost time.  `p->density` holds the edges. */
+static void spread(const gscl_fit *f, placement *p, size_t count) {
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    double total = accumulate(p);
+    for (size_t i = 0; i < pixels; i++)
+        p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
+    if (f->ground.pixels > 0) {
+        memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
+        gscl_box_sum(p->near_edges, p->width, p->height,
+                     (int)(GROUND_DISTANCE * sqrtf(busy_pixels(f, p) / (float)count)) + 1, p->sums);
+    }
+    for (size_t i = 0; i < pixels; i++)
+        if (f->ground.pixels == 0 || p->near_edges[i] > 0 ||
+            !gscl_matches_background(p->target, pixels, p->channels, f->background, i))
+            p->density[i] += 0.5f / (float)pixels;
+}
+
+static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
+    GSCL_TRY(placement_create(p, f));
+    gradient_magnitude(p);
+    spread(f, p, count);
+    double total = accumulate(p);
+    for (size_t i = 0; i < count; i++) {
+        size_t pixel = pixel_of(p, gscl_random_unit(random) * total);
+        float sigma = SEED_SIZE * p->scale / sqrtf(p->density[pixel] / (float)total * (float)count);
+        place(p, pixel, fmaxf(sigma, 0.5f), 0.0f, random, params + i * GSCL_PARAMS);
+    }
+    return gscl_fit_append(f, params, count);
+}
+
+static gscl_result grow(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
+    GSCL_TRY(placement_create(p, f));
+    GSCL_TRY(gscl_fit_error(f, p->density));
+    float distance = sqrtf(busy_pixels(f, p) / (float)((size_t)f->renderer.count + count));
+    gscl_box_sum(p->density, p->width, p->height, (int)(ERROR_BLUR * distance) + 1, p->sums);
+    double total = accumulate(p);
+    for (size_t i = 0; i < count; i++)
+        place(p, pixel_of(p, gscl_random_unit(random) * total), fmaxf(GROWN_SIZE * distance * p->scale, 0.5f),
+              GROWN_OPACITY, random, params + i * GSCL_PARAMS);
+    return gscl_fit_append(f, params, count);
+}
+
+/* ---- Clone and split ---- */
+
+/* A splat and how hard its position is pulled. */
+typedef struct pulled {
+    float pull;
+    size_t splat;
+} pulled;
+
+static int compare_pulls(const void *a, const void *b) {
+    const pulled *p = a, *q = b;
+    if (p->pull != q->pull)
+        return p->pull < q->pull ? 1 : -1;
+    return p->splat < q->splat ? -1 : p->splat > q->splat;
+}
+
+static float log_size(const float *p) {
+    return 0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]);
+}
+
+/* A copy, moved half its size against the gradient; `moment`: first moments, in the splat's frame (cl/update.cl). */
+static void clone(const float *from, const float *moment, float *to) {
+    float norm = hypotf(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * expf(log_size(from));
+    float c = cosf(from[GSCL_THETA]), s = sinf(from[GSCL_THETA]);
+    memcpy(to, from, GSCL_PARAMS * sizeof(float));
+    if (!(norm > 0))
+        return;
+    to[GSCL_X] -= step * (c * moment[GSCL_X] - s * moment[GSCL_Y]) / norm;
+    to[GSCL_Y] -= step * (s * moment[GSCL_X] + c * moment[GSCL_Y]) / norm;
+}
+
+/* Two splats instead of one, apart along the longer axis. */
+static void split(float *from, float *to) {
+    bool first = from[GSCL_LOG_S1] >= from[GSCL_LOG_S2];
+    float length = 0.5f * expf(from[first ? GSCL_LOG_S1 : GSCL_LOG_S2]),
+          angle = from[GSCL_THETA] + (first ? 0 : 1.57079633f);
+    from[GSCL_LOG_S1] -= logf(SPLIT_FACTOR);
+    from[GSCL_LOG_S2] -= logf(SPLIT_FACTOR);
+    memcpy(to, from, GSCL_PARAMS * sizeof(float));
+    to[GSCL_X] += length * cosf(angle);
+    to[GSCL_Y] += length * sinf(angle);
+    from[GSCL_X] -= length * cosf(angle);
+    from[GSCL_Y] -= length * sinf(angle);
+}
+
+/* `params`: the fit's splats with room for `count` more behind; `moments`: their first and second moments. */
+static gscl_result densify(gscl_fit *f, float *params, const float *moments, pulled *pulls, size_t count) {
+    size_t have = (size_t)f->renderer.count;
+    const float *second = moments + have * GSCL_PARAMS;
+    double mean_size = 0;
+    for (size_t i = 0; i < have; i++) {
+        pulls[i] = (pulled){second[i * GSCL_PARAMS + GSCL_X] + second[i * GSCL_PARAMS + GSCL_Y], i};
+        mean_size += log_size(params + i * GSCL_PARAMS) / (double)have;
+    }
+    qsort(pulls, have, sizeof *pulls, compare_pulls);
+    for (size_t i = 0; i < count; i++) {
+        float *from = params + pulls[i].splat * GSCL_PARAMS, *to = params + (have + i) * GSCL_PARAMS;
+        if (log_size(from) < (float)mean_size)
+            clone(from, moments + pulls[i].splat * GSCL_PARAMS, to);
+        else
+            split(from, to);
+    }
+    GSCL_TRY(gscl_buffer_write(f->context, &f->renderer.params, 0, params, have * GSCL_PARAMS * sizeof(float)));
+    return gscl_fit_append(f, params + have * GSCL_PARAMS, count);
+}
+
+gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
+    size_t have = (size_t)f->renderer.count, row = GSCL_PARAMS * sizeof(float);
+    if (count > have)
+        count = have;
+    if (count == 0)
+        return GSCL_OK;
+    float *params = malloc((have + count) * row), *moments = malloc(2 * have * row);
+    pulled *pulls = malloc(have * sizeof *pulls);
+    gscl_result result =
+        params && moments && pulls ? GSCL_OK : gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    if (result == GSCL_OK)
+        result = gscl_fit_read(f, params);
+    if (result == GSCL_OK)
+        result = gscl_buffer_read(f->context, &f->first_moment, 0, moments, have * row);
+    if (result == GSCL_OK)
+        result = gscl_buffer_read(f->context, &f->second_moment, 0, moments + have * GSCL_PARAMS, have * row);
+    if (result == GSCL_OK)
+        result = densify(f, params, moments, pulls, count);
+    free(params);
+    free(moments);
+    free(pulls);
+    return result;
+}
+
+/* ---- By error ---- */
+
+typedef gscl_result placer(gscl_fit *, placement *, size_t, uint64_t *, float *);
+
+static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t count, uint64_t *random) {
+    if (count == 0)
+        return GSCL_OK;
+    placement p = {0};
+    gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
+    float *params = calloc(count, GSCL_PARAMS * sizeof(float));
+    gscl_result result = params ? place_splats(f, &p, count, random, params)
+                                : gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    placement_free(&p);
+    free(params);
+    gscl_stage(f->context, before);
+    return result;
+}
+
+gscl_result gscl_density_seed(gscl_fit *f, size_t count, uint64_t *random) {
+    return with_placement(seed, f, count, random);
+}
+gscl_result gscl_density_grow(gscl_fit *f, size_t count, uint64_t *random) {
+    return with_placement(grow, f, count, random);
+}

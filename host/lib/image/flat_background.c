@@ -1,0 +1,86 @@
+#include "image/flat_background.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "cl/constants.h"
+
+#define BITS 4               /* of each channel, when colours are counted */
+#define SHARE 0.25           /* of the pixels: a ground has so many */
+#define SAME (1.5f / 255.0f) /* colours that differ by less are one */
+
+static size_t bin_of(const float *planes, size_t pixels, int channels, size_t at) {
+    size_t bin = 0;
+    for (int k = 0; k < channels; k++) {
+        float v = planes[(size_t)k * pixels + at];
+        v = v < 0.0f ? 0.0f : v > 1.0f ? 1.0f : v;
+        bin = bin << BITS | (size_t)(v * ((1 << BITS) - 0.01f));
+    }
+    return bin;
+}
+
+bool gscl_matches_background(const float *planes, size_t pixels, int channels, const float colour[4], size_t at) {
+    for (int k = 0; k < channels; k++)
+        if (fabsf(planes[(size_t)k * pixels + at] - colour[k]) > SAME)
+            return false;
+    return true;
+}
+
+/* The mean colour of the fullest bin; where there is a ground, most of the bin is that. */
+static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4]) {
+    size_t bins = (size_t)1 << (BITS * channels), fullest = 0, members = 0;
+    uint32_t *counts = calloc(bins, sizeof *counts);
+    if (!counts)
+        return false;
+    for (size_t i = 0; i < pixels; i++)
+        counts[bin_of(planes, pixels, channels, i)]++;
+    for (size_t b = 1; b < bins; b++)
+        fullest = counts[b] > counts[fullest] ? b : fullest;
+    members = counts[fullest];
+    free(counts);
+    double sums[4] = {0};
+    for (size_t i = 0; i < pixels; i++) {
+        if (bin_of(planes, pixels, channels, i) != fullest)
+            continue;
+        for (int k = 0; k < channels; k++)
+            sums[k] += planes[(size_t)k * pixels + i];
+    }
+    for (int k = 0; k < channels; k++)
+        colour[k] = (float)(sums[k] / (double)members);
+    return members >= SHARE * (double)pixels;
+}
+
+/* The part of the tiles that hold nothing else. */
+static double ground_tiles(const float *planes, size_t width, size_t height, int channels, const float colour[4]) {
+    size_t tiles = 0, plain = 0;
+    for (size_t top = 0; top < height; top += GSCL_TILE)
+        for (size_t left = 0; left < width; left += GSCL_TILE) {
+            size_t bottom = top + GSCL_TILE < height ? top + GSCL_TILE : height;
+            size_t right = left + GSCL_TILE < width ? left + GSCL_TILE : width;
+            bool same = true;
+            for (size_t y = top; y < bottom && same; y++)
+                for (size_t x = left; x < right && same; x++)
+                    same = gscl_matches_background(planes, width * height, channels, colour, y * width + x);
+            tiles++;
+            plain += same;
+        }
+    return (double)plain / (double)tiles;
+}
+
+gscl_flat_background gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels) {
+    gscl_flat_background ground = {.pixels = 0};
+    size_t pixels = (size_t)width * height, same = 0;
+    if (!fullest_bin(planes, pixels, channels, ground.colour))
+        return ground;
+    for (size_t i = 0; i < pixels; i++)
+        same += gscl_matches_background(planes, pixels, channels, ground.colour, i);
+    if ((double)same < SHARE * (double)pixels)
+        return ground;
+    ground.pixels = (double)same / (double)pixels;
+    ground.tiles = ground_tiles(planes, width, height, channels, ground.colour);
+    return ground;
+}
+
+double gscl_background_share_of_non_flat_tiles(const gscl_flat_background *ground) {
+    return ground->tiles < 1 ? (ground->pixels - ground->tiles) / (1 - ground->tiles) : 0;
+}

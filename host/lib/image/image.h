@@ -1,0 +1,38 @@
+/* Between the caller's interleaved images and the planar floats that the codec works on. */
+#ifndef GSCL_LIB_IMAGE_H
+#define GSCL_LIB_IMAGE_H
+
+#include "runtime/context.h"
+
+/* What an image needs of the codec. */
+typedef struct gscl_content {
+    bool chroma;         /* some pixel is not grey */
+    bool alpha;          /* some pixel is not opaque */
+    bool flat;           /* all pixels are the same */
+    bool high_bit_depth; /* more than 8 bits a sample */
+} gscl_content;
+
+/* Checks size, kind and finiteness, with a message that says what is wrong, and looks at the content. */
+gscl_result gscl_image_examine(gscl_context *context, const gscl_image *image, gscl_content *content);
+
+/* Size of a side at a pyramid level: rounded up. */
+static inline uint32_t gscl_level_size(uint32_t size, int level) {
+    return (uint32_t)(((uint64_t)size + (1u << level) - 1) >> level);
+}
+
+/* Planes of the image at pyramid level `level` (averages of 2^level x 2^level pixels): 1 colour (the
+ * mean of all) or 3, premultiplied by alpha, then alpha when `alpha`.  0..1.  `planes` holds them one after another. */
+void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int level, float *planes);
+
+/* Bytes of a sample of this kind. */
+size_t gscl_sample_size(gscl_sample sample);
+/* Bytes from row to row. */
+size_t gscl_image_stride(const gscl_image *image);
+
+/* Reads one pixel as up to four floats: colours (1 or 3) as stored and alpha (1 when there is none). */
+typedef struct gscl_pixel {
+    float colour[3], alpha;
+} gscl_pixel;
+gscl_pixel gscl_image_pixel(const gscl_image *image, uint32_t x, uint32_t y);
+
+#endif

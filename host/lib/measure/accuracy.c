@@ -1,0 +1,222 @@
+/* What the renderer's exactness costs: each choice that trades it for speed, beside the exact picture. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "decode/renderer.h"
+#include "measure/accuracy_quantiser.h"
+#include "measure/reference.h"
+#include "measure/subject.h"
+
+#define MAX_VARIANTS 24
+
+/* ---- Drawing in another way ---- */
+
+/* One way to draw. */
+typedef struct variant {
+    gscl_kernel_options options;
+    const double *exact; /* what its errors are told against */
+    gscl_accuracy row;
+    char name[32];
+} variant;
+
+typedef struct bench {
+    gscl_subject *subject;
+    size_t count;
+    variant variants[MAX_VARIANTS];
+    gscl_renderer renderer;
+    gscl_buffer projected, image; /* of double precision */
+    double *exact, *endless;      /* planes: as the format says, and with Gaussians that are not cut off */
+    double *planes;
+} bench;
+
+static gscl_result draw_reference(const gscl_subject *s, bool cut, double *planes) {
+    gscl_reference reference;
+    const gscl_rectangle all = {0, 0, (int)s->width, (int)s->height};
+    double *weights = malloc((size_t)s->width * s->height * sizeof *weights);
+    gscl_result result = gscl_reference_create(&reference, &s->options, s->params, s->count, s->background, cut);
+    if (result != GSCL_OK || !weights)
+        result = gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    else
+        gscl_reference_draw(&reference, all, planes, weights);
+    gscl_reference_free(&reference);
+    free(weights);
+    return result;
+}
+
+/* The lists are those of single precision: their outlines are a little wide anyway. */
+static gscl_result draw_double(bench *b) {
+    gscl_renderer *r = &b->renderer;
+    gscl_kernel_options options = r->options;
+    cl_ulong plane = gscl_renderer_plane(r);
+    cl_kernel project, raster;
+    options.is_double = 1;
+    options.shape = GSCL_SHAPE_ROTATED; /* records of double precision are of the most general kind */
+    GSCL_TRY(gscl_renderer_project(r));
+    GSCL_TRY(gscl_renderer_bin(r, true));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_exactly", &project));
+    GSCL_TRY(GSCL_LAUNCH(r->context, project, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                         GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(r->params), GSCL_ARG(r->count),
+                         GSCL_ARG_BUFFER(b->projected)));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "raster_forward", &raster));
+    return GSCL_LAUNCH(r->context, raster, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
+                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(b->projected), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(b->image),
+                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
+}
+
+static gscl_result draw(void *opaque, size_t which) {
+    bench *b = opaque;
+    b->renderer.options = b->variants[which].options;
+    b->renderer.options.is_double = 0; /* of what comes before drawing */
+    return b->variants[which].options.is_double ? draw_double(b) : gscl_renderer_render(&b->renderer);
+}
+
+static gscl_result read_floats(bench *b) {
+    size_t samples = gscl_subject_samples(b->subject);
+    float *floats = malloc(samples * sizeof *floats);
+    if (!floats)
+        return gscl_fail(b->subject->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = gscl_buffer_read(b->subject->context, &b->renderer.image, 0, floats, samples * sizeof *floats);
+    for (size_t i = 0; i < samples && result == GSCL_OK; i++)
+        b->planes[i] = floats[i];
+    free(floats);
+    return result;
+}
+
+static gscl_result measure_error(bench *b, size_t which) {
+    variant *v = &b->variants[which];
+    GSCL_TRY(draw(b, which));
+    GSCL_TRY(v->options.is_double ? gscl_buffer_read(b->subject->context, &b->image, 0, b->planes,
+                                                     gscl_subject_samples(b->subject) * sizeof *b->planes)
+                                  : read_floats(b));
+    gscl_subject_compare(b->subject, b->planes, v->exact, &v->row);
+    return GSCL_OK;
+}
+
+/* What is drawn by default is one of the variants of each choice: its time is that of the first. */
+static gscl_result measure_variants(bench *b, gscl_accuracy_callback callback, void *opaque) {
+    const gscl_subject *s = b->subject;
+    double seconds[MAX_VARIANTS], usual = 0;
+    for (size_t i = 0; i < b->count; i++)
+        GSCL_TRY(measure_error(b, i));
+    GSCL_TRY(gscl_subject_time(s, draw, b, b->count, seconds));
+    for (size_t i = 0; i < b->count; i++) {
+        gscl_accuracy *row = &b->variants[i].row;
+        if (row->is_default && usual == 0)
+            usual = seconds[i];
+        row->ns_per_pixel = 1e9 * (row->is_default ? usual : seconds[i]) / ((double)s->width * s->height);
+        row->variant = b->variants[i].name;
+        callback(opaque, row);
+    }
+    return GSCL_OK;
+}
+
+/* ---- The choices ---- */
+
+/* The subject's options, for the caller to change one thing. */
+static gscl_kernel_options *add_variant(bench *b, const double *exact, const char *choice, const char *name,
+                                        double value, bool is_default) {
+    variant *v = &b->variants[b->count++];
+    v->options = b->subject->options;
+    v->exact = exact;
+    v->row = (gscl_accuracy){
+        .choice = choice, .value = value, .is_default = is_default, .blend = gscl_subject_blend(b->subject)};
+    snprintf(v->name, sizeof v->name, "%s", name);
+    return &v->options;
+}
+
+static void add_supports(bench *b) {
+    static const double sigmas[] = {2, 2.5, 3, 3.5, 0, 4, 4.5, 5, 6};
+    for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; i++) {
+        char name[32];
+        const bool usual = sigmas[i] == 0;
+        const double value = usual ? sqrt(2 * (double)GSCL_SUPPORT) : sigmas[i];
+        snprintf(name, sizeof name, "%.3g sigma", value);
+        gscl_kernel_options *options = add_variant(b, b->endless, "support", name, value, usual);
+        if (!usual)
+            options->support = value * value / 2;
+    }
+}
+
+static void add_exponentials(bench *b) {
+    for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE; i++)
+        add_variant(b, b->exact, "exponential", gscl_exponential_name(i), 0, i == GSCL_EXPONENTIAL_POLYNOMIAL)
+            ->exponential = i;
+}
+
+static bool has_double(const gscl_context *context) {
+    cl_device_fp_config config = 0;
+    clGetDeviceInfo(context->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL);
+    return config != 0;
+}
+
+static gscl_result add_precisions(bench *b) {
+    gscl_context *context = b->subject->context;
+    add_variant(b, b->exact, "precision", "float32", 32, true);
+    if (!has_double(context))
+        return GSCL_OK;
+    add_variant(b, b->exact, "precision", "float64", 64, false)->is_double = 1;
+    GSCL_TRY(gscl_buffer_reserve(context, &b->projected, b->subject->count * GSCL_PROJECTED * sizeof(cl_double)));
+    return gscl_buffer_reserve_image(context, &b->image, gscl_subject_samples(b->subject) * sizeof(cl_double));
+}
+
+static void add_early_stops(bench *b) {
+    static const double thresholds[] = {0, 1 / 4096.0, 1 / 1024.0, 1 / 255.0, 1 / 64.0};
+    for (size_t i = 0; i < sizeof thresholds / sizeof *thresholds; i++) {
+        char name[32] = "off";
+        if (i > 0)
+            snprintf(name, sizeof name, "below 1/%.0f", 1 / thresholds[i]);
+        add_variant(b, b->exact, "early stop", name, thresholds[i], i == 0)->early_stop = thresholds[i];
+    }
+}
+
+static gscl_result prepare(bench *b) {
+    gscl_subject *s = b->subject;
+    size_t samples = gscl_subject_samples(s);
+    b->exact = malloc(samples * sizeof *b->exact);
+    b->endless = malloc(samples * sizeof *b->endless);
+    b->planes = malloc(samples * sizeof *b->planes);
+    if (!b->exact || !b->endless || !b->planes)
+        return gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    GSCL_TRY(draw_reference(s, true, b->exact));
+    GSCL_TRY(draw_reference(s, false, b->endless));
+    GSCL_TRY(gscl_renderer_create(&b->renderer, s->context, &s->options));
+    GSCL_TRY(gscl_renderer_set_view(&b->renderer, 0, 0, 0, s->width, s->height));
+    return gscl_renderer_set_splats(&b->renderer, s->params, s->count, s->background);
+}
+
+static gscl_result measure_all(bench *b, gscl_accuracy_callback callback, void *opaque) {
+    gscl_subject *s = b->subject;
+    const bool alpha = s->options.blend == GSCL_ALPHA, scalar = s->picture.file.header.coding == GSF_CODING_SCALAR;
+    GSCL_TRY(prepare(b));
+    add_supports(b);
+    add_exponentials(b);
+    GSCL_TRY(add_precisions(b));
+    if (alpha)
+        add_early_stops(b);
+    GSCL_TRY(measure_variants(b, callback, opaque));
+    return scalar && !alpha ? gscl_measure_quantiser(s, callback, opaque) : GSCL_OK;
+}
+
+gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image, const uint8_t *bytes, size_t size,
+                                  const gscl_accuracy_settings *settings, gscl_accuracy_callback callback,
+                                  void *opaque) {
+    gscl_subject subject;
+    if (!callback)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_result result = gscl_subject_open(&subject, context, image, bytes, size, settings);
+    bench b = {.subject = &subject};
+    if (result == GSCL_OK)
+        result = measure_all(&b, callback, opaque);
+    gscl_renderer_free(&b.renderer);
+    gscl_buffer_free(&b.projected);
+    gscl_buffer_free(&b.image);
+    free(b.exact);
+    free(b.endless);
+    free(b.planes);
+    gscl_subject_close(&subject);
+    return result;
+}

@@ -1,0 +1,77 @@
+/* The library's context: an OpenCL device, its queue, its kernels, and the text of the last error. */
+#ifndef GSCL_LIB_CONTEXT_H
+#define GSCL_LIB_CONTEXT_H
+
+#include <CL/cl.h>
+#include <gscl/gscl.h>
+
+#include "runtime/stages.h"
+
+#define GSCL_MESSAGE_SIZE 512
+
+struct gscl_program; /* programs.h */
+struct gscl_timings; /* timing.h */
+
+/* Wall-clock time and number of runs of one stage. */
+typedef struct gscl_stage_time_sum {
+    uint64_t count;
+    double seconds, kernel_seconds;
+} gscl_stage_time_sum;
+
+/* The stage that is running, and what all stages took so far (timing.h). */
+typedef struct gscl_stage_clock {
+    int users;   /* nothing is measured, and nothing waits for the device, while this is 0 */
+    bool frozen; /* a change of stage is ignored */
+    gscl_stage_id current;
+    double start_s; /* when the current stage began, on the clock of gscl_now */
+    gscl_stage_time_sum sums[GSCL_STAGE_COUNT];
+} gscl_stage_clock;
+
+struct gscl_context {
+    cl_platform_id platform;
+    cl_device_id device;
+    cl_context cl;
+    cl_command_queue queue;
+    gscl_device_info info;
+    bool gpu_mapping;
+    struct gscl_program *programs; /* built so far, a list */
+    bool needs_header;             /* cl/builtins.h was not enough for one of them */
+    gscl_stage_clock clock;
+    struct gscl_timings *timings; /* NULL unless the caller asked for timings */
+    void *decoder;                /* what decodes keep from one to the next (decode/decode.c), or NULL */
+    void (*decoder_free)(void *decoder);
+    gscl_log_callback log;
+    void *log_opaque;
+    char message[GSCL_MESSAGE_SIZE];
+};
+
+/* Keeps the message (printf-style) of an error and returns `result`, so that a function can end with
+ * `return gscl_fail(context, GSCL_ERROR_..., "...")`. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+gscl_result
+gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...);
+
+/* Forwards an error. */
+#define GSCL_TRY(call)                    \
+    do {                                  \
+        gscl_result try_result_ = (call); \
+        if (try_result_ != GSCL_OK)       \
+            return try_result_;           \
+    } while (0)
+
+/* Forwards an error to the label `fail`, where `result` is returned after releasing. */
+#define GSCL_TRY_OR_FAIL(call) \
+    do {                       \
+        result = (call);       \
+        if (result != GSCL_OK) \
+            goto fail;         \
+    } while (0)
+
+#endif

@@ -1,0 +1,78 @@
+/* The public life of a context: opening a device, and releasing all that was kept in the context. */
+#include <stdlib.h>
+
+#include "runtime/context.h"
+#include "runtime/device.h"
+#include "runtime/opencl.h"
+#include "runtime/programs.h"
+#include "runtime/timing.h"
+
+void gscl_context_settings_default(gscl_context_settings *settings) {
+    if (settings)
+        *settings = (gscl_context_settings){0};
+}
+
+static gscl_result open_device(gscl_context *context) {
+    cl_int error;
+    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)context->platform, 0};
+    context->cl = clCreateContext(properties, 1, &context->device, NULL, NULL, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateContext");
+    cl_command_queue_properties measured = context->timings ? CL_QUEUE_PROFILING_ENABLE : 0;
+    context->queue = clCreateCommandQueue(context->cl, context->device, measured, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateCommandQueue");
+    return GSCL_OK;
+}
+
+gscl_result gscl_context_create(gscl_context **context, const gscl_context_settings *settings) {
+    if (!context)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_context_settings defaults;
+    gscl_context_settings_default(&defaults);
+    if (!settings)
+        settings = &defaults;
+    gscl_context *c = *context = calloc(1, sizeof *c);
+    if (!c)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    c->log = settings->log;
+    c->log_opaque = settings->log_opaque;
+    if ((int)settings->mapping < GSCL_MAPPING_AUTO || settings->mapping > GSCL_MAPPING_GPU)
+        return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu",
+                         (int)settings->mapping);
+    GSCL_TRY(gscl_device_choose(c, settings->device));
+    cl_device_type type = CL_DEVICE_TYPE_CPU;
+    GSCL_CL(c, clGetDeviceInfo(c->device, CL_DEVICE_TYPE, sizeof type, &type, NULL));
+    c->gpu_mapping =
+        settings->mapping == GSCL_MAPPING_AUTO ? !(type & CL_DEVICE_TYPE_CPU) : settings->mapping == GSCL_MAPPING_GPU;
+    gscl_log(c, GSCL_LOG_INFO, "device %s: %s (%s mapping)", c->info.id, c->info.device_name,
+             c->gpu_mapping ? "GPU" : "CPU");
+    if (settings->timing)
+        GSCL_TRY(gscl_timing_create(c));
+    return open_device(c);
+}
+
+void gscl_context_free(gscl_context **context) {
+    if (!context || !*context)
+        return;
+    gscl_context *c = *context;
+    if (c->decoder)
+        c->decoder_free(c->decoder);
+    gscl_timing_free(c);
+    gscl_programs_free(c);
+    if (c->queue)
+        clReleaseCommandQueue(c->queue);
+    if (c->cl)
+        clReleaseContext(c->cl);
+    free(c);
+    *context = NULL;
+}
+
+const char *gscl_context_message(const gscl_context *context) {
+    return context ? context->message : "";
+}
+
+void gscl_context_device(const gscl_context *context, gscl_device_info *device) {
+    if (context && device)
+        *device = context->info;
+}

@@ -1,0 +1,176 @@
+#include "runtime/opencl.h"
+
+#include <inttypes.h>
+
+#include "runtime/timing.h"
+
+#define LARGEST_PIXEL_VECTOR 64 /* bytes: 16 floats */
+
+const char *gscl_cl_error_name(cl_int error) {
+    static const struct {
+        cl_int code;
+        const char *name;
+    } names[] = {
+        {CL_DEVICE_NOT_FOUND, "CL_DEVICE_NOT_FOUND"},
+        {CL_DEVICE_NOT_AVAILABLE, "CL_DEVICE_NOT_AVAILABLE"},
+        {CL_COMPILER_NOT_AVAILABLE, "CL_COMPILER_NOT_AVAILABLE"},
+        {CL_MEM_OBJECT_ALLOCATION_FAILURE, "CL_MEM_OBJECT_ALLOCATION_FAILURE"},
+        {CL_OUT_OF_RESOURCES, "CL_OUT_OF_RESOURCES"},
+        {CL_OUT_OF_HOST_MEMORY, "CL_OUT_OF_HOST_MEMORY"},
+        {CL_BUILD_PROGRAM_FAILURE, "CL_BUILD_PROGRAM_FAILURE"},
+        {CL_INVALID_VALUE, "CL_INVALID_VALUE"},
+        {CL_INVALID_KERNEL_NAME, "CL_INVALID_KERNEL_NAME"},
+        {CL_INVALID_KERNEL_ARGS, "CL_INVALID_KERNEL_ARGS"},
+        {CL_INVALID_ARG_INDEX, "CL_INVALID_ARG_INDEX"},
+        {CL_INVALID_ARG_SIZE, "CL_INVALID_ARG_SIZE"},
+        {CL_INVALID_WORK_GROUP_SIZE, "CL_INVALID_WORK_GROUP_SIZE"},
+        {CL_INVALID_BUFFER_SIZE, "CL_INVALID_BUFFER_SIZE"},
+        {CL_INVALID_PLATFORM, "CL_INVALID_PLATFORM"},
+        {CL_INVALID_DEVICE, "CL_INVALID_DEVICE"},
+        {CL_INVALID_OPERATION, "CL_INVALID_OPERATION"},
+    };
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (names[i].code == error)
+            return names[i].name;
+    return "OpenCL error";
+}
+
+gscl_result gscl_cl_fail(gscl_context *context, cl_int error, const char *call) {
+    gscl_result result = GSCL_ERROR_DEVICE_FAILED;
+    if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_OUT_OF_RESOURCES || error == CL_INVALID_BUFFER_SIZE)
+        result = GSCL_ERROR_DEVICE_MEMORY;
+    if (error == CL_OUT_OF_HOST_MEMORY)
+        result = GSCL_ERROR_OUT_OF_MEMORY;
+    int length = 0; /* the function's name is enough */
+    while (call[length] && call[length] != '(')
+        length++;
+    return gscl_fail(context, result, "%.*s on %s: %s (%d)", length, call, context->info.device_name,
+                     gscl_cl_error_name(error), (int)error);
+}
+
+static gscl_result buffer_create(gscl_context *context, size_t size, cl_mem *memory) {
+    /* Some implementations report a failed allocation late or not at all: check what can be known. */
+    if (size > context->info.max_allocation_bytes)
+        return gscl_fail(context, GSCL_ERROR_DEVICE_MEMORY,
+                         "%s allows buffers of at most %" PRIu64 " MiB, this picture needs one of %zu MiB",
+                         context->info.device_name, context->info.max_allocation_bytes >> 20, size >> 20);
+    cl_int error;
+    *memory = clCreateBuffer(context->cl, CL_MEM_READ_WRITE, size, NULL, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateBuffer");
+    return GSCL_OK;
+}
+
+gscl_result gscl_buffer_reserve(gscl_context *context, gscl_buffer *buffer, size_t size) {
+    return gscl_buffer_grow(context, buffer, size, 0);
+}
+
+gscl_result gscl_buffer_reserve_image(gscl_context *context, gscl_buffer *buffer, size_t size) {
+    const cl_float one = 1.0f;
+    size += LARGEST_PIXEL_VECTOR;
+    if (buffer->memory && size <= buffer->size)
+        return GSCL_OK;
+    GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
+    GSCL_CL(context, clEnqueueFillBuffer(context->queue, buffer->memory, &one, sizeof one, 0, size, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+gscl_result gscl_buffer_grow(gscl_context *context, gscl_buffer *buffer, size_t size, size_t keep) {
+    if (size == 0)
+        size = 64; /* OpenCL has no empty buffers */
+    if (buffer->memory && size <= buffer->size)
+        return GSCL_OK;
+    if (keep > buffer->size)
+        keep = buffer->size;
+    cl_mem memory = NULL;
+    if (buffer->memory && keep == 0)
+        gscl_buffer_free(buffer); /* before the new one: halves the peak */
+    GSCL_TRY(buffer_create(context, size, &memory));
+    if (keep > 0) {
+        cl_int error = clEnqueueCopyBuffer(context->queue, buffer->memory, memory, 0, 0, keep, 0, NULL, NULL);
+        if (error != CL_SUCCESS) {
+            clReleaseMemObject(memory);
+            return gscl_cl_fail(context, error, "clEnqueueCopyBuffer");
+        }
+    }
+    gscl_buffer_free(buffer);
+    *buffer = (gscl_buffer){memory, size};
+    return GSCL_OK;
+}
+
+void gscl_buffer_free(gscl_buffer *buffer) {
+    if (buffer->memory)
+        clReleaseMemObject(buffer->memory);
+    *buffer = (gscl_buffer){NULL, 0};
+}
+
+static gscl_result write_buffer(gscl_context *context, const gscl_buffer *buffer, cl_bool waits, size_t offset,
+                                const void *data, size_t size) {
+    if (size > 0)
+        GSCL_CL(context,
+                clEnqueueWriteBuffer(context->queue, buffer->memory, waits, offset, size, data, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+static gscl_result read_buffer(gscl_context *context, const gscl_buffer *buffer, cl_bool waits, size_t offset,
+                               void *data, size_t size) {
+    if (size > 0)
+        GSCL_CL(context, clEnqueueReadBuffer(context->queue, buffer->memory, waits, offset, size, data, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
+                              size_t size) {
+    return write_buffer(context, buffer, CL_TRUE, offset, data, size);
+}
+
+gscl_result gscl_buffer_write_async(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size) {
+    return write_buffer(context, buffer, CL_FALSE, 0, data, size);
+}
+
+gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, size_t offset, void *data, size_t size) {
+    return read_buffer(context, buffer, CL_TRUE, offset, data, size);
+}
+
+gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size) {
+    return read_buffer(context, buffer, CL_FALSE, 0, data, size);
+}
+
+gscl_result gscl_finish(gscl_context *context) {
+    if (context->queue)
+        GSCL_CL(context, clFinish(context->queue));
+    return GSCL_OK;
+}
+
+gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size) {
+    GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
+    return gscl_buffer_write(context, buffer, 0, data, size);
+}
+
+gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,
+                             size_t size) {
+    GSCL_CL(context,
+            clEnqueueCopyBuffer(context->queue, from->memory, to->memory, offset, offset, size, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+gscl_result gscl_buffer_zero(gscl_context *context, const gscl_buffer *buffer, size_t offset, size_t size) {
+    if (size == 0)
+        return GSCL_OK;
+    const cl_uint zero = 0;
+    GSCL_CL(context,
+            clEnqueueFillBuffer(context->queue, buffer->memory, &zero, sizeof zero, offset, size, 0, NULL, NULL));
+    return GSCL_OK;
+}
+
+gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups, size_t group_size,
+                         const gscl_argument *arguments, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        GSCL_CL(context, clSetKernelArg(kernel, (cl_uint)i, arguments[i].size, arguments[i].value));
+    if (groups == 0)
+        return GSCL_OK;
+    size_t global = groups * group_size;
+    GSCL_CL(context, clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global, &group_size, 0, NULL,
+                                            gscl_timing_event(context, kernel)));
+    return GSCL_OK;
+}

@@ -1,0 +1,174 @@
+#define _POSIX_C_SOURCE 200112L
+#include "runtime/timing.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define MAX_ROWS 96      /* stages and kernels; there are about 60 */
+#define MAX_PENDING 1024 /* events that wait to be read */
+#define MAX_NAME 32
+
+struct gscl_timings {
+    size_t kernel_count;
+    cl_kernel kernels[MAX_ROWS]; /* the first kernel of each name */
+    char names[MAX_ROWS][MAX_NAME];
+    gscl_timing kernel_rows[MAX_ROWS];
+    size_t pending_count;
+    cl_event pending[MAX_PENDING];
+    gscl_timing *pending_rows[MAX_PENDING];
+    gscl_timing listed[GSCL_STAGE_COUNT + MAX_ROWS]; /* what gscl_context_timings returned last */
+};
+
+/* Waits for the device; a failure shows at the next checked call. */
+static void wait_for_device(const gscl_context *context) {
+    if (context->queue)
+        clFinish(context->queue);
+}
+
+double gscl_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+gscl_result gscl_timing_create(gscl_context *context) {
+    context->timings = calloc(1, sizeof *context->timings);
+    if (!context->timings)
+        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    context->clock.users++;
+    return GSCL_OK;
+}
+
+/* Reads the times of kernels that have ended, once all have. */
+static void collect(gscl_context *context) {
+    struct gscl_timings *t = context->timings;
+    wait_for_device(context);
+    for (size_t i = 0; i < t->pending_count; i++) {
+        if (!t->pending[i])
+            continue;                /* the launch failed */
+        cl_ulong start = 0, end = 0; /* nanoseconds */
+        clGetEventProfilingInfo(t->pending[i], CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);
+        clGetEventProfilingInfo(t->pending[i], CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
+        clReleaseEvent(t->pending[i]);
+        double seconds = 1e-9 * (double)(end - start);
+        t->pending_rows[i]->seconds += seconds;
+        t->pending_rows[i]->count++;
+        context->clock.sums[context->clock.current].kernel_seconds += seconds;
+    }
+    t->pending_count = 0;
+}
+
+void gscl_timing_free(gscl_context *context) {
+    if (!context->timings)
+        return;
+    collect(context);
+    free(context->timings);
+    context->timings = NULL;
+}
+
+static gscl_timing *row_of_name(struct gscl_timings *t, const char *name) {
+    for (size_t i = 0; i < t->kernel_count; i++)
+        if (strcmp(t->names[i], name) == 0)
+            return &t->kernel_rows[i];
+    if (t->kernel_count == MAX_ROWS)
+        return NULL;
+    char *kept = t->names[t->kernel_count];
+    snprintf(kept, MAX_NAME, "%s", name);
+    t->kernel_rows[t->kernel_count] = (gscl_timing){.name = kept, .is_kernel = true};
+    return &t->kernel_rows[t->kernel_count++];
+}
+
+static gscl_timing *row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
+    for (size_t i = 0; i < t->kernel_count; i++)
+        if (t->kernels[i] == kernel)
+            return &t->kernel_rows[i];
+    char name[MAX_NAME] = "";
+    clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
+    gscl_timing *row = row_of_name(t, name);
+    if (row)
+        t->kernels[row - t->kernel_rows] = kernel;
+    return row;
+}
+
+gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
+    gscl_stage_clock *clock = &context->clock;
+    if (clock->users == 0 || clock->frozen)
+        return GSCL_STAGE_NONE;
+    if (context->timings)
+        collect(context);
+    else
+        wait_for_device(context);
+    double now = gscl_now();
+    gscl_stage_id ended = clock->current;
+    clock->sums[ended].seconds += now - clock->start_s;
+    clock->sums[ended].count++;
+    clock->current = stage;
+    clock->start_s = now;
+    return ended;
+}
+
+void gscl_stages_freeze(gscl_context *context, bool frozen) {
+    context->clock.frozen = frozen;
+}
+
+cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
+    struct gscl_timings *t = context->timings;
+    if (!t)
+        return NULL;
+    if (t->pending_count == MAX_PENDING)
+        collect(context);
+    gscl_timing *row = row_of_kernel(t, kernel);
+    if (!row)
+        return NULL;
+    t->pending[t->pending_count] = NULL;
+    t->pending_rows[t->pending_count] = row;
+    return &t->pending[t->pending_count++];
+}
+
+size_t gscl_context_timings(const gscl_context *context, const gscl_timing **timings) {
+    if (!context || !context->timings || !timings)
+        return 0;
+    struct gscl_timings *t = context->timings;
+    size_t count = 0;
+    for (int stage = GSCL_STAGE_NONE + 1; stage < GSCL_STAGE_COUNT; stage++) {
+        const gscl_stage_time_sum *sum = &context->clock.sums[stage];
+        if (sum->count > 0)
+            t->listed[count++] = (gscl_timing){.name = gscl_stage_name((gscl_stage_id)stage),
+                                               .count = sum->count,
+                                               .seconds = sum->seconds,
+                                               .kernel_seconds = sum->kernel_seconds};
+    }
+    for (size_t i = 0; i < t->kernel_count; i++)
+        t->listed[count++] = t->kernel_rows[i];
+    *timings = t->listed;
+    return count;
+}
+
+double gscl_kernel_seconds(const gscl_context *context) {
+    double seconds = 0;
+    for (size_t i = 0; context->timings && i < context->timings->kernel_count; i++)
+        seconds += context->timings->kernel_rows[i].seconds;
+    return seconds;
+}
+
+static int compare_samples(const void *a, const void *b) {
+    const double *p = a, *q = b;
+    return *p < *q ? -1 : *p > *q;
+}
+
+void gscl_sort_samples(double *samples, size_t count) {
+    qsort(samples, count, sizeof *samples, compare_samples);
+}
+
+void gscl_context_reset_timings(gscl_context *context) {
+    if (!context || !context->timings)
+        return;
+    collect(context);
+    memset(context->clock.sums, 0, sizeof context->clock.sums);
+    for (size_t i = 0; i < context->timings->kernel_count; i++) {
+        gscl_timing *row = &context->timings->kernel_rows[i];
+        *row = (gscl_timing){.name = row->name, .is_kernel = true};
+    }
+}

@@ -1,0 +1,31 @@
+/* Where time goes: stages of an encode or decode on the wall clock, and kernels on the device's own.
+ *
+ * Nothing is measured, and nothing waits, unless gscl_context_settings.timing or an encode's report
+ * (session/encode_trace.h) asks for it. */
+#ifndef GSCL_LIB_TIMING_H
+#define GSCL_LIB_TIMING_H
+
+#include "runtime/context.h"
+
+/* Ends the current stage, once the device has finished its work, and begins `stage` (NONE: no stage).
+ * Returns the stage that ended, so that a stage within another can restore it. */
+gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage);
+
+/* Until it is called with false, gscl_stage does nothing: what runs is a part of the current stage. */
+void gscl_stages_freeze(gscl_context *context, bool frozen);
+
+/* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
+cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
+
+/* What all kernels took together since the timings were reset, in seconds. */
+double gscl_kernel_seconds(const gscl_context *context);
+/* Sorts samples, the smallest first. */
+void gscl_sort_samples(double *samples, size_t count);
+
+/* Seconds on a clock that only goes forward. */
+double gscl_now(void);
+
+gscl_result gscl_timing_create(gscl_context *context);
+void gscl_timing_free(gscl_context *context);
+
+#endif

@@ -1,0 +1,53 @@
+#include "cli/device_choice.h"
+
+#include <stdlib.h>
+
+#include "commands/command.h"
+#include "cli/interrupt.h"
+#include "cli/message.h"
+
+static void log_message(void *opaque, gscl_log_level level, const char *message) {
+    (void)opaque;
+    /* Errors come back as results and are reported there, once. */
+    if (level != GSCL_LOG_ERROR)
+        report_note("%s", message);
+}
+
+/* A text for the errors that the tool knows to explain better than one line of the library's. */
+static const char *advice(gscl_result result) {
+    switch (result) {
+    case GSCL_ERROR_NO_PLATFORM:
+        return "; install one, for example the package pocl-opencl-icd";
+    case GSCL_ERROR_UNKNOWN_DEVICE:
+        return "; 'gscl devices' lists them";
+    default:
+        return "";
+    }
+}
+
+int report_result(const gscl_context *context, const char *subject, gscl_result result) {
+    /* Whatever the result: kernel compilers clean up on signals, too, and fail in their own way. */
+    if (interrupt_pending()) {
+        report_error(subject, "interrupted; its output was not written");
+        return 128 + interrupt_pending();
+    }
+    const char *detail = context ? gscl_context_message(context) : "";
+    report_error(subject, "%s%s", *detail ? detail : gscl_result_text(result), *detail ? "" : advice(result));
+    return result == GSCL_ERROR_CONFLICT ? EXIT_USAGE : EXIT_FAILURE;
+}
+
+int open_device(const device_choice *choice, gscl_context **context) {
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = choice->device;
+    settings.mapping = (gscl_mapping)choice->mapping;
+    settings.timing = choice->timing;
+    if (choice->verbose)
+        settings.log = log_message;
+    const gscl_result result = gscl_context_create(context, &settings);
+    if (result == GSCL_OK)
+        return EXIT_SUCCESS;
+    const int status = report_result(*context, choice->device ? choice->device : "OpenCL", result);
+    gscl_context_free(context);
+    return status;
+}

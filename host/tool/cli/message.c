@@ -1,0 +1,65 @@
+#include "cli/message.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands/command.h"
+
+#define MAX_LINE 2048 /* bytes; a longer message is cut */
+
+/* Line breaks and other control characters become blanks: a message stays on its line, and a file name
+ * cannot send escape sequences to the terminal. */
+static void make_one_line(char *text) {
+    for (unsigned char *c = (unsigned char *)text; *c; c++) {
+        if (*c < 0x20 || *c == 0x7F)
+            *c = ' ';
+    }
+    size_t length = strlen(text);
+    while (length > 0 && text[length - 1] == ' ')
+        text[--length] = '\0';
+}
+
+static void print_line(const char *subject, const char *format, va_list arguments) {
+    char line[MAX_LINE];
+    int used = 0;
+    if (subject)
+        used = snprintf(line, sizeof line, "gscl: %.1024s: ", subject);
+    vsnprintf(line + used, sizeof line - (size_t)used, format, arguments);
+    make_one_line(line);
+    fprintf(stderr, "%s\n", line);
+}
+
+bool report_error(const char *subject, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_line(subject, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+int report_usage(const char *command, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_line(command, format, arguments);
+    va_end(arguments);
+    return EXIT_USAGE;
+}
+
+void report_note(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_line(NULL, format, arguments);
+    va_end(arguments);
+}
+
+int finish_stdout(int status) {
+    errno = 0;
+    const bool failed = ferror(stdout) != 0;
+    if ((fclose(stdout) == 0 && !failed) || status != EXIT_SUCCESS)
+        return status;
+    report_error("standard output", "cannot be written: %s", errno ? strerror(errno) : "an earlier write failed");
+    return EXIT_FAILURE;
+}

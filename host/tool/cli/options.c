@@ -1,0 +1,258 @@
+#include "cli/options.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/message.h"
+
+#define MAX_OPTIONS 32
+#define HELP_COLUMN 26 /* where descriptions start */
+#define FIRST_LONG 256 /* getopt values of options without a letter; above all characters */
+
+/* ---- Values ------------------------------------------------------------------------------------ */
+
+/* Reads decimal digits up to `end` characters; *rest is where they stop.  No sign, no blank. */
+static bool read_integer(const char *text, uint64_t *value, const char **rest) {
+    if (*text < '0' || *text > '9')
+        return false;
+    char *end;
+    errno = 0;
+    *value = strtoull(text, &end, 10);
+    *rest = end;
+    return errno == 0;
+}
+
+static bool parse_integer(const char *text, uint64_t *value) {
+    const char *rest;
+    return read_integer(text, value, &rest) && *rest == '\0';
+}
+
+static bool parse_real(const char *text, double *value) {
+    char *end;
+    if (!strchr("0123456789.+-", *text)) /* neither blanks nor "nan" and "inf" */
+        return false;
+    *value = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(*value);
+}
+
+static bool parse_word(const char *text, const char *const *words, int *index) {
+    for (int i = 0; words[i]; i++) {
+        if (strcmp(text, words[i]) == 0) {
+            *index = i;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Reads `count` integers up to `high` with `separator` between them. */
+static bool parse_list(const char *text, char separator, uint64_t high, uint32_t *values, int count) {
+    for (int i = 0; i < count; i++) {
+        uint64_t value;
+        if (!read_integer(text, &value, &text) || value > high)
+            return false;
+        values[i] = (uint32_t)value;
+        if (*text != (i + 1 < count ? separator : '\0'))
+            return false;
+        text++;
+    }
+    return true;
+}
+
+static bool parse_size(const option_spec *spec, const char *text, option_size *size) {
+    uint32_t values[2];
+    if (!parse_list(text, 'x', spec->high, values, 2) || values[0] == 0 || values[1] == 0)
+        return false;
+    *size = (option_size){values[0], values[1]};
+    return true;
+}
+
+static bool parse_rectangle(const option_spec *spec, const char *text, option_rectangle *rectangle) {
+    uint32_t values[4];
+    if (!parse_list(text, ',', spec->high, values, 4) || values[2] == 0 || values[3] == 0)
+        return false;
+    *rectangle = (option_rectangle){values[0], values[1], values[2], values[3]};
+    return true;
+}
+
+static bool parse_value(const option_spec *spec, const char *text) {
+    uint64_t integer;
+    double real;
+    switch (spec->kind) {
+    case OPTION_FLAG:
+        *(bool *)spec->value = true;
+        return true;
+    case OPTION_TEXT:
+        *(const char **)spec->value = text;
+        return *text != '\0';
+    case OPTION_INTEGER:
+        if (!parse_integer(text, &integer) || integer < spec->low || integer > spec->high)
+            return false;
+        *(uint64_t *)spec->value = integer;
+        return true;
+    case OPTION_REAL:
+        if (!parse_real(text, &real) || real < spec->minimum || real > spec->maximum)
+            return false;
+        *(double *)spec->value = real;
+        return true;
+    case OPTION_WORD:
+        return parse_word(text, spec->words, spec->value);
+    case OPTION_SIZE:
+        return parse_size(spec, text, spec->value);
+    case OPTION_RECTANGLE:
+        return parse_rectangle(spec, text, spec->value);
+    }
+    return false;
+}
+
+/* ---- Descriptions ------------------------------------------------------------------------------ */
+
+static void append_words(char *text, size_t capacity, const char *const *words) {
+    for (int i = 0; words[i]; i++) {
+        const size_t used = strlen(text);
+        snprintf(text + used, capacity - used, "%s%s", i ? ", " : "", words[i]);
+    }
+}
+
+/* What the option takes, in words: for errors ("must be ...") and for the help text. */
+static void describe_range(const option_spec *spec, char *text, size_t capacity) {
+    text[0] = '\0';
+    switch (spec->kind) {
+    case OPTION_INTEGER:
+        snprintf(text, capacity, "%" PRIu64 " to %" PRIu64, spec->low, spec->high);
+        break;
+    case OPTION_REAL:
+        snprintf(text, capacity, "%g to %g", spec->minimum, spec->maximum);
+        break;
+    case OPTION_WORD:
+        append_words(text, capacity, spec->words);
+        break;
+    case OPTION_SIZE:
+        snprintf(text, capacity, "1x1 to %" PRIu64 "x%" PRIu64, spec->high, spec->high);
+        break;
+    case OPTION_RECTANGLE:
+        snprintf(text, capacity, "pixels, up to %" PRIu64, spec->high);
+        break;
+    case OPTION_FLAG:
+    case OPTION_TEXT:
+        break;
+    }
+}
+
+static int report_wrong_value(const char *command, const option_spec *spec, const char *text) {
+    static const char *const what[] = {
+        [OPTION_FLAG] = "",
+        [OPTION_TEXT] = "some text",
+        [OPTION_INTEGER] = "a whole number from ",
+        [OPTION_REAL] = "a number from ",
+        [OPTION_WORD] = "one of ",
+        [OPTION_SIZE] = "WIDTHxHEIGHT from ",
+        [OPTION_RECTANGLE] = "X,Y,WIDTH,HEIGHT in ",
+    };
+    char range[256];
+    describe_range(spec, range, sizeof range);
+    return report_usage(command, "--%s cannot be '%s'; it takes %s%s", spec->name, text, what[spec->kind], range);
+}
+
+static void print_option(const option_spec *spec) {
+    char head[64], range[256];
+    describe_range(spec, range, sizeof range);
+    if (spec->letter)
+        snprintf(head, sizeof head, "  -%c, --%s %s", spec->letter, spec->name, spec->argument ? spec->argument : "");
+    else
+        snprintf(head, sizeof head, "      --%s %s", spec->name, spec->argument ? spec->argument : "");
+    printf("%-*s%s", HELP_COLUMN, head, strlen(head) >= HELP_COLUMN ? " " : "");
+    printf("%s%s%s%s\n", spec->help, *range ? " [" : "", range, *range ? "]" : "");
+}
+
+static void print_help(const option_command *command) {
+    printf("usage: gscl %s %s\n\n%s\n\n", command->name, command->usage, command->about);
+    for (int i = 0; i < command->option_count; i++)
+        print_option(&command->options[i]);
+    printf("%-*s%s\n", HELP_COLUMN, "  -h, --help", "print this text");
+}
+
+/* ---- The command line -------------------------------------------------------------------------- */
+
+/* The command's options in getopt's own tables. */
+typedef struct getopt_tables {
+    struct option longs[MAX_OPTIONS + 2];
+    char shorts[2 * MAX_OPTIONS + 3];
+} getopt_tables;
+
+static void fill_tables(const option_command *command, getopt_tables *tables) {
+    char *letter = tables->shorts;
+    memset(tables, 0, sizeof *tables);
+    *letter++ = ':'; /* tells a missing argument from an unknown option */
+    *letter++ = 'h';
+    tables->longs[0] = (struct option){"help", no_argument, NULL, 'h'};
+    for (int i = 0; i < command->option_count && i < MAX_OPTIONS; i++) {
+        const option_spec *spec = &command->options[i];
+        const int argument = spec->kind == OPTION_FLAG ? no_argument : required_argument;
+        tables->longs[i + 1] = (struct option){spec->name, argument, NULL, FIRST_LONG + i};
+        if (spec->letter) {
+            *letter++ = spec->letter;
+            if (argument == required_argument)
+                *letter++ = ':';
+        }
+    }
+}
+
+/* The option behind getopt's return value. */
+static const option_spec *find_option(const option_command *command, int value) {
+    for (int i = 0; i < command->option_count; i++) {
+        if (value == FIRST_LONG + i || (value < FIRST_LONG && value == command->options[i].letter))
+            return &command->options[i];
+    }
+    return NULL;
+}
+
+static int report_unknown(const option_command *command, char **argv, bool argument_missing) {
+    char letter[3] = {'-', (char)optopt, '\0'};
+    /* getopt leaves a letter in optopt for short options, and something else for long ones. */
+    const bool is_short = optopt > 0 && optopt < FIRST_LONG;
+    const char *what = is_short ? letter : argv[optind - 1];
+    if (argument_missing)
+        return report_usage(command->name, "%s lacks its value; 'gscl %s -h' explains it", what, command->name);
+    return report_usage(command->name, "unknown option %s; 'gscl %s -h' lists all", what, command->name);
+}
+
+static bool count_operands(const option_command *command, int count) {
+    if (count >= command->min_operands && count <= command->max_operands)
+        return true;
+    report_usage(command->name, "%s; usage: gscl %s %s",
+                 count < command->min_operands ? "an input is missing" : "too many inputs", command->name,
+                 command->usage);
+    return false;
+}
+
+option_outcome options_parse(const option_command *command, int argc, char **argv, int *first) {
+    getopt_tables tables;
+    fill_tables(command, &tables);
+    opterr = 0;
+    optind = 1;
+    for (int value; (value = getopt_long(argc, argv, tables.shorts, tables.longs, NULL)) != -1;) {
+        if (value == 'h') {
+            print_help(command);
+            return OPTIONS_HELP;
+        }
+        const option_spec *spec = find_option(command, value);
+        if (!spec) {
+            report_unknown(command, argv, value == ':');
+            return OPTIONS_WRONG;
+        }
+        if (!parse_value(spec, optarg)) {
+            report_wrong_value(command->name, spec, optarg);
+            return OPTIONS_WRONG;
+        }
+        if (spec->given)
+            *spec->given = true;
+    }
+    *first = optind;
+    return count_operands(command, argc - optind) ? OPTIONS_RUN : OPTIONS_WRONG;
+}

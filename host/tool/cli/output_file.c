@@ -1,0 +1,147 @@
+#define _DEFAULT_SOURCE /* realpath, fchmod */
+#include "cli/output_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli/interrupt.h"
+#include "cli/message.h"
+
+const char *name_suffix(const char *name) {
+    const char *slash = strrchr(name, '/');
+    const char *base = slash ? slash + 1 : name;
+    const char *dot = strrchr(base, '.');
+    return dot && dot != base ? dot : base + strlen(base);
+}
+
+bool output_is_separate(const char *command, const char *input, const char *output) {
+    struct stat in, out;
+    if (strcmp(input, "-") == 0 || strcmp(output, "-") == 0 || stat(input, &in) || stat(output, &out))
+        return true;
+    if (in.st_dev != out.st_dev || in.st_ino != out.st_ino || !S_ISREG(out.st_mode))
+        return true;
+    report_usage(command, "output %s would overwrite the input; choose another name", output);
+    return false;
+}
+
+/* "DIR/.gscl-XXXXXX" beside DIR/NAME; NULL when out of memory. */
+static char *temporary_name(const char *target) {
+    static const char pattern[] = ".gscl-XXXXXX";
+    const char *slash = strrchr(target, '/');
+    const size_t folder = slash ? (size_t)(slash + 1 - target) : 0;
+    char *name = malloc(folder + sizeof pattern);
+    if (name) {
+        memcpy(name, target, folder);
+        memcpy(name + folder, pattern, sizeof pattern);
+    }
+    return name;
+}
+
+/* The permissions of the file that is replaced, or what open() would give a new one. */
+static mode_t target_mode(const struct stat *existing) {
+    if (existing)
+        return existing->st_mode & 0777;
+    const mode_t mask = umask(0);
+    umask(mask);
+    return 0666 & ~mask;
+}
+
+static bool open_temporary(output_file *output, const struct stat *existing) {
+    output->temporary = temporary_name(output->target);
+    if (!output->temporary)
+        return false;
+    const int file = interrupt_make_guarded(output->temporary);
+    if (file < 0) {
+        free(output->temporary);
+        output->temporary = NULL;
+        return false;
+    }
+    fchmod(file, target_mode(existing));
+    output->stream = fdopen(file, "wb");
+    if (!output->stream)
+        close(file);
+    return output->stream != NULL;
+}
+
+static bool open_target(output_file *output) {
+    struct stat status;
+    const bool exists = stat(output->target, &status) == 0;
+    if (exists && S_ISDIR(status.st_mode)) {
+        errno = EISDIR;
+        return false;
+    }
+    if (exists && access(output->target, W_OK) != 0)
+        return false;
+    if (exists && !S_ISREG(status.st_mode)) {
+        output->stream = fopen(output->target, "wb");
+        return output->stream != NULL;
+    }
+    return open_temporary(output, exists ? &status : NULL);
+}
+
+bool output_open(output_file *output, const char *name) {
+    *output = (output_file){.label = name};
+    if (strcmp(name, "-") == 0) {
+        output->label = "standard output";
+        output->stream = stdout;
+        return !isatty(STDOUT_FILENO) || report_error(output->label, "is a terminal; send it to a file or a pipe");
+    }
+    /* The file behind a symbolic link is what gets replaced, not the link. */
+    output->target = realpath(name, NULL);
+    if (!output->target)
+        output->target = strdup(name);
+    if (output->target && open_target(output))
+        return true;
+    report_error(name, "cannot be written: %s", strerror(errno));
+    output_discard(output);
+    return false;
+}
+
+bool output_write(output_file *output, const void *bytes, size_t size) {
+    if (!output->error && size > 0 && fwrite(bytes, 1, size, output->stream) != size)
+        output->error = errno ? errno : EIO;
+    return !output->error;
+}
+
+/* Flushes and closes, keeping the first error: a full disk may show only here. */
+static void close_stream(output_file *output) {
+    if (!output->stream)
+        return;
+    if (fflush(output->stream) != 0 && !output->error)
+        output->error = errno;
+    if (output->stream != stdout && fclose(output->stream) != 0 && !output->error)
+        output->error = errno;
+    output->stream = NULL;
+}
+
+static void release(output_file *output) {
+    if (output->temporary)
+        interrupt_release_guarded(output->temporary);
+    free(output->temporary);
+    free(output->target);
+    output->temporary = output->target = NULL;
+}
+
+bool output_commit(output_file *output) {
+    close_stream(output);
+    if (!output->error && output->temporary && rename(output->temporary, output->target) != 0)
+        output->error = errno;
+    if (output->error) {
+        report_error(output->label, "cannot be written: %s", strerror(output->error));
+        output_discard(output);
+        return false;
+    }
+    release(output);
+    return true;
+}
+
+void output_discard(output_file *output) {
+    close_stream(output);
+    if (output->temporary)
+        unlink(output->temporary);
+    release(output);
+}

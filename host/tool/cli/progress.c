@@ -1,0 +1,58 @@
+#define _DEFAULT_SOURCE /* isatty */
+#include "cli/progress.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/interrupt.h"
+
+#define REDRAW_SECONDS 0.1
+#define LABEL_WIDTH 28
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of what stands on the terminal */
+static const progress_line *shown;                       /* the line that does; NULL: none */
+
+void progress_start(progress_line *line, const char *label, bool quiet) {
+    const char *slash = strrchr(label, '/');
+    *line = (progress_line){.label = slash ? slash + 1 : label, .visible = !quiet && isatty(STDERR_FILENO)};
+}
+
+static void draw(const progress_line *line, const gscl_progress *progress) {
+    fprintf(stderr, "\r\033[K%.*s  %3.0f %%", LABEL_WIDTH, line->label, 100.0 * progress->fraction);
+    if (progress->psnr > 0.0)
+        fprintf(stderr, "  %.2f dB", progress->psnr);
+    fprintf(stderr, "  %u splats  %.1f s left", progress->splats, progress->left_s);
+    fflush(stderr);
+}
+
+/* The first of several lines has the terminal until it is finished. */
+static void show(progress_line *line, const gscl_progress *progress) {
+    pthread_mutex_lock(&lock);
+    if (!shown)
+        shown = line;
+    if (shown == line && (!line->drawn || progress->elapsed_s >= line->drawn_at + REDRAW_SECONDS)) {
+        draw(line, progress);
+        line->drawn = true;
+        line->drawn_at = progress->elapsed_s;
+    }
+    pthread_mutex_unlock(&lock);
+}
+
+bool progress_update(void *opaque, const gscl_progress *progress) {
+    progress_line *line = opaque;
+    if (line->visible)
+        show(line, progress);
+    return interrupt_pending() == 0;
+}
+
+void progress_finish(progress_line *line) {
+    pthread_mutex_lock(&lock);
+    if (line->drawn)
+        fputs("\r\033[K", stderr);
+    line->drawn = false;
+    if (shown == line)
+        shown = NULL;
+    pthread_mutex_unlock(&lock);
+}

@@ -1,0 +1,80 @@
+#include "cli/read_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/message.h"
+
+#define FIRST_CAPACITY ((size_t)64 << 10)
+
+const char *input_label(const char *name) {
+    return strcmp(name, "-") ? name : "standard input";
+}
+
+static FILE *open_input(const char *name) {
+    if (strcmp(name, "-") == 0)
+        return stdin;
+    FILE *stream = fopen(name, "rb");
+    if (!stream)
+        report_error(name, "cannot be opened: %s", strerror(errno));
+    return stream;
+}
+
+static void close_input(FILE *stream) {
+    if (stream && stream != stdin)
+        fclose(stream);
+}
+
+/* Doubles the buffer, within the limit (plus one byte, to see that there is more). */
+static bool grow(uint8_t **bytes, size_t *capacity, uint64_t limit) {
+    const uint64_t wanted = *capacity ? 2 * (uint64_t)*capacity : FIRST_CAPACITY;
+    const size_t larger = (size_t)(wanted > limit ? limit + 1 : wanted);
+    uint8_t *moved = realloc(*bytes, larger);
+    if (!moved)
+        return false;
+    *bytes = moved;
+    *capacity = larger;
+    return true;
+}
+
+static bool read_stream(FILE *stream, const char *label, uint64_t limit, uint8_t **bytes, size_t *size) {
+    size_t capacity = 0;
+    do {
+        if (*size == capacity && !grow(bytes, &capacity, limit))
+            return report_error(label, "is too large for the memory");
+        *size += fread(*bytes + *size, 1, capacity - *size, stream);
+        if (*size > limit)
+            return report_error(label, "is larger than %llu MiB; no such file makes sense here",
+                                (unsigned long long)(limit >> 20));
+        if (ferror(stream))
+            return report_error(label, "cannot be read: %s", strerror(errno));
+    } while (!feof(stream));
+    return true;
+}
+
+bool read_file(const char *name, uint64_t limit, uint8_t **bytes, size_t *size) {
+    uint8_t *buffer = NULL;
+    size_t used = 0;
+    FILE *stream = open_input(name);
+    const bool ok = stream && read_stream(stream, input_label(name), limit, &buffer, &used);
+    close_input(stream);
+    if (!ok) {
+        free(buffer);
+        return false;
+    }
+    *bytes = buffer;
+    *size = used;
+    return true;
+}
+
+bool read_file_start(const char *name, uint8_t *bytes, size_t capacity, size_t *count) {
+    FILE *stream = open_input(name);
+    if (!stream)
+        return false;
+    *count = fread(bytes, 1, capacity, stream);
+    const int error = ferror(stream) ? errno : 0;
+    close_input(stream);
+    return error == 0 || report_error(name, "cannot be read: %s", strerror(error));
+}

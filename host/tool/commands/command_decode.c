@@ -1,0 +1,186 @@
+/* gscl decode: a gscl file into an image. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <gscl/gscl.h>
+
+#include "commands/command.h"
+#include "cli/device_choice.h"
+#include "image/image_file.h"
+#include "image/image_format.h"
+#include "cli/message.h"
+#include "cli/options.h"
+#include "cli/read_file.h"
+
+typedef struct decode_options {
+    const char *input, *output;
+    double scale;
+    option_size size;
+    option_rectangle crop;
+    int depth; /* index into depth_words */
+    bool has_scale, has_size, has_crop, has_depth;
+    device_choice choice;
+} decode_options;
+
+static const char *const depth_words[] = {"8", "16", NULL};
+
+static uint32_t scaled(uint32_t length, double scale) {
+    const double value = floor(length * scale + 0.5);
+    return value < 1.0 ? 1 : value > GSCL_MAX_DIMENSION ? GSCL_MAX_DIMENSION + 1 : (uint32_t)value;
+}
+
+/* The size to draw at and the part to keep; reports errors. */
+static bool choose_area(const decode_options *options, const gscl_info *info, gscl_decode_settings *settings) {
+    settings->width = options->has_size ? options->size.width : scaled(info->width, options->scale);
+    settings->height = options->has_size ? options->size.height : scaled(info->height, options->scale);
+    if (settings->width > GSCL_MAX_DIMENSION || settings->height > GSCL_MAX_DIMENSION)
+        return report_error(input_label(options->input),
+                            "would be wider or higher than %d pixels at that scale; its size is %u x %u",
+                            GSCL_MAX_DIMENSION, info->width, info->height);
+    if (!options->has_crop)
+        return true;
+    const option_rectangle *crop = &options->crop;
+    if (crop->x + crop->width > settings->width || crop->y + crop->height > settings->height)
+        return report_error(input_label(options->input), "has no area %u,%u,%u,%u; the picture is %u x %u pixels",
+                            crop->x, crop->y, crop->width, crop->height, settings->width, settings->height);
+    settings->crop_x = crop->x;
+    settings->crop_y = crop->y;
+    settings->crop_width = crop->width;
+    settings->crop_height = crop->height;
+    return true;
+}
+
+/* The samples to ask for: as the format wants them, else as the user does, else as the file has them. */
+static gscl_sample choose_sample(const decode_options *options, const image_format *format, const gscl_info *info) {
+    if (format->bits == 32)
+        return GSCL_SAMPLE_F32;
+    if (options->has_depth)
+        return strcmp(depth_words[options->depth], "16") == 0 ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
+    return info->sample;
+}
+
+/* Draws the picture and writes it to `output`, which is closed in any case. */
+static int draw_picture(const decode_options *options, const uint8_t *bytes, size_t size,
+                        const gscl_decode_settings *settings, output_file *output) {
+    gscl_context *context;
+    gscl_image image = {0};
+    int status = open_device(&options->choice, &context);
+    if (status == EXIT_SUCCESS) {
+        const gscl_result result = gscl_decode(context, bytes, size, settings, &image);
+        if (result != GSCL_OK)
+            status = report_result(context, input_label(options->input), result);
+        gscl_context_free(&context);
+    }
+    if (status == EXIT_SUCCESS)
+        status = image_write(output, &image) ? EXIT_SUCCESS : EXIT_FAILURE;
+    else
+        output_discard(output);
+    gscl_free(image.pixels);
+    return status;
+}
+
+static int decode_bytes(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size) {
+    gscl_info info;
+    gscl_decode_settings settings;
+    output_file output;
+    const gscl_result result = gscl_probe(bytes, size, &info);
+    if (result != GSCL_OK)
+        return report_result(NULL, input_label(options->input), result);
+    gscl_decode_settings_default(&settings);
+    settings.sample = choose_sample(options, format, &info);
+    if (!choose_area(options, &info, &settings) ||
+        !image_format_holds(format, options->output, info.channels, settings.sample) ||
+        !output_open(&output, options->output))
+        return EXIT_FAILURE;
+    return draw_picture(options, bytes, size, &settings, &output);
+}
+
+static int decode(const decode_options *options) {
+    const image_format *format = image_format_of("decode", options->output);
+    if (!format || !output_is_separate("decode", options->input, options->output))
+        return EXIT_USAGE;
+    if (format->bits == 32 && options->has_depth)
+        return report_usage("decode", "--depth means nothing for %s, which holds floating-point samples; leave it out",
+                            format->suffix);
+    uint8_t *bytes;
+    size_t size;
+    if (!read_file(options->input, MAX_GSCL_FILE, &bytes, &size))
+        return EXIT_FAILURE;
+    const int status = decode_bytes(options, format, bytes, size);
+    free(bytes);
+    return status;
+}
+
+static option_outcome parse(decode_options *decode, int argc, char **argv) {
+    const option_spec options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .kind = OPTION_TEXT,
+         .value = &decode->output,
+         .argument = "FILE",
+         .help = "image to write, in the format of its suffix; - is standard output, as PNG (required)"},
+        {.name = "scale",
+         .kind = OPTION_REAL,
+         .value = &decode->scale,
+         .given = &decode->has_scale,
+         .argument = "F",
+         .minimum = 0.001,
+         .maximum = GSCL_MAX_DIMENSION,
+         .help = "draw at this multiple of the encoded size (default 1)"},
+        {.name = "size",
+         .kind = OPTION_SIZE,
+         .value = &decode->size,
+         .given = &decode->has_size,
+         .argument = "WxH",
+         .high = GSCL_MAX_DIMENSION,
+         .help = "draw at this size (default: as encoded)"},
+        {.name = "crop",
+         .kind = OPTION_RECTANGLE,
+         .value = &decode->crop,
+         .given = &decode->has_crop,
+         .argument = "X,Y,W,H",
+         .high = GSCL_MAX_DIMENSION,
+         .help = "write only this part of the drawn picture"},
+        {.name = "depth",
+         .kind = OPTION_WORD,
+         .value = &decode->depth,
+         .given = &decode->has_depth,
+         .argument = "N",
+         .words = depth_words,
+         .help = "bits a sample (default: as the encoded image had)"},
+        DEVICE_OPTIONS(decode->choice),
+        {.name = "verbose",
+         .letter = 'v',
+         .kind = OPTION_FLAG,
+         .value = &decode->choice.verbose,
+         .help = "say on standard error what is being done"},
+    };
+    const option_command command = {
+        .name = "decode",
+        .usage = "IN.gscl -o OUT.png [options]",
+        .about = "Draws a gscl file and writes it as an image.  Alpha is written straight (OpenEXR: premultiplied),\n"
+                 "and OpenEXR holds linear light.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+    };
+    int first;
+    const option_outcome outcome = options_parse(&command, argc, argv, &first);
+    if (outcome == OPTIONS_RUN)
+        decode->input = argv[first];
+    return outcome;
+}
+
+int command_decode(int argc, char **argv) {
+    decode_options options = {.scale = 1.0};
+    const option_outcome outcome = parse(&options, argc, argv);
+    if (outcome != OPTIONS_RUN)
+        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    if (!options.output)
+        return report_usage("decode", "-o is missing; it names the image to write, or - for standard output");
+    if (options.has_scale && options.has_size)
+        return report_usage("decode", "--scale and --size exclude each other; give one of them");
+    return decode(&options);
+}

@@ -1,0 +1,151 @@
+/* gscl draw: the splats themselves, as ellipse outlines over the decoded picture. */
+#include <stdlib.h>
+
+#include <gscl/gscl.h>
+
+#include "commands/command.h"
+#include "cli/device_choice.h"
+#include "image/image_file.h"
+#include "image/image_format.h"
+#include "cli/message.h"
+#include "cli/options.h"
+#include "commands/ellipse_outline.h"
+#include "cli/read_file.h"
+
+typedef struct draw_options {
+    const char *input, *output;
+    uint64_t scale;
+    device_choice choice;
+} draw_options;
+
+/* Grey becomes RGB, so that outlines can have a colour.  The new pixels are released with free. */
+static bool make_colour(const gscl_image *from, gscl_image *to) {
+    const uint32_t alpha = from->channels % 2 == 0;
+    const size_t pixels = (size_t)from->width * from->height;
+    *to = *from;
+    to->channels = 3 + alpha;
+    to->stride = 0;
+    uint8_t *out = to->pixels = malloc(pixels * to->channels);
+    if (!out)
+        return false;
+    const uint8_t *in = from->pixels;
+    const uint32_t step = from->channels >= 3 ? 1 : 0; /* 0: the grey sample three times */
+    for (size_t i = 0; i < pixels; i++, in += from->channels, out += to->channels) {
+        for (uint32_t c = 0; c < 3; c++)
+            out[c] = in[c * step];
+        if (alpha)
+            out[3] = in[from->channels - 1];
+    }
+    return true;
+}
+
+static gscl_result draw_outlines(const uint8_t *bytes, size_t size, const gscl_info *info, gscl_image *image) {
+    gscl_splat *splats;
+    size_t count;
+    const gscl_result result = gscl_read_splats(bytes, size, &splats, &count);
+    if (result != GSCL_OK)
+        return result;
+    const double scale_x = (double)image->width / info->width, scale_y = (double)image->height / info->height;
+    for (size_t i = 0; i < count; i++)
+        outline_draw(image, &splats[i], scale_x, scale_y);
+    gscl_free(splats);
+    return GSCL_OK;
+}
+
+/* The decoded picture with outlines, in *image; its pixels are released with free.  Returns the exit code. */
+static int make_picture(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
+                        gscl_image *image) {
+    gscl_context *context;
+    gscl_image decoded = {0};
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.sample = GSCL_SAMPLE_U8;
+    settings.width = info->width * (uint32_t)options->scale;
+    settings.height = info->height * (uint32_t)options->scale;
+    int status = open_device(&options->choice, &context);
+    if (status != EXIT_SUCCESS)
+        return status;
+    gscl_result result = gscl_decode(context, bytes, size, &settings, &decoded);
+    if (result == GSCL_OK)
+        result = make_colour(&decoded, image) ? draw_outlines(bytes, size, info, image) : GSCL_ERROR_OUT_OF_MEMORY;
+    if (result != GSCL_OK)
+        status = report_result(context, input_label(options->input), result);
+    gscl_free(decoded.pixels);
+    gscl_context_free(&context);
+    return status;
+}
+
+static int draw_bytes(const draw_options *options, const image_format *format, const uint8_t *bytes, size_t size) {
+    gscl_info info;
+    gscl_image image = {0};
+    output_file output;
+    const char *label = input_label(options->input);
+    const gscl_result result = gscl_probe(bytes, size, &info);
+    if (result != GSCL_OK)
+        return report_result(NULL, label, result);
+    if (info.width * options->scale > GSCL_MAX_DIMENSION || info.height * options->scale > GSCL_MAX_DIMENSION) {
+        report_error(label, "would be wider or higher than %d pixels at that scale; its size is %u x %u",
+                     GSCL_MAX_DIMENSION, info.width, info.height);
+        return EXIT_FAILURE;
+    }
+    if (!image_format_holds(format, options->output, info.channels % 2 ? 3 : 4, GSCL_SAMPLE_U8) ||
+        !output_open(&output, options->output))
+        return EXIT_FAILURE;
+    int status = make_picture(options, bytes, size, &info, &image);
+    if (status == EXIT_SUCCESS)
+        status = image_write(&output, &image) ? EXIT_SUCCESS : EXIT_FAILURE;
+    else
+        output_discard(&output);
+    free(image.pixels);
+    return status;
+}
+
+static int draw(const draw_options *options) {
+    const image_format *format = image_format_of("draw", options->output);
+    if (!format || !output_is_separate("draw", options->input, options->output))
+        return EXIT_USAGE;
+    uint8_t *bytes;
+    size_t size;
+    if (!read_file(options->input, MAX_GSCL_FILE, &bytes, &size))
+        return EXIT_FAILURE;
+    const int status = draw_bytes(options, format, bytes, size);
+    free(bytes);
+    return status;
+}
+
+int command_draw(int argc, char **argv) {
+    draw_options draw_settings = {.scale = 1};
+    const option_spec options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .kind = OPTION_TEXT,
+         .value = &draw_settings.output,
+         .argument = "FILE",
+         .help = "image to write, in the format of its suffix; - is standard output, as PNG (required)"},
+        {.name = "scale",
+         .kind = OPTION_INTEGER,
+         .value = &draw_settings.scale,
+         .argument = "N",
+         .low = 1,
+         .high = 64,
+         .help = "enlarge the picture, not the lines (default 1)"},
+        DEVICE_OPTIONS(draw_settings.choice),
+    };
+    const option_command command = {
+        .name = "draw",
+        .usage = "IN.gscl -o OUT.png [options]",
+        .about = "Draws each splat's outline (one standard deviation from its centre) over the decoded picture.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+    };
+    int first;
+    const option_outcome outcome = options_parse(&command, argc, argv, &first);
+    if (outcome != OPTIONS_RUN)
+        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    if (!draw_settings.output)
+        return report_usage("draw", "-o is missing; it names the image to write, or - for standard output");
+    draw_settings.input = argv[first];
+    return draw(&draw_settings);
+}

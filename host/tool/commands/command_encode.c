@@ -1,0 +1,227 @@
+/* gscl encode: images into gscl files. */
+#include <stdlib.h>
+#include <string.h>
+
+#include <gscl/gscl.h>
+
+#include "commands/command.h"
+#include "commands/effect_list.h"
+#include "commands/encode_batch.h"
+#include "cli/message.h"
+#include "cli/names.h"
+#include "cli/options.h"
+
+typedef struct encode_options {
+    encode_batch batch;
+    uint64_t bytes, splats, effort, codebook, seed;
+    double bpp, psnr;
+    const char *effects;
+    uint32_t effects_on, effects_off;
+    int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
+    bool has_bytes, has_bpp, has_psnr, has_splats, has_codebook;
+} encode_options;
+
+#define MAX_FILE_BYTES UINT32_MAX
+#define MIN_CODEBOOK 2
+#define MAX_CODEBOOK 1024
+
+static option_outcome parse(encode_options *encode, int argc, char **argv) {
+    encode_batch *batch = &encode->batch;
+    const option_spec options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .kind = OPTION_TEXT,
+         .value = &batch->output,
+         .argument = "FILE",
+         .help = "file to write; - is standard output (default: IN with its suffix replaced by .gscl)"},
+        {.name = "out-dir",
+         .kind = OPTION_TEXT,
+         .value = &batch->out_dir,
+         .argument = "DIR",
+         .help = "existing folder for the outputs of one or more inputs (default: beside each input)"},
+        {.name = "bytes",
+         .kind = OPTION_INTEGER,
+         .value = &encode->bytes,
+         .given = &encode->has_bytes,
+         .argument = "N",
+         .low = 1,
+         .high = MAX_FILE_BYTES,
+         .help = "size of the file, never exceeded"},
+        {.name = "bpp",
+         .kind = OPTION_REAL,
+         .value = &encode->bpp,
+         .given = &encode->has_bpp,
+         .argument = "R",
+         .minimum = 0.0001,
+         .maximum = 64.0,
+         .help = "size of the file in bits per pixel, never exceeded (default 0.125, or 256 bytes if that is more)"},
+        {.name = "psnr",
+         .kind = OPTION_REAL,
+         .value = &encode->psnr,
+         .given = &encode->has_psnr,
+         .argument = "DB",
+         .minimum = 1.0,
+         .maximum = 100.0,
+         .help = "quality in dB, met within +0.3"},
+        {.name = "splats",
+         .kind = OPTION_INTEGER,
+         .value = &encode->splats,
+         .given = &encode->has_splats,
+         .argument = "N",
+         .low = 1,
+         .high = GSCL_MAX_SPLATS,
+         .help = "number of splats"},
+        {.name = "effort",
+         .kind = OPTION_INTEGER,
+         .value = &encode->effort,
+         .argument = "N",
+         .low = 0,
+         .high = GSCL_MAX_EFFORT,
+         .help = "from fastest to best (default 5)"},
+        {.name = "profile",
+         .kind = OPTION_WORD,
+         .value = &encode->profile,
+         .words = profile_words,
+         .argument = "P",
+         .help = "how splats are coded (default: default)"},
+        {.name = "blend",
+         .kind = OPTION_WORD,
+         .value = &encode->blend,
+         .words = blend_words,
+         .argument = "B",
+         .help = "how splats make a pixel (default: auto, by the profile)"},
+        {.name = "loss",
+         .kind = OPTION_WORD,
+         .value = &encode->loss,
+         .words = loss_words,
+         .argument = "L",
+         .help = "what the fit minimises (default: auto, by the profile)"},
+        {.name = "tune",
+         .kind = OPTION_WORD,
+         .value = &encode->tune,
+         .words = tune_words,
+         .argument = "T",
+         .help = "what bits are spent on: psnr, or ssim for MS-SSIM (default psnr)"},
+        {.name = "effects",
+         .kind = OPTION_TEXT,
+         .value = &encode->effects,
+         .argument = "LIST",
+         .help = "effects to use or to leave, as in +opacity,-chroma: chroma, alpha-channel, opacity, rotation, "
+                 "anisotropy, texture (default: what the image calls for)"},
+        {.name = "codebook",
+         .kind = OPTION_INTEGER,
+         .value = &encode->codebook,
+         .given = &encode->has_codebook,
+         .argument = "K",
+         .low = MIN_CODEBOOK,
+         .high = MAX_CODEBOOK,
+         .help = "code words in each codebook of the paper profile (default: chosen by rate)"},
+        {.name = "seed",
+         .kind = OPTION_INTEGER,
+         .value = &encode->seed,
+         .argument = "S",
+         .low = 0,
+         .high = UINT64_MAX,
+         .help = "start of the random numbers; same seed, same file (default 1)"},
+        DEVICE_OPTIONS(batch->choice),
+        {.name = "json",
+         .kind = OPTION_FLAG,
+         .value = &batch->json,
+         .help = "report on standard output as JSON; an array when there are several inputs"},
+        {.name = "trace",
+         .kind = OPTION_FLAG,
+         .value = &batch->settings.trace,
+         .help = "let --json tell the PSNR after each round of the fit; measuring it takes a little longer"},
+        {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .value = &batch->quiet, .help = "say nothing but errors"},
+        {.name = "verbose",
+         .letter = 'v',
+         .kind = OPTION_FLAG,
+         .value = &batch->choice.verbose,
+         .help = "say on standard error what is being done"},
+    };
+    const option_command command = {
+        .name = "encode",
+        .usage = "IN... [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] [options]",
+        .about = "Turns images into gscl files.  Reads PNG, JPEG, TIFF, OpenEXR, PNM and whatever else OpenImageIO\n"
+                 "reads: grey or RGB, with or without alpha.  IN may be -, standard input.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = argc,
+    };
+    int first = 0;
+    const option_outcome outcome = options_parse(&command, argc, argv, &first);
+    batch->inputs = argv + first;
+    batch->count = argc - first;
+    return outcome;
+}
+
+static bool reads_standard_input(const encode_batch *batch) {
+    for (int i = 0; i < batch->count; i++) {
+        if (strcmp(batch->inputs[i], "-") == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Refuses what contradicts itself; returns 0 or EXIT_USAGE. */
+static int check_options(encode_options *encode) {
+    const encode_batch *batch = &encode->batch;
+    if (!effect_list_parse(encode->effects, &encode->effects_on, &encode->effects_off))
+        return EXIT_USAGE;
+    if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_splats > 1)
+        return report_usage("encode", "--bytes, --bpp, --psnr and --splats exclude each other; give one of them");
+    if (encode->has_codebook && encode->profile != GSCL_PROFILE_PAPER)
+        return report_usage("encode", "--codebook is of the paper profile only; add --profile paper");
+    if (batch->output && batch->out_dir)
+        return report_usage("encode", "-o and --out-dir exclude each other; give one of them");
+    if (batch->output && batch->count > 1)
+        return report_usage("encode", "-o names one file but there are %d inputs; use --out-dir", batch->count);
+    if (!batch->output && reads_standard_input(batch))
+        return report_usage("encode", "the output's name is missing; with standard input, give -o");
+    if (batch->quiet && batch->choice.verbose)
+        return report_usage("encode", "-q and -v exclude each other; give one of them");
+    if (batch->settings.trace && !batch->json)
+        return report_usage("encode", "--trace is told by --json only; add it");
+    if (batch->json && batch->output && strcmp(batch->output, "-") == 0)
+        return report_usage("encode", "--json and -o - both want standard output; give -o a file");
+    return 0;
+}
+
+static void fill_settings(encode_options *encode) {
+    gscl_encode_settings *settings = &encode->batch.settings;
+    settings->profile = (gscl_profile)encode->profile;
+    settings->blend = (gscl_blend)encode->blend;
+    settings->loss = (gscl_loss)encode->loss;
+    settings->tune = (gscl_tune)encode->tune;
+    settings->effort = (int)encode->effort;
+    settings->effects_on = encode->effects_on;
+    settings->effects_off = encode->effects_off;
+    settings->codebook_size = (uint32_t)encode->codebook;
+    settings->seed = encode->seed;
+    if (encode->has_bytes) {
+        settings->target = GSCL_TARGET_BYTES;
+        settings->target_value = (double)encode->bytes;
+    } else if (encode->has_bpp) {
+        settings->target = GSCL_TARGET_BPP;
+        settings->target_value = encode->bpp;
+    } else if (encode->has_psnr) {
+        settings->target = GSCL_TARGET_PSNR;
+        settings->target_value = encode->psnr;
+    } else if (encode->has_splats) {
+        settings->target = GSCL_TARGET_SPLATS;
+        settings->target_value = (double)encode->splats;
+    }
+}
+
+int command_encode(int argc, char **argv) {
+    encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT};
+    gscl_encode_settings_default(&encode.batch.settings);
+    const option_outcome outcome = parse(&encode, argc, argv);
+    if (outcome != OPTIONS_RUN)
+        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    if (check_options(&encode) != 0)
+        return EXIT_USAGE;
+    fill_settings(&encode);
+    return encode_batch_run(&encode.batch);
+}

@@ -1,0 +1,213 @@
+/* gscl info: what a gscl file is, and where its bits went. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <gscl/gscl.h>
+
+#include "commands/command.h"
+#include "cli/device_choice.h"
+#include "image/image_file.h"
+#include "cli/json.h"
+#include "cli/message.h"
+#include "cli/names.h"
+#include "cli/options.h"
+#include "cli/read_file.h"
+
+/* What there is to say of a file. */
+typedef struct file_facts {
+    const char *name;
+    gscl_info info;
+    size_t use_count;
+    gscl_effect_use uses[GSCL_MAX_EFFECTS];
+} file_facts;
+
+static unsigned depth_of(const gscl_info *info) {
+    return info->sample == GSCL_SAMPLE_U16 ? 16 : 8;
+}
+
+static double bits_per_pixel(const gscl_info *info) {
+    return 8.0 * (double)info->bytes / ((double)info->width * info->height);
+}
+
+static double per_splat(const gscl_info *info, double bits) {
+    return info->splats ? bits / info->splats : 0.0;
+}
+
+/* Bits and gains of the effects, where they are known. */
+static void print_effects(const file_facts *facts) {
+    printf("effects:%s", facts->use_count ? "" : " none");
+    for (size_t i = 0; i < facts->use_count; i++)
+        printf("%s %s", i ? "," : "", gscl_effect_name(facts->uses[i].effect));
+    putchar('\n');
+    if (facts->use_count)
+        printf("\n%-16s%12s%14s%10s\n", "effect", "bytes", "bits/splat", "gain dB");
+    for (size_t i = 0; i < facts->use_count; i++) {
+        const gscl_effect_use *use = &facts->uses[i];
+        printf("%-16s", gscl_effect_name(use->effect));
+        if (isnan(use->bits))
+            printf("%12s%14s", "-", "-");
+        else
+            printf("%12.0f%14.2f", use->bits / 8.0, per_splat(&facts->info, use->bits));
+        if (isnan(use->gain_db))
+            printf("%10s\n", "-");
+        else
+            printf("%10.2f\n", use->gain_db);
+    }
+}
+
+static void print_streams(const gscl_info *info) {
+    printf("\n%-16s%12s%14s%9s\n", "stream", "bytes", "bits/splat", "share");
+    for (size_t i = 0; i < info->stream_count; i++) {
+        const gscl_stream_bits *stream = &info->streams[i];
+        printf("%-16s%12.1f%14.2f%7.1f %%\n", stream->name, stream->bits / 8.0, per_splat(info, stream->bits),
+               100.0 * stream->bits / (8.0 * (double)info->bytes));
+    }
+    printf("%-16s%12llu%14.2f%7.1f %%\n", "file", (unsigned long long)info->bytes,
+           per_splat(info, 8.0 * (double)info->bytes), 100.0);
+}
+
+static void print_text(const file_facts *facts) {
+    const gscl_info *info = &facts->info;
+    printf("%s: %u x %u %s, %u bits, format version %u\n", facts->name, info->width, info->height,
+           channels_name(info->channels), depth_of(info), info->format_version);
+    printf("%u splats, %llu bytes, %.4f bits per pixel\n", info->splats, (unsigned long long)info->bytes,
+           bits_per_pixel(info));
+    printf("profile %s, blend %s", profile_words[info->profile], blend_words[info->blend]);
+    if (info->shape_words || info->colour_words)
+        printf(", code words: %u shapes, %u colours", info->shape_words, info->colour_words);
+    putchar('\n');
+    print_effects(facts);
+    print_streams(info);
+}
+
+static void write_streams(json_writer *json, const gscl_info *info) {
+    json_open_array(json, "streams");
+    for (size_t i = 0; i < info->stream_count; i++) {
+        json_open_object(json, NULL);
+        json_string(json, "name", info->streams[i].name);
+        json_real(json, "bits", info->streams[i].bits);
+        json_real(json, "bytes", info->streams[i].bits / 8.0);
+        json_real(json, "bits_per_splat", per_splat(info, info->streams[i].bits));
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
+static void write_effects(json_writer *json, const file_facts *facts) {
+    json_open_array(json, "effects");
+    for (size_t i = 0; i < facts->use_count; i++)
+        json_string(json, NULL, gscl_effect_name(facts->uses[i].effect));
+    json_close_array(json);
+    json_open_array(json, "effect_uses");
+    for (size_t i = 0; i < facts->use_count; i++) {
+        json_open_object(json, NULL);
+        json_string(json, "name", gscl_effect_name(facts->uses[i].effect));
+        json_real(json, "bits", facts->uses[i].bits);
+        json_real(json, "gain_db", facts->uses[i].gain_db);
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
+static void write_json(const file_facts *facts) {
+    const gscl_info *info = &facts->info;
+    json_writer json;
+    json_start(&json, stdout);
+    json_open_object(&json, NULL);
+    json_string(&json, "file", facts->name);
+    json_integer(&json, "format_version", info->format_version);
+    json_integer(&json, "width", info->width);
+    json_integer(&json, "height", info->height);
+    json_integer(&json, "channels", info->channels);
+    json_integer(&json, "depth", depth_of(info));
+    json_string(&json, "profile", profile_words[info->profile]);
+    json_string(&json, "blend", blend_words[info->blend]);
+    write_effects(&json, facts);
+    json_integer(&json, "splats", info->splats);
+    json_integer(&json, "shape_words", info->shape_words);
+    json_integer(&json, "colour_words", info->colour_words);
+    json_integer(&json, "bytes", info->bytes);
+    json_real(&json, "bpp", bits_per_pixel(info));
+    write_streams(&json, info);
+    json_close_object(&json);
+}
+
+/* Effects with their gains against the image that was encoded. */
+static int inspect_against(file_facts *facts, const char *reference, const uint8_t *bytes, size_t size,
+                           const device_choice *device) {
+    gscl_image image = {0};
+    gscl_context *context = NULL;
+    int status = EXIT_FAILURE;
+    if (!image_read(reference, &image))
+        return status;
+    if (image.width != facts->info.width || image.height != facts->info.height ||
+        image.channels != facts->info.channels)
+        report_error(reference, "is %u x %u %s but %s holds %u x %u %s; give the image that was encoded", image.width,
+                     image.height, channels_name(image.channels), facts->name, facts->info.width, facts->info.height,
+                     channels_name(facts->info.channels));
+    else if ((status = open_device(device, &context)) == EXIT_SUCCESS) {
+        const gscl_result result = gscl_inspect_effects(context, bytes, size, &image, facts->uses, &facts->use_count);
+        if (result != GSCL_OK)
+            status = report_result(context, facts->name, result);
+    }
+    gscl_context_free(&context);
+    free(image.pixels);
+    return status;
+}
+
+static int inspect(const char *input, const char *reference, const device_choice *device, bool as_json) {
+    file_facts facts = {.name = input_label(input)};
+    uint8_t *bytes;
+    size_t size;
+    if (!read_file(input, MAX_GSCL_FILE, &bytes, &size))
+        return EXIT_FAILURE;
+    gscl_result result = gscl_inspect(bytes, size, &facts.info);
+    if (result == GSCL_OK && !reference)
+        result = gscl_inspect_effects(NULL, bytes, size, NULL, facts.uses, &facts.use_count);
+    int status = result == GSCL_OK ? EXIT_SUCCESS : report_result(NULL, facts.name, result);
+    if (status == EXIT_SUCCESS && reference)
+        status = inspect_against(&facts, reference, bytes, size, device);
+    free(bytes);
+    if (status != EXIT_SUCCESS)
+        return status;
+    if (as_json)
+        write_json(&facts);
+    else
+        print_text(&facts);
+    return EXIT_SUCCESS;
+}
+
+int command_info(int argc, char **argv) {
+    bool as_json = false;
+    const char *reference = NULL;
+    device_choice device = {0};
+    const option_spec options[] = {
+        {.name = "reference",
+         .kind = OPTION_TEXT,
+         .value = &reference,
+         .argument = "IMAGE",
+         .help = "the image that was encoded: shows what PSNR the same splats lose without each effect"},
+        DEVICE_OPTIONS(device),
+        {.name = "json",
+         .kind = OPTION_FLAG,
+         .value = &as_json,
+         .help = "write JSON; null stands for what is not known"},
+    };
+    const option_command command = {
+        .name = "info",
+        .usage = "IN.gscl [--reference IMAGE] [--json]",
+        .about = "Checks a gscl file and shows its header, the effects that are on with what the same splats take less "
+                 "without\n"
+                 "each, and the bits of each stream.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+    };
+    int first;
+    const option_outcome outcome = options_parse(&command, argc, argv, &first);
+    if (outcome != OPTIONS_RUN)
+        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    return inspect(argv[first], reference, &device, as_json);
+}

@@ -1,0 +1,276 @@
+#define _DEFAULT_SOURCE /* strdup, access */
+#include "commands/encode_batch.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "commands/command.h"
+#include "image/image_file.h"
+#include "cli/interrupt.h"
+#include "cli/json.h"
+#include "cli/message.h"
+#include "cli/names.h"
+#include "cli/output_file.h"
+#include "cli/progress.h"
+#include "cli/read_file.h"
+#include "commands/report_json.h"
+
+#define SUFFIX ".gscl"
+
+/* Images that are encoded at a time: what one does on the host alone, the other fills with kernels. */
+#define JOBS 2
+#define LARGE_IMAGE (4u << 20) /* pixels: a larger one takes the memory of both */
+
+/* An image on its way.  Its thread does nothing but encode: files and messages are the main thread's. */
+typedef struct encode_job {
+    gscl_context *context; /* opened for the first image that can be read, and kept */
+    const char *input;
+    gscl_image image;
+    output_file output;
+    gscl_encode_settings settings;
+    progress_line line;
+    pthread_t thread;
+    int status; /* exit code, where the thread was not started */
+    bool started;
+    uint8_t *bytes;
+    size_t size;
+    gscl_encode_report report;
+    gscl_result result;
+} encode_job;
+
+/* What changes while a batch runs. */
+typedef struct batch_state {
+    const encode_batch *batch;
+    encode_job jobs[JOBS];
+    json_writer json;
+    bool stop; /* a failure that all further inputs would share, or a signal */
+} batch_state;
+
+/* ---- Names of outputs -------------------------------------------------------------------------- */
+
+/* DIR/NAME.gscl for PATH/NAME.png; without DIR, PATH/NAME.gscl.  NULL when out of memory. */
+static char *make_output_name(const char *input, const char *out_dir) {
+    const char *slash = strrchr(input, '/');
+    const char *start = out_dir && slash ? slash + 1 : input;
+    const int stem = (int)(name_suffix(input) - start);
+    const size_t capacity = (out_dir ? strlen(out_dir) + 1 : 0) + (size_t)stem + sizeof SUFFIX;
+    char *name = malloc(capacity);
+    if (name)
+        snprintf(name, capacity, "%s%s%.*s" SUFFIX, out_dir ? out_dir : "", out_dir ? "/" : "", stem, start);
+    return name;
+}
+
+static void free_names(char **names, int count) {
+    for (int i = 0; names && i < count; i++)
+        free(names[i]);
+    free(names);
+}
+
+/* One name for each input; NULL when out of memory. */
+static char **make_output_names(const encode_batch *batch) {
+    char **names = calloc((size_t)batch->count, sizeof *names);
+    for (int i = 0; names && i < batch->count; i++) {
+        names[i] = batch->output ? strdup(batch->output) : make_output_name(batch->inputs[i], batch->out_dir);
+        if (!names[i]) {
+            free_names(names, batch->count);
+            return NULL;
+        }
+    }
+    return names;
+}
+
+static bool overwrites_input(const encode_batch *batch, const char *name) {
+    for (int i = 0; access(name, F_OK) == 0 && i < batch->count; i++) {
+        if (!output_is_separate("encode", batch->inputs[i], name))
+            return true;
+    }
+    return false;
+}
+
+/* Refuses outputs that would overwrite an input or each other. */
+static bool check_output_names(const encode_batch *batch, char *const *names) {
+    for (int i = 0; i < batch->count; i++) {
+        if (overwrites_input(batch, names[i]))
+            return false;
+        for (int j = 0; j < i; j++) {
+            if (strcmp(names[i], names[j]) == 0) {
+                report_usage("encode", "%s and %s would both be written to %s; encode them into different folders",
+                             batch->inputs[j], batch->inputs[i], names[i]);
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* ---- One image --------------------------------------------------------------------------------- */
+
+static double bits_per_pixel(const gscl_image *image, uint64_t bytes) {
+    return 8.0 * (double)bytes / ((double)image->width * image->height);
+}
+
+/* How each effect came to be on or off. */
+static void write_decisions(json_writer *json, const gscl_encode_report *report) {
+    json_open_array(json, "effects");
+    for (size_t i = 0; i < report->effect_count; i++) {
+        const gscl_effect_decision *decision = &report->effects[i];
+        json_open_object(json, NULL);
+        json_string(json, "name", gscl_effect_name(decision->effect));
+        json_bool(json, "on", decision->on);
+        json_string(json, "reason", gscl_effect_reason_name(decision->reason));
+        json_real(json, "gain_db", decision->gain_db);
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
+static void print_report(batch_state *state, const char *input, const char *output, const gscl_image *image,
+                         const gscl_encode_report *report) {
+    const double bpp = bits_per_pixel(image, report->bytes);
+    json_writer *json = &state->json;
+    if (!state->batch->json) {
+        if (!state->batch->quiet)
+            report_note("%s: %llu bytes, %.4f bpp, %u splats, %.2f dB, %.2f s", output,
+                        (unsigned long long)report->bytes, bpp, report->splats, report->psnr, report->seconds);
+        return;
+    }
+    json_open_object(json, NULL);
+    json_string(json, "input", input);
+    json_string(json, "output", output);
+    json_integer(json, "width", image->width);
+    json_integer(json, "height", image->height);
+    json_integer(json, "channels", image->channels);
+    json_integer(json, "bytes", report->bytes);
+    json_real(json, "bpp", bpp);
+    json_integer(json, "splats", report->splats);
+    json_real(json, "psnr", report->psnr);
+    json_real(json, "seconds", report->seconds);
+    json_integer(json, "trials", report->trials);
+    json_string(json, "blend", blend_words[report->blend]);
+    write_decisions(json, report);
+    report_write_stages(json, report);
+    if (state->batch->settings.trace)
+        report_write_trace(json, report);
+    json_close_object(json);
+}
+
+static void *encode(void *opaque) {
+    encode_job *job = opaque;
+    job->result = gscl_encode(job->context, &job->image, &job->settings, &job->bytes, &job->size, &job->report);
+    return NULL;
+}
+
+/* Starts the thread; the signal handler leaves winding up to the library meanwhile. */
+static bool start_thread(batch_state *state, encode_job *job) {
+    const encode_batch *batch = state->batch;
+    job->settings = batch->settings;
+    progress_start(&job->line, input_label(job->input), batch->quiet || batch->choice.verbose);
+    job->settings.progress = progress_update;
+    job->settings.progress_opaque = &job->line;
+    interrupt_set_patient(true);
+    job->started = pthread_create(&job->thread, NULL, encode, job) == 0;
+    if (!job->started) {
+        output_discard(&job->output);
+        report_error(input_label(job->input), "cannot be encoded: no thread could be started");
+    }
+    return job->started;
+}
+
+/* Begins with an image; what goes wrong is reported and left in job->status. */
+static void start_job(batch_state *state, encode_job *job, const char *input, const char *output_name) {
+    job->input = input;
+    job->status = EXIT_FAILURE;
+    job->started = false;
+    if (!image_read(input, &job->image))
+        return;
+    if (!job->context) {
+        job->status = open_device(&state->batch->choice, &job->context);
+        state->stop = job->status != EXIT_SUCCESS;
+    }
+    if (job->context && (!output_open(&job->output, output_name) || !start_thread(state, job)))
+        job->status = EXIT_FAILURE;
+    if (!job->started)
+        free(job->image.pixels);
+}
+
+/* Writes what the thread has left.  Returns the exit code. */
+static int write_output(batch_state *state, encode_job *job) {
+    if (job->result != GSCL_OK) {
+        output_discard(&job->output);
+        return report_result(job->context, input_label(job->input), job->result);
+    }
+    output_write(&job->output, job->bytes, job->size);
+    gscl_free(job->bytes);
+    if (!output_commit(&job->output))
+        return EXIT_FAILURE;
+    print_report(state, input_label(job->input), job->output.label, &job->image, &job->report);
+    return EXIT_SUCCESS;
+}
+
+/* Waits for the image to be done.  Returns the exit code. */
+static int finish_job(batch_state *state, encode_job *job, bool is_last) {
+    if (!job->started)
+        return job->status;
+    pthread_join(job->thread, NULL);
+    if (is_last)
+        interrupt_set_patient(false);
+    progress_finish(&job->line);
+    /* A signal may come too late for the library to see it. */
+    if (job->result == GSCL_OK && interrupt_pending()) {
+        gscl_free(job->bytes);
+        job->result = GSCL_ERROR_CANCELLED;
+    }
+    state->stop = state->stop || interrupt_pending() != 0;
+    const int status = write_output(state, job);
+    free(job->image.pixels);
+    return status;
+}
+
+/* ---- All images -------------------------------------------------------------------------------- */
+
+/* How many images may be on their way.  The first is alone: it has the kernels built that all others share. */
+static int jobs_allowed(const batch_state *state, int started, int finished) {
+    const gscl_image *last = &state->jobs[(started + JOBS - 1) % JOBS].image;
+    return finished == 0 || (uint64_t)last->width * last->height > LARGE_IMAGE ? 1 : JOBS;
+}
+
+static int encode_files(batch_state *state, char *const *names) {
+    const encode_batch *batch = state->batch;
+    int status = EXIT_SUCCESS, started = 0, finished = 0;
+    while (finished < started || (started < batch->count && !state->stop)) {
+        while (started < batch->count && !state->stop && started - finished < jobs_allowed(state, started, finished)) {
+            start_job(state, &state->jobs[started % JOBS], batch->inputs[started], names[started]);
+            started++;
+        }
+        const int one = finish_job(state, &state->jobs[finished % JOBS], started == finished + 1);
+        finished++;
+        status = one != EXIT_SUCCESS ? one : status;
+    }
+    return status;
+}
+
+int encode_batch_run(const encode_batch *batch) {
+    batch_state state = {.batch = batch};
+    char **names = make_output_names(batch);
+    if (!names) {
+        report_error(batch->inputs[0], "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
+        return EXIT_FAILURE;
+    }
+    int status = EXIT_USAGE;
+    if (check_output_names(batch, names)) {
+        const bool as_array = batch->json && batch->count > 1;
+        json_start(&state.json, stdout);
+        if (as_array)
+            json_open_array(&state.json, NULL);
+        status = encode_files(&state, names);
+        if (as_array)
+            json_close_array(&state.json);
+    }
+    for (int i = 0; i < JOBS; i++)
+        gscl_context_free(&state.jobs[i].context);
+    free_names(names, batch->count);
+    return status;
+}

@@ -1,0 +1,13 @@
+/* The library's report of an encode as JSON members. */
+#ifndef GSCL_TOOL_REPORT_JSON_H
+#define GSCL_TOOL_REPORT_JSON_H
+
+#include <gscl/gscl.h>
+
+#include "cli/json.h"
+
+/* Arrays "stages" and "trace" of the object that is open. */
+void report_write_stages(json_writer *json, const gscl_encode_report *report);
+void report_write_trace(json_writer *json, const gscl_encode_report *report);
+
+#endif

@@ -1,0 +1,42 @@
+#define _DEFAULT_SOURCE /* strcasecmp */
+#include "image/image_format.h"
+
+#include <string.h>
+#include <strings.h>
+
+#include "cli/message.h"
+#include "cli/output_file.h"
+
+static const image_format formats[] = {
+    {".png", true, true, true, 16},   {".jpg", true, true, false, 8},   {".jpeg", true, true, false, 8},
+    {".tif", true, true, true, 16},   {".tiff", true, true, true, 16},  {".exr", true, true, true, 32},
+    {".pgm", true, false, false, 16}, {".ppm", false, true, false, 16}, {".pnm", true, true, false, 16},
+    {".bmp", true, true, false, 8},   {".tga", true, true, true, 8},
+};
+
+const image_format *image_format_of(const char *command, const char *name) {
+    const char *suffix = strcmp(name, "-") ? name_suffix(name) : ".png";
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        if (strcasecmp(suffix, formats[i].suffix) == 0)
+            return &formats[i];
+    }
+    report_usage(command, "%s: no image format is called '%s'; there are .png .jpg .tif .exr .pgm .ppm .pnm .bmp .tga",
+                 name, suffix);
+    return NULL;
+}
+
+bool image_format_holds(const image_format *format, const char *name, unsigned channels, gscl_sample sample) {
+    const bool has_alpha = channels == 2 || channels == 4;
+    if (has_alpha && !format->alpha)
+        return report_error(name, "%s cannot hold the picture's alpha channel; .png, .tif, .exr and .tga can",
+                            format->suffix);
+    if (channels < 3 ? !format->grey : !format->colour)
+        return report_error(name, "%s cannot hold a %s picture; .png can", format->suffix,
+                            channels < 3 ? "grey" : "colour");
+    if (sample != GSCL_SAMPLE_F32 && format->bits == 32)
+        return report_error(name, "%s holds floating-point samples in linear light; choose .png", format->suffix);
+    if (sample == GSCL_SAMPLE_U16 && format->bits < 16)
+        return report_error(name, "%s cannot hold the picture's 16 bits; add --depth 8, or choose .png",
+                            format->suffix);
+    return true;
+}

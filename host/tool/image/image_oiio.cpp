@@ -1,0 +1,303 @@
+// The image module: OpenImageIO behind the two functions of image_module.h.
+#include "image/image_module.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
+
+namespace {
+
+constexpr int jpeg_quality = 95; // of 100: a decoded picture should not suffer again
+
+bool fail(char *message, const std::string &text) {
+    std::snprintf(message, IMAGE_MESSAGE_SIZE, "%s", text.c_str());
+    return false;
+}
+
+// What OpenImageIO says, which may be nothing.
+std::string reason(const std::string &text) {
+    return text.empty() ? "the file is truncated or damaged" : text;
+}
+
+// ---- Kinds of pixels ------------------------------------------------------------------------------
+
+size_t sample_bytes(gscl_sample sample) {
+    return sample == GSCL_SAMPLE_U8 ? 1 : sample == GSCL_SAMPLE_U16 ? 2 : 4;
+}
+
+OIIO::TypeDesc type_of(gscl_sample sample) {
+    return sample == GSCL_SAMPLE_U8    ? OIIO::TypeDesc::UINT8
+           : sample == GSCL_SAMPLE_U16 ? OIIO::TypeDesc::UINT16
+                                       : OIIO::TypeDesc::FLOAT;
+}
+
+bool holds_linear_light(const OIIO::ImageSpec &spec) {
+    return OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
+}
+
+// The narrowest of our sample types that holds the file's.
+gscl_sample sample_for(const OIIO::ImageSpec &spec) {
+    if (holds_linear_light(spec)) // needs the range, and is converted
+        return GSCL_SAMPLE_F32;
+    switch (spec.format.basetype) {
+    case OIIO::TypeDesc::UINT8:
+    case OIIO::TypeDesc::INT8:
+        return GSCL_SAMPLE_U8;
+    case OIIO::TypeDesc::UINT16:
+    case OIIO::TypeDesc::INT16:
+        return GSCL_SAMPLE_U16;
+    default:
+        return GSCL_SAMPLE_F32;
+    }
+}
+
+bool channel_is(const OIIO::ImageSpec &spec, int channel, const char *name) {
+    return OIIO::Strutil::iequals(spec.channelnames[channel], name);
+}
+
+// Not every plug-in marks the alpha channel of its spec.
+bool is_alpha(const OIIO::ImageSpec &spec, int channel) {
+    return spec.alpha_channel == channel || channel_is(spec, channel, "A");
+}
+
+// How many channels from the first on make a picture: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA; 0 when the file's
+// channels mean something else.
+int picture_channels(const OIIO::ImageSpec &spec) {
+    if (spec.nchannels == 1)
+        return 1;
+    if (spec.nchannels == 2)
+        return is_alpha(spec, 1) ? 2 : 0;
+    if (!channel_is(spec, 0, "R") || !channel_is(spec, 1, "G") || !channel_is(spec, 2, "B"))
+        return 0;
+    if (spec.nchannels == 3)
+        return 3;
+    return is_alpha(spec, 3) ? 4 : 0;
+}
+
+// Colours that OpenImageIO converts carelessly or not at all, by name; empty when they are RGB or grey.
+std::string foreign_colours(const OIIO::ImageSpec &spec) {
+    for (const char *attribute : {"tiff:ColorSpace", "jpeg:ColorSpace"}) {
+        const std::string colours(spec.get_string_attribute(attribute));
+        for (const char *name : {"CMYK", "YCCK", "CIELAB", "ICCLAB", "ITULAB"}) {
+            if (colours == name)
+                return colours;
+        }
+    }
+    return "";
+}
+
+// ---- Colour ---------------------------------------------------------------------------------------
+
+float linear_to_srgb(float v) {
+    return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
+}
+
+float srgb_to_linear(float v) {
+    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+// Calls change(colour, alpha) for each colour sample of an F32 image; alpha is 1 where there is none.
+template <typename Change> void change_colours(const gscl_image &image, Change change) {
+    const bool has_alpha = image.channels % 2 == 0;
+    const size_t colours = has_alpha ? image.channels - 1 : image.channels;
+    float *pixel = static_cast<float *>(image.pixels);
+    for (size_t left = size_t(image.width) * image.height; left > 0; left--, pixel += image.channels) {
+        for (size_t c = 0; c < colours; c++)
+            pixel[c] = change(pixel[c], has_alpha ? pixel[colours] : 1.0f);
+    }
+}
+
+// OpenEXR and its like: linear light, multiplied by alpha.
+void to_straight_srgb(const gscl_image &image) {
+    change_colours(image, [](float v, float a) { return linear_to_srgb(a > 0.0f ? v / a : a == 0.0f ? 0.0f : v); });
+}
+
+void to_premultiplied_linear(const gscl_image &image) {
+    change_colours(image, [](float v, float a) { return srgb_to_linear(v) * a; });
+}
+
+// ---- Reading --------------------------------------------------------------------------------------
+
+// Everything that can be refused before pixels are decoded.
+bool check_spec(const OIIO::ImageSpec &spec, char *message) {
+    if (spec.width < 1 || spec.height < 1 || spec.width > GSCL_MAX_DIMENSION || spec.height > GSCL_MAX_DIMENSION) {
+        std::snprintf(message, IMAGE_MESSAGE_SIZE, IMAGE_SIZE_MESSAGE, unsigned(spec.width), unsigned(spec.height));
+        return false;
+    }
+    if (spec.deep || spec.depth > 1)
+        return fail(message, "is a deep or volume image; a flat one is needed");
+    if (!foreign_colours(spec).empty())
+        return fail(message, "holds " + foreign_colours(spec) + " colours; convert it to RGB or grey first");
+    if (picture_channels(spec) == 0) {
+        std::string names = OIIO::Strutil::join(spec.channelnames, ", ");
+        return fail(message, "has the channels " + names + "; grey or RGB, with or without alpha, is needed");
+    }
+    return true;
+}
+
+// Turns the picture as the camera's note says it was held.
+bool apply_orientation(gscl_image &image, int orientation, char *message) {
+    if (orientation <= 1 || orientation > 8)
+        return true;
+    OIIO::ImageBuf held(
+        OIIO::ImageSpec(int(image.width), int(image.height), int(image.channels), type_of(image.sample)), image.pixels);
+    held.set_orientation(orientation);
+    const OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(held);
+    // Turning keeps the number of pixels, so the memory fits.
+    if (upright.has_error() || !upright.get_pixels(upright.roi(), type_of(image.sample), image.pixels))
+        return fail(message, "cannot be turned upright: " + upright.geterror());
+    image.width = uint32_t(upright.spec().width);
+    image.height = uint32_t(upright.spec().height);
+    return true;
+}
+
+bool read_pixels(OIIO::ImageInput &input, gscl_image &image, char *message) {
+    const OIIO::ImageSpec &spec = input.spec();
+    if (!input.read_image(0, 0, 0, int(image.channels), type_of(image.sample), image.pixels))
+        return fail(message, "cannot be read: " + reason(input.geterror()));
+    image.premultiplied = image.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
+    if (holds_linear_light(spec)) {
+        to_straight_srgb(image);
+        image.premultiplied = false;
+    }
+    return apply_orientation(image, spec.get_int_attribute("Orientation", 1), message);
+}
+
+bool read_file(const char *path, gscl_image *image, char *message) {
+    OIIO::ImageSpec config;
+    config["oiio:UnassociatedAlpha"] = 1; // straight colours stay as the file has them
+    auto input = OIIO::ImageInput::open(path, &config);
+    if (!input)
+        return fail(message, "is not an image that can be read: " + reason(OIIO::geterror()));
+    const OIIO::ImageSpec &spec = input->spec();
+    if (!check_spec(spec, message))
+        return false;
+    gscl_image read = {};
+    read.width = uint32_t(spec.width);
+    read.height = uint32_t(spec.height);
+    read.channels = uint32_t(picture_channels(spec));
+    read.sample = sample_for(spec);
+    read.pixels = std::malloc(size_t(read.width) * read.height * read.channels * sample_bytes(read.sample));
+    if (!read.pixels)
+        return fail(message, "is too large for the memory");
+    if (!read_pixels(*input, read, message)) {
+        std::free(read.pixels);
+        return false;
+    }
+    *image = read;
+    return true;
+}
+
+// ---- Writing --------------------------------------------------------------------------------------
+
+OIIO::ImageSpec output_spec(const gscl_image &image) {
+    OIIO::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(image.sample));
+    if (image.channels % 2 == 0) {
+        spec.alpha_channel = int(image.channels) - 1;
+        spec.channelnames[spec.alpha_channel] = "A";
+    }
+    if (image.channels <= 2)
+        spec.channelnames[0] = "Y";
+    spec["CompressionQuality"] = jpeg_quality;
+    return spec;
+}
+
+// OpenEXR wants linear light multiplied by alpha; of the others all that have alpha can hold it straight.
+void prepare_colours(OIIO::ImageSpec &spec, gscl_image &image, std::vector<float> &pixels) {
+    if (image.sample != GSCL_SAMPLE_F32) {
+        spec["oiio:UnassociatedAlpha"] = 1;
+        return;
+    }
+    const float *samples = static_cast<const float *>(image.pixels);
+    pixels.assign(samples, samples + size_t(image.width) * image.height * image.channels);
+    image.pixels = pixels.data();
+    to_premultiplied_linear(image);
+    spec["oiio:ColorSpace"] = "Linear";
+}
+
+// Writes into the tool's stream and remembers the first failure: what the formats' own libraries make of a full disk
+// ranges from silence to exit().
+class StreamProxy : public OIIO::Filesystem::IOProxy {
+  public:
+    explicit StreamProxy(FILE *stream) : IOProxy("", Mode::Write), stream_(stream) {
+    }
+    const char *proxytype() const override {
+        return "gscl-stream";
+    }
+    size_t write(const void *bytes, size_t size) override {
+        if (error_ == 0 && (!move_to(m_pos) || std::fwrite(bytes, 1, size, stream_) != size))
+            error_ = errno ? errno : EIO;
+        m_pos = position_ += int64_t(size);
+        size_ = std::max(size_, m_pos);
+        return error_ == 0 ? size : 0;
+    }
+    size_t size() const override {
+        return size_t(size_);
+    }
+    // errno of the first failure, or 0.
+    int error_number() const {
+        return error_;
+    }
+
+  private:
+    bool move_to(int64_t position) {
+        const bool there = position == position_ || fseeko(stream_, off_t(position), SEEK_SET) == 0;
+        position_ = position;
+        return there;
+    }
+
+    FILE *stream_;
+    int64_t position_ = 0, size_ = 0; // of the stream
+    int error_ = 0;
+};
+
+bool write_file(FILE *stream, const char *suffix, const gscl_image *image, char *message) {
+    const std::string name = std::string("picture") + suffix;
+    StreamProxy proxy(stream);
+    auto output = OIIO::ImageOutput::create(name, &proxy);
+    if (!output)
+        return fail(message, "cannot be written: " + reason(OIIO::geterror()));
+    gscl_image prepared = *image;
+    std::vector<float> pixels;
+    OIIO::ImageSpec spec = output_spec(*image);
+    prepare_colours(spec, prepared, pixels);
+    const bool written =
+        output->open(name, spec) && output->write_image(type_of(prepared.sample), prepared.pixels) && output->close();
+    if (proxy.error_number() != 0)
+        return fail(message, std::string("cannot be written: ") + std::strerror(proxy.error_number()));
+    return written || fail(message, "cannot be written: " + reason(output->geterror()));
+}
+
+// No exception may pass into the tool, which is C.
+template <typename Function> bool guarded(char *message, Function function) noexcept {
+    try {
+        return function();
+    } catch (const std::exception &error) {
+        return fail(message, std::string("is too much for the image library: ") + error.what());
+    }
+}
+
+bool guarded_read(const char *path, gscl_image *image, char *message) noexcept {
+    return guarded(message, [=] { return read_file(path, image, message); });
+}
+
+bool guarded_write(FILE *stream, const char *suffix, const gscl_image *image, char *message) noexcept {
+    return guarded(message, [=] { return write_file(stream, suffix, image, message); });
+}
+} // namespace
+
+extern "C" __attribute__((visibility("default"))) const image_module gscl_image_module;
+const image_module gscl_image_module = {guarded_read, guarded_write};

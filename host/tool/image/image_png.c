@@ -1,0 +1,175 @@
+#include "image/image_png.h"
+
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <png.h>
+
+/* Deflate cannot pack more than this many bytes into one, so a file that promises more is lying. */
+#define MAX_DEFLATE_RATIO 1032
+#define MAX_CHUNK_BYTES ((png_alloc_size_t)16 << 20) /* of any other chunk: text, profiles */
+
+/* Measured on photographs: the fastest setting whose files are not much larger than those of the slow ones. */
+#define WRITE_LEVEL 1
+#define WRITE_FILTER PNG_FILTER_AVG
+
+typedef struct png_source {
+    const uint8_t *bytes;
+    size_t size, position;
+} png_source;
+
+/* ---- What libpng calls ------------------------------------------------------------------------- */
+
+static void on_error(png_structp png, png_const_charp text) {
+    snprintf(png_get_error_ptr(png), IMAGE_MESSAGE_SIZE, "%s", text);
+    longjmp(png_jmpbuf(png), 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text) {
+    (void)png;
+    (void)text;
+}
+
+static void on_read(png_structp png, png_bytep bytes, size_t count) {
+    png_source *source = png_get_io_ptr(png);
+    if (count > source->size - source->position)
+        png_error(png, "ends too early; the file is truncated");
+    memcpy(bytes, source->bytes + source->position, count);
+    source->position += count;
+}
+
+static void on_write(png_structp png, png_bytep bytes, size_t count) {
+    if (!output_write(png_get_io_ptr(png), bytes, count))
+        png_error(png, "cannot be written");
+}
+
+static void on_flush(png_structp png) {
+    (void)png; /* output_commit does */
+}
+
+/* ---- Reading ----------------------------------------------------------------------------------- */
+
+static gscl_sample png_sample(png_structp png, png_infop info) {
+    return png_get_bit_depth(png, info) == 16 ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
+}
+
+static void swap_if_little_endian(png_structp png) {
+    const uint16_t one = 1;
+    if (*(const uint8_t *)&one == 1)
+        png_set_swap(png);
+}
+
+/* Reads everything before the pixels and checks it. */
+static void read_header(png_structp png, png_infop info, const png_source *source) {
+    char text[IMAGE_MESSAGE_SIZE];
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* ours, below, has the better message */
+    png_set_chunk_malloc_max(png, MAX_CHUNK_BYTES);
+    png_read_info(png, info);
+    const png_uint_32 width = png_get_image_width(png, info), height = png_get_image_height(png, info);
+    if (width > GSCL_MAX_DIMENSION || height > GSCL_MAX_DIMENSION) {
+        snprintf(text, sizeof text, IMAGE_SIZE_MESSAGE, (unsigned)width, (unsigned)height);
+        png_error(png, text);
+    }
+    if ((uint64_t)png_get_rowbytes(png, info) * height > (uint64_t)source->size * MAX_DEFLATE_RATIO)
+        png_error(png, "is too short for its size in pixels; the file is truncated");
+}
+
+/* Asks for grey or RGB, with or without alpha, 8 bits or native 16. */
+static void expand_pixels(png_structp png, png_infop info) {
+    png_set_expand(png);
+    swap_if_little_endian(png);
+    png_set_interlace_handling(png);
+    png_read_update_info(png, info);
+}
+
+static void allocate_pixels(png_structp png, png_infop info, gscl_image *image) {
+    *image = (gscl_image){
+        .width = png_get_image_width(png, info),
+        .height = png_get_image_height(png, info),
+        .channels = png_get_channels(png, info),
+        .sample = png_sample(png, info),
+    };
+    image->pixels = malloc(png_get_rowbytes(png, info) * image->height);
+    if (!image->pixels)
+        png_error(png, "is too large for the memory");
+}
+
+/* The interlaced passes go over the rows again and again; each fills in more pixels. */
+static void read_rows(png_structp png, png_infop info, const gscl_image *image) {
+    const size_t row_bytes = png_get_rowbytes(png, info);
+    const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : PNG_INTERLACE_ADAM7_PASSES;
+    for (int pass = 0; pass < passes; pass++) {
+        for (uint32_t y = 0; y < image->height; y++)
+            png_read_row(png, (png_bytep)image->pixels + y * row_bytes, NULL);
+    }
+    png_read_end(png, NULL); /* sees a file that ends early, and a wrong checksum */
+}
+
+/* Returns false when libpng jumped out; image->pixels may then still be set. */
+static bool read_image(png_structp png, png_infop info, png_source *source, gscl_image *image) {
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    png_set_read_fn(png, source, on_read);
+    read_header(png, info, source);
+    expand_pixels(png, info);
+    allocate_pixels(png, info, image);
+    read_rows(png, info, image);
+    return true;
+}
+
+bool image_is_png(const uint8_t *bytes, size_t size) {
+    return size >= 8 && png_sig_cmp(bytes, 0, 8) == 0;
+}
+
+bool image_read_png(const uint8_t *bytes, size_t size, gscl_image *image, char message[IMAGE_MESSAGE_SIZE]) {
+    png_source source = {bytes, size, 0};
+    gscl_image read = {0};
+    snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the memory");
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    const bool ok = info && read_image(png, info, &source, &read);
+    png_destroy_read_struct(&png, &info, NULL);
+    if (ok)
+        *image = read;
+    else
+        free(read.pixels);
+    return ok;
+}
+
+/* ---- Writing ----------------------------------------------------------------------------------- */
+
+static int png_colour_type(uint32_t channels) {
+    static const int types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                                PNG_COLOR_TYPE_RGB_ALPHA};
+    return types[channels - 1];
+}
+
+static bool write_image(png_structp png, png_infop info, output_file *output, const gscl_image *image) {
+    const int bytes_per_sample = image->sample == GSCL_SAMPLE_U16 ? 2 : 1;
+    const size_t row_bytes = (size_t)image->width * image->channels * (size_t)bytes_per_sample;
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    png_set_write_fn(png, output, on_write, on_flush);
+    png_set_compression_level(png, WRITE_LEVEL);
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, WRITE_FILTER);
+    png_set_IHDR(png, info, image->width, image->height, 8 * bytes_per_sample, png_colour_type(image->channels),
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    if (bytes_per_sample == 2)
+        swap_if_little_endian(png);
+    for (uint32_t y = 0; y < image->height; y++)
+        png_write_row(png, (png_const_bytep)image->pixels + y * row_bytes);
+    png_write_end(png, NULL);
+    return true;
+}
+
+bool image_write_png(output_file *output, const gscl_image *image, char message[IMAGE_MESSAGE_SIZE]) {
+    snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the memory");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    const bool ok = info && write_image(png, info, output, image);
+    png_destroy_write_struct(&png, &info);
+    return ok;
+}

@@ -1,0 +1,23 @@
+/* PNG in memory and out to a file, with libpng. */
+#ifndef GSCL_TOOL_IMAGE_PNG_H
+#define GSCL_TOOL_IMAGE_PNG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "image/image_module.h"
+#include "cli/output_file.h"
+
+/* Whether the bytes start as a PNG file does. */
+bool image_is_png(const uint8_t *bytes, size_t size);
+
+/* Reads a PNG: grey or RGB with or without alpha, 8 or 16 bits; palettes and small depths become 8 bits.
+ * image->pixels is released with free. */
+bool image_read_png(const uint8_t *bytes, size_t size, gscl_image *image, char message[IMAGE_MESSAGE_SIZE]);
+
+/* Writes an image of U8 or U16 samples, straight alpha and packed rows.  False with output->error set when the
+ * output failed, else with a message. */
+bool image_write_png(output_file *output, const gscl_image *image, char message[IMAGE_MESSAGE_SIZE]);
+
+#endif

@@ -1,0 +1,87 @@
+#include "plot/plot_labels.h"
+
+#include <math.h>
+
+#define LINE_STEP 6.0 /* points between the boxes along a line */
+#define TEXT_WEIGHT 40.0
+#define OUTSIDE_WEIGHT 400.0
+#define DISTANCE_WEIGHT 0.03 /* for each point of the paper between text and mark */
+
+void labels_add(label_map *map, label_box box, double weight) {
+    if (map->count == LABELS_MAX_OBSTACLES)
+        return;
+    map->obstacles[map->count].box = box;
+    map->obstacles[map->count++].weight = weight;
+}
+
+void labels_add_line(label_map *map, double x0, double y0, double x1, double y1, double weight) {
+    const double length = hypot(x1 - x0, y1 - y0);
+    for (double at = LINE_STEP / 2; at < length; at += LINE_STEP)
+        labels_add(map, (label_box){x0 + (x1 - x0) * at / length - 1, y0 + (y1 - y0) * at / length - 1, 2, 2}, weight);
+}
+
+static double overlap(double a, double a_size, double b, double b_size) {
+    return fmax(fmin(a + a_size, b + b_size) - fmax(a, b), 0);
+}
+
+static double shared(label_box a, label_box b) {
+    return overlap(a.x, a.width, b.x, b.width) * overlap(a.y, a.height, b.y, b.height);
+}
+
+double labels_cost(const label_map *map, label_box box) {
+    const double area = box.width * box.height;
+    double cost = OUTSIDE_WEIGHT * (1 - shared(map->inside, box) / area);
+    for (size_t i = 0; i < map->count; i++) {
+        const label_box other = map->obstacles[i].box;
+        cost += map->obstacles[i].weight * shared(other, box) / fmin(area, other.width * other.height);
+    }
+    return cost;
+}
+
+static label_box keep_best(label_map *map, label_box best) {
+    labels_add(map, best, TEXT_WEIGHT);
+    return best;
+}
+
+label_box labels_place(label_map *map, double x, double y, double radius, double width, double height) {
+    label_box best = {x, y, width, height};
+    double least = INFINITY;
+    for (int ring = 0; ring < 4; ring++)
+        for (int i = 0; i < 16; i++) {
+            const double angle = i * 3.14159265358979 / 8, gap = radius + 3 + 6 * ring;
+            const double c = cos(angle), s = sin(angle);
+            /* the box touches a circle around the point */
+            const label_box box = {x + gap * c +
+                                       (c > 0.3    ? 0
+                                        : c < -0.3 ? -width
+                                                   : -width / 2),
+                                   y - gap * s +
+                                       (s > 0.3    ? -height
+                                        : s < -0.3 ? 0
+                                                   : -height / 2),
+                                   width, height};
+            const double cost = labels_cost(map, box) + DISTANCE_WEIGHT * gap;
+            if (cost < least - 1e-9) {
+                least = cost;
+                best = box;
+            }
+        }
+    return keep_best(map, best);
+}
+
+label_box labels_place_in_corner(label_map *map, double width, double height) {
+    const label_box in = map->inside;
+    label_box best = {in.x, in.y, width, height};
+    double least = INFINITY;
+    for (int corner = 0; corner < 6; corner++) {
+        static const double across[] = {1, 0, 1, 0, 0.5, 0.5}, down[] = {1, 0, 0, 1, 0, 1};
+        const label_box box = {in.x + 6 + across[corner] * (in.width - width - 12),
+                               in.y + 6 + down[corner] * (in.height - height - 12), width, height};
+        const double cost = labels_cost(map, box);
+        if (cost < least - 1e-9) {
+            least = cost;
+            best = box;
+        }
+    }
+    return keep_best(map, best);
+}

@@ -1,0 +1,64 @@
+/* What 'gscl tradeoff' measures, and the parts that measure it. */
+#ifndef GSCL_TOOL_TRADEOFF_H
+#define GSCL_TOOL_TRADEOFF_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <gscl/gscl.h>
+
+#include "cli/device_choice.h"
+
+#define TRADEOFF_EFFORTS (GSCL_MAX_EFFORT + 1)
+#define TRADEOFF_RATES 6
+#define TRADEOFF_BLENDS 3 /* those after GSCL_BLEND_AUTO */
+#define TRADEOFF_MAX_ACCURACIES 128
+#define TRADEOFF_MAX_GRADIENTS 64
+
+/* How to measure. */
+typedef struct tradeoff_plan {
+    device_choice choice;
+    const char *picture;
+    const gscl_image *image;
+    uint64_t bytes;  /* the fixed size */
+    uint64_t effort; /* the fixed effort */
+    bool quick;
+} tradeoff_plan;
+
+/* One encode and the decode of its file. */
+typedef struct tradeoff_encode {
+    int effort;
+    double bpp;                /* of the file */
+    double psnr, ms_ssim;      /* dB; NaN where the picture is too small */
+    double encode_s, decode_s; /* fastest of a few, on a context that has done it before */
+    gscl_encode_report report;
+} tradeoff_encode;
+
+typedef struct tradeoff_accuracy {
+    gscl_accuracy row; /* row.variant is `variant` */
+    char variant[32];
+    double psnr_same_size; /* dB, "quantiser" only, else 0: of an encode with these steps at the fixed size */
+} tradeoff_accuracy;
+
+typedef struct tradeoff_results {
+    gscl_device_info device;
+    size_t effort_count, rate_count, accuracy_count, gradient_count;
+    tradeoff_encode efforts[TRADEOFF_EFFORTS]; /* at the fixed size */
+    tradeoff_encode rates[TRADEOFF_RATES];     /* at the fixed effort, small files first */
+    tradeoff_accuracy accuracies[TRADEOFF_MAX_ACCURACIES];
+    gscl_gradient_accuracy gradients[TRADEOFF_MAX_GRADIENTS];
+    uint8_t *files[TRADEOFF_BLENDS]; /* of the fixed size and effort */
+    size_t sizes[TRADEOFF_BLENDS];
+    char subtitle[320]; /* of the plots: what was measured, and on what */
+} tradeoff_results;
+
+/* Bits per pixel of a file of this image. */
+double tradeoff_bpp(const gscl_image *image, uint64_t bytes);
+
+/* Measures efforts and rates, and leaves a file of each blend.  Both report errors and return an exit code. */
+int tradeoff_measure_codec(const tradeoff_plan *plan, tradeoff_results *results);
+/* Measures what exactness costs, on those files. */
+int tradeoff_measure_accuracy(const tradeoff_plan *plan, tradeoff_results *results);
+
+#endif
