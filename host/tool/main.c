@@ -5,9 +5,10 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
+#include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
+#include "commands/command.h"
 
 typedef struct command {
     const char *name;

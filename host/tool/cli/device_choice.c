@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "commands/command.h"
+#include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
 
@@ -29,7 +29,7 @@ int report_result(const gscl_context *context, const char *subject, gscl_result 
     /* Whatever the result: kernel compilers clean up on signals, too, and fail in their own way. */
     if (interrupt_pending()) {
         report_error(subject, "interrupted; its output was not written");
-        return 128 + interrupt_pending();
+        return EXIT_SIGNAL + interrupt_pending();
     }
     const char *detail = context ? gscl_context_message(context) : "";
     report_error(subject, "%s%s", *detail ? detail : gscl_result_text(result), *detail ? "" : advice(result));

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cli/exit_code.h"
+
 #define MAX_GUARDED 16
 
 /* Signals are blocked in every thread and fetched by one of our own: compilers inside OpenCL drivers install signal
@@ -23,7 +25,7 @@ static void end(int number) {
     for (int i = 0; i < MAX_GUARDED; i++)
         if (guarded_paths[i][0])
             unlink(guarded_paths[i]);
-    _exit(128 + number);
+    _exit(EXIT_SIGNAL + number);
 }
 
 static void handle(int number) {

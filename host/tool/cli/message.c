@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "commands/command.h"
+#include "cli/exit_code.h"
 
 #define MAX_LINE 2048 /* bytes; a longer message is cut */
 

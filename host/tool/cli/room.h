@@ -1,13 +1,15 @@
-/* What every command uses: options, messages, files, progress, JSON, interrupts.
+/* Services of every command: options, messages, files, progress, JSON, interrupts.
  *
  * It may use: the public headers.
  *
  * In the order in which to read them:
- *   options.h: the option tables
- *   message.h: errors and notes on standard error
+ *   options.h: command lines described by a table
+ *   message.h, exit_code.h: errors, notes and the exit code of the program
  *   read_file.h, output_file.h: files and pipes
- *   interrupt.h, progress.h: a running command
- *   json.h, names.h, device_choice.h, module.h, stopwatch.h: small services */
+ *   interrupt.h, progress.h: signals and the progress line of a long computation
+ *   device_choice.h: the OpenCL device of a command
+ *   json.h, report_json.h: JSON output
+ *   names.h, module.h, stopwatch.h: words for enums, loaded modules, measured times */
 #ifndef GSCL_ROOM_TOOL_CLI_H
 #define GSCL_ROOM_TOOL_CLI_H
 #endif

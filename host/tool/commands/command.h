@@ -2,8 +2,6 @@
 #ifndef GSCL_TOOL_COMMAND_H
 #define GSCL_TOOL_COMMAND_H
 
-#define EXIT_USAGE 2 /* beside EXIT_SUCCESS and EXIT_FAILURE: the command line makes no sense */
-
 int command_encode(int argc, char **argv);
 int command_decode(int argc, char **argv);
 int command_info(int argc, char **argv);

@@ -6,13 +6,14 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/bench_codec.h"
-#include "commands/command.h"
 #include "cli/device_choice.h"
-#include "image/image_file.h"
+#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/options.h"
+#include "commands/bench_codec.h"
+#include "commands/command.h"
+#include "image/image_file.h"
 #include "image/synthetic_image.h"
 
 #define WIDTH 768 /* pixels, of the picture that is made up where none is given */

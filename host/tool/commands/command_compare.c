@@ -5,14 +5,15 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
 #include "cli/device_choice.h"
-#include "image/image_file.h"
+#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
 #include "cli/read_file.h"
+#include "commands/command.h"
+#include "image/image_file.h"
 
 /* NaN: the image is too small for this measure. */
 static void print_measure(const char *name, double value, int decimals, const char *unit) {

@@ -5,13 +5,14 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
 #include "cli/device_choice.h"
-#include "image/image_file.h"
-#include "image/image_format.h"
+#include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/options.h"
 #include "cli/read_file.h"
+#include "commands/command.h"
+#include "image/image_file.h"
+#include "image/image_format.h"
 
 typedef struct decode_options {
     const char *input, *output;

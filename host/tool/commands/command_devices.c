@@ -4,10 +4,11 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
 #include "cli/device_choice.h"
+#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/options.h"
+#include "commands/command.h"
 
 #define GIB (1024.0 * 1024.0 * 1024.0)
 

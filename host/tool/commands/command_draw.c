@@ -3,14 +3,15 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
 #include "cli/device_choice.h"
-#include "image/image_file.h"
-#include "image/image_format.h"
+#include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/options.h"
-#include "commands/ellipse_outline.h"
 #include "cli/read_file.h"
+#include "commands/command.h"
+#include "commands/ellipse_outline.h"
+#include "image/image_file.h"
+#include "image/image_format.h"
 
 typedef struct draw_options {
     const char *input, *output;

@@ -4,12 +4,13 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
-#include "commands/effect_list.h"
-#include "commands/encode_batch.h"
+#include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
+#include "commands/command.h"
+#include "commands/effect_list.h"
+#include "commands/encode_batch.h"
 
 typedef struct encode_options {
     encode_batch batch;

@@ -6,10 +6,11 @@
 
 #include <gscl/gscl.h>
 
-#include "commands/command.h"
-#include "image/image_file.h"
+#include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/options.h"
+#include "commands/command.h"
+#include "image/image_file.h"
 #include "tradeoff/tradeoff.h"
 #include "tradeoff/tradeoff_files.h"
 #include "tradeoff/tradeoff_tables.h"

@@ -7,8 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "commands/command.h"
-#include "image/image_file.h"
+#include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/json.h"
 #include "cli/message.h"
@@ -16,7 +15,8 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/read_file.h"
-#include "commands/report_json.h"
+#include "cli/report_json.h"
+#include "image/image_file.h"
 
 #define SUFFIX ".gscl"
 

@@ -1,12 +1,15 @@
-/* One file a command of the tool, and what several commands share.
+/* The subcommands of the tool, one file each, and the parts of single commands.
  *
- * It may use: all rooms of the tool.
+ * It may use: all rooms of the tool and the public headers.
  *
  * In the order in which to read them:
  *   command.h: the list of commands
- *   command_encode.c, encode_batch.h: encoding one or many images
- *   the other command_*.c
- *   bench_codec.h, effect_list.h, report_json.h, ellipse_outline.h: what they share */
+ *   command_info.c, command_compare.c, command_devices.c: the short ones
+ *   command_decode.c: a gscl file into an image
+ *   command_encode.c, effect_list.h, encode_batch.h: images into gscl files, two at a time
+ *   command_draw.c, ellipse_outline.h: splats as ellipses
+ *   command_bench.c, bench_codec.h: the speed of a device
+ *   command_tradeoff.c: what accuracy costs in time; its parts are in tradeoff/ */
 #ifndef GSCL_ROOM_TOOL_COMMANDS_H
 #define GSCL_ROOM_TOOL_COMMANDS_H
 #endif

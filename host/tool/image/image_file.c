@@ -9,13 +9,13 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "cli/message.h"
+#include "cli/module.h"
+#include "cli/read_file.h"
 #include "image/image_jpeg.h"
 #include "image/image_module.h"
 #include "image/image_png.h"
 #include "image/image_pnm.h"
-#include "cli/message.h"
-#include "cli/module.h"
-#include "cli/read_file.h"
 
 #define SIGNATURE_BYTES 8
 

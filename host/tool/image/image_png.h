@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "image/image_module.h"
 #include "cli/output_file.h"
+#include "image/image_module.h"
 
 /* Whether the bytes start as a PNG file does. */
 bool image_is_png(const uint8_t *bytes, size_t size);

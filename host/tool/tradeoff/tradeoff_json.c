@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "cli/json.h"
-#include "commands/report_json.h"
+#include "cli/report_json.h"
 #include "tradeoff/tradeoff_tables.h"
 
 static void write_encodes(json_writer *json, const char *key, const tradeoff_encode *rows, size_t count) {

@@ -1,4 +1,4 @@
-#include "commands/report_json.h"
+#include "cli/report_json.h"
 
 void report_write_stages(json_writer *json, const gscl_encode_report *report) {
     json_open_array(json, "stages");
