@@ -124,8 +124,7 @@ void gscl_subject_compare(const gscl_subject *s, const double *drawn, const doub
     double sum = 0, squares = 0;
     a->largest_error = 0;
     for (size_t i = 0; i < samples; i++) {
-        double error = 255 * fabs(clamped(drawn[i]) - clamped(exact[i])),
-               apart = clamped(drawn[i]) - s->target[i];
+        double error = 255 * fabs(clamped(drawn[i]) - clamped(exact[i])), apart = clamped(drawn[i]) - s->target[i];
         a->largest_error = fmax(a->largest_error, error);
         sum += error;
         squares += apart * apart;
