@@ -16,7 +16,7 @@
 static const float pi = 3.14159265f;
 
 static gscl_result out_of_memory(const gscl_codebook *c) {
-    return gscl_fail(c->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    return gscl_fail_memory(c->fit->context);
 }
 static size_t splats(const gscl_codebook *c) {
     return (size_t)c->fit->renderer.count;

@@ -111,8 +111,7 @@ gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *pic
                                     cell_of(p[GSCL_Y], c->fit->height, c->position_bits)};
         }
     }
-    gscl_result result =
-        words && places ? GSCL_OK : gscl_fail(c->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = words && places ? GSCL_OK : gscl_fail_memory(c->fit->context);
     free(words);
     free(places);
     return result;

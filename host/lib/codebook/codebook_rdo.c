@@ -56,7 +56,7 @@ static gscl_result allocate(chooser *c) {
     c->visits = malloc(n * sizeof *c->visits);
     if (c->stored && c->bits[0] && c->bits[1] && c->cells && c->boxes && c->waves && c->visits)
         return GSCL_OK;
-    return gscl_fail(c->codebook->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    return gscl_fail_memory(c->codebook->fit->context);
 }
 
 /* Bits of each word, from how often it is used; half a use for each so that none is impossible. */
@@ -98,7 +98,7 @@ static gscl_result make_waves(chooser *c, int *waves) {
     int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
     int *map = calloc((size_t)columns * (size_t)rows, sizeof *map);
     if (!map)
-        return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(r->context);
     *waves = 0;
     for (size_t i = c->count; i-- > 0;) {
         const cl_int *b = c->boxes[i];
@@ -176,7 +176,7 @@ static gscl_result collect(chooser *c) {
     GSCL_TRY(gscl_buffer_read(book->fit->context, &c->d_cells, 0, c->cells, c->count * sizeof *c->cells));
     size_t *order = malloc((c->count + 1) * sizeof *order);
     if (!order)
-        return gscl_fail(book->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(book->fit->context);
     for (size_t i = 0; i < c->count; i++) {
         float *p = book->params + i * GSCL_PARAMS;
         if (book->pairs[i][0] < 0)

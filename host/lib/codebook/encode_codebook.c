@@ -98,9 +98,8 @@ static gscl_result sort_by_size(trainer *t) {
     float *params = malloc((count + 1) * GSCL_PARAMS * sizeof(float));
     key *keys = malloc((count + 1) * sizeof *keys);
     size_t *order = malloc((count + 1) * sizeof *order);
-    gscl_result result = params && keys && order
-                             ? gscl_fit_read(&t->fit, params)
-                             : gscl_fail(t->encoder->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result =
+        params && keys && order ? gscl_fit_read(&t->fit, params) : gscl_fail_memory(t->encoder->context);
     for (size_t i = 0; i < count && result == GSCL_OK; i++) {
         const float *p = params + i * GSCL_PARAMS;
         if (p[GSCL_OPACITY] > -6.9f)

@@ -61,7 +61,7 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
     if (!caller->pixels) {
         shape->stride = 0;
         shape->pixels = malloc(gscl_image_stride(shape) * shape->height);
-        return shape->pixels ? GSCL_OK : gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return shape->pixels ? GSCL_OK : gscl_fail_memory(context);
     }
     if (caller->width != shape->width || caller->height != shape->height || caller->channels != shape->channels ||
         caller->sample != shape->sample)
@@ -103,7 +103,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
     if (!r) {
         r = calloc(1, sizeof *r);
         if (!r)
-            return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+            return gscl_fail_memory(context);
         gscl_result result = gscl_renderer_create(r, context, options);
         if (result != GSCL_OK) {
             free_renderer(r);
@@ -142,7 +142,7 @@ static gscl_result draw(gscl_context *context, const gscl_coded_image *picture, 
     float background[4],
         *params = malloc(((size_t)picture->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
-        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(context);
     gscl_result result = draw_splats(context, picture, f, image, params, background);
     gscl_finish(context); /* also after an error nobody reads them any more */
     free(params);

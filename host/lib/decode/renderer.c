@@ -93,7 +93,7 @@ static gscl_result read_totals_async(gscl_renderer *r) {
     size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
     cl_int *totals = realloc(r->totals, size);
     if (!totals)
-        return gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(r->context);
     r->totals = totals;
     return gscl_buffer_read_async(r->context, &r->row_totals, totals, size);
 }

@@ -75,7 +75,7 @@ static gscl_result look_at_shapes(const gscl_encoder *e, double splats, double *
     }
     free(planes);
     free(line);
-    return there ? GSCL_OK : gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    return there ? GSCL_OK : gscl_fail_memory(e->context);
 }
 
 /* Root mean square of the colours' differences from grey. */

@@ -50,7 +50,7 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
     p->near_edges = f->ground.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
     p->sums = malloc(pixels * sizeof(double));
     if (!p->target || !p->density || (f->ground.pixels > 0 && !p->near_edges) || !p->sums)
-        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(f->context);
     return gscl_fit_target(f, p->target);
 }
 
@@ -227,8 +227,7 @@ gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
         return GSCL_OK;
     float *params = malloc((have + count) * row), *moments = malloc(2 * have * row);
     pulled *pulls = malloc(have * sizeof *pulls);
-    gscl_result result =
-        params && moments && pulls ? GSCL_OK : gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = params && moments && pulls ? GSCL_OK : gscl_fail_memory(f->context);
     if (result == GSCL_OK)
         result = gscl_fit_read(f, params);
     if (result == GSCL_OK)
@@ -253,8 +252,7 @@ static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t coun
     placement p = {0};
     gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
     float *params = calloc(count, GSCL_PARAMS * sizeof(float));
-    gscl_result result = params ? place_splats(f, &p, count, random, params)
-                                : gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = params ? place_splats(f, &p, count, random, params) : gscl_fail_memory(f->context);
     placement_free(&p);
     free(params);
     gscl_stage(f->context, before);

@@ -185,7 +185,7 @@ static gscl_result reorder_rows(gscl_fit *f, const gscl_buffer *buffer, size_t r
     size_t count = (size_t)f->renderer.count;
     unsigned char *from = malloc((count + kept) * row + 1), *to = from + count * row;
     if (!from)
-        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(f->context);
     gscl_result result = gscl_buffer_read(f->context, buffer, 0, from, count * row);
     for (size_t i = 0; i < kept && result == GSCL_OK; i++)
         memcpy(to + i * row, from + order[i] * row, row);
@@ -365,7 +365,7 @@ gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *s
     size_t pixels = gscl_fit_level_pixels(f, f->level);
     float *error = malloc(pixels * sizeof *error);
     if (!error)
-        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(f->context);
     gscl_result result = read_error(f, planes, error);
     *sum = 0;
     for (size_t i = 0; i < pixels && result == GSCL_OK; i++)
@@ -378,7 +378,7 @@ gscl_result gscl_fit_mse_against_source(gscl_fit *f, const gscl_buffer *planes, 
     size_t pixels = gscl_fit_level_pixels(f, f->first_level);
     float *error = malloc(pixels * sizeof *error);
     if (!error)
-        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(f->context);
     gscl_result result = read_distance(f, planes, &f->levels[f->first_level], f->first_level, 0, error);
     double sum = 0;
     for (size_t i = 0; i < pixels && result == GSCL_OK; i++)

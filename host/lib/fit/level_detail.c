@@ -47,7 +47,7 @@ gscl_result gscl_fit_level_residual(gscl_fit *f, int level, double *detail) {
     size_t width = gscl_level_size(f->width, level + 1), height = gscl_level_size(f->height, level + 1);
     float *map = malloc(2 * width * height * sizeof *map);
     if (!map)
-        return gscl_fail(f->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(f->context);
     gscl_result result = read_map(f, level, map);
     if (result == GSCL_OK) {
         float *means = map + width * height;

@@ -38,7 +38,7 @@ static gscl_result draw_reference(const gscl_subject *s, bool cut, double *plane
     double *weights = malloc((size_t)s->width * s->height * sizeof *weights);
     gscl_result result = gscl_reference_create(&reference, &s->options, s->params, s->count, s->background, cut);
     if (result != GSCL_OK || !weights)
-        result = gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        result = gscl_fail_memory(s->context);
     else
         gscl_reference_draw(&reference, all, planes, weights);
     gscl_reference_free(&reference);
@@ -78,7 +78,7 @@ static gscl_result read_floats(bench *b) {
     size_t samples = gscl_subject_samples(b->subject);
     float *floats = malloc(samples * sizeof *floats);
     if (!floats)
-        return gscl_fail(b->subject->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(b->subject->context);
     gscl_result result = gscl_buffer_read(b->subject->context, &b->renderer.image, 0, floats, samples * sizeof *floats);
     for (size_t i = 0; i < samples && result == GSCL_OK; i++)
         b->planes[i] = floats[i];
@@ -180,7 +180,7 @@ static gscl_result prepare(bench *b) {
     b->endless = malloc(samples * sizeof *b->endless);
     b->planes = malloc(samples * sizeof *b->planes);
     if (!b->exact || !b->endless || !b->planes)
-        return gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(s->context);
     GSCL_TRY(draw_reference(s, true, b->exact));
     GSCL_TRY(draw_reference(s, false, b->endless));
     GSCL_TRY(gscl_renderer_create(&b->renderer, s->context, &s->options));

@@ -229,7 +229,7 @@ static gscl_result prepare(bench *b) {
     b->planes = malloc(pixels * channels * sizeof *b->planes);
     b->weights = malloc(pixels * sizeof *b->weights);
     if (!b->params || !b->target || !b->chosen || !b->gradients || !b->exact || !b->planes || !b->weights)
-        return gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(s->context);
     memcpy(b->params, s->params, values * sizeof *b->params);
     for (size_t i = 0; i < s->count; i++) {
         b->params[i * GSCL_PARAMS + GSCL_X] -= (float)b->part.x0;

@@ -82,7 +82,7 @@ static gscl_result measure(sweep *w) {
     w->exact = malloc(samples * sizeof *w->exact);
     w->planes = malloc(samples * sizeof *w->planes);
     if (!w->loose || !w->params || !w->floats || !w->exact || !w->planes)
-        return gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(s->context);
     w->picture.file.header = s->picture.file.header;
     memcpy(w->picture.file.background, s->picture.file.background, sizeof w->picture.file.background);
     GSCL_TRY(gscl_coded_image_reserve(&w->picture, s->count));

@@ -187,7 +187,7 @@ static gscl_result count_evaluations(const gscl_renderer *r, double *evaluations
     size_t tiles = (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
     cl_int2 *ranges = malloc(tiles * sizeof *ranges);
     cl_uint *entries = malloc(r->entries.size);
-    gscl_result result = ranges && entries ? GSCL_OK : gscl_fail(r->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = ranges && entries ? GSCL_OK : gscl_fail_memory(r->context);
     if (result == GSCL_OK)
         result = gscl_buffer_read(r->context, &r->tile_ranges, 0, ranges, tiles * sizeof *ranges);
     if (result == GSCL_OK)
@@ -248,7 +248,7 @@ static gscl_result measure_kernels(bench *b) {
     size_t samples = (size_t)s->width * s->height * 3;
     float *params = malloc((size_t)s->splats * GSCL_PARAMS * sizeof *params),
           *planes = malloc(samples * sizeof *planes);
-    gscl_result result = params && planes ? GSCL_OK : gscl_fail(b->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = params && planes ? GSCL_OK : gscl_fail_memory(b->context);
     if (result == GSCL_OK) {
         make_scene(s, params);
         for (size_t i = 0; i < samples; i++)
@@ -279,7 +279,7 @@ static gscl_result begin(gscl_context *context, const gscl_benchmark_settings *s
                          s->splats, s->repetitions);
     *b = calloc(1, sizeof **b);
     if (!*b)
-        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(context);
     **b = (bench){.context = context, .settings = s, .callback = callback, .opaque = opaque};
     return GSCL_OK;
 }

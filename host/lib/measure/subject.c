@@ -43,7 +43,7 @@ static gscl_result load(gscl_subject *s, const gscl_image *image) {
     s->params = malloc(s->count * GSCL_PARAMS * sizeof *s->params);
     s->target = malloc(pixels * gsf_channel_count(header) * sizeof *s->target);
     if (!s->params || !s->target)
-        return gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(s->context);
     gscl_coded_image_params(&s->picture, s->params, s->background);
     gscl_image_to_planes(image, s->options.colours, s->options.alpha_channel, 0, s->target);
     return GSCL_OK;
@@ -99,7 +99,7 @@ gscl_result gscl_subject_time(const gscl_subject *s, gscl_subject_run *run, void
                               double *seconds) {
     size_t repetitions = s->settings->repetitions;
     double warm, *samples = malloc(count * repetitions * sizeof *samples);
-    gscl_result result = samples ? GSCL_OK : gscl_fail(s->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    gscl_result result = samples ? GSCL_OK : gscl_fail_memory(s->context);
     for (size_t i = 0; i < WARM_UP + repetitions; i++)
         for (size_t k = 0; k < count && result == GSCL_OK; k++)
             result = time_once(s, run, opaque, k, i < WARM_UP ? &warm : &samples[k * repetitions + i - WARM_UP]);

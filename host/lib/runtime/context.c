@@ -11,6 +11,10 @@ gscl_result gscl_fail(gscl_context *context, gscl_result result, const char *for
     return result;
 }
 
+gscl_result gscl_fail_memory(gscl_context *context) {
+    return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+}
+
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...) {
     if (!context->log)
         return;

@@ -53,6 +53,9 @@ __attribute__((format(printf, 3, 4)))
 gscl_result
 gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
 
+/* Likewise, when the host has no memory left. */
+gscl_result gscl_fail_memory(gscl_context *context);
+
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif

@@ -161,7 +161,7 @@ static gscl_result choose(gscl_context *context, const device_list *list, const 
 gscl_result gscl_device_choose(gscl_context *context, const char *selector) {
     device_list *list = malloc(sizeof *list);
     if (!list)
-        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(context);
     list_devices(list);
     gscl_result result = choose(context, list, selector);
     free(list);

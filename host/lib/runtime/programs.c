@@ -198,7 +198,7 @@ static gscl_result program_get(gscl_context *context, gscl_program_kind kind, co
         }
     struct gscl_program *program = calloc(1, sizeof *program);
     if (!program)
-        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(context);
     program->kind = kind;
     memcpy(program->options, text, sizeof text);
     gscl_result result = program_build(context, program);

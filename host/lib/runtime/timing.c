@@ -36,7 +36,7 @@ double gscl_now(void) {
 gscl_result gscl_timing_create(gscl_context *context) {
     context->timings = calloc(1, sizeof *context->timings);
     if (!context->timings)
-        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(context);
     context->clock.users++;
     return GSCL_OK;
 }

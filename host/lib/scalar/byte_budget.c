@@ -119,7 +119,7 @@ static gscl_result land(schedule *s, size_t *size) {
     gsf_coded_image *file = &s->encoder->picture.file;
     gsf_splat *kept = malloc((file->header.splat_count + 1) * sizeof *kept);
     if (!kept)
-        return gscl_fail(s->encoder->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(s->encoder->context);
     gscl_result result = GSCL_OK;
     for (int pass = 0; pass < MAX_LANDINGS && result == GSCL_OK; pass++) {
         if (*size <= s->bytes)

@@ -61,7 +61,7 @@ static gscl_result reserve_params(schedule *s, size_t count) {
         return GSCL_OK;
     float *grown = realloc(s->params, count * GSCL_PARAMS * sizeof(float));
     if (!grown)
-        return gscl_fail(s->encoder->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(s->encoder->context);
     s->params = grown;
     s->capacity = count;
     return GSCL_OK;
@@ -104,7 +104,8 @@ static gscl_result sort_for_alpha(schedule *s) {
     size_t count = (size_t)s->fit.renderer.count;
     GSCL_TRY(gscl_scalar_quantise(s));
     size_t *order = malloc((count + 1) * sizeof *order);
-    gscl_result result = order ? gscl_coded_image_sort(&s->encoder->picture, order) : GSCL_ERROR_OUT_OF_MEMORY;
+    gscl_result result =
+        order ? gscl_coded_image_sort(&s->encoder->picture, order) : gscl_fail_memory(s->encoder->context);
     if (result == GSCL_OK)
         result = gscl_fit_reorder(&s->fit, order, count);
     free(order);

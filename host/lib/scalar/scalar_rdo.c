@@ -283,7 +283,7 @@ static gscl_result allocate(pass *p) {
     p->params = malloc(n * GSCL_PARAMS * sizeof *p->params);
     if (p->tables && p->codes && p->owned && p->visits && p->map && p->params)
         return GSCL_OK;
-    return gscl_fail(p->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+    return gscl_fail_memory(p->fit->context);
 }
 
 /* Neighbours that each visit looks at (MOVES in cl/scalar_rdo.cl). */
@@ -380,7 +380,7 @@ static gscl_result run(pass *p, double pressure) {
     make_opacity_table(p);
     visit *visits = malloc((p->count + 1) * sizeof *visits);
     if (!visits)
-        return gscl_fail(p->fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(p->fit->context);
     make_groups(p, visits);
     free(visits);
     GSCL_TRY(upload_all(p));

@@ -74,7 +74,7 @@ static gscl_result preview_coded_image(gscl_renderer *preview, const gscl_fit *f
     size_t count = picture->file.header.splat_count;
     float background[4], *params = malloc((count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
-        return gscl_fail(fit->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
+        return gscl_fail_memory(fit->context);
     gscl_coded_image_params(picture, params, background);
     gscl_result result = open_preview(preview, fit, &options, count);
     if (result == GSCL_OK)
