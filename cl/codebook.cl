@@ -5,16 +5,15 @@
  * follow by clustering), and directly (a word's gradient is the sum over the splats that use it). */
 #define SHAPE_DIMS 3
 #define COLOUR_DIMS (CHANNELS + 1)
-#define BOOK_DIMS 5 /* floats from one word to the next, in either book */
 
 inline float to_stored(int book, int dim, float value) {
-    if (book == 0 && dim == 2) return value - M_PI_F * floor(value / M_PI_F); /* half a turn */
-    if (book == 1 && dim == CHANNELS) return 1.0f / (1.0f + exp(-value));
+    if (book == GSCL_BOOK_SHAPE && dim == 2) return value - M_PI_F * floor(value / M_PI_F); /* half a turn */
+    if (book == GSCL_BOOK_COLOUR && dim == CHANNELS) return 1.0f / (1.0f + exp(-value));
     return value;
 }
 
 inline float from_stored(int book, int dim, float value) {
-    if (book == 1 && dim == CHANNELS) {
+    if (book == GSCL_BOOK_COLOUR && dim == CHANNELS) {
         float o = clamp(value, 1e-3f, 0.99f);
         return log(o / (1.0f - o));
     }
@@ -28,15 +27,15 @@ __kernel void book_quantise(__global const float *restrict words, int book, int 
     int dim = (int)get_global_id(0);
     float low = MAXFLOAT, high = -MAXFLOAT;
     for (int i = 0; i < count; i++) {
-        float v = to_stored(book, dim, words[i * BOOK_DIMS + dim]);
+        float v = to_stored(book, dim, words[i * GSCL_BOOK_DIMS + dim]);
         low = fmin(low, v);
         high = fmax(high, v);
     }
     float step = (high - low) / (float)levels;
     for (int i = 0; i < count; i++) {
-        float v = to_stored(book, dim, words[i * BOOK_DIMS + dim]);
+        float v = to_stored(book, dim, words[i * GSCL_BOOK_DIMS + dim]);
         if (step > 0.0f) v = low + rint((v - low) / step) * step;
-        stored[i * BOOK_DIMS + dim] = from_stored(book, dim, v);
+        stored[i * GSCL_BOOK_DIMS + dim] = from_stored(book, dim, v);
     }
 }
 
@@ -48,7 +47,8 @@ __kernel void book_apply(__global const float *restrict learnt, __global const i
     if (i >= count) return;
     __global const float *from = learnt + (size_t)i * GSCL_PARAMS;
     __global float *to = params + (size_t)i * GSCL_PARAMS;
-    __global const float *shape = shapes + indices[i].x * BOOK_DIMS, *colour = colours + indices[i].y * BOOK_DIMS;
+    __global const float *shape = shapes + indices[i].x * GSCL_BOOK_DIMS,
+                         *colour = colours + indices[i].y * GSCL_BOOK_DIMS;
     to[GSCL_X] = ((float)clamp((int)floor(from[GSCL_X] / cell.x), 0, last_cell.x) + 0.5f) * cell.x;
     to[GSCL_Y] = ((float)clamp((int)floor(from[GSCL_Y] / cell.y), 0, last_cell.y) + 0.5f) * cell.y;
     for (int k = 0; k < SHAPE_DIMS; k++) to[GSCL_LOG_S1 + k] = shape[k];
@@ -64,27 +64,29 @@ __kernel void book_apply(__global const float *restrict learnt, __global const i
 __kernel void book_step(__global float *restrict words, __global float *restrict first_moment,
                         __global float *restrict second_moment, int book, int count, int age,
                         __global const int2 *restrict indices, int splats, __global const float *restrict gradients,
-                        limits bounds) {
+                        gscl_limits bounds) {
     int w = (int)get_global_id(0);
     if (w >= count) return;
-    int dims = book == 0 ? SHAPE_DIMS : COLOUR_DIMS;
-    float sums[BOOK_DIMS];
-    for (int k = 0; k < BOOK_DIMS; k++) sums[k] = 0.0f;
+    int dims = book == GSCL_BOOK_SHAPE ? SHAPE_DIMS : COLOUR_DIMS;
+    float sums[GSCL_BOOK_DIMS];
+    for (int k = 0; k < GSCL_BOOK_DIMS; k++) sums[k] = 0.0f;
     for (int i = 0; i < splats; i++) {
-        if ((book == 0 ? indices[i].x : indices[i].y) != w) continue;
+        if ((book == GSCL_BOOK_SHAPE ? indices[i].x : indices[i].y) != w) continue;
         __global const float *g = gradients + (size_t)i * GSCL_PARAMS;
         for (int k = 0; k < dims; k++)
-            sums[k] += book == 0 ? g[GSCL_LOG_S1 + k] : k < CHANNELS ? g[GSCL_COLOUR + k] : g[GSCL_OPACITY];
+            sums[k] += book == GSCL_BOOK_SHAPE ? g[GSCL_LOG_S1 + k]
+                       : k < CHANNELS          ? g[GSCL_COLOUR + k]
+                                               : g[GSCL_OPACITY];
     }
     float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
     for (int k = 0; k < dims; k++) {
-        int at = w * BOOK_DIMS + k;
-        float rate = book == 0 ? RATE_WORD_SHAPE : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
+        int at = w * GSCL_BOOK_DIMS + k;
+        float rate = book == GSCL_BOOK_SHAPE ? RATE_WORD_SHAPE : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
         float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * sums[k]);
         float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * sums[k] * sums[k]);
         float value = words[at] - bounds.rate * rate * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
-        if (book == 0 && k < 2) value = clamp(value, bounds.log_min, bounds.log_max);
-        if (book == 1)
+        if (book == GSCL_BOOK_SHAPE && k < 2) value = clamp(value, bounds.log_min, bounds.log_max);
+        if (book == GSCL_BOOK_COLOUR)
             value = k < CHANNELS ? clamp(value, bounds.colour_min, bounds.colour_max) : clamp(value, -4.5f, 4.5f);
         words[at] = value;
     }
@@ -94,7 +96,7 @@ __kernel void book_step(__global float *restrict words, __global float *restrict
 __kernel void position_step(__global float *restrict learnt, __global float *restrict first_moment,
                             __global float *restrict second_moment, __global int *restrict ages, int count,
                             __global const float *restrict params, __global const float *restrict gradients,
-                            limits bounds) {
+                            gscl_limits bounds) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     int age = ++ages[i];

@@ -99,7 +99,7 @@ inline float best_colour(const word_error *w, __global const float *restrict col
                          __global const float *restrict bits, int count, float lambda, int *word) {
     float best = MAXFLOAT;
     for (int i = 0; i < count; i++) {
-        __global const float *c = colours + i * BOOK_DIMS;
+        __global const float *c = colours + i * GSCL_BOOK_DIMS;
         float o = logistic(c[CHANNELS]), first = -w->behind, second = w->through;
         for (int k = 0; k < CHANNELS; k++) {
             first = fma(w->light[k], c[k], first);
@@ -114,16 +114,8 @@ inline float best_colour(const word_error *w, __global const float *restrict col
     return best;
 }
 
-typedef struct {
-    float lambda, existence; /* price of a bit; bits of a position, less what the order saves */
-    float leave_out;         /* cost of no splat: 0 (no change of error, no bits), or more than anything */
-    float cell_x, cell_y;    /* of the position grid, pixels */
-    int last_x, last_y;      /* largest cells */
-    int colours;             /* words */
-} choose_settings;
-
 inline appearance word_appearance(int2 cell, __global const float *restrict shape,
-                                  __global const float *restrict colour, choose_settings t, view seen) {
+                                  __global const float *restrict colour, gscl_word_rdo_settings t, gscl_view seen) {
     splat s;
     s.x = ((float)cell.x + 0.5f) * t.cell_x;
     s.y = ((float)cell.y + 0.5f) * t.cell_y;
@@ -140,20 +132,21 @@ __kernel void choose_visit(__global const int *restrict visits, int count, __glo
                            __global int2 *restrict indices, __global const int4 *restrict boxes,
                            __global const float *restrict shapes, __global const float *restrict colours,
                            __global const float *restrict shape_bits, __global const float *restrict colour_bits,
-                           choose_settings t, view seen, __global float *restrict picture,
+                           gscl_word_rdo_settings t, gscl_view seen, __global float *restrict picture,
                            __global float *restrict front, __global float *restrict through,
                            __global const float *restrict target, int width, int height, ulong plane) {
     if ((int)get_global_id(0) >= count) return;
     int i = visits[get_global_id(0)];
     int2 cell = cells[i], index = indices[i], best_cell = cell, best_index = (int2)(-1, 0);
-    appearance a = word_appearance(cell, shapes + index.x * BOOK_DIMS, colours + index.y * BOOK_DIMS, t, seen);
+    appearance a =
+        word_appearance(cell, shapes + index.x * GSCL_BOOK_DIMS, colours + index.y * GSCL_BOOK_DIMS, t, seen);
     take_out(&a, boxes[i], picture, front, through, width, plane);
     float best = t.leave_out, fixed_cost = t.lambda * (shape_bits[index.x] + t.existence);
     for (int n = 0; n < 5; n++) { /* here, and one cell to each side; another shape would change the drawing order */
         int2 at = cell + (int2)(n == 1 ? 1 : n == 2 ? -1 : 0, n == 3 ? 1 : n == 4 ? -1 : 0);
         int colour = 0;
         if (at.x < 0 || at.y < 0 || at.x > t.last_x || at.y > t.last_y) continue;
-        a = word_appearance(at, shapes + index.x * BOOK_DIMS, colours, t, seen);
+        a = word_appearance(at, shapes + index.x * GSCL_BOOK_DIMS, colours, t, seen);
         word_error w = walk(&a, picture, front, through, target, width, height, plane);
         float cost = best_colour(&w, colours, colour_bits, t.colours, t.lambda, &colour) + fixed_cost;
         if (cost < best) {
@@ -164,8 +157,8 @@ __kernel void choose_visit(__global const int *restrict visits, int count, __glo
     }
     indices[i] = best_index;
     cells[i] = best_cell;
-    a = word_appearance(best_cell, shapes + max(best_index.x, 0) * BOOK_DIMS, colours + best_index.y * BOOK_DIMS, t,
-                        seen);
+    a = word_appearance(best_cell, shapes + max(best_index.x, 0) * GSCL_BOOK_DIMS,
+                        colours + best_index.y * GSCL_BOOK_DIMS, t, seen);
     if (best_index.x < 0) a.projected[GSCL_PROJECTED_OPACITY] = 0.0f;
     put_in(&a, boxes[i], picture, front, through, width, plane);
 }

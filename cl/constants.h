@@ -1,5 +1,17 @@
-/* Constants that the C host and the OpenCL C kernels share.  Those that the file format fixes say so;
- * changing one of these changes what every file looks like. */
+/* The kernels: all OpenCL C of gscl, which draws splats and fits them, and the constants and structs that the host
+ * shares with it.  The build embeds the files; host/lib/runtime/programs.c joins them to programs.
+ *
+ * In the order in which to read them:
+ *   constants.h, structs.h: what the host reads as well
+ *   builtins.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
+ *   project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
+ *   fit.cl, update.cl, image.cl, ssim.cl: from an image to gradients, and a step of the optimiser
+ *   outline.cl, scalar_codes.cl, texture.cl, scalar_rdo.cl: rate-distortion optimisation of scalar codes
+ *   codebook.cl, codebook_rdo.cl: codebooks of the paper profile
+ *   accuracy.cl, benchmark.cl: measurements
+ *
+ * This file has the constants.  Those that the file format fixes say so; changing one of these changes what every file
+ * looks like. */
 #ifndef GSCL_CL_CONSTANTS_H
 #define GSCL_CL_CONSTANTS_H
 
@@ -117,12 +129,48 @@
 /* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
 
-/* Rate-distortion refinement (cl/scalar_rdo.cl): codes of a splat, the largest scale code (format), and entries of
- * a table over colour codes, which may be negative. */
-#define GSCL_CODES 14
-#define GSCL_RDO_MOVES 13        /* neighbours that a visit looks at, */
-#define GSCL_RDO_OPACITY_MOVES 2 /* and two more with opacity */
+/* A slot of the fit holds a splat's sums over one tile (cl/fit.cl).  Sums that the effects leave without use have no
+ * place in it, so that the later places follow from the shape of splats (GSCL_SHAPE_...) and from what they have. */
+#define GSCL_SLOT_U 0
+#define GSCL_SLOT_V 1
+#define GSCL_SLOT_UU 2
+#define GSCL_SLOT_UV 3
+#define GSCL_SLOT_VV(shape) (2 + ((shape) != GSCL_SHAPE_ISOTROPIC) + ((shape) == GSCL_SHAPE_ROTATED))
+#define GSCL_SLOT_OPACITY(shape) (GSCL_SLOT_VV(shape) + 1)
+#define GSCL_SLOT_COLOUR(shape, opacity) (GSCL_SLOT_OPACITY(shape) + (opacity))
+#define GSCL_SLOT_WAVE(shape, opacity, channels) (GSCL_SLOT_COLOUR(shape, opacity) + (channels))
+/* Floats of a slot. */
+#define GSCL_SLOT_SIZE(shape, opacity, channels, texture) (GSCL_SLOT_WAVE(shape, opacity, channels) + (texture))
+
+/* Codebooks of the paper profile (cl/codebook.cl). */
+#define GSCL_BOOK_SHAPE 0
+#define GSCL_BOOK_COLOUR 1
+#define GSCL_BOOKS 2
+#define GSCL_BOOK_DIMS 5 /* floats from one word to the next, in either book */
+
+/* A splat's codes in scalar coding (gscl_codes). */
+#define GSCL_CODE_MINOR 0
+#define GSCL_CODE_ASPECT 1
+#define GSCL_CODE_ANGLE 2
+#define GSCL_CODE_X 3
+#define GSCL_CODE_Y 4
+#define GSCL_CODE_LUMA 5
+#define GSCL_CODE_CO 6
+#define GSCL_CODE_CG 7
+#define GSCL_CODE_ALPHA 8
+#define GSCL_CODE_WAVE 9
+#define GSCL_CODE_DIRECTION 10
+#define GSCL_CODE_PHASE 11
+#define GSCL_CODE_AMPLITUDE 12 /* 0: no wave */
+#define GSCL_CODE_OPACITY 13
+#define GSCL_CODE_COUNT 14
+
+/* Rate-distortion optimisation of scalar codes (cl/scalar_rdo.cl). */
+#define GSCL_RDO_MOVES 13        /* moves that are evaluated for a splat */
+#define GSCL_RDO_OPACITY_MOVES 2 /* further moves where splats have an opacity */
+/* Format: the largest scale code. */
 #define GSCL_MAX_SCALE 63
+/* Entries of a table over colour codes, which may be negative. */
 #define GSCL_COLOUR_CODES 1024
 
 /* Format: a texture's codes. */

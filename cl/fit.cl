@@ -6,15 +6,11 @@
  *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
  * quarter of a turn on, whose phase moves with the splat].
  * A circle has one sum instead of t u^2 and t v^2. */
-#define SLOT_U 0
-#define SLOT_V 1
-#define SLOT_UU 2
-#define SLOT_UV 3
-#define SLOT_VV (2 + ANISOTROPY + ROTATION)
-#define SLOT_OPACITY (SLOT_VV + 1)
-#define SLOT_COLOUR (SLOT_OPACITY + OPACITY)
-#define SLOT_WAVE (SLOT_COLOUR + CHANNELS)
-#define SLOT (SLOT_WAVE + TEXTURE)
+#define SLOT_VV GSCL_SLOT_VV(SHAPE)
+#define SLOT_OPACITY GSCL_SLOT_OPACITY(SHAPE)
+#define SLOT_COLOUR GSCL_SLOT_COLOUR(SHAPE, OPACITY)
+#define SLOT_WAVE GSCL_SLOT_WAVE(SHAPE, OPACITY, CHANNELS)
+#define SLOT GSCL_SLOT_SIZE(SHAPE, OPACITY, CHANNELS, TEXTURE)
 
 /* Per-pixel state of the backward pass. */
 typedef struct {
@@ -138,13 +134,13 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
     pix tv = t * s.v;
 #if ROTATION
     pix tu = t * s.u;
-    sums[SLOT_U] += tu;
-    sums[SLOT_UU] = fma(tu, s.u, sums[SLOT_UU]);
-    sums[SLOT_UV] = fma(tu, s.v, sums[SLOT_UV]);
+    sums[GSCL_SLOT_U] += tu;
+    sums[GSCL_SLOT_UU] = fma(tu, s.u, sums[GSCL_SLOT_UU]);
+    sums[GSCL_SLOT_UV] = fma(tu, s.v, sums[GSCL_SLOT_UV]);
 #else
-    sums[SLOT_U] += t;     /* u is the same in all rows: slot_end */
+    sums[GSCL_SLOT_U] += t; /* u is the same in all rows: slot_end */
 #endif
-    sums[SLOT_V] += tv;
+    sums[GSCL_SLOT_V] += tv;
     sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
 #if OPACITY
     sums[SLOT_OPACITY] = fma(h, s.weight, sums[SLOT_OPACITY]);
@@ -159,8 +155,8 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
 /* After the last row. */
 inline void slot_end(pix *restrict sums, splat_weight s) {
 #if !ROTATION
-    sums[SLOT_U] *= s.u;
-    sums[SLOT_UU] = fma(sums[SLOT_U], s.u, sums[SLOT_UU]);
+    sums[GSCL_SLOT_U] *= s.u;
+    sums[GSCL_SLOT_UU] = fma(sums[GSCL_SLOT_U], s.u, sums[GSCL_SLOT_UU]);
 #endif
 }
 
@@ -185,7 +181,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #if ITEMS == 1
         return;
 #else
-        range.y = range.x; /* no return where others wait at barriers */
+        range.y = range.x;  /* no return where others wait at barriers */
 #endif
     }
     pix px = pix_offsets() + ((float)p.x + 0.5f);

@@ -43,13 +43,6 @@ inline splat splat_load(__global const float *restrict p, int live) {
     return s;
 }
 
-/* The part of the plane that is drawn: pixels of the full-size image times inv_scale, less the origin
- * (x, y).  Mirrors gscl_view in host/lib/render.h. */
-typedef struct {
-    float inv_scale, blur, x, y;
-    int tiles_x, tiles_y;
-} view;
-
 /* Axes as seen at a level that shows 1 pixel for 1 / inv_scale of the full image: a smaller level is
  * box-filtered, which widens a splat by `blur` = ((1 / inv_scale)^2 - 1) / 12 square pixels. */
 inline each seen_axis(each sigma, float blur) { return sqrt(fma(sigma, sigma, (each)(blur))); }
@@ -60,7 +53,7 @@ typedef struct {
     each bounds[GSCL_BOUNDS];
 } appearance;
 
-inline appearance splat_appearance(splat s, view seen) {
+inline appearance splat_appearance(splat s, gscl_view seen) {
     const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
     appearance a;
     each c = ROTATION ? cos(s.theta) : (each)(1.0f), n = ROTATION ? sin(s.theta) : (each)(0.0f);
@@ -110,7 +103,7 @@ inline each_int tile_at(each position, int tiles) {
     return EACH_INT(clamp(floor(position * (1.0f / GSCL_TILE)), (each)(-1.0f), (each)((float)tiles)));
 }
 
-inline tile_boxes appearance_tiles(const appearance *a, view seen) {
+inline tile_boxes appearance_tiles(const appearance *a, gscl_view seen) {
     each x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
     each y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     tile_boxes b;
@@ -150,7 +143,7 @@ ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const
 }
 
 /* Stores what is drawn of the splats from `i` on, and their boxes of tiles. */
-inline void splat_project(splat s, view seen, size_t i, __global float *restrict projected,
+inline void splat_project(splat s, gscl_view seen, size_t i, __global float *restrict projected,
                           __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     appearance a = splat_appearance(s, seen);
     tile_boxes b = appearance_tiles(&a, seen);
@@ -215,8 +208,8 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
 }
 
 /* Projects the splats as they are, or through the quantiser. */
-__kernel void project(__global const float *restrict params, __global const float *restrict steps, int count, view seen,
-                      __global float *restrict projected, __global float *restrict ellipse_bounds,
+__kernel void project(__global const float *restrict params, __global const float *restrict steps, int count,
+                      gscl_view seen, __global float *restrict projected, __global float *restrict ellipse_bounds,
                       __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)count) return;

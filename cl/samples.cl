@@ -3,13 +3,6 @@
 #define SAMPLE_U8 1 /* gscl_sample */
 #define SAMPLE_U16 2
 
-/* What becomes of a pixel (mirrors gscl_sample_layout in host/lib/render.h). */
-typedef struct {
-    int channels; /* of the image: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
-    int sample;
-    int premultiplied;
-} sample_layout;
-
 /* Stores `count` values of one channel, `stride` samples apart. */
 inline void store_samples(pix value, int sample, __global uchar *restrict to, size_t first, int stride, int count) {
     float values[LANES];
@@ -39,7 +32,8 @@ inline void store_rgb8(const pix *values, __global uchar *restrict to) {
 #endif
 
 /* Stores `count` pixels, given as vectors of each channel, from pixel `first` of the image on. */
-ALWAYS_INLINE void store_pixels(pix *values, sample_layout layout, __global uchar *samples, size_t first, int count) {
+ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global uchar *samples, size_t first,
+                                int count) {
     int colours = layout.channels >= 3 ? 3 : 1;
     size_t to = first * layout.channels;
     pix alpha = (pix)(1.0f);
@@ -68,7 +62,7 @@ ALWAYS_INLINE void store_pixels(pix *values, sample_layout layout, __global ucha
 /* As raster_forward, into an image in memory with packed rows. */
 __kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background, int width,
-                             int height, int tiles_x, sample_layout layout, __global uchar *restrict samples) {
+                             int height, int tiles_x, gscl_sample_layout layout, __global uchar *restrict samples) {
     place p = place_of(tiles_x, width, height);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);

@@ -1,57 +1,15 @@
 /* What the rate-distortion passes work on: a splat's codes, what they mean and cost, and putting a splat into the
  * picture or taking it out. */
 
-/* A splat's codes (ints): minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase, amplitude;
- * opacity. */
-#define CODE_MINOR 0
-#define CODE_ASPECT 1
-#define CODE_ANGLE 2
-#define CODE_X 3
-#define CODE_Y 4
-#define CODE_LUMA 5
-#define CODE_ALPHA 8
-#define CODE_WAVE 9
-#define CODE_DIRECTION 10
-#define CODE_PHASE 11
-#define CODE_AMPLITUDE 12 /* 0: no wave */
-#define CODE_OPACITY 13
-#define CODES GSCL_CODES
-
-/* Tables that the host makes from the steps and from the statistics of the codes: what a code means and
- * what it costs in bits. */
-typedef struct {
-    float step; /* of the position grid, pixels */
-    int cells_x, cells_y;
-    float bits; /* of the code and of a position on the grid */
-} minor_entry;
-typedef struct {
-    int angles;
-    float bits; /* of the code and of an angle */
-} aspect_entry;
-
-typedef struct {
-    float lambda;
-    float scale_step; /* of ln sigma */
-    float luma_step, chroma_step, alpha_step;
-    float amplitude_step;
-    float opacity_levels;
-    int scan;           /* look for waves everywhere, not only near those that are there */
-    int min[4], max[4]; /* of the colour codes */
-} refine_settings;
-
-typedef struct {
-    int code[CODES];
-} codes;
-
 /* Cycles per pixel (FORMAT.md, "Dequantisation"). */
 inline float wave_frequency(int wave) {
     return (1.0f / GSCL_FIRST_WAVELENGTH) * exp2(-GSCL_OCTAVES_PER_WAVE * (float)wave);
 }
 
-inline void codes_colour(const codes *c, refine_settings t, float *restrict colour) {
-    float y = (float)c->code[CODE_LUMA] * t.luma_step;
+inline void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restrict colour) {
+    float y = (float)c->code[GSCL_CODE_LUMA] * t.luma_step;
 #if COLOURS == 3
-    float co = (float)c->code[CODE_LUMA + 1] * t.chroma_step, cg = (float)c->code[CODE_LUMA + 2] * t.chroma_step;
+    float co = (float)c->code[GSCL_CODE_CO] * t.chroma_step, cg = (float)c->code[GSCL_CODE_CG] * t.chroma_step;
     colour[1] = y + 0.5f * cg;
     colour[2] = y - 0.5f * cg - 0.5f * co;
     colour[0] = colour[2] + co;
@@ -59,32 +17,34 @@ inline void codes_colour(const codes *c, refine_settings t, float *restrict colo
     colour[0] = y;
 #endif
 #if ALPHA_CHANNEL
-    colour[COLOURS] = (float)c->code[CODE_ALPHA] * t.alpha_step;
+    colour[COLOURS] = (float)c->code[GSCL_CODE_ALPHA] * t.alpha_step;
 #endif
 }
 
-inline splat codes_splat(const codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
-                         refine_settings t) {
+inline splat codes_splat(const gscl_codes *c, __global const gscl_minor_entry *minors,
+                         __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     splat s;
-    __global const minor_entry *m = minors + c->code[CODE_MINOR];
-    s.x = ((float)c->code[CODE_X] + 0.5f) * m->step;
-    s.y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
-    splat_set_axes(
-        &s, fmin((float)(c->code[CODE_MINOR] + c->code[CODE_ASPECT]) * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS),
-        fmin((float)c->code[CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
-    s.theta = ROTATION ? (float)c->code[CODE_ANGLE] * M_PI_F / (float)aspects[c->code[CODE_ASPECT]].angles : 0.0f;
-    s.opacity = OPACITY ? ((float)c->code[CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
+    __global const gscl_minor_entry *m = minors + c->code[GSCL_CODE_MINOR];
+    s.x = ((float)c->code[GSCL_CODE_X] + 0.5f) * m->step;
+    s.y = ((float)c->code[GSCL_CODE_Y] + 0.5f) * m->step;
+    splat_set_axes(&s,
+                   fmin((float)(c->code[GSCL_CODE_MINOR] + c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
+                        GSCL_LOG_LARGEST_AXIS),
+                   fmin((float)c->code[GSCL_CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
+    s.theta =
+        ROTATION ? (float)c->code[GSCL_CODE_ANGLE] * M_PI_F / (float)aspects[c->code[GSCL_CODE_ASPECT]].angles : 0.0f;
+    s.opacity = OPACITY ? ((float)c->code[GSCL_CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
     codes_colour(c, t, s.colour);
 #if TEXTURE
     s.wave_x = s.wave_y = 0.0f;
-    if (c->code[CODE_AMPLITUDE] > 0) {
-        float frequency = wave_frequency(c->code[CODE_WAVE]);
-        float direction = (float)c->code[CODE_DIRECTION] * (M_PI_F / GSCL_DIRECTIONS);
+    if (c->code[GSCL_CODE_AMPLITUDE] > 0) {
+        float frequency = wave_frequency(c->code[GSCL_CODE_WAVE]);
+        float direction = (float)c->code[GSCL_CODE_DIRECTION] * (M_PI_F / GSCL_DIRECTIONS);
         s.wave_x = frequency * cos(direction);
         s.wave_y = frequency * sin(direction);
     }
-    s.wave_phase = (float)c->code[CODE_PHASE] * (1.0f / GSCL_PHASES);
-    s.wave_amplitude = (float)c->code[CODE_AMPLITUDE] * t.amplitude_step;
+    s.wave_phase = (float)c->code[GSCL_CODE_PHASE] * (1.0f / GSCL_PHASES);
+    s.wave_amplitude = (float)c->code[GSCL_CODE_AMPLITUDE] * t.amplitude_step;
 #endif
     return s;
 }

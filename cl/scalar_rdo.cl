@@ -55,19 +55,20 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
     return q;
 }
 
-inline float colour_bits(const codes *c, __global const float *restrict tables) {
-    float bits = tables[c->code[CODE_LUMA] + GSCL_COLOUR_CODES / 2];
+inline float colour_bits(const gscl_codes *c, __global const float *restrict tables) {
+    float bits = tables[c->code[GSCL_CODE_LUMA] + GSCL_COLOUR_CODES / 2];
 #if COLOURS == 3
-    bits += tables[GSCL_COLOUR_CODES + c->code[CODE_LUMA + 1] + GSCL_COLOUR_CODES / 2];
-    bits += tables[2 * GSCL_COLOUR_CODES + c->code[CODE_LUMA + 2] + GSCL_COLOUR_CODES / 2];
+    bits += tables[GSCL_COLOUR_CODES + c->code[GSCL_CODE_CO] + GSCL_COLOUR_CODES / 2];
+    bits += tables[2 * GSCL_COLOUR_CODES + c->code[GSCL_CODE_CG] + GSCL_COLOUR_CODES / 2];
 #endif
 #if ALPHA_CHANNEL
-    bits += tables[3 * GSCL_COLOUR_CODES + c->code[CODE_ALPHA] + GSCL_COLOUR_CODES / 2];
+    bits += tables[3 * GSCL_COLOUR_CODES + c->code[GSCL_CODE_ALPHA] + GSCL_COLOUR_CODES / 2];
 #endif
     return bits;
 }
 
-inline float colour_cost(const quadratic *q, const codes *c, __global const float *restrict tables, refine_settings t) {
+inline float colour_cost(const quadratic *q, const gscl_codes *c, __global const float *restrict tables,
+                         gscl_rdo_settings t) {
     float cost = q->fixed + t.lambda * colour_bits(c, tables), colour[CHANNELS];
     codes_colour(c, t, colour);
     for (int k = 0; k < CHANNELS; k++) cost += colour[k] * fma(q->square, colour[k], 2.0f * q->linear[k]);
@@ -75,7 +76,8 @@ inline float colour_cost(const quadratic *q, const codes *c, __global const floa
 }
 
 /* Improves the colour codes one at a time, in steps, from where they are; returns the cost of the best. */
-inline float colour_descend(const quadratic *q, codes *c, __global const float *restrict tables, refine_settings t) {
+inline float colour_descend(const quadratic *q, gscl_codes *c, __global const float *restrict tables,
+                            gscl_rdo_settings t) {
     float best = colour_cost(q, c, tables, t);
     for (int round = 0; round < 6; round++) {
         bool better = false;
@@ -83,9 +85,9 @@ inline float colour_descend(const quadratic *q, codes *c, __global const float *
             if (COLOURS == 1 && (k == 1 || k == 2)) continue;
             if (!ALPHA_CHANNEL && k == 3) continue;
             for (int step = -1; step <= 1; step += 2) {
-                codes other = *c;
-                other.code[CODE_LUMA + k] += step;
-                if (other.code[CODE_LUMA + k] < t.min[k] || other.code[CODE_LUMA + k] > t.max[k]) continue;
+                gscl_codes other = *c;
+                other.code[GSCL_CODE_LUMA + k] += step;
+                if (other.code[GSCL_CODE_LUMA + k] < t.min[k] || other.code[GSCL_CODE_LUMA + k] > t.max[k]) continue;
                 float cost = colour_cost(q, &other, tables, t);
                 if (cost < best) {
                     best = cost;
@@ -104,75 +106,71 @@ inline float colour_descend(const quadratic *q, codes *c, __global const float *
 
 /* Makes move `move`; false when it leaves the code's range.  When an axis changes, position and angle are
  * written anew on their new steps. */
-inline bool codes_move(codes *c, int move, __global const minor_entry *minors, __global const aspect_entry *aspects,
-                       refine_settings t) {
+inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry *minors,
+                       __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1};
     const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
     if (!ROTATION && (move == 7 || move == 8)) return false;
     if (move >= 13) {
-        c->code[CODE_OPACITY] += move == 13 ? 1 : -1;
-        return OPACITY && c->code[CODE_OPACITY] >= 0 && (float)c->code[CODE_OPACITY] < t.opacity_levels;
+        c->code[GSCL_CODE_OPACITY] += move == 13 ? 1 : -1;
+        return OPACITY && c->code[GSCL_CODE_OPACITY] >= 0 && (float)c->code[GSCL_CODE_OPACITY] < t.opacity_levels;
     }
-    __global const minor_entry *m = minors + c->code[CODE_MINOR];
-    float x = ((float)c->code[CODE_X] + 0.5f) * m->step, y = ((float)c->code[CODE_Y] + 0.5f) * m->step;
-    int angles = aspects[c->code[CODE_ASPECT]].angles;
-    float turn = (float)c->code[CODE_ANGLE] / (float)angles;
-    c->code[CODE_MINOR] += minor_step[move];
-    c->code[CODE_ASPECT] += aspect_step[move];
-    if (c->code[CODE_MINOR] < 0 || c->code[CODE_ASPECT] < 0 ||
-        c->code[CODE_MINOR] + c->code[CODE_ASPECT] > GSCL_MAX_SCALE)
+    __global const gscl_minor_entry *m = minors + c->code[GSCL_CODE_MINOR];
+    float x = ((float)c->code[GSCL_CODE_X] + 0.5f) * m->step, y = ((float)c->code[GSCL_CODE_Y] + 0.5f) * m->step;
+    int angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
+    float turn = (float)c->code[GSCL_CODE_ANGLE] / (float)angles;
+    c->code[GSCL_CODE_MINOR] += minor_step[move];
+    c->code[GSCL_CODE_ASPECT] += aspect_step[move];
+    if (c->code[GSCL_CODE_MINOR] < 0 || c->code[GSCL_CODE_ASPECT] < 0 ||
+        c->code[GSCL_CODE_MINOR] + c->code[GSCL_CODE_ASPECT] > GSCL_MAX_SCALE)
         return false;
-    m = minors + c->code[CODE_MINOR];
+    m = minors + c->code[GSCL_CODE_MINOR];
     if (minor_step[move] != 0) {
-        c->code[CODE_X] = clamp((int)(x / m->step), 0, m->cells_x - 1);
-        c->code[CODE_Y] = clamp((int)(y / m->step), 0, m->cells_y - 1);
+        c->code[GSCL_CODE_X] = clamp((int)(x / m->step), 0, m->cells_x - 1);
+        c->code[GSCL_CODE_Y] = clamp((int)(y / m->step), 0, m->cells_y - 1);
     }
-    angles = aspects[c->code[CODE_ASPECT]].angles;
-    if (aspect_step[move] != 0) c->code[CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
+    angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
+    if (aspect_step[move] != 0) c->code[GSCL_CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
     if (move == 7 || move == 8) {
         if (angles < 2) return false;
-        c->code[CODE_ANGLE] = (c->code[CODE_ANGLE] + (move == 7 ? 1 : angles - 1)) % angles;
+        c->code[GSCL_CODE_ANGLE] = (c->code[GSCL_CODE_ANGLE] + (move == 7 ? 1 : angles - 1)) % angles;
     }
-    if (move >= 9 && move <= 10) c->code[CODE_X] += move == 9 ? 1 : -1;
-    if (move >= 11 && move <= 12) c->code[CODE_Y] += move == 11 ? 1 : -1;
-    return c->code[CODE_X] >= 0 && c->code[CODE_X] < m->cells_x && c->code[CODE_Y] >= 0 && c->code[CODE_Y] < m->cells_y;
+    if (move >= 9 && move <= 10) c->code[GSCL_CODE_X] += move == 9 ? 1 : -1;
+    if (move >= 11 && move <= 12) c->code[GSCL_CODE_Y] += move == 11 ? 1 : -1;
+    return c->code[GSCL_CODE_X] >= 0 && c->code[GSCL_CODE_X] < m->cells_x && c->code[GSCL_CODE_Y] >= 0 &&
+           c->code[GSCL_CODE_Y] < m->cells_y;
 }
 
 /* The visits of one group: visits[start .. start + count). */
 
 /* First the splats are taken out of the picture. */
-__kernel void rdo_remove(__global const int *restrict visits, int start, int count, __global const codes *restrict all,
-                         __global const minor_entry *restrict minors, __global const aspect_entry *restrict aspects,
-                         refine_settings t, view seen, __global float *restrict picture,
-                         __global float *restrict weights, int width, int height, ulong plane) {
+__kernel void rdo_remove(__global const int *restrict visits, int start, int count,
+                         __global const gscl_codes *restrict all, __global const gscl_minor_entry *restrict minors,
+                         __global const gscl_aspect_entry *restrict aspects, gscl_rdo_settings t, gscl_view seen,
+                         __global float *restrict picture, __global float *restrict weights, int width, int height,
+                         ulong plane) {
     int visit = (int)get_global_id(0);
     if (visit >= count) return;
-    codes now = all[visits[start + visit]];
+    gscl_codes now = all[visits[start + visit]];
     appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
     picture_change(&a, -1.0f, picture, weights, width, height, plane);
 }
 
-/* What a move comes to with its best colour codes; a cost of MAXFLOAT: the move is not to be made. */
-typedef struct {
-    float cost;
-    int colour[4]; /* codes from CODE_LUMA on */
-} move_outcome;
-
 /* Then every move of each is judged.  `owned`: pixels (x0, x1, y0, y1) that each splat's visit may change; `existence`:
  * bits that any splat costs. */
 __kernel void rdo_evaluate(__global const int *restrict visits, int start, int count,
-                           __global const codes *restrict all, __global const int4 *restrict owned,
-                           __global const minor_entry *restrict minors, __global const aspect_entry *restrict aspects,
-                           __global const float *restrict tables, refine_settings t, view seen, float existence,
-                           __global const float *restrict picture, __global const float *restrict weights,
-                           __global const float *restrict target, int width, int height, ulong plane,
-                           __global move_outcome *restrict outcomes) {
+                           __global const gscl_codes *restrict all, __global const int4 *restrict owned,
+                           __global const gscl_minor_entry *restrict minors,
+                           __global const gscl_aspect_entry *restrict aspects, __global const float *restrict tables,
+                           gscl_rdo_settings t, gscl_view seen, float existence, __global const float *restrict picture,
+                           __global const float *restrict weights, __global const float *restrict target, int width,
+                           int height, ulong plane, __global gscl_move_outcome *restrict outcomes) {
     int visit = (int)get_global_id(0) / MOVES, move = (int)get_global_id(0) % MOVES;
     if (visit >= count) return;
     int i = visits[start + visit];
-    codes now = all[i];
-    move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
+    gscl_codes now = all[i];
+    gscl_move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
     float other_bits = wave_bits(&now, tables);
     bool possible = codes_move(&now, move, minors, aspects, t);
     if (possible) {
@@ -180,10 +178,10 @@ __kernel void rdo_evaluate(__global const int *restrict visits, int start, int c
         if (move == 0 || within(&a, owned[i])) {
             quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
             outcome.cost = colour_descend(&q, &now, tables, t);
-            if (OPACITY) other_bits += tables[GSCL_BITS_OPACITY + now.code[CODE_OPACITY]];
-            outcome.cost += t.lambda * (existence + other_bits + minors[now.code[CODE_MINOR]].bits +
-                                        aspects[now.code[CODE_ASPECT]].bits);
-            for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[CODE_LUMA + k];
+            if (OPACITY) other_bits += tables[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
+            outcome.cost += t.lambda * (existence + other_bits + minors[now.code[GSCL_CODE_MINOR]].bits +
+                                        aspects[now.code[GSCL_CODE_ASPECT]].bits);
+            for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[GSCL_CODE_LUMA + k];
         }
     }
     outcomes[(size_t)visit * MOVES + move] = outcome;
@@ -192,11 +190,12 @@ __kernel void rdo_evaluate(__global const int *restrict visits, int start, int c
 /* Last the best is put into the picture.  A splat that is not worth its bits gets minor code -1.  `leave_out`: what
  * leaving a splat out costs, 0 (no change of error, no bits), or more than anything. */
 __kernel void rdo_commit(__global const int *restrict visits, int start, int count,
-                         __global const move_outcome *restrict outcomes, __global codes *restrict all,
-                         __global const minor_entry *restrict minors, __global const aspect_entry *restrict aspects,
-                         __global const float *restrict tables, refine_settings t, view seen, float leave_out,
-                         __global float *restrict picture, __global float *restrict weights,
-                         __global const float *restrict target, int width, int height, ulong plane) {
+                         __global const gscl_move_outcome *restrict outcomes, __global gscl_codes *restrict all,
+                         __global const gscl_minor_entry *restrict minors,
+                         __global const gscl_aspect_entry *restrict aspects, __global const float *restrict tables,
+                         gscl_rdo_settings t, gscl_view seen, float leave_out, __global float *restrict picture,
+                         __global float *restrict weights, __global const float *restrict target, int width, int height,
+                         ulong plane) {
     int visit = (int)get_global_id(0), best = -1;
     if (visit >= count) return;
     int i = visits[start + visit];
@@ -207,13 +206,13 @@ __kernel void rdo_commit(__global const int *restrict visits, int start, int cou
             lowest = outcomes[move].cost;
             best = move;
         }
-    codes choice = all[i];
+    gscl_codes choice = all[i];
     if (best < 0) {
-        all[i].code[CODE_MINOR] = -1;
+        all[i].code[GSCL_CODE_MINOR] = -1;
         return;
     }
     codes_move(&choice, best, minors, aspects, t);
-    for (int k = 0; k < 4; k++) choice.code[CODE_LUMA + k] = outcomes[best].colour[k];
+    for (int k = 0; k < 4; k++) choice.code[GSCL_CODE_LUMA + k] = outcomes[best].colour[k];
 #if TEXTURE
     texture_choose(&choice, minors, aspects, tables, t, seen, picture, weights, target, width, height, plane);
 #endif

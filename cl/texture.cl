@@ -6,12 +6,12 @@
  * for all directions at once, and guesses the others from the splat's Gaussian; the best wave of the scan, the
  * present one and its neighbours are then judged exactly. */
 
-inline float wave_bits(const codes *c, __global const float *restrict tables) {
+inline float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
 #if TEXTURE
-    if (c->code[CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
-    return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[CODE_WAVE]] +
-           tables[GSCL_BITS_DIRECTION + c->code[CODE_DIRECTION]] +
-           tables[GSCL_BITS_AMPLITUDE + c->code[CODE_AMPLITUDE] - 1];
+    if (c->code[GSCL_CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
+    return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[GSCL_CODE_WAVE]] +
+           tables[GSCL_BITS_DIRECTION + c->code[GSCL_CODE_DIRECTION]] +
+           tables[GSCL_BITS_AMPLITUDE + c->code[GSCL_CODE_AMPLITUDE] - 1];
 #else
     return 0.0f;
 #endif
@@ -78,20 +78,20 @@ inline wave_sums wave_weigh(const appearance *plain, float2 cycles, __global con
 }
 
 /* Finds the phase and the amplitude that cost least for a wave and direction; returns that cost. */
-inline float wave_settle(codes *c, const wave_sums *w, float attenuation, __global const float *restrict tables,
-                         refine_settings t) {
+inline float wave_settle(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *restrict tables,
+                         gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
-    codes other = *c;
+    gscl_codes other = *c;
     for (int phase = 0; phase < GSCL_PHASES; phase++) {
         float turn = (float)phase * (2.0f * M_PI_F / GSCL_PHASES), co = cos(turn), si = sin(turn);
         float l = fma(co, w->error_cos, si * w->error_sin);
         float q = co * co * w->cos2 + 2.0f * co * si * w->both + si * si * w->sin2;
         if (!(l < 0.0f)) continue;
-        other.code[CODE_PHASE] = phase;
+        other.code[GSCL_CODE_PHASE] = phase;
         float wanted = rint(-l / (fmax(q, 1e-12f) * step));
         for (int less = 0; less < 2; less++) {
-            other.code[CODE_AMPLITUDE] = (int)clamp(wanted - (float)less, 1.0f, (float)GSCL_AMPLITUDES);
-            float a = (float)other.code[CODE_AMPLITUDE] * step;
+            other.code[GSCL_CODE_AMPLITUDE] = (int)clamp(wanted - (float)less, 1.0f, (float)GSCL_AMPLITUDES);
+            float a = (float)other.code[GSCL_CODE_AMPLITUDE] * step;
             float cost = a * fma(a, q, 2.0f * l) + t.lambda * wave_bits(&other, tables);
             if (cost < best) {
                 best = cost;
@@ -145,7 +145,7 @@ inline pix scan_score(const appearance *plain, const scan_state *s) {
 }
 
 /* The most promising wave and direction. */
-inline int2 wave_scan(const appearance *plain, float major, view seen, __global const float *restrict picture,
+inline int2 wave_scan(const appearance *plain, float major, gscl_view seen, __global const float *restrict picture,
                       __global const float *restrict weights, __global const float *restrict target, int width,
                       int height, ulong plane) {
     scan_state states[SCANNED_WAVES * VECTORS];
@@ -186,20 +186,21 @@ inline int2 wave_scan(const appearance *plain, float major, view seen, __global 
 }
 
 /* Gives the splat, which is out of the picture, the wave that costs least, or none. */
-inline void texture_choose(codes *c, __global const minor_entry *minors, __global const aspect_entry *aspects,
-                           __global const float *restrict tables, refine_settings t, view seen,
-                           __global const float *restrict picture, __global const float *restrict weights,
-                           __global const float *restrict target, int width, int height, ulong plane) {
-    codes now = *c, choice = *c;
-    for (int k = CODE_WAVE; k <= CODE_AMPLITUDE; k++) choice.code[k] = 0;
+inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minors,
+                           __global const gscl_aspect_entry *aspects, __global const float *restrict tables,
+                           gscl_rdo_settings t, gscl_view seen, __global const float *restrict picture,
+                           __global const float *restrict weights, __global const float *restrict target, int width,
+                           int height, ulong plane) {
+    gscl_codes now = *c, choice = *c;
+    for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) choice.code[k] = 0;
     float best = t.lambda * tables[GSCL_BITS_PLAIN];
-    bool textured = now.code[CODE_AMPLITUDE] > 0;
+    bool textured = now.code[GSCL_CODE_AMPLITUDE] > 0;
     splat s = codes_splat(&choice, minors, aspects, t);
     appearance plain = splat_appearance(s, seen);
     int2 tried[6];
     int count = 0;
     if (textured) {
-        int w = now.code[CODE_WAVE], d = now.code[CODE_DIRECTION];
+        int w = now.code[GSCL_CODE_WAVE], d = now.code[GSCL_CODE_DIRECTION];
         tried[count++] = (int2)(w, d);
         tried[count++] = (int2)(w, (d + 1) % GSCL_DIRECTIONS);
         tried[count++] = (int2)(w, (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS);
@@ -208,10 +209,10 @@ inline void texture_choose(codes *c, __global const minor_entry *minors, __globa
     }
     if (t.scan) tried[count++] = wave_scan(&plain, s.s1, seen, picture, weights, target, width, height, plane);
     for (int i = 0; i < count; i++) {
-        codes other = now;
-        other.code[CODE_WAVE] = tried[i].x;
-        other.code[CODE_DIRECTION] = tried[i].y;
-        other.code[CODE_AMPLITUDE] = 1;
+        gscl_codes other = now;
+        other.code[GSCL_CODE_WAVE] = tried[i].x;
+        other.code[GSCL_CODE_DIRECTION] = tried[i].y;
+        other.code[GSCL_CODE_AMPLITUDE] = 1;
         splat waved = codes_splat(&other, minors, aspects, t);
         appearance seen_so = splat_appearance(waved, seen);
         float2 cycles = (float2)(seen_so.projected[GSCL_PROJECTED_WAVE_X], seen_so.projected[GSCL_PROJECTED_WAVE_Y]);

@@ -81,11 +81,11 @@ inline void slots_gather(float *restrict sums, size_t first, int live, __global 
 
 /* Chain rule from the frame's sums to the parameters.  `s`, `drawn`: the splats as they were drawn. */
 inline void gradient_from_sums(each *restrict gradient, const float *restrict sums, splat s,
-                               __global const float *restrict projected, view seen) {
+                               __global const float *restrict projected, gscl_view seen) {
     each e1 = seen_axis(s.s1, seen.blur), e2 = seen_axis(s.s2, seen.blur);
     /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
     const float factor = 2.0f * M_LN2_F;
-    each du = factor * EACH_SUM(SLOT_U), dv = factor * EACH_SUM(SLOT_V);
+    each du = factor * EACH_SUM(GSCL_SLOT_U), dv = factor * EACH_SUM(GSCL_SLOT_V);
     gradient[GSCL_X] = seen.inv_scale * fma(LOAD_EACH(projected + GSCL_PROJECTED_UX, GSCL_PROJECTED), du,
                                             LOAD_EACH(projected + GSCL_PROJECTED_VX, GSCL_PROJECTED) * dv);
     gradient[GSCL_Y] = seen.inv_scale * fma(LOAD_EACH(projected + GSCL_PROJECTED_UY, GSCL_PROJECTED), du,
@@ -96,22 +96,13 @@ inline void gradient_from_sums(each *restrict gradient, const float *restrict su
     gradient[GSCL_X] = fma(LOAD_EACH(projected + GSCL_PROJECTED_WAVE_X, GSCL_PROJECTED), dwave, gradient[GSCL_X]);
     gradient[GSCL_Y] = fma(LOAD_EACH(projected + GSCL_PROJECTED_WAVE_Y, GSCL_PROJECTED), dwave, gradient[GSCL_Y]);
 #endif
-    gradient[GSCL_LOG_S1] = factor * EACH_SUM(SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
+    gradient[GSCL_LOG_S1] = factor * EACH_SUM(GSCL_SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
     gradient[GSCL_LOG_S2] = factor * EACH_SUM(SLOT_VV) * (s.s2 / e2) * (s.s2 / e2);
-    gradient[GSCL_THETA] = ROTATION ? factor * EACH_SUM(SLOT_UV) * (e1 / e2 - e2 / e1) : (each)(0.0f);
+    gradient[GSCL_THETA] = ROTATION ? factor * EACH_SUM(GSCL_SLOT_UV) * (e1 / e2 - e2 / e1) : (each)(0.0f);
     gradient[GSCL_OPACITY] = OPACITY ? EACH_SUM(SLOT_OPACITY) * s.opacity * (1.0f - s.opacity) : (each)(0.0f);
     UNROLL
     for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = EACH_SUM(SLOT_COLOUR + k);
 }
-
-/* Learning rates and bounds of one step. */
-typedef struct {
-    float rate;             /* this step's factor on all rates */
-    float width, height;    /* centres stay inside the full-size image */
-    float log_min, log_max; /* of an axis */
-    float log_aspect;       /* largest |ln s1 - ln s2| */
-    float colour_min, colour_max;
-} limits;
 
 #define ADAM_BETA1 0.9f
 #define ADAM_BETA2 0.99f
@@ -175,7 +166,7 @@ inline void adam(each *restrict p, __global float *restrict first_moment, __glob
         if (IS_FITTED(k)) p[k] -= steps[k];
 }
 
-inline void keep_within(each *restrict p, limits b) {
+inline void keep_within(each *restrict p, gscl_limits b) {
     p[GSCL_X] = clamp(p[GSCL_X], (each)(0.0f), (each)(b.width));
     p[GSCL_Y] = clamp(p[GSCL_Y], (each)(0.0f), (each)(b.height));
     each difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
@@ -192,10 +183,10 @@ inline void keep_within(each *restrict p, limits b) {
 /* Writes the gradients of SPLAT_LANES splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
  * they are). */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
-                               view seen, __global const int4 *restrict boxes, __global const float *restrict projected,
-                               __global const float *restrict ellipse_bounds, __global const uint *restrict entries,
-                               __global const int2 *restrict tile_ranges, __global const float *restrict slots,
-                               __global float *restrict gradients) {
+                               gscl_view seen, __global const int4 *restrict boxes,
+                               __global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                               __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
+                               __global const float *restrict slots, __global float *restrict gradients) {
     size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)count) return;
     float sums[SPLAT_LANES * SLOT];
@@ -212,7 +203,7 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
 __kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
                         __global const float *restrict gradients, __global const float *restrict steps, int count,
-                        limits bounds, view seen, __global float *restrict projected,
+                        gscl_limits bounds, gscl_view seen, __global float *restrict projected,
                         __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
     if (i >= (size_t)count) return;

@@ -3,11 +3,9 @@
 #ifndef GSCL_LIB_CODEBOOK_H
 #define GSCL_LIB_CODEBOOK_H
 
-#include "fit/fit.h"
+#include "cl/constants.h"
 #include "decode/coded_image.h"
-
-#define GSCL_BOOK_DIMS 5 /* floats from one word to the next, in either book */
-enum { GSCL_BOOK_SHAPE, GSCL_BOOK_COLOUR, GSCL_BOOKS };
+#include "fit/fit.h"
 
 typedef struct gscl_book {
     int count;                                               /* words */

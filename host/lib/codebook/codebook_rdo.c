@@ -4,24 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "codebook/codebook.h"
 #include "cl/constants.h"
+#include "cl/structs.h"
+#include "codebook/codebook.h"
 
 #define CELL 16  /* pixels of the map that keeps visits apart */
 #define ROOM 3.0 /* pixels around the outline */
 
-/* Mirrors choose_settings in cl/codebook_rdo.cl. */
-typedef struct settings {
-    cl_float lambda, existence, leave_out;
-    cl_float cell_x, cell_y;
-    cl_int last_x, last_y;
-    cl_int colours;
-} settings;
-
 typedef struct chooser {
     gscl_codebook *codebook;
     size_t count;
-    settings settings;
+    gscl_word_rdo_settings settings;
     float *stored; /* shape words as they are drawn */
     float *bits[GSCL_BOOKS];
     cl_int (*cells)[2];
@@ -202,14 +195,14 @@ static gscl_result run(chooser *c, double lambda, bool keep_all) {
     GSCL_TRY(gscl_codebook_pull(book));
     GSCL_TRY(gscl_buffer_read(f->context, &book->books[0].stored, 0, c->stored,
                               (size_t)book->books[0].count * GSCL_BOOK_DIMS * sizeof(float)));
-    c->settings = (settings){.lambda = (cl_float)lambda,
-                             .existence = (float)(2 * book->position_bits) - log2f((float)c->count),
-                             .leave_out = keep_all ? FLT_MAX : 0.0f,
-                             .cell_x = (cl_float)f->width / (cl_float)(last + 1),
-                             .cell_y = (cl_float)f->height / (cl_float)(last + 1),
-                             .last_x = last,
-                             .last_y = last,
-                             .colours = book->books[1].count};
+    c->settings = (gscl_word_rdo_settings){.lambda = (cl_float)lambda,
+                                           .existence = (float)(2 * book->position_bits) - log2f((float)c->count),
+                                           .leave_out = keep_all ? FLT_MAX : 0.0f,
+                                           .cell_x = (cl_float)f->width / (cl_float)(last + 1),
+                                           .cell_y = (cl_float)f->height / (cl_float)(last + 1),
+                                           .last_x = last,
+                                           .last_y = last,
+                                           .colours = book->books[1].count};
     for (size_t i = 0; i < c->count; i++) {
         const float *p = book->params + i * GSCL_PARAMS;
         c->cells[i][0] = (cl_int)fmin(fmax(floor(p[GSCL_X] / c->settings.cell_x), 0), last);

@@ -3,24 +3,9 @@
 #ifndef GSCL_LIB_RENDER_H
 #define GSCL_LIB_RENDER_H
 
-#include "runtime/programs.h"
+#include "cl/structs.h"
 #include "runtime/opencl.h"
-
-/* The part of the plane that is drawn (mirrors `view` in cl/project.cl).  A point p of the full-size image
- * appears at p * inv_scale - (x, y). */
-typedef struct gscl_view {
-    cl_float inv_scale; /* 1: full size; 1/2, 1/4, ...: levels of the pyramid */
-    cl_float blur;      /* variance in full-size pixels that the level's box filter adds to a splat */
-    cl_float x, y;      /* origin, drawn pixels */
-    cl_int tiles_x, tiles_y;
-} gscl_view;
-
-/* Samples of an image in memory (mirrors `sample_layout` in cl/samples.cl). */
-typedef struct gscl_sample_layout {
-    cl_int channels;
-    cl_int sample;        /* gscl_sample, not AUTO */
-    cl_int premultiplied; /* 0 or 1 */
-} gscl_sample_layout;
+#include "runtime/programs.h"
 
 typedef struct gscl_renderer {
     gscl_context *context;

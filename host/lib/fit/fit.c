@@ -210,17 +210,11 @@ gscl_result gscl_fit_read(gscl_fit *f, float *params) {
                             (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));
 }
 
-/* Floats of a slot (SLOT in cl/fit.cl). */
-static size_t slot_size(const gscl_renderer *r) {
-    static const int of_geometry[] = {
-        [GSCL_SHAPE_ROTATED] = 5, [GSCL_SHAPE_AXIS_ALIGNED] = 4, [GSCL_SHAPE_ISOTROPIC] = 3};
-    return (size_t)(of_geometry[r->options.shape] + r->options.opacity + r->channels + r->options.texture);
-}
-
 static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *picture) {
     gscl_renderer *r = &f->renderer;
-    size_t slot = slot_size(r);
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->slots, r->entries.size / sizeof(cl_uint) * slot * sizeof(float)));
+    size_t slot =
+        (size_t)GSCL_SLOT_SIZE(r->options.shape, r->options.opacity, r->channels, r->options.texture) * sizeof(float);
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->slots, r->entries.size / sizeof(cl_uint) * slot));
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
     cl_ulong plane = gscl_renderer_plane(r);

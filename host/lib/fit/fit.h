@@ -11,15 +11,6 @@
 
 #define GSCL_MAX_LEVELS 15 /* 16384 pixels down to 1 */
 
-/* Bounds of the parameters and this step's factor on the learning rates (mirrors `limits` in cl/update.cl). */
-typedef struct gscl_limits {
-    cl_float rate;
-    cl_float width, height;
-    cl_float log_min, log_max;
-    cl_float log_aspect;
-    cl_float colour_min, colour_max;
-} gscl_limits;
-
 typedef struct gscl_fit {
     gscl_context *context;
     gscl_renderer renderer;

@@ -10,7 +10,7 @@
 #include "runtime/opencl.h"
 #include "runtime/timing.h"
 
-#define MAX_FILES 11
+#define MAX_FILES 12
 #define MAX_KERNELS 16
 #define MAX_OPTIONS 384
 #define SPARE_HEADER " -D_OPENCL_H_ -DGSCL_BUILTINS" /* cl/builtins.h */
@@ -29,18 +29,19 @@ struct gscl_program {
 
 /* Source files of each kind, in the order in which the compiler reads them. */
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_RENDER] = {"builtins.h", "constants.h", "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl",
-                             "bin.cl", "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {"builtins.h", "constants.h", "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl",
-                          "bin.cl", "fit.cl", "update.cl"},
-    [GSCL_PROGRAM_SCALAR_RDO] = {"builtins.h", "constants.h", "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl",
-                                 "bin.cl", "outline.cl", "scalar_codes.cl", "texture.cl", "scalar_rdo.cl"},
-    [GSCL_PROGRAM_CODEBOOK] = {"builtins.h", "constants.h", "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl",
-                               "fit.cl", "update.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
-    [GSCL_PROGRAM_SSIM] = {"builtins.h", "constants.h", "pixel.cl", "ssim.cl"},
-    [GSCL_PROGRAM_IMAGE] = {"builtins.h", "constants.h", "image.cl"},
-    [GSCL_PROGRAM_BENCHMARK] = {"builtins.h", "constants.h", "pixel.cl", "benchmark.cl"},
-    [GSCL_PROGRAM_ACCURACY] = {"builtins.h", "constants.h", "pixel.cl", "raster.cl", "accuracy.cl"},
+    [GSCL_PROGRAM_RENDER] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
+                             "project.cl", "bin.cl", "samples.cl"},
+    [GSCL_PROGRAM_FIT] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
+                          "project.cl", "bin.cl", "fit.cl", "update.cl"},
+    [GSCL_PROGRAM_SCALAR_RDO] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
+                                 "project.cl", "bin.cl", "outline.cl", "scalar_codes.cl", "texture.cl",
+                                 "scalar_rdo.cl"},
+    [GSCL_PROGRAM_CODEBOOK] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
+                               "project.cl", "fit.cl", "update.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
+    [GSCL_PROGRAM_SSIM] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "ssim.cl"},
+    [GSCL_PROGRAM_IMAGE] = {"builtins.h", "constants.h", "structs.h", "image.cl"},
+    [GSCL_PROGRAM_BENCHMARK] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "benchmark.cl"},
+    [GSCL_PROGRAM_ACCURACY] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "accuracy.cl"},
 };
 
 /* The two mappings of pixels to work-items (cl/pixel.cl). */

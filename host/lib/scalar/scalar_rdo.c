@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "cl/structs.h"
 #include "decode/quantise.h"
 #include "runtime/timing.h"
 
@@ -18,41 +19,17 @@
 #define TEXTURED_SHARE 0.05
 #define GUESSED_COUNT 1.0
 
-/* Mirrors of the structs in cl/scalar_rdo.cl. */
-typedef struct minor_entry {
-    cl_float step;
-    cl_int cells_x, cells_y;
-    cl_float bits;
-} minor_entry;
-typedef struct aspect_entry {
-    cl_int angles;
-    cl_float bits;
-} aspect_entry;
-typedef struct settings {
-    cl_float lambda, scale_step, luma_step, chroma_step, alpha_step, amplitude_step, opacity_levels;
-    cl_int scan;
-    cl_int min[4], max[4];
-} settings;
-typedef struct move_outcome {
-    cl_float cost;
-    cl_int colour[4];
-} move_outcome;
-typedef struct codes {
-    cl_int code[GSCL_CODES]; /* minor, aspect, angle, x, y, luma, co, cg, alpha; wave, direction, phase,
-                                amplitude; opacity */
-} codes;
-
 typedef struct pass {
     gscl_fit *fit;
     gscl_coded_image *picture;
     size_t count;
     bool keep_all;
-    settings settings;
-    minor_entry minors[GSCL_MAX_SCALE + 1];
-    aspect_entry aspects[GSCL_MAX_SCALE + 1];
+    gscl_rdo_settings settings;
+    gscl_minor_entry minors[GSCL_MAX_SCALE + 1];
+    gscl_aspect_entry aspects[GSCL_MAX_SCALE + 1];
     cl_float existence;
     float *tables; /* GSCL_BITS_COUNT */
-    codes *codes;
+    gscl_codes *codes;
     cl_int *owned;  /* x0, x1, y0, y1 of each */
     cl_int *visits; /* splat numbers by group */
     size_t group_start[GROUPS + 1], largest_group;
@@ -90,29 +67,39 @@ static void bits_of_counts(const double *counts, int n, bool smooth, float *bits
     }
 }
 
-static void codes_of(const gsf_splat *s, codes *c) {
+static void codes_of(const gsf_splat *s, gscl_codes *c) {
     const gsf_texture *t = &s->texture;
-    const cl_int code[GSCL_CODES] = {s->minor,     s->aspect, s->angle,     (cl_int)s->x, (cl_int)s->y,
-                                     s->luma,      s->co,     s->cg,        s->alpha,     t->wave,
-                                     t->direction, t->phase,  t->amplitude, s->opacity};
-    memcpy(c->code, code, sizeof code);
+    *c = (gscl_codes){.code = {[GSCL_CODE_MINOR] = s->minor,
+                               [GSCL_CODE_ASPECT] = s->aspect,
+                               [GSCL_CODE_ANGLE] = s->angle,
+                               [GSCL_CODE_X] = (cl_int)s->x,
+                               [GSCL_CODE_Y] = (cl_int)s->y,
+                               [GSCL_CODE_LUMA] = s->luma,
+                               [GSCL_CODE_CO] = s->co,
+                               [GSCL_CODE_CG] = s->cg,
+                               [GSCL_CODE_ALPHA] = s->alpha,
+                               [GSCL_CODE_WAVE] = t->wave,
+                               [GSCL_CODE_DIRECTION] = t->direction,
+                               [GSCL_CODE_PHASE] = t->phase,
+                               [GSCL_CODE_AMPLITUDE] = t->amplitude,
+                               [GSCL_CODE_OPACITY] = s->opacity}};
 }
 
-static void splat_of(const codes *c, gsf_splat *s) {
-    *s = (gsf_splat){.minor = (uint16_t)c->code[0],
-                     .aspect = (uint16_t)c->code[1],
-                     .angle = (uint16_t)c->code[2],
-                     .x = (uint32_t)c->code[3],
-                     .y = (uint32_t)c->code[4],
-                     .luma = (int16_t)c->code[5],
-                     .co = (int16_t)c->code[6],
-                     .cg = (int16_t)c->code[7],
-                     .alpha = (int16_t)c->code[8],
-                     .opacity = (uint16_t)c->code[13],
-                     .texture = {.wave = (uint8_t)c->code[9],
-                                 .direction = (uint8_t)c->code[10],
-                                 .phase = (uint8_t)c->code[11],
-                                 .amplitude = (uint8_t)c->code[12]}};
+static void splat_of(const gscl_codes *c, gsf_splat *s) {
+    *s = (gsf_splat){.minor = (uint16_t)c->code[GSCL_CODE_MINOR],
+                     .aspect = (uint16_t)c->code[GSCL_CODE_ASPECT],
+                     .angle = (uint16_t)c->code[GSCL_CODE_ANGLE],
+                     .x = (uint32_t)c->code[GSCL_CODE_X],
+                     .y = (uint32_t)c->code[GSCL_CODE_Y],
+                     .luma = (int16_t)c->code[GSCL_CODE_LUMA],
+                     .co = (int16_t)c->code[GSCL_CODE_CO],
+                     .cg = (int16_t)c->code[GSCL_CODE_CG],
+                     .alpha = (int16_t)c->code[GSCL_CODE_ALPHA],
+                     .opacity = (uint16_t)c->code[GSCL_CODE_OPACITY],
+                     .texture = {.wave = (uint8_t)c->code[GSCL_CODE_WAVE],
+                                 .direction = (uint8_t)c->code[GSCL_CODE_DIRECTION],
+                                 .phase = (uint8_t)c->code[GSCL_CODE_PHASE],
+                                 .amplitude = (uint8_t)c->code[GSCL_CODE_AMPLITUDE]}};
 }
 
 /* What axis and angle codes mean and cost, from how often they occur. */
@@ -121,13 +108,13 @@ static void make_shape_tables(pass *p) {
     double minors[GSCL_MAX_SCALE + 1] = {0}, aspects[GSCL_MAX_SCALE + 1] = {0};
     float minor_bits[GSCL_MAX_SCALE + 1], aspect_bits[GSCL_MAX_SCALE + 1];
     for (size_t i = 0; i < p->count; i++) {
-        minors[p->codes[i].code[0]]++;
-        aspects[p->codes[i].code[1]]++;
+        minors[p->codes[i].code[GSCL_CODE_MINOR]]++;
+        aspects[p->codes[i].code[GSCL_CODE_ASPECT]]++;
     }
     bits_of_counts(minors, GSCL_MAX_SCALE + 1, true, minor_bits);
     bits_of_counts(aspects, GSCL_MAX_SCALE + 1, true, aspect_bits);
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
-        minor_entry *m = &p->minors[i];
+        gscl_minor_entry *m = &p->minors[i];
         m->step = (float)gsf_position_step_q8(&file->steps, i) / 256.0f;
         m->cells_x = (cl_int)gsf_position_cells(&file->steps, i, file->header.width);
         m->cells_y = (cl_int)gsf_position_cells(&file->steps, i, file->header.height);
@@ -143,7 +130,7 @@ static void make_colour_tables(pass *p) {
         int min = p->settings.min[k], n = p->settings.max[k] - min + 1;
         memset(counts, 0, sizeof counts);
         for (size_t i = 0; i < p->count; i++)
-            counts[p->codes[i].code[5 + k] - min]++;
+            counts[p->codes[i].code[GSCL_CODE_LUMA + k] - min]++;
         bits_of_counts(counts, n, true, p->tables + k * GSCL_COLOUR_CODES + GSCL_COLOUR_CODES / 2 + min);
     }
 }
@@ -156,12 +143,12 @@ static void make_texture_tables(pass *p) {
         waves[i] = directions[i] = amplitudes[i] = GUESSED_COUNT;
     for (size_t i = 0; i < p->count; i++) {
         const cl_int *code = p->codes[i].code;
-        if (code[12] == 0)
+        if (code[GSCL_CODE_AMPLITUDE] == 0)
             continue;
         textured++;
-        waves[code[9]]++;
-        directions[code[10]]++;
-        amplitudes[code[12] - 1]++;
+        waves[code[GSCL_CODE_WAVE]]++;
+        directions[code[GSCL_CODE_DIRECTION]]++;
+        amplitudes[code[GSCL_CODE_AMPLITUDE] - 1]++;
     }
     count *= 1 + TEXTURED_SHARE;
     p->tables[GSCL_BITS_PLAIN] = (float)-log2(fmax(count - textured, 1) / (count + 1));
@@ -174,7 +161,7 @@ static void make_texture_tables(pass *p) {
 static void make_opacity_table(pass *p) {
     double opacities[GSCL_OPACITIES] = {0};
     for (size_t i = 0; i < p->count; i++)
-        opacities[p->codes[i].code[13]]++;
+        opacities[p->codes[i].code[GSCL_CODE_OPACITY]]++;
     bits_of_counts(opacities, p->picture->file.steps.opacity + 1, true, p->tables + GSCL_BITS_OPACITY);
 }
 
@@ -295,7 +282,8 @@ static gscl_result upload_all(pass *p) {
     gscl_context *context = p->fit->context;
     GSCL_TRY(gscl_buffer_upload(context, &p->device_codes, p->codes, p->count * sizeof *p->codes));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_visits, p->visits, p->group_start[GROUPS] * sizeof *p->visits));
-    GSCL_TRY(gscl_buffer_reserve(context, &p->device_outcomes, p->largest_group * moves_of(p) * sizeof(move_outcome)));
+    GSCL_TRY(
+        gscl_buffer_reserve(context, &p->device_outcomes, p->largest_group * moves_of(p) * sizeof(gscl_move_outcome)));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_owned, p->owned, p->count * 4 * sizeof *p->owned));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_minors, p->minors, sizeof p->minors));
     GSCL_TRY(gscl_buffer_upload(context, &p->device_aspects, p->aspects, sizeof p->aspects));
@@ -358,7 +346,7 @@ static void collect(pass *p) {
     gsf_coded_image *file = &p->picture->file;
     uint32_t kept = 0;
     for (size_t i = 0; i < p->count; i++)
-        if (p->codes[i].code[0] >= 0)
+        if (p->codes[i].code[GSCL_CODE_MINOR] >= 0)
             splat_of(&p->codes[i], &file->splats[kept++]);
     file->header.splat_count = kept;
 }

@@ -1,0 +1,87 @@
+/* Structs that the C host and the OpenCL C kernels share: kernel arguments and elements of buffers.  All fields are
+ * four bytes wide, so that both compilers lay them out alike. */
+#ifndef GSCL_CL_STRUCTS_H
+#define GSCL_CL_STRUCTS_H
+
+#ifdef __OPENCL_VERSION__
+typedef int cl_int;
+typedef float cl_float;
+#else
+#include <CL/cl.h>
+
+#include "cl/constants.h"
+#endif
+
+/* The part of the plane that is drawn.  A point p of the full-size image appears at p * inv_scale - (x, y). */
+typedef struct gscl_view {
+    cl_float inv_scale; /* 1: full size; 1/2, 1/4, ...: levels of the pyramid */
+    cl_float blur;      /* variance in full-size pixels that the level's box filter adds to a splat */
+    cl_float x, y;      /* origin, drawn pixels */
+    cl_int tiles_x, tiles_y;
+} gscl_view;
+
+/* Samples of an image in memory. */
+typedef struct gscl_sample_layout {
+    cl_int channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
+    cl_int sample;        /* gscl_sample, not AUTO */
+    cl_int premultiplied; /* 0 or 1 */
+} gscl_sample_layout;
+
+/* Bounds of the parameters while fitting, and one step's factor on the learning rates. */
+typedef struct gscl_limits {
+    cl_float rate;
+    cl_float width, height;    /* pixels: centres stay inside the full-size image */
+    cl_float log_min, log_max; /* of an axis */
+    cl_float log_aspect;       /* largest |ln s1 - ln s2| */
+    cl_float colour_min, colour_max;
+} gscl_limits;
+
+/* ---- Rate-distortion optimisation of scalar codes ---- */
+
+/* A splat's codes. */
+typedef struct gscl_codes {
+    cl_int code[GSCL_CODE_COUNT]; /* by GSCL_CODE_... */
+} gscl_codes;
+
+/* What a code of the minor axis means and costs. */
+typedef struct gscl_minor_entry {
+    cl_float step;           /* of the position grid, pixels */
+    cl_int cells_x, cells_y; /* of the position grid */
+    cl_float bits;           /* of the code and of a position on the grid */
+} gscl_minor_entry;
+
+/* What a code of the aspect ratio means and costs. */
+typedef struct gscl_aspect_entry {
+    cl_int angles; /* number of angle codes */
+    cl_float bits; /* of the code and of an angle */
+} gscl_aspect_entry;
+
+/* Steps of the codes and the price of a bit. */
+typedef struct gscl_rdo_settings {
+    cl_float lambda;     /* squared error per bit */
+    cl_float scale_step; /* of ln sigma */
+    cl_float luma_step, chroma_step, alpha_step;
+    cl_float amplitude_step; /* of a texture */
+    cl_float opacity_levels;
+    cl_int scan;           /* 1: every splat is offered new waves; 0: only those near its own */
+    cl_int min[4], max[4]; /* of the codes luma, co, cg, alpha */
+} gscl_rdo_settings;
+
+/* The result of evaluating one move of one splat. */
+typedef struct gscl_move_outcome {
+    cl_float cost;    /* MAXFLOAT: the move is not possible */
+    cl_int colour[4]; /* the best codes luma, co, cg, alpha */
+} gscl_move_outcome;
+
+/* ---- Rate-distortion optimisation of codebook indices ---- */
+
+typedef struct gscl_word_rdo_settings {
+    cl_float lambda;         /* squared error per bit */
+    cl_float existence;      /* bits of a position, less the bits that the order of all splats saves */
+    cl_float leave_out;      /* cost of dropping a splat: 0, or more than any other cost where none may be dropped */
+    cl_float cell_x, cell_y; /* of the position grid, pixels */
+    cl_int last_x, last_y;   /* largest cells */
+    cl_int colours;          /* words of the colour codebook */
+} gscl_word_rdo_settings;
+
+#endif
