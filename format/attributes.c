@@ -1,4 +1,6 @@
-#include "attributes.h"
+#include "format/attributes.h"
+
+#include "format/quantiser.h"
 
 /* Tuning: part of the format. */
 static const gsf_model_shape ASPECT = {2, 40, 4, {32, 24, 12}, 96};
@@ -80,7 +82,7 @@ static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
         splat->angle = (uint16_t)code_angle(coder, &a->direction, angles, splat->angle);
 }
 
-/* Where the splat's centre is, in GSF_FIELD_SIDE buckets along the picture. */
+/* Where the splat's centre is, in GSF_FIELD_SIDE buckets along the image. */
 static uint32_t bucket(const gsf_attributes *a, const gsf_splat *splat, uint32_t cell, uint32_t dimension) {
     const uint64_t step = gsf_position_step_q8(&a->steps, splat->minor);
     const uint64_t index = (2 * (uint64_t)cell + 1) * step * GSF_FIELD_SIDE / (512 * (uint64_t)dimension);

@@ -2,8 +2,10 @@
 #ifndef GSCL_FORMAT_ATTRIBUTES_H
 #define GSCL_FORMAT_ATTRIBUTES_H
 
-#include "chroma.h"
-#include "model.h"
+#include "format/chroma.h"
+#include "format/coder.h"
+#include "format/model.h"
+#include "format/types.h"
 
 typedef struct gsf_attributes {
     gsf_header header;

@@ -1,60 +1,40 @@
-/* What the writer refuses, and the limit of work that both directions keep. */
-#include "codebook.h"
-#include "header.h"
-#include "coded_image.h"
+#include "format/check.h"
 
-uint32_t gsf_class_count(const gsf_coded_image *picture) {
-    return picture->header.coding == GSF_CODING_SCALAR ? GSF_MAX_SCALE_CODE + 1 : picture->codebooks.shape_count;
-}
-
-uint32_t gsf_class_of(const gsf_coded_image *picture, uint32_t splat) {
-    return picture->header.coding == GSF_CODING_SCALAR ? (uint32_t)GSF_MAX_SCALE_CODE - picture->splats[splat].minor
-                                                       : picture->indexed[splat].shape;
-}
-
-gsf_grid gsf_class_grid(const gsf_coded_image *picture, uint32_t class_no) {
-    const gsf_header *header = &picture->header;
-    if (header->coding == GSF_CODING_CODEBOOK) {
-        const uint32_t cells = UINT32_C(1) << picture->codebooks.position_bits;
-        return (gsf_grid){cells, cells, header->width, header->height};
-    }
-    const unsigned minor = GSF_MAX_SCALE_CODE - class_no;
-    const uint32_t step = gsf_position_step_q8(&picture->steps, minor);
-    return (gsf_grid){gsf_position_cells(&picture->steps, minor, header->width),
-                      gsf_position_cells(&picture->steps, minor, header->height), step, step};
-}
+#include "format/codebooks.h"
+#include "format/header.h"
+#include "format/quantiser.h"
 
 static uint32_t whole_pixels(uint64_t q16) {
     return (uint32_t)((q16 + 65535) >> 16);
 }
 
 /* Axes of a splat in whole pixels, rounded up. */
-static void splat_axes(const gsf_coded_image *picture, uint32_t splat, uint64_t axes[2]) {
-    if (picture->header.coding == GSF_CODING_SCALAR) {
-        const gsf_splat *s = &picture->splats[splat];
-        axes[0] = whole_pixels(gsf_sigma_q16(&picture->steps, (unsigned)s->minor + s->aspect));
-        axes[1] = whole_pixels(gsf_sigma_q16(&picture->steps, s->minor));
+static void splat_axes(const gsf_coded_image *image, uint32_t splat, uint64_t axes[2]) {
+    if (image->header.coding == GSF_CODING_SCALAR) {
+        const gsf_splat *s = &image->splats[splat];
+        axes[0] = whole_pixels(gsf_sigma_q16(&image->steps, (unsigned)s->minor + s->aspect));
+        axes[1] = whole_pixels(gsf_sigma_q16(&image->steps, s->minor));
     } else {
-        axes[0] = gsf_shape_sigma(&picture->codebooks, picture->indexed[splat].shape, 0);
-        axes[1] = gsf_shape_sigma(&picture->codebooks, picture->indexed[splat].shape, 1);
+        axes[0] = gsf_shape_sigma(&image->codebooks, image->indexed[splat].shape, 0);
+        axes[1] = gsf_shape_sigma(&image->codebooks, image->indexed[splat].shape, 1);
     }
 }
 
-bool gsf_work_is_bounded(const gsf_coded_image *picture) {
-    const uint64_t pixels = (uint64_t)picture->header.width * picture->header.height;
+bool gsf_work_is_bounded(const gsf_coded_image *image) {
+    const uint64_t pixels = (uint64_t)image->header.width * image->header.height;
     uint64_t work = 0, axes[2];
-    for (uint32_t i = 0; i < picture->header.splat_count; i++) {
-        splat_axes(picture, i, axes);
+    for (uint32_t i = 0; i < image->header.splat_count; i++) {
+        splat_axes(image, i, axes);
         const uint64_t area = 48 * axes[0] * axes[1] + 16 * (axes[0] + axes[1]) + 16;
         work += area < pixels ? area : pixels;
     }
     return work <= 256 * pixels + (UINT64_C(1) << 26);
 }
 
-static bool background_is_valid(const gsf_coded_image *picture) {
+static bool background_is_valid(const gsf_coded_image *image) {
     bool valid = true;
-    for (unsigned i = 0; i < gsf_channel_count(&picture->header); i++)
-        valid = valid && (picture->header.high_bit_depth || picture->background[i] <= 255);
+    for (unsigned i = 0; i < gsf_channel_count(&image->header); i++)
+        valid = valid && (image->header.high_bit_depth || image->background[i] <= 255);
     return valid;
 }
 
@@ -67,9 +47,9 @@ static bool steps_are_valid(const gsf_steps *steps) {
             steps->opacity) <= 15;
 }
 
-static bool shape_is_valid(const gsf_coded_image *picture, const gsf_splat *splat) {
-    const gsf_header *header = &picture->header;
-    const gsf_steps *steps = &picture->steps;
+static bool shape_is_valid(const gsf_coded_image *image, const gsf_splat *splat) {
+    const gsf_header *header = &image->header;
+    const gsf_steps *steps = &image->steps;
     if (splat->minor > GSF_MAX_SCALE_CODE || (header->has_anisotropy && splat->aspect > GSF_MAX_SCALE_CODE))
         return false;
     return splat->x < gsf_position_cells(steps, splat->minor, header->width) &&
@@ -84,44 +64,43 @@ static bool texture_is_valid(const gsf_texture *texture) {
            texture->phase < GSF_PHASES;
 }
 
-static bool colour_is_valid(const gsf_coded_image *picture, const gsf_splat *splat) {
-    const gsf_header *header = &picture->header;
+static bool colour_is_valid(const gsf_coded_image *image, const gsf_splat *splat) {
+    const gsf_header *header = &image->header;
     int min, max;
-    gsf_luma_range(header->blend, picture->steps.luma, &min, &max);
+    gsf_luma_range(header->blend, image->steps.luma, &min, &max);
     bool valid = within(splat->luma, min, max);
-    gsf_luma_range(header->blend, picture->steps.alpha, &min, &max);
+    gsf_luma_range(header->blend, image->steps.alpha, &min, &max);
     valid = valid && (!header->has_alpha || within(splat->alpha, min, max));
-    gsf_chroma_range(picture->steps.chroma, &min, &max);
+    gsf_chroma_range(image->steps.chroma, &min, &max);
     valid = valid && (!header->has_chroma || (within(splat->co, min, max) && within(splat->cg, min, max)));
-    valid = valid && (!header->has_opacity || splat->opacity <= picture->steps.opacity);
+    valid = valid && (!header->has_opacity || splat->opacity <= image->steps.opacity);
     return valid && (!header->has_texture || texture_is_valid(&splat->texture));
 }
 
-static bool scalar_is_valid(const gsf_coded_image *picture) {
-    bool valid = steps_are_valid(&picture->steps);
-    for (uint32_t i = 0; valid && i < picture->header.splat_count; i++)
-        valid = shape_is_valid(picture, &picture->splats[i]) && colour_is_valid(picture, &picture->splats[i]);
+static bool scalar_is_valid(const gsf_coded_image *image) {
+    bool valid = steps_are_valid(&image->steps);
+    for (uint32_t i = 0; valid && i < image->header.splat_count; i++)
+        valid = shape_is_valid(image, &image->splats[i]) && colour_is_valid(image, &image->splats[i]);
     return valid;
 }
 
-static bool indexed_is_valid(const gsf_coded_image *picture) {
-    const gsf_codebooks *books = &picture->codebooks;
-    if (!gsf_codebook_sides_are_valid(&picture->header, books) ||
-        !gsf_codebook_words_are_valid(&picture->header, books))
+static bool indexed_is_valid(const gsf_coded_image *image) {
+    const gsf_codebooks *books = &image->codebooks;
+    if (!gsf_codebook_sides_are_valid(&image->header, books) || !gsf_codebook_words_are_valid(&image->header, books))
         return false;
     bool valid = true;
-    for (uint32_t i = 0; valid && i < picture->header.splat_count; i++) {
-        const gsf_indexed_splat *splat = &picture->indexed[i];
+    for (uint32_t i = 0; valid && i < image->header.splat_count; i++) {
+        const gsf_indexed_splat *splat = &image->indexed[i];
         valid = splat->shape < books->shape_count && splat->colour < books->colour_count &&
                 splat->x >> books->position_bits == 0 && splat->y >> books->position_bits == 0;
     }
     return valid;
 }
 
-bool gsf_coded_image_is_valid(const gsf_coded_image *picture) {
-    if (!gsf_header_is_valid(&picture->header) || !background_is_valid(picture))
+bool gsf_coded_image_is_valid(const gsf_coded_image *image) {
+    if (!gsf_header_is_valid(&image->header) || !background_is_valid(image))
         return false;
-    if (picture->header.splat_count == 0)
+    if (image->header.splat_count == 0)
         return true;
-    return picture->header.coding == GSF_CODING_SCALAR ? scalar_is_valid(picture) : indexed_is_valid(picture);
+    return image->header.coding == GSF_CODING_SCALAR ? scalar_is_valid(image) : indexed_is_valid(image);
 }

@@ -1,4 +1,4 @@
-#include "chroma.h"
+#include "format/chroma.h"
 
 #include <string.h>
 

@@ -3,7 +3,8 @@
 #ifndef GSCL_FORMAT_CHROMA_H
 #define GSCL_FORMAT_CHROMA_H
 
-#include "model.h"
+#include "format/coder.h"
+#include "format/model.h"
 
 #define GSF_FIELD_LEVELS 6
 #define GSF_FIELD_SIDE (1u << (GSF_FIELD_LEVELS - 1))
@@ -12,7 +13,7 @@
 typedef struct gsf_chroma_channel {
     gsf_model plain, residual;
     uint32_t plain_weight;            /* the rest to 2^16 is the residual's */
-    int16_t field[GSF_FIELD_BUCKETS]; /* mean code in a part of the picture, in 1/16 */
+    int16_t field[GSF_FIELD_BUCKETS]; /* mean code in a part of the image, in 1/16 */
 } gsf_chroma_channel;
 
 typedef struct gsf_chroma {

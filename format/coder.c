@@ -1,4 +1,4 @@
-#include "coder.h"
+#include "format/coder.h"
 
 #include <limits.h>
 

@@ -4,8 +4,8 @@
 #ifndef GSCL_FORMAT_CODER_H
 #define GSCL_FORMAT_CODER_H
 
-#include "format.h"
-#include "range_coder.h"
+#include "format/range_coder.h"
+#include "format/types.h"
 
 typedef struct gsf_coder {
     bool decoding;

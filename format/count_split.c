@@ -1,4 +1,4 @@
-#include "count_split.h"
+#include "format/count_split.h"
 
 #define MAX_TABLE 255u    /* larger n are coded by the leading bits of the count */
 #define MAX_WEIGHT 65535u /* keeps every product below 2^64 */

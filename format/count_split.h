@@ -1,9 +1,9 @@
 /* Beta-binomial ("Polya urn") coding of counts (FORMAT.md, "Urn splits"): how many of n things are
  * in the left of two halves. */
-#ifndef GSCL_FORMAT_URN_H
-#define GSCL_FORMAT_URN_H
+#ifndef GSCL_FORMAT_COUNT_SPLIT_H
+#define GSCL_FORMAT_COUNT_SPLIT_H
 
-#include "coder.h"
+#include "format/coder.h"
 
 #define GSF_URN_UNIT 64u /* urn weights are in 1/64 balls */
 

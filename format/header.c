@@ -1,4 +1,4 @@
-#include "header.h"
+#include "format/header.h"
 
 #include <string.h>
 
@@ -17,6 +17,10 @@ enum {
 };
 
 static const uint8_t MAGIC[3] = {'g', 's', 'c'};
+
+unsigned gsf_channel_count(const gsf_header *header) {
+    return (header->has_chroma ? 3u : 1u) + (header->has_alpha ? 1u : 0u);
+}
 
 bool gsf_header_is_valid(const gsf_header *header) {
     const bool rgb = header->layout == GSF_RGB || header->layout == GSF_RGBA;

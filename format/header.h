@@ -2,7 +2,10 @@
 #ifndef GSCL_FORMAT_HEADER_H
 #define GSCL_FORMAT_HEADER_H
 
-#include "format.h"
+#include "format/types.h"
+
+/* Number of coded channels: 1 or 3 for colour, and 1 for alpha. */
+unsigned gsf_channel_count(const gsf_header *header);
 
 #define GSF_MAX_HEADER_SIZE 18u /* 4 + 2 + 3 varints of 3 bytes + checksum */
 #define GSF_CHECKSUM_SIZE 3u

@@ -1,4 +1,4 @@
-#include "model.h"
+#include "format/model.h"
 
 void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint32_t count, int32_t centre) {
     const uint32_t width2 = (uint32_t)shape->width * shape->width;

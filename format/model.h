@@ -3,7 +3,7 @@
 #ifndef GSCL_FORMAT_MODEL_H
 #define GSCL_FORMAT_MODEL_H
 
-#include "coder.h"
+#include "format/coder.h"
 
 #define GSF_MAX_ALPHABET 1024
 

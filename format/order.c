@@ -1,8 +1,8 @@
-/* The stored order (FORMAT.md, "Order"): by class, then as the splits of the position coding pass
- * the splats, then, within a cell, by the remaining codes. */
-#include "coded_image.h"
+#include "format/order.h"
 
 #include <string.h>
+
+#include "format/classes.h"
 
 typedef struct record {
     uint64_t key; /* class and path through the splits */
@@ -25,12 +25,12 @@ static uint64_t path_to(const gsf_grid *grid, uint32_t x, uint32_t y) {
     return path;
 }
 
-static uint64_t key_of(const gsf_coded_image *picture, uint32_t splat) {
-    const uint32_t class_no = gsf_class_of(picture, splat);
-    const gsf_grid grid = gsf_class_grid(picture, class_no);
-    const uint64_t path = picture->header.coding == GSF_CODING_SCALAR
-                              ? path_to(&grid, picture->splats[splat].x, picture->splats[splat].y)
-                              : path_to(&grid, picture->indexed[splat].x, picture->indexed[splat].y);
+static uint64_t key_of(const gsf_coded_image *image, uint32_t splat) {
+    const uint32_t class_no = gsf_class_of(image, splat);
+    const gsf_grid grid = gsf_class_grid(image, class_no);
+    const uint64_t path = image->header.coding == GSF_CODING_SCALAR
+                              ? path_to(&grid, image->splats[splat].x, image->splats[splat].y)
+                              : path_to(&grid, image->indexed[splat].x, image->indexed[splat].y);
     return (uint64_t)class_no << PATH_BITS | path;
 }
 
@@ -53,19 +53,19 @@ static int compare_codes(const gsf_splat *a, const gsf_splat *b) {
     return 0;
 }
 
-static bool precedes(const gsf_coded_image *picture, const record *a, const record *b) {
+static bool precedes(const gsf_coded_image *image, const record *a, const record *b) {
     if (a->key != b->key)
         return a->key < b->key;
-    if (picture->header.coding == GSF_CODING_SCALAR)
-        return compare_codes(&picture->splats[a->splat], &picture->splats[b->splat]) < 0;
-    return picture->indexed[a->splat].colour < picture->indexed[b->splat].colour;
+    if (image->header.coding == GSF_CODING_SCALAR)
+        return compare_codes(&image->splats[a->splat], &image->splats[b->splat]) < 0;
+    return image->indexed[a->splat].colour < image->indexed[b->splat].colour;
 }
 
 /* Merges the sorted runs from[0..middle) and from[middle..n) into to[0..n). */
-static void merge(const gsf_coded_image *picture, const record *from, uint32_t middle, uint32_t n, record *to) {
+static void merge(const gsf_coded_image *image, const record *from, uint32_t middle, uint32_t n, record *to) {
     uint32_t left = 0, right = middle;
     for (uint32_t i = 0; i < n; i++) {
-        const bool take_right = left == middle || (right < n && precedes(picture, &from[right], &from[left]));
+        const bool take_right = left == middle || (right < n && precedes(image, &from[right], &from[left]));
         to[i] = take_right ? from[right++] : from[left++];
     }
 }
@@ -75,11 +75,11 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 }
 
 /* Bottom-up merge sort; returns which of the two lists holds the result. */
-static record *merge_sort(const gsf_coded_image *picture, record *list, record *other, uint32_t n) {
+static record *merge_sort(const gsf_coded_image *image, record *list, record *other, uint32_t n) {
     for (uint32_t run = 1; run < n; run *= 2) {
         for (uint32_t first = 0; first < n; first += 2 * run) {
             const uint32_t length = smaller(2 * run, n - first);
-            merge(picture, list + first, smaller(run, length), length, other + first);
+            merge(image, list + first, smaller(run, length), length, other + first);
         }
         record *const sorted = other;
         other = list;
@@ -89,24 +89,24 @@ static record *merge_sort(const gsf_coded_image *picture, record *list, record *
 }
 
 /* Puts the splats in the order of the list; `copy` is room for all of them. */
-static void arrange(gsf_coded_image *picture, const record *list, void *copy) {
-    const uint32_t n = picture->header.splat_count;
-    if (picture->header.coding == GSF_CODING_SCALAR) {
-        const gsf_splat *old = memcpy(copy, picture->splats, n * sizeof *old);
+static void arrange(gsf_coded_image *image, const record *list, void *copy) {
+    const uint32_t n = image->header.splat_count;
+    if (image->header.coding == GSF_CODING_SCALAR) {
+        const gsf_splat *old = memcpy(copy, image->splats, n * sizeof *old);
         for (uint32_t i = 0; i < n; i++)
-            picture->splats[i] = old[list[i].splat];
+            image->splats[i] = old[list[i].splat];
     } else {
-        const gsf_indexed_splat *old = memcpy(copy, picture->indexed, n * sizeof *old);
+        const gsf_indexed_splat *old = memcpy(copy, image->indexed, n * sizeof *old);
         for (uint32_t i = 0; i < n; i++)
-            picture->indexed[i] = old[list[i].splat];
+            image->indexed[i] = old[list[i].splat];
     }
 }
 
 /* Codes whose effect is off mean nothing: they must not decide the order. */
-static void clear_unused(gsf_coded_image *picture) {
-    const gsf_header *header = &picture->header;
+static void clear_unused(gsf_coded_image *image) {
+    const gsf_header *header = &image->header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
-        gsf_splat *splat = &picture->splats[i];
+        gsf_splat *splat = &image->splats[i];
         splat->aspect = header->has_anisotropy ? splat->aspect : 0;
         splat->angle = header->has_rotation ? splat->angle : 0;
         splat->co = header->has_chroma ? splat->co : 0;
@@ -118,22 +118,22 @@ static void clear_unused(gsf_coded_image *picture) {
     }
 }
 
-/* A list of records, and room for another list or for a copy of the splats. */
+/* A list of records, and space for another list or for a copy of the splats. */
 size_t gsf_order_size(const gsf_header *header) {
     const size_t larger = sizeof(gsf_splat) > sizeof(record) ? sizeof(gsf_splat) : sizeof(record);
     return header->splat_count * (sizeof(record) + larger);
 }
 
-void gsf_put_in_order(gsf_coded_image *picture, void *memory) {
-    const uint32_t n = picture->header.splat_count;
+void gsf_put_in_order(gsf_coded_image *image, void *memory) {
+    const uint32_t n = image->header.splat_count;
     record *list = memory, *other = list + n;
     if (n == 0) /* there need not be any arrays */
         return;
-    if (picture->header.coding == GSF_CODING_SCALAR)
-        clear_unused(picture);
+    if (image->header.coding == GSF_CODING_SCALAR)
+        clear_unused(image);
     for (uint32_t i = 0; i < n; i++)
-        list[i] = (record){key_of(picture, i), i};
-    if (merge_sort(picture, list, other, n) == other)
+        list[i] = (record){key_of(image, i), i};
+    if (merge_sort(image, list, other, n) == other)
         memcpy(list, other, n * sizeof *list);
-    arrange(picture, list, other);
+    arrange(image, list, other);
 }

@@ -1,13 +1,16 @@
-#include "codebook.h"
-#include "coded_image.h"
+#include "format/payload.h"
+
+#include "format/check.h"
+#include "format/codebooks.h"
+#include "format/header.h"
 
 static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
 
-static void code_background(gsf_coder *coder, gsf_coded_image *picture) {
+static void code_background(gsf_coder *coder, gsf_coded_image *image) {
     coder->stream = GSF_STREAM_SIDE;
-    for (unsigned i = 0; i < gsf_channel_count(&picture->header); i++)
-        picture->background[i] =
-            (uint16_t)gsf_code_bits(coder, picture->background[i], picture->header.high_bit_depth ? 16 : 8);
+    for (unsigned i = 0; i < gsf_channel_count(&image->header); i++)
+        image->background[i] =
+            (uint16_t)gsf_code_bits(coder, image->background[i], image->header.high_bit_depth ? 16 : 8);
 }
 
 static void code_step(gsf_coder *coder, uint8_t *step, bool wanted) {
@@ -25,90 +28,90 @@ static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *st
 }
 
 /* The writer's splats to the lists that are coded. */
-static void list_splats(const gsf_coded_image *picture, gsf_workspace *w) {
+static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
     for (uint32_t i = 0; i < GSF_MAX_CLASSES; i++)
         w->counts[i] = 0;
-    for (uint32_t i = 0; i < picture->header.splat_count; i++) {
-        w->counts[gsf_class_of(picture, i)]++;
-        w->points[i] = picture->header.coding == GSF_CODING_SCALAR
-                           ? (gsf_point){picture->splats[i].x, picture->splats[i].y}
-                           : (gsf_point){picture->indexed[i].x, picture->indexed[i].y};
+    for (uint32_t i = 0; i < image->header.splat_count; i++) {
+        w->counts[gsf_class_of(image, i)]++;
+        w->points[i] = image->header.coding == GSF_CODING_SCALAR
+                           ? (gsf_point){image->splats[i].x, image->splats[i].y}
+                           : (gsf_point){image->indexed[i].x, image->indexed[i].y};
     }
 }
 
-static void place_splat(gsf_coded_image *picture, uint32_t splat, uint32_t class_no, gsf_point at) {
-    if (picture->header.coding == GSF_CODING_SCALAR)
-        picture->splats[splat] = (gsf_splat){.minor = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
+static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_no, gsf_point at) {
+    if (image->header.coding == GSF_CODING_SCALAR)
+        image->splats[splat] = (gsf_splat){.minor = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
     else
-        picture->indexed[splat] =
+        image->indexed[splat] =
             (gsf_indexed_splat){.shape = (uint16_t)class_no, .x = (uint16_t)at.x, .y = (uint16_t)at.y};
 }
 
 /* The lists that were decoded to the reader's splats. */
-static void place_splats(gsf_coded_image *picture, const gsf_workspace *w) {
+static void place_splats(gsf_coded_image *image, const gsf_workspace *w) {
     uint32_t splat = 0;
-    for (uint32_t i = 0; i < gsf_class_count(picture); i++)
+    for (uint32_t i = 0; i < gsf_class_count(image); i++)
         for (uint32_t n = w->counts[i]; n > 0; n--, splat++)
-            place_splat(picture, splat, i, w->points[splat]);
+            place_splat(image, splat, i, w->points[splat]);
 }
 
 /* Classes and positions. */
-static void code_places(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
-    const uint32_t classes = gsf_class_count(picture);
-    const bool scalar = picture->header.coding == GSF_CODING_SCALAR;
+static void code_places(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+    const uint32_t classes = gsf_class_count(image);
+    const bool scalar = image->header.coding == GSF_CODING_SCALAR;
     if (!coder->decoding)
-        list_splats(picture, w);
+        list_splats(image, w);
     coder->stream = scalar ? GSF_STREAM_SCALE : GSF_STREAM_SHAPE_INDEX;
-    gsf_code_class_counts(coder, w->counts, classes, picture->header.splat_count);
+    gsf_code_class_counts(coder, w->counts, classes, image->header.splat_count);
     for (uint32_t i = 0; i < classes; i++)
-        w->grids[i] = gsf_class_grid(picture, i);
+        w->grids[i] = gsf_class_grid(image, i);
     coder->stream = GSF_STREAM_POSITION;
     gsf_code_points(coder, w->points, w->counts, w->grids, classes, w->priors);
     if (coder->decoding && !gsf_coder_starved(coder))
-        place_splats(picture, w);
+        place_splats(image, w);
 }
 
-static void code_scalar(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
-    gsf_attributes_init(&w->attributes, &picture->header, &picture->steps);
-    for (uint32_t i = 0; i < picture->header.splat_count && !gsf_coder_starved(coder); i++)
-        gsf_code_attributes(coder, &w->attributes, &picture->splats[i]);
+static void code_scalar(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+    gsf_attributes_init(&w->attributes, &image->header, &image->steps);
+    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_starved(coder); i++)
+        gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
 }
 
-static void code_indexed(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
+static void code_indexed(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     coder->stream = GSF_STREAM_COLOUR_INDEX;
-    gsf_model_init(&w->colour_index, &COLOUR_INDEX, picture->codebooks.colour_count, 0);
-    for (uint32_t i = 0; i < picture->header.splat_count && !gsf_coder_starved(coder); i++) {
-        gsf_indexed_splat *splat = &picture->indexed[i];
+    gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
+    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_starved(coder); i++) {
+        gsf_indexed_splat *splat = &image->indexed[i];
         splat->colour = (uint16_t)gsf_code_modelled(coder, splat->colour, &w->colour_index);
     }
 }
 
 /* What has to be known before the splats. */
-static bool code_side(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *w) {
-    if (picture->header.coding == GSF_CODING_SCALAR) {
-        code_steps(coder, &picture->header, &picture->steps);
+static bool code_side(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+    if (image->header.coding == GSF_CODING_SCALAR) {
+        code_steps(coder, &image->header, &image->steps);
         return !gsf_coder_starved(coder);
     }
-    if (!gsf_code_codebook_sides(coder, &picture->header, &picture->codebooks))
+    if (!gsf_code_codebook_sides(coder, &image->header, &image->codebooks))
         return false;
     coder->stream = GSF_STREAM_CODEBOOK;
-    gsf_code_codebook_words(coder, &picture->header, &picture->codebooks, w->points);
-    gsf_complete_shape_words(&picture->header, &picture->codebooks);
+    gsf_code_codebook_words(coder, &image->header, &image->codebooks, w->points);
+    gsf_complete_shape_words(&image->header, &image->codebooks);
     return !gsf_coder_starved(coder);
 }
 
-bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *picture, gsf_workspace *workspace) {
-    code_background(coder, picture);
-    if (picture->header.splat_count == 0)
+bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
+    code_background(coder, image);
+    if (image->header.splat_count == 0)
         return true;
-    if (!code_side(coder, picture, workspace))
+    if (!code_side(coder, image, workspace))
         return false;
-    code_places(coder, picture, workspace);
+    code_places(coder, image, workspace);
     if (gsf_coder_starved(coder))
         return false;
-    if (picture->header.coding == GSF_CODING_SCALAR)
-        code_scalar(coder, picture, workspace);
+    if (image->header.coding == GSF_CODING_SCALAR)
+        code_scalar(coder, image, workspace);
     else
-        code_indexed(coder, picture, workspace);
-    return !gsf_coder_starved(coder) && gsf_work_is_bounded(picture);
+        code_indexed(coder, image, workspace);
+    return !gsf_coder_starved(coder) && gsf_work_is_bounded(image);
 }

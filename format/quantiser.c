@@ -1,6 +1,4 @@
-/* What the codes mean in pixels and colour (FORMAT.md, "Dequantisation"), in integers only: cell and
- * angle counts decide how bits are read. */
-#include "format.h"
+#include "format/quantiser.h"
 
 /* 2^(i / 32) * 2^24, rounded. */
 static const uint32_t POWER[33] = {
@@ -58,8 +56,4 @@ void gsf_luma_range(gsf_blend blend, unsigned step_index, int *min, int *max) {
 void gsf_chroma_range(unsigned step_index, int *min, int *max) {
     *max = (int)gsf_colour_levels(step_index);
     *min = -*max;
-}
-
-unsigned gsf_channel_count(const gsf_header *header) {
-    return (header->has_chroma ? 3u : 1u) + (header->has_alpha ? 1u : 0u);
 }

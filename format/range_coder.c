@@ -1,4 +1,4 @@
-#include "range_coder.h"
+#include "format/range_coder.h"
 
 #define TOP (UINT32_C(1) << 24) /* the range is kept at or above this between symbols */
 

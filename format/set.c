@@ -1,8 +1,8 @@
-#include "set.h"
+#include "format/set.h"
 
-#include "count_split.h"
+#include "format/count_split.h"
 
-/* Tuning: part of the format.  Splats cluster over the picture, but not within a few of their own
+/* Tuning: part of the format.  Splats cluster over the image, but not within a few of their own
  * widths: there only areas count. */
 enum {
     CLASS_WEIGHT = 2 * GSF_URN_UNIT, /* for every class */

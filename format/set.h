@@ -3,7 +3,7 @@
 #ifndef GSCL_FORMAT_SET_H
 #define GSCL_FORMAT_SET_H
 
-#include "coder.h"
+#include "format/coder.h"
 
 /* The cells that the splats of one class can be in.  Cell (i, j) has its centre at
  * ((2 i + 1) pitch_x, (2 j + 1) pitch_y), in a unit of length common to all classes. */

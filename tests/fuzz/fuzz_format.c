@@ -1,7 +1,7 @@
 /* Reads hostile files.  The checksum is put right first, so that the content behind it is reached; what reads well must write
  * to the same bytes or, when the order within a cell was not the writer's, to bytes that read the same.
  *
- * With libFuzzer:  clang -fsanitize=fuzzer,address,undefined -Iformat tests/fuzz/fuzz_format.c format/[a-z]*.c
+ * With libFuzzer:  clang -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_format.c format/[a-z]*.c
  * As a replay of saved inputs: add -DREPLAY, leave out "fuzzer", and give the files as arguments. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,7 @@
-#include "codebook.h"
+#include "format/codebooks.h"
+
+#include "format/header.h"
+#include "format/quantiser.h"
 
 /* Limits of the range of one dimension. */
 typedef struct limits {

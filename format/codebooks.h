@@ -1,8 +1,10 @@
 /* Coding of the two codebooks (FORMAT.md, "Codebooks"). */
-#ifndef GSCL_FORMAT_CODEBOOK_H
-#define GSCL_FORMAT_CODEBOOK_H
+#ifndef GSCL_FORMAT_CODEBOOKS_H
+#define GSCL_FORMAT_CODEBOOKS_H
 
-#include "set.h"
+#include "format/coder.h"
+#include "format/set.h"
+#include "format/types.h"
 
 /* Dimensions of a shape word (radius; + second radius; + angle) and of a colour word. */
 unsigned gsf_shape_dims(const gsf_header *header);

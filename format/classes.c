@@ -1,0 +1,24 @@
+#include "format/classes.h"
+
+#include "format/quantiser.h"
+
+uint32_t gsf_class_count(const gsf_coded_image *image) {
+    return image->header.coding == GSF_CODING_SCALAR ? GSF_MAX_SCALE_CODE + 1 : image->codebooks.shape_count;
+}
+
+uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat) {
+    return image->header.coding == GSF_CODING_SCALAR ? (uint32_t)GSF_MAX_SCALE_CODE - image->splats[splat].minor
+                                                     : image->indexed[splat].shape;
+}
+
+gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
+    const gsf_header *header = &image->header;
+    if (header->coding == GSF_CODING_CODEBOOK) {
+        const uint32_t cells = UINT32_C(1) << image->codebooks.position_bits;
+        return (gsf_grid){cells, cells, header->width, header->height};
+    }
+    const unsigned minor = GSF_MAX_SCALE_CODE - class_no;
+    const uint32_t step = gsf_position_step_q8(&image->steps, minor);
+    return (gsf_grid){gsf_position_cells(&image->steps, minor, header->width),
+                      gsf_position_cells(&image->steps, minor, header->height), step, step};
+}

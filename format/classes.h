@@ -1,0 +1,14 @@
+/* The classes in which splats are coded as sets, and the position grid of each class (FORMAT.md, "Set coding"). */
+#ifndef GSCL_FORMAT_CLASSES_H
+#define GSCL_FORMAT_CLASSES_H
+
+#include "format/set.h"
+#include "format/types.h"
+
+#define GSF_MAX_CLASSES GSF_MAX_CODEBOOK
+
+uint32_t gsf_class_count(const gsf_coded_image *image);
+uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat);
+gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no);
+
+#endif

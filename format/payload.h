@@ -1,0 +1,26 @@
+/* The payload: everything after the header (FORMAT.md, "Payload"). */
+#ifndef GSCL_FORMAT_PAYLOAD_H
+#define GSCL_FORMAT_PAYLOAD_H
+
+#include "format/attributes.h"
+#include "format/classes.h"
+#include "format/coder.h"
+#include "format/model.h"
+#include "format/set.h"
+#include "format/types.h"
+
+/* Working memory of gsf_code_payload. */
+typedef struct gsf_workspace {
+    uint32_t counts[GSF_MAX_CLASSES]; /* splats, by class */
+    gsf_grid grids[GSF_MAX_CLASSES];
+    gsf_attributes attributes;
+    gsf_model colour_index;
+    gsf_point *points; /* one for every splat, at least GSF_MAX_CODEBOOK */
+    gsf_prior *priors; /* one for every splat, at most GSF_MAX_PRIORS */
+} gsf_workspace;
+
+/* Codes the payload in the direction of the coder.  Returns false when the content breaks a rule of the format or the
+ * input ran out. */
+bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace);
+
+#endif
