@@ -1,10 +1,11 @@
-"""Runs gscl on a folder of images and averages what it says: shared by the scripts beside it.
+"""Runs gscl on a folder of images and averages the measurements, for the scripts in this folder.
 
-Every figure comes from a real file: encoded under a byte budget, decoded, and compared with the original by
-`gscl compare`; rate is the size of the file.
+Every figure comes from a file that was encoded under a byte budget, decoded, and compared with the original by
+`gscl compare`.  The rate is the size of the file.
 """
 import argparse
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -12,16 +13,16 @@ import time
 
 
 def parser(about):
-    """Options that all scripts have."""
+    """A parser with the options of all scripts."""
     result = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
-    result.add_argument("folder", help="of PNG images")
-    result.add_argument("--gscl", default="build/gscl")
+    result.add_argument("folder", help="folder of PNG images")
+    result.add_argument("--gscl", default="build/gscl", help="program to measure (default %(default)s)")
     result.add_argument("--only", default="", help="names of images, separated by commas")
     return result
 
 
 def parse_with_options(parser):
-    """Parses the command line; words after -- become arguments.options, for gscl encode."""
+    """Parses the command line; the words after -- become arguments.options, which gscl encode receives."""
     words = sys.argv[1:]
     at = words.index("--") if "--" in words else len(words)
     arguments = parser.parse_args(words[:at])
@@ -45,21 +46,27 @@ def images_of(folder, only=""):
     if only:
         paths = [path for path in paths if path.stem in only.split(",")]
     if not paths:
-        raise SystemExit(f"{folder}: there are no PNG images in it")
+        raise SystemExit(f"{folder}: holds no PNG image of the names given; name a folder of PNG images")
     return paths
+
+
+def compare(gscl, a, b):
+    """The measures of `gscl compare`; NaN where one does not apply, as MS-SSIM of a small image."""
+    _, measures = run(gscl, "compare", a, b, "--json")
+    return {key: math.nan if value is None else value for key, value in measures.items()}
 
 
 def measure(gscl, image, rate, options, work):
     """Encodes one image at `rate` bits per pixel; returns bpp, psnr, ssim, ms_ssim and seconds."""
-    coded, shown = work / "picture.gscl", work / "picture.png"
-    info = run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q", "--json", *options)
-    decode_s, _ = run(gscl, "decode", coded, "-o", shown)
-    _, quality = run(gscl, "compare", image, shown, "--json")
+    coded, decoded = work / "picture.gscl", work / "picture.png"
+    encode_s, _ = run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q", "--json", *options)
+    decode_s, _ = run(gscl, "decode", coded, "-o", decoded)
+    quality = compare(gscl, image, decoded)
     _, header = run(gscl, "info", coded, "--json")
     pixels = header["width"] * header["height"]
     size = coded.stat().st_size
     return dict(image=image.stem, rate=rate, bpp=8 * size / pixels, over=size > int(rate * pixels / 8), splats=header["splats"],
-                psnr=quality["psnr"], ssim=quality["ssim"], ms_ssim=quality["ms_ssim"], encode_s=info[0], decode_s=decode_s)
+                psnr=quality["psnr"], ssim=quality["ssim"], ms_ssim=quality["ms_ssim"], encode_s=encode_s, decode_s=decode_s)
 
 
 def mean(rows, key):

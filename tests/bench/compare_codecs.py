@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Quality against rate of gscl beside JPEG, JPEG 2000, WebP and AVIF on a folder of PNG images: a plot and a table.
+"""Quality against rate of gscl beside JPEG, JPEG 2000, WebP and AVIF on a folder of PNG images: a plot and tables.
 
-    sh tests/bench/bench.sh compare_codecs FOLDER [--gscl build/gscl] [--plot FILE.svg] [--points FILE.csv] [--jobs 2]
+    sh tests/bench/bench.sh compare_codecs FOLDER [--gscl build/gscl] [--codecs NAME,NAME] [--plot FILE.svg]
+                                           [--csv FILE] [--points FILE.csv] [--jobs 2] [--document [RESULTS.md]]
 
-The other codecs are those inside Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet, colour transform),
-libwebp (method 6) and libavif (speed 4, tuned for PSNR).  Each picture is coded at many qualities; between two of them
-quality is interpolated linearly in the logarithm of the rate.  A curve is the mean over all pictures, and is drawn
-where every picture reaches the rate.  --points adds what was measured elsewhere or before (--csv): a file with the columns image, bpp, psnr, and if
-known msssim and codec ("the paper" where there is none).
+The other codecs are those of Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet, colour transform), libwebp
+(method 6) and libavif (speed 4, tuned for PSNR).  Each image is coded at many qualities; between two of them the quality
+is interpolated linearly in the logarithm of the rate.  A curve is the mean over all images, and is drawn where every
+image reaches the rate.  --csv writes every measured point; --points adds points from such a file, or from one with the
+columns image, bpp, psnr and optionally msssim and codec (default: the paper).
 """
 import collections
 import concurrent.futures
@@ -20,16 +21,19 @@ import matplotlib
 from PIL import Image
 
 import codec
+import document
 
 matplotlib.use("Agg")
 matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text
 matplotlib.rcParams["svg.hashsalt"] = "gscl"  # same figures, same file
 import matplotlib.pyplot as pyplot  # noqa: E402
 
+PSNR, MS_SSIM = 3, 4  # columns of the measured rows
+# Bits per pixel.
 RATES = (0.03, 0.042, 0.066, 0.1, 0.125, 0.183, 0.3, 0.5, 1.0)
 TABLE_RATES = (0.042, 0.066, 0.125, 0.183, 0.3, 0.5, 1.0)
 VARIANTS = {"gscl": (), "gscl --tune ssim": ("--tune", "ssim")}
-# How Pillow writes each codec, and the values of its quality option.
+# By codec: suffix, quality option of Pillow, its values, and further options.
 OTHERS = {
     "JPEG": (".jpg", "quality", (1, 2, 3, 5, 8, 12, 17, 24, 33, 45, 58, 72, 84, 92), dict(optimize=True, subsampling="4:2:0")),
     "JPEG 2000": (".jp2", "quality_layers", tuple([24 / rate] for rate in (0.025, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.45, 0.7, 1.1)),
@@ -48,21 +52,20 @@ def measure_gscl(gscl, name, image, rate):
 
 
 def measure_other(gscl, name, image, value):
-    suffix, option, _, fixed = OTHERS[name]
+    suffix, option, _, fixed_options = OTHERS[name]
     with tempfile.TemporaryDirectory() as folder:
-        coded, shown = pathlib.Path(folder, "coded" + suffix), pathlib.Path(folder, "shown.png")
-        with Image.open(image) as picture:
-            pixels = picture.width * picture.height
-            picture.convert("RGB").save(coded, **{option: value}, **fixed)
-        with Image.open(coded) as picture:
-            picture.convert("RGB").save(shown)
-        _, quality = codec.run(gscl, "compare", image, shown, "--json")
+        coded, decoded = pathlib.Path(folder, "coded" + suffix), pathlib.Path(folder, "decoded.png")
+        with Image.open(image) as source:
+            pixels = source.width * source.height
+            source.convert("RGB").save(coded, **{option: value}, **fixed_options)
+        with Image.open(coded) as opened:
+            opened.convert("RGB").save(decoded)
+        quality = codec.compare(gscl, image, decoded)
         return name, image.stem, 8 * coded.stat().st_size / pixels, quality["psnr"], quality["ms_ssim"]
 
 
-def measure_all(arguments):
+def measure_all(arguments, images):
     """Rows (codec, image, bpp, psnr, ms_ssim)."""
-    images = codec.images_of(arguments.folder, arguments.only)
     chosen = arguments.codecs.split(",") if arguments.codecs else [*VARIANTS, *OTHERS]
     others = [name for name in OTHERS if name in chosen]
     tasks = [(measure_other, name, image, value) for image in images for name in others for value in OTHERS[name][2]]
@@ -78,7 +81,7 @@ def read_points(path):
 
 
 def at_rate(points, rate):
-    """Linear in the logarithm of the rate; None outside the points (with 3 % of slack)."""
+    """The quality at a rate, linear in the logarithm of the rate; None outside the points (with 3 % of tolerance)."""
     if not points[0][0] / 1.03 <= rate <= points[-1][0] * 1.03:
         return None
     for (low, a), (high, b) in zip(points, points[1:]):
@@ -87,16 +90,21 @@ def at_rate(points, rate):
     return None
 
 
-def mean_curve(rows, name, column, rates):
-    """[(rate, mean over all images)] where every image reaches the rate."""
+def curves_of(rows, name, column):
+    """By image: sorted points (rate, quality) of one codec."""
     images = collections.defaultdict(dict)
     for row in rows:
         if row[0] == name and not math.isnan(row[column]):
             images[row[1]][row[2]] = row[column]
-    everyone = [sorted(points.items()) for points in images.values() if len(points) > 1]
+    return {image: sorted(points.items()) for image, points in images.items() if len(points) > 1}
+
+
+def mean_curve(rows, name, column, rates):
+    """[(rate, mean over all images)] where every image reaches the rate."""
+    curves = curves_of(rows, name, column).values()
     curve = []
     for rate in rates:
-        values = [at_rate(points, rate) for points in everyone]
+        values = [at_rate(points, rate) for points in curves]
         if values and None not in values:
             curve.append((rate, sum(values) / len(values)))
     return curve
@@ -107,7 +115,7 @@ def draw(rows, path):
     fine = [0.025 * 1.03 ** i for i in range(130)]
     names = list(dict.fromkeys(row[0] for row in rows))
     names.sort(key=lambda name: list(COLOURS).index(name) if name in COLOURS else len(COLOURS))
-    for axis, column, title in ((axes[0], 3, "PSNR, dB"), (axes[1], 4, "MS-SSIM")):
+    for axis, column, title in ((axes[0], PSNR, "PSNR, dB"), (axes[1], MS_SSIM, "MS-SSIM")):
         for name in names:
             curve = [point for point in mean_curve(rows, name, column, fine) if point[0] <= 1.05]
             style = dict(color=COLOURS.get(name), linewidth=2.2 if name.startswith("gscl") else 1.3)
@@ -122,35 +130,62 @@ def draw(rows, path):
     figure.savefig(path, metadata={"Date": None} if str(path).endswith(".svg") else None)
 
 
-def print_table(rows):
-    names = [name for name in COLOURS if any(row[0] == name for row in rows)]
-    for column, title, digits in ((3, "PSNR dB", 2), (4, "MS-SSIM", 3)):
-        print(f"| {title} | " + " | ".join(f"{rate:g}" for rate in TABLE_RATES) + " |\n|---" + "|---" * len(TABLE_RATES) + "|")
-        for name in names:
-            found = {rate: dict(mean_curve(rows, name, column, [rate])).get(rate) for rate in TABLE_RATES}
-            if any(value is not None for value in found.values()):
-                print(f"| {name} | " + " | ".join("-" if v is None else f"{v:.{digits}f}" for v in found.values()) + " |")
-        print()
+def mean_table(rows, column, title, digits):
+    """Means of each codec at the rates that every image reaches."""
+    body = []
+    for name in COLOURS:
+        means = dict(mean_curve(rows, name, column, TABLE_RATES))
+        if means:
+            body.append([name, *(f"{means[rate]:.{digits}f}" if rate in means else "-" for rate in TABLE_RATES)])
+    return document.table([title, *(f"{rate:g}" for rate in TABLE_RATES)], body)
+
+
+def difference_cell(ours, theirs, rate):
+    """Mean difference in PSNR over the images whose both curves reach the rate, and how many of them are won."""
+    pairs = [(at_rate(ours[image], rate), at_rate(theirs[image], rate)) for image in ours.keys() & theirs.keys()]
+    differences = [a - b for a, b in pairs if a is not None and b is not None]
+    if not differences:
+        return "-"
+    return f"{sum(differences) / len(differences):+.2f} ({sum(d > 0 for d in differences)} of {len(differences)})"
+
+
+def difference_table(rows):
+    """Differences of gscl in PSNR to each other codec at the same rate."""
+    ours = curves_of(rows, "gscl", PSNR)
+    curves = {name: curves_of(rows, name, PSNR) for name in COLOURS if name not in VARIANTS}
+    curves = {name: theirs for name, theirs in curves.items() if theirs}
+    return document.table(["gscl, dB (images won)", *(f"against {name}" for name in curves)],
+                          [[f"{rate:g}", *(difference_cell(ours, theirs, rate) for theirs in curves.values())]
+                           for rate in TABLE_RATES])
+
+
+def write_csv(path, rows):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(("codec", "image", "bpp", "psnr", "msssim"))
+        writer.writerows(rows)
 
 
 def main():
     parser = codec.parser(__doc__)
-    parser.add_argument("--codecs", default="", help="measure these alone, separated by commas: " + ", ".join([*VARIANTS, *OTHERS]))
-    parser.add_argument("--plot", default="quality.svg", help="picture to write (default %(default)s)")
-    parser.add_argument("--points", action="append", default=[], help="CSV of points measured elsewhere")
+    parser.add_argument("--codecs", default="", help="codecs to measure, separated by commas (default: " +
+                        ", ".join([*VARIANTS, *OTHERS]) + ")")
+    parser.add_argument("--plot", help="plot to write (default: quality.svg, beside the document if one is given)")
+    parser.add_argument("--points", action="append", default=[], help="CSV file of points measured before or elsewhere")
     parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")
-    parser.add_argument("--csv", help="every measured point: codec, image, bpp, psnr, msssim")
+    parser.add_argument("--csv", help="file for every measured point: codec, image, bpp, psnr, msssim")
+    document.add_option(parser, "RESULTS.md", "other-codecs")
     arguments = parser.parse_args()
-    rows = measure_all(arguments)
+    section = document.section_of(arguments)
+    images = codec.images_of(arguments.folder, arguments.only)
+    rows = measure_all(arguments, images)
     if arguments.csv:
-        with open(arguments.csv, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(("codec", "image", "bpp", "psnr", "msssim"))
-            writer.writerows(rows)
+        write_csv(arguments.csv, rows)
     for path in arguments.points:
         rows += read_points(path)
-    draw(rows, arguments.plot)
-    print_table(rows)
+    draw(rows, arguments.plot or (section.path.parent if section else pathlib.Path()) / "quality.svg")
+    document.publish(section, document.origin("sh tests/bench/bench.sh compare_codecs FOLDER", len(images)),
+                     mean_table(rows, PSNR, "PSNR dB", 2), mean_table(rows, MS_SSIM, "MS-SSIM", 3), difference_table(rows))
 
 
 if __name__ == "__main__":

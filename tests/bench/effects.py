@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
 """Which effects pictures of many kinds call for: what the encoder decides by itself against fixed choices, at the same size.
 
-    sh tests/bench/bench.sh effects [FOLDER] [--gscl build/gscl] [--bpp 0.125] [--seeds 4] [--readme README.md]
+    sh tests/bench/bench.sh effects [FOLDER] [--gscl build/gscl] [--bpp 0.125] [--seeds 4] [--document [EFFECTS.md]]
 
 FOLDER holds PNG images; without it, the pictures that scenes.py draws.  One picture's PSNR depends on the seed by 0.1 to
-1 dB, more than many an effect gains: means over seeds are compared.  Prints a Markdown table, or puts it between README's
-`<!-- effects -->` marks.
+1 dB, more than many an effect gains: means over seeds are compared.  Prints a Markdown table, and with --document writes it
+into the section `effects` of that document.
 """
 import argparse
 import pathlib
-import re
 import statistics
 import tempfile
 
 import codec
+import document
 import scenes
 
 ELLIPSES = "+rotation,+anisotropy"
@@ -91,21 +91,16 @@ def main():
     parser.add_argument("--gscl", default="build/gscl")
     parser.add_argument("--bpp", type=float, default=0.125)
     parser.add_argument("--seeds", type=int, default=4, help="encodes of each choice (default %(default)s)")
-    parser.add_argument("--readme", help="file in which to replace the tables")
+    document.add_option(parser, "EFFECTS.md", "effects")
     arguments = parser.parse_args()
+    section = document.section_of(arguments)
     with tempfile.TemporaryDirectory() as work:
         work = pathlib.Path(work)
         folder = arguments.folder or work / "scenes"
         if not arguments.folder:
             scenes.draw_all(folder)
         rows = [row_of(arguments, image, work) for image in codec.images_of(folder)]
-    text = "\n".join(table_of(rows, arguments))
-    if not arguments.readme:
-        print(text)
-        return
-    path = pathlib.Path(arguments.readme)
-    marked = re.sub(r"(?s)(<!-- effects -->\n).*?(<!-- /effects -->)", lambda m: m[1] + text + "\n" + m[2], path.read_text())
-    path.write_text(marked)
+    document.publish(section, "\n".join(table_of(rows, arguments)) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""How fast gscl is on this machine, and how its time and memory grow, as Markdown tables.
+"""The speed of gscl on this machine, and the growth of its time and memory with the size of the image, as Markdown tables.
 
-    sh tests/bench/bench.sh speed FOLDER [--gscl build/gscl] [--readme README.md]
+    sh tests/bench/bench.sh speed FOLDER [--gscl build/gscl] [--only NAME,NAME] [--document [SPEED.md]]
 
-Kernels, stages and decoding in a program come from `gscl bench`; the rest are whole processes.  With --readme the
-tables replace those between the marks <!-- speed --> and <!-- /speed --> of that file.  Wants a quiet machine.
+Kernels, stages and the codec within one process come from `gscl bench`; the other figures are those of whole processes.
+With --document the tables replace the section `speed` of that document.  The machine should have no other load.
 """
-import datetime
 import json
 import os
 import pathlib
@@ -17,15 +16,18 @@ import time
 from PIL import Image
 
 import codec
+import document
+from document import CORES, table
 
-RATES = ("0.042", "0.183")
+RATES = ("0.042", "0.183")  # bits per pixel
 GROWTH_RATE = "0.1"
-MOSAICS = (1, 2, 4, 8)  # pictures along each side
-CORES = len(os.sched_getaffinity(0))
+MOSAIC_SIDES = (1, 2, 4, 8)  # images along each side
+MOSAIC_CELL = (768, 512)  # pixels
+BATCH_SIZE = 48  # images
 
 
 class Run:
-    """A process: wall and CPU seconds, and its largest memory in MiB."""
+    """A finished process: its output, wall and CPU seconds, and peak memory in MiB."""
 
     def __init__(self, *words, env=None):
         start = time.perf_counter()
@@ -41,140 +43,133 @@ class Run:
             raise SystemExit(f"{' '.join(map(str, words))}: {errors.decode(errors='replace').strip()}")
 
 
-def processor():
-    for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return "unknown processor"
+def mean(runs, attribute):
+    return sum(getattr(run, attribute) for run in runs) / len(runs)
 
 
-def table(head, rows):
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+# ---- Inside one process: gscl bench ----------------------------------------------------------------
+
+def kernel_row(measurements, blend, splats):
+    rows = {row["name"]: row for row in measurements if (row.get("blend"), row.get("splats")) == (blend, splats)}
+    rates = [f"{rows[name]['work_per_s'] * 1e-9:.2f} ({100 * rows[name]['share_of_peak']:.0f} %)"
+             for name in ("raster_forward", "fit step")]
+    times = [f"{1e3 * rows[name]['median_s']:.2f}" for name in ("bin", "fit_tiles", "gather_gradients", "adam_step")]
+    return [blend, str(splats), *rates, *times, f"{rows['raster_forward']['work_per_needed']:.2f}"]
 
 
 def kernel_tables(report):
     for mapping in report["kernels"]:
-        measured = mapping["measurements"]
-        device = {row["name"]: row["work_per_s"] * 1e-9 for row in measured if "blend" not in row}
+        measurements = mapping["measurements"]
+        device = {row["name"]: row["work_per_s"] * 1e-9 for row in measurements if "blend" not in row}
         yield (f"`--mapping {mapping['mapping']}`: multiply-adds at {device['multiply_add']:.0f} Gflop/s, "
                f"copies at {device['copy']:.0f} GB/s.\n")
-        rows = []
-        for blend in ("normalized", "alpha", "sum"):
-            for splats in (500, 2500):
-                some = {row["name"]: row for row in measured if (row.get("blend"), row.get("splats")) == (blend, splats)}
-                draw, step = some["raster_forward"], some["fit step"]
-                rows.append([blend, str(splats)] +
-                            [f"{row['work_per_s'] * 1e-9:.2f} ({100 * row['share_of_peak']:.0f} %)" for row in (draw, step)] +
-                            [f"{1e3 * some[name]['median_s']:.2f}" for name in (
-                                "bin", "fit_tiles", "gather_gradients", "adam_step")] +
-                            [f"{draw['work_per_needed']:.2f}"])
         yield table(["blend", "splats", "draw, Geval/s", "fit step, Geval/s", "bin ms", "fit_tiles ms", "gather ms",
-                     "adam ms", "evals per pixel inside"], rows)
+                     "adam ms", "evals per pixel inside"],
+                    [kernel_row(measurements, blend, splats) for blend in ("normalized", "alpha", "sum")
+                     for splats in (500, 2500)])
 
 
-def stage_tables(report):
-    for what in ("encode", "decode"):
-        pictures = [picture for picture in report["pictures"] if picture["what"] == what]
-        names = list(dict.fromkeys(stage["name"] for picture in pictures for stage in picture["stages"]))
-        rows = []
-        for name in names:
-            row = [name]
-            for picture in pictures:
-                stage = next((stage for stage in picture["stages"] if stage["name"] == name), None)
-                row += [f"{1e3 * stage['seconds']:.2f}", f"{1e3 * (stage['seconds'] - stage['kernel_seconds']):.2f}"] if stage else ["", ""]
-            rows.append(row)
-        rows.append(["**all**"] + [text for picture in pictures for text in (f"**{1e3 * picture['median_s']:.1f}**", "")])
-        yield table([f"{what} stage"] + [text for picture in pictures
-                                         for text in (f"ms at {picture['bpp']} bpp", "outside kernels")], rows)
+def stage_cells(run, name):
+    stage = next((stage for stage in run["stages"] if stage["name"] == name), None)
+    if not stage:
+        return ["", ""]
+    return [f"{1e3 * stage['seconds']:.2f}", f"{1e3 * (stage['seconds'] - stage['kernel_seconds']):.2f}"]
+
+
+def stage_table(report, operation):
+    runs = [run for run in report["codec"] if run["operation"] == operation]
+    names = dict.fromkeys(stage["name"] for run in runs for stage in run["stages"])
+    head = [f"{operation} stage", *(text for run in runs for text in (f"ms at {run['bpp']} bpp", "outside kernels"))]
+    rows = [[name, *(cell for run in runs for cell in stage_cells(run, name))] for name in names]
+    total = ["**all**", *(text for run in runs for text in (f"**{1e3 * run['median_s']:.1f}**", ""))]
+    return table(head, [*rows, total])
+
+
+# ---- Whole processes -------------------------------------------------------------------------------
+
+def process_row(gscl, images, rate, work):
+    encodes, decodes = [], []
+    for image in images:
+        coded = work / f"{image.stem}.gscl"
+        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q"))
+        Run(gscl, "decode", coded, "-o", work / "decoded.png")
+        decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
+    with tempfile.TemporaryDirectory() as cache:
+        cold = Run(gscl, "decode", coded, "-o", work / "decoded.png", env={"POCL_CACHE_DIR": cache})
+    return [rate, f"{mean(encodes, 'wall_s'):.2f}", f"{mean(encodes, 'cpu_s') / mean(encodes, 'wall_s'):.2f}",
+            f"{mean(decodes, 'wall_s'):.3f}", f"{cold.wall_s:.2f}"]
 
 
 def process_table(gscl, images, work):
-    rows = []
-    for rate in RATES:
-        encodes, decodes = [], []
-        for image in images:
-            coded = work / f"{image.stem}.gscl"
-            encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q"))
-            Run(gscl, "decode", coded, "-o", work / "shown.png")
-            decodes.append(Run(gscl, "decode", coded, "-o", work / "shown.png"))
-        with tempfile.TemporaryDirectory() as cache:
-            cold = Run(gscl, "decode", coded, "-o", work / "shown.png", env={"POCL_CACHE_DIR": cache})
-        mean = lambda runs, key: sum(getattr(run, key) for run in runs) / len(runs)
-        rows.append([rate, f"{mean(encodes, 'wall_s'):.2f}", f"{mean(encodes, 'cpu_s') / mean(encodes, 'wall_s'):.2f}",
-                     f"{mean(decodes, 'wall_s'):.3f}", f"{cold.wall_s:.2f}"])
-    return table(["bits per pixel", "encode s", f"of {CORES} cores", "decode s", "decode s, kernels not yet built"], rows)
+    return table(["bits per pixel", "encode s", f"of {CORES} cores", "decode s", "decode s, kernels not yet built"],
+                 [process_row(gscl, images, rate, work) for rate in RATES])
 
 
-def mosaic(images, side, path):
-    """`side` x `side` of the pictures, so that every size has the same content."""
-    whole = Image.new("RGB", (768 * side, 512 * side))
+def write_mosaic(images, side, path):
+    """Writes `side` x `side` of the images, so that all sizes have the same content.  Returns megapixels."""
+    width, height = MOSAIC_CELL
+    mosaic = Image.new("RGB", (width * side, height * side))
     for i in range(side * side):
-        picture = Image.open(images[(i * 5 + i // side) % len(images)])
-        if picture.width < picture.height:
-            picture = picture.transpose(Image.Transpose.ROTATE_90)
-        whole.paste(picture.resize((768, 512)), (i % side * 768, i // side * 512))
-    whole.save(path, compress_level=1)
-    return whole.width * whole.height * 1e-6
+        cell = Image.open(images[(i * 5 + i // side) % len(images)])
+        if cell.width < cell.height:
+            cell = cell.transpose(Image.Transpose.ROTATE_90)
+        mosaic.paste(cell.resize(MOSAIC_CELL), (i % side * width, i // side * height))
+    mosaic.save(path, compress_level=1)
+    return mosaic.width * mosaic.height * 1e-6
+
+
+def growth_row(gscl, images, side, work):
+    path, coded = work / "mosaic.png", work / "mosaic.gscl"
+    encodes, decodes = [], []
+    for first in range(len(images) if side == 1 else 1):  # a mosaic is a mean over images; a single image is not
+        megapixels = write_mosaic(images[first:], side, path)
+        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, "-q"))
+        decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
+    encode_s, decode_s = mean(encodes, "wall_s"), mean(decodes, "wall_s")
+    return [f"{megapixels:.1f}", f"{encode_s:.2f}", f"{encode_s / megapixels:.2f}", f"{encodes[0].memory_mib:.0f}",
+            f"{decode_s:.2f}", f"{decode_s / megapixels:.3f}", f"{decodes[0].memory_mib:.0f}"]
 
 
 def growth_table(gscl, images, work):
-    rows = []
-    for side in MOSAICS:
-        path, coded = work / "mosaic.png", work / "mosaic.gscl"
-        runs = []
-        for first in range(len(images) if side == 1 else 1):  # one picture says little about the mean
-            pixels = mosaic(images[first:], side, path)
-            encode = Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, "-q")
-            runs.append((encode, Run(gscl, "decode", coded, "-o", work / "shown.png")))
-        encode_s, decode_s = (sum(run[i].wall_s for run in runs) / len(runs) for i in (0, 1))
-        rows.append([f"{pixels:.1f}", f"{encode_s:.2f}", f"{encode_s / pixels:.2f}", f"{runs[0][0].memory_mib:.0f}",
-                     f"{decode_s:.2f}", f"{decode_s / pixels:.3f}", f"{runs[0][1].memory_mib:.0f}"])
-    return table(["megapixels", "encode s", "per megapixel", "MiB", "decode s", "per megapixel", "MiB"], rows)
+    return table(["megapixels", "encode s", "per megapixel", "MiB", "decode s", "per megapixel", "MiB"],
+                 [growth_row(gscl, images, side, work) for side in MOSAIC_SIDES])
 
 
 def batch_line(gscl, images, work):
-    many = [images[i % len(images)] for i in range(48)]
-    copies = []
-    for i, image in enumerate(many):
-        copies.append(work / f"copy{i}.png")
-        copies[-1].write_bytes(image.read_bytes())
+    copies = [work / f"copy{i}.png" for i in range(BATCH_SIZE)]
+    for i, copy in enumerate(copies):
+        copy.write_bytes(images[i % len(images)].read_bytes())
     options = ("-q", "--bpp", RATES[0])
-    single = sum(Run(gscl, "encode", copy, *options).wall_s for copy in copies)
+    single_s = sum(Run(gscl, "encode", copy, *options).wall_s for copy in copies)
     batch = Run(gscl, "encode", *copies, *options)
-    return (f"48 pictures at {RATES[0]} bits a pixel: {batch.wall_s:.1f} s in one call, with {batch.cpu_s / batch.wall_s:.2f} "
-            f"of {CORES} cores busy; {single:.1f} s in 48 calls.\n")
+    return (f"{BATCH_SIZE} images at {RATES[0]} bits per pixel: {batch.wall_s:.1f} s in one call, with "
+            f"{batch.cpu_s / batch.wall_s:.2f} of {CORES} cores busy; {single_s:.1f} s in {BATCH_SIZE} calls.\n")
 
 
-def report_of(arguments, work):
+def section_parts(arguments, work):
     images = codec.images_of(arguments.folder, arguments.only)
     bench = json.loads(Run(arguments.gscl, "bench", images[0], "--json").output)
-    parts = [f"{datetime.date.today()}, {processor()}, {CORES} cores; {bench['device']}, {bench['version']}; "
-             f"`sh tests/bench/bench.sh speed FOLDER`, {len(images)} pictures.\n"]
-    parts += ["Whole processes, means:\n", process_table(arguments.gscl, images, work), batch_line(arguments.gscl, images, work)]
-    parts += [f"Growth, at {GROWTH_RATE} bits a pixel:\n", growth_table(arguments.gscl, images, work)]
-    parts += [f"Where the time goes, {images[0].stem}:\n", *stage_tables(bench)]
-    parts += ["Kernels, 768x512; share of the multiply-add peak at 28 operations an evaluation forward, 100 in a step:\n",
-              *kernel_tables(bench)]
-    return "\n".join(parts)
-
-
-def put_into(readme, text):
-    path = pathlib.Path(readme)
-    head, rest = path.read_text(encoding="utf-8").split("<!-- speed -->\n", 1)
-    tail = rest.split("<!-- /speed -->", 1)[1]
-    path.write_text(f"{head}<!-- speed -->\n{text}<!-- /speed -->{tail}", encoding="utf-8")
+    yield document.origin("sh tests/bench/bench.sh speed FOLDER", len(images))
+    yield f"Device: {bench['device']}, {bench['version']}.\n"
+    yield "Whole processes, means:\n"
+    yield process_table(arguments.gscl, images, work)
+    yield batch_line(arguments.gscl, images, work)
+    yield f"Growth, at {GROWTH_RATE} bits per pixel:\n"
+    yield growth_table(arguments.gscl, images, work)
+    yield f"Time by stage, {images[0].stem}:\n"
+    yield from (stage_table(bench, operation) for operation in ("encode", "decode"))
+    yield ("Kernels, 768x512; the share of the multiply-add peak counts 28 operations per evaluation when drawing "
+           "and 100 in a fit step:\n")
+    yield from kernel_tables(bench)
 
 
 def main():
     parser = codec.parser(__doc__)
-    parser.add_argument("--readme", help="file whose tables are to be replaced")
+    document.add_option(parser, "SPEED.md", "speed")
     arguments = parser.parse_args()
+    section = document.section_of(arguments)
     with tempfile.TemporaryDirectory() as folder:
-        text = report_of(arguments, pathlib.Path(folder))
-    if arguments.readme:
-        put_into(arguments.readme, text)
-    print(text, end="")
+        document.publish(section, *section_parts(arguments, pathlib.Path(folder)))
 
 
 if __name__ == "__main__":

@@ -60,9 +60,9 @@ class Automatic(ToolTest):
         self.assertEqual((decisions["opacity"]["on"], decisions["opacity"]["reason"]), (True, "content"))  # a plain ground
         streams = {stream["name"] for stream in self.gscl_json("info", "dots.gscl")["streams"]}
         self.assertNotIn("angle", streams)
-        # Trials are a stage of their own; those after them are told as ever.
+        # The effect search is one stage; the stages after it are reported as without it.
         stages = {stage["name"]: stage for stage in report["stages"]}
-        self.assertEqual(stages["effect trials"]["count"], 1)
+        self.assertEqual(stages["effect search"]["count"], 1)
         self.assertEqual(stages["pyramid"]["count"], 1)
         self.assertIn("rate-distortion passes", stages)
         self.assertIn("write", stages)

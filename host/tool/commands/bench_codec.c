@@ -22,8 +22,8 @@ static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, do
     }
 }
 
-static void print_text(const bench_codec *codec, const char *what, double bpp, unsigned runs, spread s) {
-    printf("\n%s, %ux%u, %.3f bits per pixel: %.4f s (%.4f - %.4f)\n  stages\n", what, codec->image->width,
+static void print_text(const bench_codec *codec, const char *operation, double bpp, unsigned runs, spread s) {
+    printf("\n%s, %ux%u, %.3f bits per pixel: %.4f s (%.4f - %.4f)\n  stages\n", operation, codec->image->width,
            codec->image->height, bpp, s.median, s.fastest, s.slowest);
     print_rows(codec, false, runs, s.median);
     printf("  kernels\n");
@@ -48,9 +48,9 @@ static void write_rows(const bench_codec *codec, bool kernels, unsigned runs) {
     json_close_array(codec->json);
 }
 
-static void write_json(const bench_codec *codec, const char *what, double bpp, unsigned runs, spread s) {
+static void write_json(const bench_codec *codec, const char *operation, double bpp, unsigned runs, spread s) {
     json_open_object(codec->json, NULL);
-    json_string(codec->json, "what", what);
+    json_string(codec->json, "operation", operation);
     json_integer(codec->json, "width", codec->image->width);
     json_integer(codec->json, "height", codec->image->height);
     json_real(codec->json, "bpp", bpp);
@@ -63,12 +63,12 @@ static void write_json(const bench_codec *codec, const char *what, double bpp, u
 }
 
 /* Timings are means over the runs, which a context adds up. */
-static void report(const bench_codec *codec, const char *what, double bpp, double *seconds, unsigned runs) {
+static void report(const bench_codec *codec, const char *operation, double bpp, double *seconds, unsigned runs) {
     const spread s = spread_of(seconds, runs);
     if (codec->json)
-        write_json(codec, what, bpp, runs, s);
+        write_json(codec, operation, bpp, runs, s);
     else
-        print_text(codec, what, bpp, runs, s);
+        print_text(codec, operation, bpp, runs, s);
 }
 
 /* Leaves the last file in *bytes. */
@@ -126,7 +126,7 @@ gscl_result bench_codec_run(const bench_codec *codec) {
     double *seconds = malloc((codec->encodes + codec->decodes) * sizeof *seconds);
     gscl_result result = seconds ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
     if (codec->json)
-        json_open_array(codec->json, "pictures");
+        json_open_array(codec->json, "codec");
     for (size_t i = 0; i < RATE_COUNT && result == GSCL_OK; i++)
         result = bench_rate(codec, rates[i], seconds);
     if (codec->json)

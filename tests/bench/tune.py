@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""Mean quality of `gscl encode --tune ssim` beside the default over a folder of PNG images, as a Markdown table.
+
+    tests/bench/tune.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rates 0.042,0.066,0.125,0.183]
+                        [--document [RESULTS.md]]
+"""
+import pathlib
+import tempfile
+
+import codec
+import document
+
+HEAD = ("bits per pixel", "MS-SSIM, default", "MS-SSIM, `--tune ssim`", "PSNR, default", "PSNR, `--tune ssim`")
+
+
+def row_of(arguments, images, rate, work):
+    psnr, ssim = ([codec.measure(arguments.gscl, image, float(rate), ["--tune", tune], work) for image in images]
+                  for tune in ("psnr", "ssim"))
+    return [rate, f"{codec.mean(psnr, 'ms_ssim'):.3f}", f"{codec.mean(ssim, 'ms_ssim'):.3f}",
+            f"{codec.mean(psnr, 'psnr'):.2f}", f"{codec.mean(ssim, 'psnr'):.2f}"]
+
+
+def main():
+    parser = codec.parser(__doc__)
+    parser.add_argument("--rates", default="0.042,0.066,0.125,0.183", help="bits per pixel (default %(default)s)")
+    document.add_option(parser, "RESULTS.md", "tune")
+    arguments = parser.parse_args()
+    section = document.section_of(arguments)
+    images = codec.images_of(arguments.folder, arguments.only)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [row_of(arguments, images, rate, pathlib.Path(folder)) for rate in arguments.rates.split(",")]
+    document.publish(section, document.origin("tests/bench/tune.py FOLDER", len(images)), document.table(HEAD, rows))
+
+
+if __name__ == "__main__":
+    main()
