@@ -147,7 +147,7 @@ static gscl_result fit_freely(trainer *t, int last_step) {
     int round = 0;
     for (int step = 0; step < last_step; step++) {
         double fraction = (double)step / t->steps;
-        int level = level_at(fraction, t->encoder->first_level);
+        int level = level_at(fraction, t->encoder->source.first_level);
         if (step == 0 || level != t->fit.level) {
             GSCL_TRY(gscl_fit_set_level(&t->fit, level));
             gscl_stage(t->encoder->context, gscl_fit_stage(&t->fit));
@@ -167,14 +167,14 @@ static gscl_result fit_freely(trainer *t, int last_step) {
             GSCL_TRY(gscl_trace_fit(t->encoder, &t->fit, step + 1));
     }
     GSCL_TRY(sort_by_size(t));
-    return gscl_fit_set_level(&t->fit, t->encoder->first_level);
+    return gscl_fit_set_level(&t->fit, t->encoder->source.first_level);
 }
 
 /* ---- Codebooks ---- */
 
 static gscl_result cluster(trainer *t, bool warm) {
     GSCL_TRY(gscl_codebook_cluster(&t->codebook, t->words[0], t->words[1], warm, &t->encoder->random));
-    return gscl_codebook_sort(&t->codebook, &t->encoder->picture);
+    return gscl_codebook_sort(&t->codebook, &t->encoder->coded);
 }
 
 /* P5: K-means while training, gradients straight through the quantisation. */
@@ -189,14 +189,14 @@ static gscl_result fit_through(trainer *t, int first_step) {
 
 static gscl_result write_size(trainer *t, size_t *size) {
     GSCL_TRY(gscl_codebook_pull(&t->codebook));
-    GSCL_TRY(gscl_codebook_quantise(&t->codebook, &t->encoder->picture));
+    GSCL_TRY(gscl_codebook_quantise(&t->codebook, &t->encoder->coded));
     return gscl_encoder_size(t->encoder, size);
 }
 
 /* One pass of choosing words at a price of `factor` times the current one. */
 static gscl_result choose(trainer *t, double factor, size_t *size) {
     double error;
-    GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->picture));
+    GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->coded));
     GSCL_TRY(gscl_codebook_project(&t->codebook));
     GSCL_TRY(gscl_fit_drawn_error(&t->fit, &error));
     GSCL_TRY(write_size(t, size));
@@ -219,7 +219,7 @@ static gscl_result learn(trainer *t, double rate, int steps) {
     GSCL_TRY(gscl_codebook_rest(&t->codebook));
     for (int step = 0; step < steps; step++) {
         if (step % SORT_INTERVAL == 0)
-            GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->picture));
+            GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->coded));
         GSCL_TRY(gscl_codebook_step(&t->codebook, (float)(rate * (1 - 0.7 * step / steps))));
     }
     return GSCL_OK;
@@ -256,11 +256,11 @@ static gscl_result run_rounds(trainer *t) {
 /* Takes the front-most splats of the smallest shape away, and the words that only they used, until the file fits: a
  * last resort. */
 static gscl_result trim(trainer *t, size_t size) {
-    gsf_header *header = &t->encoder->picture.file.header;
+    gsf_header *header = &t->encoder->coded.file.header;
     while (size > t->bytes && header->splat_count > 0) {
         size_t excess = (size - t->bytes) / 6 + 1;
         header->splat_count -= (uint32_t)(excess < header->splat_count ? excess : header->splat_count);
-        gscl_codebook_drop_unused(&t->encoder->picture.file);
+        gscl_codebook_drop_unused(&t->encoder->coded.file);
         GSCL_TRY(gscl_encoder_size(t->encoder, &size));
     }
     return GSCL_OK;
@@ -276,20 +276,20 @@ static gscl_result meet_budget(trainer *t) {
         GSCL_TRY(choose(t, factor, &size));
     }
     GSCL_TRY(learn(t, 0.4 * ROUND_RATE, round_steps_of_effort[t->encoder->settings.effort]));
-    GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->picture));
+    GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->coded));
     GSCL_TRY(write_size(t, &size));
     return t->bytes ? trim(t, size) : GSCL_OK;
 }
 
 static gscl_result train(trainer *t) {
     gscl_encoder *e = t->encoder;
-    gscl_kernel_options options = gscl_coded_image_options(&e->picture.file.header);
+    gscl_kernel_options options = gscl_coded_image_options(&e->coded.file.header);
     options.loss = gscl_loss_kind(e->settings.loss);
     int through = (int)(t->steps * THROUGH_FROM), bits = word_bits_for(8.0 * (double)t->bytes);
-    GSCL_TRY(
-        gscl_fit_create(&t->fit, e->context, &options, e->image->width, e->image->height, e->first_level, e->planes));
+    GSCL_TRY(gscl_fit_create(&t->fit, e->context, &options, e->image->width, e->image->height, e->source.first_level,
+                             e->source.planes));
     for (int k = 0; k < t->fit.renderer.channels; k++)
-        e->picture.file.background[k] = gscl_quantise_background(&e->picture.file.header, t->fit.background[k]);
+        e->coded.file.background[k] = gscl_quantise_background(&e->coded.file.header, t->fit.background[k]);
     GSCL_TRY(fit_freely(t, through));
     GSCL_TRY(gscl_fit_drawn_error(&t->fit, &t->error));
     GSCL_TRY(gscl_codebook_create(&t->codebook, &t->fit, POSITION_BITS, bits, bits));
@@ -306,10 +306,10 @@ gscl_result gscl_encode_codebook(gscl_encoder *e, size_t bytes, size_t splats) {
     double bits = bytes ? 8.0 * (double)bytes : 26.0 * (double)splats;
     int words = e->settings.codebook_size ? (int)e->settings.codebook_size : words_for(bits);
     t.words[GSCL_BOOK_SHAPE] = t.words[GSCL_BOOK_COLOUR] = words;
-    int dims = (int)gsf_channel_count(&e->picture.file.header) + 1;
+    int dims = (int)gsf_channel_count(&e->coded.file.header) + 1;
     if (bytes)
         t.target = (size_t)fmin(SURPLUS * splats_for(bits, words, words, word_bits_for(bits), dims),
-                                (double)gscl_most_splats(e, bytes)) +
+                                (double)gscl_max_splats(e, bytes)) +
                    1;
     t.start = (size_t)ceil((double)t.target * START_SHARE);
     gscl_result result = train(&t);

@@ -62,7 +62,7 @@ static double coherence(const field *f, int radius, float *planes, double *line)
 /* ---- Looking at the image ---- */
 
 static gscl_result look_at_shapes(const gscl_encoder *e, double splats, double *coherent) {
-    int level = e->first_level + LOOK_LEVEL;
+    int level = e->source.first_level + LOOK_LEVEL;
     field f = {(int)gscl_level_size(e->image->width, level), (int)gscl_level_size(e->image->height, level), NULL};
     size_t pixels = (size_t)f.width * (size_t)f.height, longer = (size_t)(f.width > f.height ? f.width : f.height);
     float *planes = malloc(4 * pixels * sizeof *planes);
@@ -80,10 +80,11 @@ static gscl_result look_at_shapes(const gscl_encoder *e, double splats, double *
 
 /* Root mean square of the colours' differences from grey. */
 static double colourfulness(const gscl_encoder *e) {
-    size_t pixels = e->pixels;
+    size_t pixels = e->source.pixels;
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
-        double r = e->planes[i], g = e->planes[pixels + i], b = e->planes[2 * pixels + i], mean = (r + g + b) / 3;
+        double r = e->source.planes[i], g = e->source.planes[pixels + i], b = e->source.planes[2 * pixels + i],
+               mean = (r + g + b) / 3;
         sum += (r - mean) * (r - mean) + (g - mean) * (g - mean) + (b - mean) * (b - mean);
     }
     return sqrt(sum / (3 * (double)pixels));
@@ -141,14 +142,14 @@ static gscl_result try_shapes(trial *t) {
 
 /* The image becomes grey, or coloured again. */
 static gscl_result set_chroma(gscl_encoder *e, bool chroma) {
-    e->picture.file.header.has_chroma = chroma;
+    e->coded.file.header.has_chroma = chroma;
     return gscl_encoder_make_planes(e);
 }
 
 /* Faint colours against grey.  With an alpha channel the errors of grey and colour do not compare. */
 static gscl_result try_chroma(trial *t) {
     gscl_encoder *e = t->encoder;
-    const gsf_header *header = &e->picture.file.header;
+    const gsf_header *header = &e->coded.file.header;
     double grey;
     if (!header->has_chroma || header->has_alpha || !gscl_effect_is_open(&e->settings, GSCL_EFFECT_CHROMA))
         return GSCL_OK;

@@ -71,20 +71,20 @@ static void fill_header(gscl_encoder *e) {
                                        [GSCL_BLEND_SUM] = GSF_BLEND_SUM};
     static const gsf_layout layouts[] = {GSF_GREY, GSF_GREY, GSF_GREY_ALPHA, GSF_RGB, GSF_RGBA};
     bool paper = e->settings.profile == GSCL_PROFILE_PAPER;
-    e->picture.file.header = (gsf_header){.version = GSF_VERSION,
-                                          .blend = blends[e->settings.blend],
-                                          .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
-                                          .layout = layouts[e->image->channels],
-                                          .high_bit_depth = e->content.high_bit_depth,
-                                          .width = e->image->width,
-                                          .height = e->image->height};
+    e->coded.file.header = (gsf_header){.version = GSF_VERSION,
+                                        .blend = blends[e->settings.blend],
+                                        .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
+                                        .layout = layouts[e->image->channels],
+                                        .high_bit_depth = e->content.high_bit_depth,
+                                        .width = e->image->width,
+                                        .height = e->image->height};
     gscl_effects_begin(e);
 }
 
 /* The picture without splats: one colour. */
 static void encode_flat(gscl_encoder *e) {
     gscl_pixel p = gscl_image_pixel(e->image, 0, 0);
-    gsf_coded_image *file = &e->picture.file;
+    gsf_coded_image *file = &e->coded.file;
     int colours = file->header.has_chroma ? 3 : 1;
     file->header.splat_count = 0;
     for (int k = 0; k < colours; k++)
@@ -107,7 +107,7 @@ static gscl_result check_budget(gscl_encoder *e, double budget) {
 
 /* Leaves out a few splats that show less than their weight spoils. */
 static gscl_result prefer_flat(gscl_encoder *e) {
-    gsf_header *header = &e->picture.file.header;
+    gsf_header *header = &e->coded.file.header;
     const uint32_t count = header->splat_count;
     double with, without;
     if (count == 0 || count > FEW_SPLATS)
@@ -159,17 +159,17 @@ static gscl_result encode_target(gscl_encoder *e) {
 
 static gscl_result finish(gscl_encoder *e, uint8_t **bytes, size_t *size, gscl_encode_trace *trace) {
     gscl_encode_report *report = trace->report;
-    gsf_header *header = &e->picture.file.header;
+    gsf_header *header = &e->coded.file.header;
     if (header->splat_count == 0)
         header->has_opacity = header->has_rotation = header->has_anisotropy = header->has_texture = false;
     gscl_stage(e->context, GSCL_STAGE_WRITE);
-    gscl_result result = gscl_coded_image_write(&e->picture, bytes, size);
+    gscl_result result = gscl_coded_image_write(&e->coded, bytes, size);
     gscl_stage(e->context, GSCL_STAGE_NONE);
     if (result != GSCL_OK)
         return gscl_fail(e->context, result, "the picture could not be written: %s", gscl_result_text(result));
     if (!report)
         return GSCL_OK;
-    report->splats = e->picture.file.header.splat_count;
+    report->splats = e->coded.file.header.splat_count;
     report->bytes = *size;
     report->trials = e->trials ? e->trials : 1;
     report->blend = e->settings.blend;
@@ -221,8 +221,8 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     } else {
         free(written);
     }
-    free(e.planes);
-    gscl_coded_image_free(&e.picture);
+    free(e.source.planes);
+    gscl_coded_image_free(&e.coded);
     gscl_stage(context, GSCL_STAGE_NONE);
     gscl_encode_trace_end(&trace, context);
     return result;

@@ -44,7 +44,7 @@ static gscl_result try_size(gscl_encoder *e, double bytes, double *psnr) {
 static gscl_result keep(gscl_encoder *e, uint8_t **bytes, size_t *size) {
     free(*bytes);
     *bytes = NULL;
-    return gscl_coded_image_write(&e->picture, bytes, size);
+    return gscl_coded_image_write(&e->coded, bytes, size);
 }
 
 static gscl_result search(gscl_encoder *e, uint8_t **best, size_t *best_size) {
@@ -83,8 +83,8 @@ gscl_result gscl_encode_to_psnr(gscl_encoder *e) {
     size_t size = 0;
     gscl_result result = search(e, &best, &size);
     if (result == GSCL_OK) {
-        gscl_coded_image_free(&e->picture);
-        result = gscl_coded_image_read(&e->picture, best, size);
+        gscl_coded_image_free(&e->coded);
+        result = gscl_coded_image_read(&e->coded, best, size);
     }
     free(best);
     return result;

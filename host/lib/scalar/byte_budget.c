@@ -30,7 +30,7 @@ typedef gscl_scalar_state schedule;
 
 /* One pass, and what it leaves. */
 static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
-    gscl_coded_image *picture = &s->encoder->picture;
+    gscl_coded_image *picture = &s->encoder->coded;
     gscl_scalar_rdo_settings settings = {
         .pressure = s->pressure, .keep_all = s->keep_all, .scan_textures = scan_textures};
     GSCL_TRY(gscl_scalar_rdo_pass(&s->fit, picture, &settings));
@@ -48,20 +48,20 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
 
 /* Fits all splats for a while, `more` of them new where the picture is worst. */
 static gscl_result refit(schedule *s, size_t more, int steps) {
-    s->fit.renderer.options.texture = s->encoder->picture.file.header.has_texture;
+    s->fit.renderer.options.texture = s->encoder->coded.file.header.has_texture;
     s->fit.renderer.program = GSCL_PROGRAM_FIT;
     gscl_stage(s->encoder->context, GSCL_STAGE_REFIT);
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));
     GSCL_TRY(gscl_density_grow(&s->fit, more, &s->encoder->random));
     for (int step = 0; step < steps; step++)
-        GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_rate(0.5 + 0.5 * (step + 0.5) / steps)));
+        GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_learning_rate(0.5 + 0.5 * (step + 0.5) / steps)));
     return gscl_scalar_quantise(s);
 }
 
 /* Splats for the bytes that are left. */
 static gscl_result regrow(schedule *s, size_t size) {
-    size_t count = s->encoder->picture.file.header.splat_count;
+    size_t count = s->encoder->coded.file.header.splat_count;
     size_t wanted = (size_t)(s->surplus * (double)s->bytes / (double)size * (double)count) + 1;
     wanted = wanted > s->most ? s->most : wanted;
     int steps = s->steps / REGROW_STEPS_PART + 1;
@@ -72,7 +72,7 @@ static gscl_result regrow(schedule *s, size_t size) {
 static gscl_result refine_plain(schedule *s, size_t *size) {
     for (int regrows = 0;; regrows++) {
         GSCL_TRY(refine_once(s, false, size));
-        bool full = s->encoder->picture.file.header.splat_count >= s->most;
+        bool full = s->encoder->coded.file.header.splat_count >= s->most;
         if (s->bytes == 0 || full || regrows == MAX_REGROWS || (double)*size >= REGROW_BELOW * (double)s->bytes)
             return GSCL_OK;
         GSCL_TRY(regrow(s, *size));
@@ -88,7 +88,7 @@ static void steer(schedule *s, double before, double size, double goal, double g
 
 /* After the first scan: where hardly a splat took a wave, the others are not asked again. */
 static void keep_textures(schedule *s) {
-    const gsf_coded_image *file = &s->encoder->picture.file;
+    const gsf_coded_image *file = &s->encoder->coded.file;
     const gscl_encode_settings *settings = &s->encoder->settings;
     uint32_t textured = 0;
     for (uint32_t i = 0; i < file->header.splat_count; i++)
@@ -116,7 +116,7 @@ static gscl_result refine_down(schedule *s, size_t *size) {
 
 /* Passes until the file just fits: one that shrinks it too far is taken back and done again at a lower pressure. */
 static gscl_result land(schedule *s, size_t *size) {
-    gsf_coded_image *file = &s->encoder->picture.file;
+    gsf_coded_image *file = &s->encoder->coded.file;
     gsf_splat *kept = malloc((file->header.splat_count + 1) * sizeof *kept);
     if (!kept)
         return gscl_fail_memory(s->encoder->context);
@@ -144,7 +144,7 @@ static gscl_result land(schedule *s, size_t *size) {
 /* Uses bytes that are left: a few for finer codes and more textures, many for more splats. */
 static gscl_result fill(schedule *s, size_t *size) {
     for (int pass = 0; pass < MAX_FILLS && (double)*size < FULL * (double)s->bytes; pass++) {
-        bool most = s->encoder->picture.file.header.splat_count >= s->most;
+        bool most = s->encoder->coded.file.header.splat_count >= s->most;
         s->keep_all = true; /* those just added would be the first to go */
         if (!most && (double)*size < REGROW_BELOW * (double)s->bytes) {
             s->pressure = fmin(s->pressure, 1);
@@ -160,7 +160,7 @@ static gscl_result fill(schedule *s, size_t *size) {
 }
 
 static void drop_unused_effects(gscl_encoder *e) {
-    gsf_coded_image *file = &e->picture.file;
+    gsf_coded_image *file = &e->coded.file;
     bool textured = false;
     for (uint32_t i = 0; i < file->header.splat_count; i++)
         textured = textured || file->splats[i].texture.amplitude > 0;
@@ -170,7 +170,7 @@ static void drop_unused_effects(gscl_encoder *e) {
 }
 
 gscl_result gscl_scalar_refine(schedule *s) {
-    gsf_coded_image *file = &s->encoder->picture.file;
+    gsf_coded_image *file = &s->encoder->coded.file;
     size_t size;
     GSCL_TRY(refine_plain(s, &size));
     file->header.has_texture = s->textures;
@@ -194,7 +194,7 @@ static void drop_smallest(gsf_coded_image *file) {
 }
 
 gscl_result gscl_scalar_trim(schedule *s) {
-    gsf_coded_image *file = &s->encoder->picture.file;
+    gsf_coded_image *file = &s->encoder->coded.file;
     size_t size;
     GSCL_TRY(gscl_encoder_size(s->encoder, &size));
     while (size > s->bytes && file->header.splat_count > 0) {

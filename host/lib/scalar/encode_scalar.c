@@ -43,19 +43,19 @@ static bool can_refine(const gscl_encoder *e) {
 /* Of the quantiser; the effects are settled. */
 static void choose_steps(gscl_encoder *e) {
     const gsf_steps usual = {.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
-    gsf_coded_image *file = &e->picture.file;
+    gsf_coded_image *file = &e->coded.file;
     file->steps = usual;
     if (e->settings.step_factor > 0)
         file->steps = gscl_scale_steps(&usual, e->settings.step_factor);
-    else if (e->ground.pixels > 0)
-        gscl_fit_steps_to_colour(file, e->ground.colour);
+    else if (e->source.background.pixels > 0)
+        gscl_fit_steps_to_colour(file, e->source.background.colour);
 }
 
 static gscl_result fit_and_quantise(schedule *s) {
     gscl_encoder *e = s->encoder;
     GSCL_TRY(gscl_scalar_create_fit(s));
     GSCL_TRY(gscl_scalar_run_steps(s));
-    if (gscl_effect_is_open(&e->settings, GSCL_EFFECT_TEXTURE) && s->fit.level > e->first_level + s->finest)
+    if (gscl_effect_is_open(&e->settings, GSCL_EFFECT_TEXTURE) && s->fit.level > e->source.first_level + s->finest)
         s->textures = false; /* there is nothing to show that a wave could */
     gscl_stage(e->context, GSCL_STAGE_QUANTISE);
     GSCL_TRY(gscl_scalar_quantise(s));
@@ -85,7 +85,7 @@ static schedule plan(gscl_encoder *e, const rung *r, size_t bytes, size_t splats
     double sparse = fmin(fmax(gscl_scalar_sparseness(&s) - 1, 0), 1);
     s.surplus = can_refine(e) ? r->surplus + SPARSE_SURPLUS * sparse : 1.0;
     s.steps += (int)(SPARSE_STEPS * sparse * s.steps);
-    s.most = gscl_most_splats(e, bytes);
+    s.most = gscl_max_splats(e, bytes);
     if (s.target > s.most)
         s.target = s.most;
     s.start = (size_t)ceil((double)s.target * START_SHARE);

@@ -33,13 +33,13 @@
 typedef gscl_scalar_state schedule;
 
 /* cosine decay over the second half */
-double gscl_scalar_rate(double fraction) {
+double gscl_scalar_learning_rate(double fraction) {
     return RATE * (fraction < 0.5 ? 1.0 : 0.02 + 0.98 * 0.5 * (1 + cos(3.14159265 * (fraction - 0.5) / 0.5)));
 }
 
 /* Pixels of the fitted image. */
 double gscl_scalar_fitted_pixels(const gscl_encoder *e) {
-    return ldexp((double)e->image->width * e->image->height, -2 * e->first_level);
+    return ldexp((double)e->image->width * e->image->height, -2 * e->source.first_level);
 }
 
 /* Distance from splat to splat in the fitted image, in units of DENSE pixels. */
@@ -53,7 +53,7 @@ static int level_at(const schedule *s, double fraction) {
     int level = fraction < fmin(QUARTER_UNTIL * sparse, LONGEST_QUARTER) ? 2
                 : fraction < fmin(HALF_UNTIL * sparse, LONGEST_HALF)     ? 1
                                                                          : 0;
-    return s->encoder->first_level + (level > s->finest ? level : s->finest);
+    return s->encoder->source.first_level + (level > s->finest ? level : s->finest);
 }
 
 static gscl_result reserve_params(schedule *s, size_t count) {
@@ -69,14 +69,14 @@ static gscl_result reserve_params(schedule *s, size_t count) {
 
 gscl_result gscl_scalar_load(schedule *s) {
     float background[4];
-    size_t count = s->encoder->picture.file.header.splat_count;
+    size_t count = s->encoder->coded.file.header.splat_count;
     GSCL_TRY(reserve_params(s, count));
-    gscl_coded_image_params(&s->encoder->picture, s->params, background);
+    gscl_coded_image_params(&s->encoder->coded, s->params, background);
     return gscl_fit_replace(&s->fit, s->params, count);
 }
 
 gscl_result gscl_scalar_quantise(schedule *s) {
-    gscl_coded_image *picture = &s->encoder->picture;
+    gscl_coded_image *picture = &s->encoder->coded;
     size_t count = (size_t)s->fit.renderer.count;
     GSCL_TRY(reserve_params(s, count));
     GSCL_TRY(gscl_fit_read(&s->fit, s->params));
@@ -105,7 +105,7 @@ static gscl_result sort_for_alpha(schedule *s) {
     GSCL_TRY(gscl_scalar_quantise(s));
     size_t *order = malloc((count + 1) * sizeof *order);
     gscl_result result =
-        order ? gscl_coded_image_sort(&s->encoder->picture, order) : gscl_fail_memory(s->encoder->context);
+        order ? gscl_coded_image_sort(&s->encoder->coded, order) : gscl_fail_memory(s->encoder->context);
     if (result == GSCL_OK)
         result = gscl_fit_reorder(&s->fit, order, count);
     free(order);
@@ -136,7 +136,7 @@ static gscl_result report(schedule *s, int step) {
 
 gscl_result gscl_scalar_set_quantiser(schedule *s) {
     float steps[GSCL_STEP_COUNT];
-    gscl_steps_to_floats(&s->encoder->picture.file.steps, steps);
+    gscl_steps_to_floats(&s->encoder->coded.file.steps, steps);
     GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, steps));
     return gscl_renderer_project(&s->fit.renderer);
 }
@@ -194,7 +194,7 @@ gscl_result gscl_scalar_run_steps(schedule *s) {
             GSCL_TRY(sort_for_alpha(s));
         if (step == (int)(ADAPT_AT * s->steps) || step == (int)(ADAPT_AGAIN_AT * s->steps))
             GSCL_TRY(gscl_fit_adapt(&s->fit));
-        GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_rate(fraction)));
+        GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_learning_rate(fraction)));
         GSCL_TRY(report(s, step));
         if ((step + 1) % gscl_trace_interval(s->steps) == 0)
             GSCL_TRY(gscl_trace_fit(s->encoder, &s->fit, step + 1));
@@ -204,14 +204,14 @@ gscl_result gscl_scalar_run_steps(schedule *s) {
 
 gscl_result gscl_scalar_create_fit(schedule *s) {
     gscl_encoder *e = s->encoder;
-    gscl_kernel_options options = gscl_coded_image_options(&e->picture.file.header);
+    gscl_kernel_options options = gscl_coded_image_options(&e->coded.file.header);
     options.loss = gscl_loss_kind(e->settings.loss);
     options.weighted = e->settings.tune == GSCL_TUNE_SSIM;
-    GSCL_TRY(
-        gscl_fit_create(&s->fit, e->context, &options, e->image->width, e->image->height, e->first_level, e->planes));
-    if (e->ground.pixels > 0)
-        GSCL_TRY(gscl_fit_set_flat_background(&s->fit, &e->ground));
+    GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, e->image->width, e->image->height, e->source.first_level,
+                             e->source.planes));
+    if (e->source.background.pixels > 0)
+        GSCL_TRY(gscl_fit_set_flat_background(&s->fit, &e->source.background));
     for (int k = 0; k < s->fit.renderer.channels; k++)
-        e->picture.file.background[k] = gscl_quantise_background(&e->picture.file.header, s->fit.background[k]);
+        e->coded.file.background[k] = gscl_quantise_background(&e->coded.file.header, s->fit.background[k]);
     return GSCL_OK;
 }

@@ -28,7 +28,7 @@ typedef struct gscl_scalar_state {
 #define GSCL_SCALAR_FIT_SHARE 0.75 /* of the time, for the progress report */
 
 /* The learning rate at this fraction of a fit's steps. */
-double gscl_scalar_rate(double fraction);
+double gscl_scalar_learning_rate(double fraction);
 /* Puts the picture's splats, as they are coded, into the fit. */
 gscl_result gscl_scalar_load(gscl_scalar_state *schedule);
 /* From now on the fit looks through the quantiser. */

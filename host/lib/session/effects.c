@@ -75,7 +75,7 @@ static bool begin_with(gscl_encoder *e, gscl_effect effect, gscl_effect_reason r
 }
 
 void gscl_effects_begin(gscl_encoder *e) {
-    gsf_header *header = &e->picture.file.header;
+    gsf_header *header = &e->coded.file.header;
     bool paper = e->settings.profile == GSCL_PROFILE_PAPER, turned;
     bool upright = paper && !gscl_effect_wanted(&e->settings, GSCL_EFFECT_ROTATION, true);
     if (header->layout >= GSF_RGB)
@@ -85,7 +85,8 @@ void gscl_effects_begin(gscl_encoder *e) {
     /* Where things lie on a plain ground they end or fade out, and opacity gains up to 1.6 dB; beside a ground it gains
      * nothing, nor elsewhere.  Trials of it chose no better than this, at half the time of an encode. */
     bool alpha = e->settings.blend == GSCL_BLEND_ALPHA;
-    bool things = !paper && !alpha && gscl_background_share_of_non_flat_tiles(&e->ground) > LEAST_GROUND_BETWEEN;
+    bool things =
+        !paper && !alpha && gscl_background_share_of_non_flat_tiles(&e->source.background) > LEAST_GROUND_BETWEEN;
     header->has_opacity =
         begin_with(e, GSCL_EFFECT_OPACITY, things ? GSCL_EFFECT_CONTENT : GSCL_EFFECT_PROFILE, things || alpha);
     /* Without rotation the default profile's ellipses would all lie flat: there it is circles or everything. */

@@ -119,5 +119,5 @@ gscl_result gscl_trace_fit(gscl_encoder *e, gscl_fit *fit, int steps) {
 }
 
 gscl_result gscl_trace_coded_image(gscl_encoder *e, gscl_fit *fit, int steps) {
-    return add_point(e, fit, &e->picture, steps);
+    return add_point(e, fit, &e->coded, steps);
 }

@@ -9,23 +9,24 @@
 #define FIT_PIXELS (1u << 25) /* larger images are fitted at a smaller level; the splats draw at any size */
 
 gscl_result gscl_encoder_make_planes(gscl_encoder *e) {
-    const gsf_header *header = &e->picture.file.header;
-    while (((uint64_t)e->image->width * e->image->height >> (2 * e->first_level)) > FIT_PIXELS)
-        e->first_level++;
-    uint32_t width = gscl_level_size(e->image->width, e->first_level);
-    uint32_t height = gscl_level_size(e->image->height, e->first_level);
-    e->pixels = (size_t)width * height;
-    free(e->planes);
-    e->planes = malloc(e->pixels * gsf_channel_count(header) * sizeof(float));
-    if (!e->planes)
+    const gsf_header *header = &e->coded.file.header;
+    while (((uint64_t)e->image->width * e->image->height >> (2 * e->source.first_level)) > FIT_PIXELS)
+        e->source.first_level++;
+    uint32_t width = gscl_level_size(e->image->width, e->source.first_level);
+    uint32_t height = gscl_level_size(e->image->height, e->source.first_level);
+    e->source.pixels = (size_t)width * height;
+    free(e->source.planes);
+    e->source.planes = malloc(e->source.pixels * gsf_channel_count(header) * sizeof(float));
+    if (!e->source.planes)
         return gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", e->image->width,
                          e->image->height);
-    gscl_image_to_planes(e->image, header->has_chroma ? 3 : 1, header->has_alpha, e->first_level, e->planes);
-    e->ground = gscl_find_flat_background(e->planes, width, height, (int)gsf_channel_count(header));
+    gscl_image_to_planes(e->image, header->has_chroma ? 3 : 1, header->has_alpha, e->source.first_level,
+                         e->source.planes);
+    e->source.background = gscl_find_flat_background(e->source.planes, width, height, (int)gsf_channel_count(header));
     return GSCL_OK;
 }
 
-size_t gscl_most_splats(const gscl_encoder *e, size_t bytes) {
+size_t gscl_max_splats(const gscl_encoder *e, size_t bytes) {
     size_t useful = (size_t)e->image->width * e->image->height / 2 + 8;
     return bytes == 0 || useful > GSCL_MAX_SPLATS ? GSCL_MAX_SPLATS : useful;
 }
@@ -52,7 +53,7 @@ gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t s
 gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
     uint8_t *bytes;
     size_t size;
-    GSCL_TRY(gscl_coded_image_write(&e->picture, &bytes, &size));
+    GSCL_TRY(gscl_coded_image_write(&e->coded, &bytes, &size));
     gscl_result result = gscl_file_psnr(e->context, bytes, size, e->image, psnr);
     free(bytes);
     return result;
@@ -60,7 +61,7 @@ gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
 
 gscl_result gscl_encoder_size(gscl_encoder *e, size_t *size) {
     gscl_stage_id before = gscl_stage(e->context, GSCL_STAGE_ENTROPY_CODING);
-    gscl_result result = gscl_coded_image_size(&e->picture, size);
+    gscl_result result = gscl_coded_image_size(&e->coded, size);
     gscl_stage(e->context, before);
     return result;
 }

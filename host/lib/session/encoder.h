@@ -9,6 +9,14 @@
 
 typedef struct gscl_encode_trace gscl_encode_trace; /* encode_trace.h */
 
+/* The image as it is fitted: planes of floats at the finest level of the pyramid. */
+typedef struct gscl_source {
+    int first_level; /* finest level that is fitted; 0 unless the image is very large */
+    float *planes;   /* one after another, each of `pixels` values in 0..1 */
+    size_t pixels;
+    gscl_flat_background background;
+} gscl_source;
+
 typedef struct gscl_encoder {
     gscl_context *context;
     const gscl_image *image;
@@ -17,11 +25,8 @@ typedef struct gscl_encoder {
     gscl_progress_state progress;
     gscl_encode_trace *trace; /* NULL where the caller takes no report */
     uint64_t random;
-    int first_level; /* finest level that is fitted; 0 unless the image is very large */
-    float *planes;   /* the image at that level, */
-    size_t pixels;   /* of so many pixels each */
-    gscl_flat_background ground;
-    gscl_coded_image picture; /* header filled in; the result */
+    gscl_source source;
+    gscl_coded_image coded; /* header filled in; the result */
     size_t decision_count;
     gscl_effect_decision decisions[GSCL_MAX_EFFECTS];
     uint32_t trials; /* of the search for a quality; 0 when there was none */
@@ -29,9 +34,9 @@ typedef struct gscl_encoder {
 
 /* Splats beyond which more bytes are of no use to this image; no limit but the format's when `bytes` is 0 (the caller
  * asked for a number of splats). */
-size_t gscl_most_splats(const gscl_encoder *encoder, size_t bytes);
+size_t gscl_max_splats(const gscl_encoder *encoder, size_t bytes);
 
-/* Makes encoder->planes anew, of the channels that the header says. */
+/* Makes encoder->source.planes anew, of the channels that the header says. */
 gscl_result gscl_encoder_make_planes(gscl_encoder *encoder);
 
 /* GSCL_LOSS_KIND_... of a loss: SSIM comes from outside the fit's kernel. */
