@@ -51,7 +51,7 @@ void oracle_fit_bounds(const oracle_fit *fit, const double *params, size_t count
  * the last where it has fewer.  `planes`: `channels` planes of width * height, changed by the call. */
 void oracle_ssim_weights(double *planes, int channels, int width, int height, int last_level, double *weights);
 
-/* The target and, behind it, the weights that gscl_fit_adapt makes where `picture` is what the splats draw.  `planes` and
+/* The target and, behind it, the weights that gscl_fit_adapt_target makes from the rendering `picture`.  `planes` and
  * `picture` are changed by the call. */
 void oracle_ssim_adapt(double *planes, double *picture, int channels, int width, int height, int last_level,
                        double *adapted);

@@ -321,8 +321,8 @@ static gscl_result quantise_book(gscl_codebook *c, int which) {
 gscl_result gscl_codebook_project(gscl_codebook *c) {
     gscl_renderer *r = &c->fit->renderer;
     cl_kernel kernel;
-    cl_float2 cell = {{(float)c->fit->width / (float)(1 << c->position_bits),
-                       (float)c->fit->height / (float)(1 << c->position_bits)}};
+    cl_float2 cell = {{(float)c->fit->pyramid.width / (float)(1 << c->position_bits),
+                       (float)c->fit->pyramid.height / (float)(1 << c->position_bits)}};
     cl_int2 last = {{(1 << c->position_bits) - 1, (1 << c->position_bits) - 1}};
     for (int b = 0; b < GSCL_BOOKS; b++)
         GSCL_TRY(quantise_book(c, b));

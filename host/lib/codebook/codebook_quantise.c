@@ -107,8 +107,8 @@ gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *pic
             const float *p = c->params + i * GSCL_PARAMS;
             file->indexed[i] =
                 (gsf_indexed_splat){(uint16_t)places[0][c->pairs[i][0]], (uint16_t)places[1][c->pairs[i][1]],
-                                    cell_of(p[GSCL_X], c->fit->width, c->position_bits),
-                                    cell_of(p[GSCL_Y], c->fit->height, c->position_bits)};
+                                    cell_of(p[GSCL_X], c->fit->pyramid.width, c->position_bits),
+                                    cell_of(p[GSCL_Y], c->fit->pyramid.height, c->position_bits)};
         }
     }
     gscl_result result = words && places ? GSCL_OK : gscl_fail_memory(c->fit->context);

@@ -146,7 +146,7 @@ static gscl_result visit_wave(chooser *c, const cl_int *visits, cl_int count) {
                        GSCL_ARG_BUFFER(book->books[0].stored), GSCL_ARG_BUFFER(book->books[1].stored),
                        GSCL_ARG_BUFFER(c->d_bits[0]), GSCL_ARG_BUFFER(c->d_bits[1]), GSCL_ARG(c->settings),
                        GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(c->front),
-                       GSCL_ARG_BUFFER(c->through), GSCL_ARG_BUFFER(book->fit->levels[book->fit->level]),
+                       GSCL_ARG_BUFFER(c->through), GSCL_ARG_BUFFER(book->fit->pyramid.levels[book->fit->level]),
                        GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane));
 }
 
@@ -198,8 +198,8 @@ static gscl_result run(chooser *c, double lambda, bool keep_all) {
     c->settings = (gscl_word_rdo_settings){.lambda = (cl_float)lambda,
                                            .existence = (float)(2 * book->position_bits) - log2f((float)c->count),
                                            .leave_out = keep_all ? FLT_MAX : 0.0f,
-                                           .cell_x = (cl_float)f->width / (cl_float)(last + 1),
-                                           .cell_y = (cl_float)f->height / (cl_float)(last + 1),
+                                           .cell_x = (cl_float)f->pyramid.width / (cl_float)(last + 1),
+                                           .cell_y = (cl_float)f->pyramid.height / (cl_float)(last + 1),
                                            .last_x = last,
                                            .last_y = last,
                                            .colours = book->books[1].count};

@@ -198,7 +198,7 @@ static gscl_result choose(trainer *t, double factor, size_t *size) {
     double error;
     GSCL_TRY(gscl_codebook_sort(&t->codebook, &t->encoder->coded));
     GSCL_TRY(gscl_codebook_project(&t->codebook));
-    GSCL_TRY(gscl_fit_drawn_error(&t->fit, &error));
+    GSCL_TRY(gscl_fit_rendering_error(&t->fit, &error));
     GSCL_TRY(write_size(t, size));
     double bits = 8.0 * (double)(t->bytes ? t->bytes : *size);
     bool keep_all = t->bytes == 0 || *size < t->bytes;
@@ -291,7 +291,7 @@ static gscl_result train(trainer *t) {
     for (int k = 0; k < t->fit.renderer.channels; k++)
         e->coded.file.background[k] = gscl_quantise_background(&e->coded.file.header, t->fit.background[k]);
     GSCL_TRY(fit_freely(t, through));
-    GSCL_TRY(gscl_fit_drawn_error(&t->fit, &t->error));
+    GSCL_TRY(gscl_fit_rendering_error(&t->fit, &t->error));
     GSCL_TRY(gscl_codebook_create(&t->codebook, &t->fit, POSITION_BITS, bits, bits));
     gscl_log(e->context, GSCL_LOG_DEBUG, "free fit: %d of %zu splats", (int)t->fit.renderer.count, t->target);
     gscl_stage(e->context, GSCL_STAGE_FIT_CODEBOOKS);

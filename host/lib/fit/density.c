@@ -4,19 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "image/box_sum.h"
 #include "cl/constants.h"
+#include "fit/random.h"
+#include "fit/tunables.h"
+#include "image/box_sum.h"
 #include "image/flat_background.h"
 #include "runtime/timing.h"
-#include "fit/random.h"
 
-#define SEED_SIZE 0.4f          /* first axes, in mean distances between neighbours */
-#define GROWN_SIZE 0.45f        /* axes of later splats, in mean distances */
-#define GROUND_DISTANCE 1.5f    /* from an edge on, ground is left to the background; in mean distances */
-#define LEAST_BUSY_PIXELS 0.02f /* of the pixels, however large the ground is */
-#define SPLIT_FACTOR 1.6f       /* the paper's released code */
-#define ERROR_BLUR 0.35f        /* radius of the error's box blur, in mean distances */
-#define GROWN_OPACITY -0.5f     /* logit; later splats begin shy so that they do not hide what is good */
+#define SPLIT_FACTOR 1.6f /* the paper's released code */
 
 /* One level's maps while splats are placed. */
 typedef struct placement {
@@ -47,16 +42,17 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
     pixels = (size_t)p->width * (size_t)p->height;
     p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
     p->density = malloc(pixels * sizeof(float));
-    p->near_edges = f->ground.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
+    p->near_edges = f->flat.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
     p->sums = malloc(pixels * sizeof(double));
-    if (!p->target || !p->density || (f->ground.pixels > 0 && !p->near_edges) || !p->sums)
+    if (!p->target || !p->density || (f->flat.pixels > 0 && !p->near_edges) || !p->sums)
         return gscl_fail_memory(f->context);
     return gscl_fit_target(f, p->target);
 }
 
 /* Pixels that splats are to show: all but the ground. */
-static float busy_pixels(const gscl_fit *f, const placement *p) {
-    return fmaxf(1.0f - (float)f->ground.pixels, LEAST_BUSY_PIXELS) * (float)p->width * (float)p->height;
+static float non_flat_pixels(const gscl_fit *f, const placement *p) {
+    return fmaxf(1.0f - (float)f->flat.pixels, gscl_fit_tunables.min_non_flat_pixels) * (float)p->width *
+           (float)p->height;
 }
 
 static double accumulate(placement *p) {
@@ -118,13 +114,14 @@ static void spread(const gscl_fit *f, placement *p, size_t count) {
     double total = accumulate(p);
     for (size_t i = 0; i < pixels; i++)
         p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
-    if (f->ground.pixels > 0) {
+    if (f->flat.pixels > 0) {
         memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
         gscl_box_sum(p->near_edges, p->width, p->height,
-                     (int)(GROUND_DISTANCE * sqrtf(busy_pixels(f, p) / (float)count)) + 1, p->sums);
+                     (int)(gscl_fit_tunables.background_distance * sqrtf(non_flat_pixels(f, p) / (float)count)) + 1,
+                     p->sums);
     }
     for (size_t i = 0; i < pixels; i++)
-        if (f->ground.pixels == 0 || p->near_edges[i] > 0 ||
+        if (f->flat.pixels == 0 || p->near_edges[i] > 0 ||
             !gscl_matches_background(p->target, pixels, p->channels, f->background, i))
             p->density[i] += 0.5f / (float)pixels;
 }
@@ -136,7 +133,7 @@ static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *rando
     double total = accumulate(p);
     for (size_t i = 0; i < count; i++) {
         size_t pixel = pixel_of(p, gscl_random_unit(random) * total);
-        float sigma = SEED_SIZE * p->scale / sqrtf(p->density[pixel] / (float)total * (float)count);
+        float sigma = gscl_fit_tunables.seed_axis * p->scale / sqrtf(p->density[pixel] / (float)total * (float)count);
         place(p, pixel, fmaxf(sigma, 0.5f), 0.0f, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);
@@ -145,12 +142,13 @@ static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *rando
 static gscl_result grow(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(placement_create(p, f));
     GSCL_TRY(gscl_fit_error(f, p->density));
-    float distance = sqrtf(busy_pixels(f, p) / (float)((size_t)f->renderer.count + count));
-    gscl_box_sum(p->density, p->width, p->height, (int)(ERROR_BLUR * distance) + 1, p->sums);
+    float distance = sqrtf(non_flat_pixels(f, p) / (float)((size_t)f->renderer.count + count));
+    gscl_box_sum(p->density, p->width, p->height, (int)(gscl_fit_tunables.error_radius * distance) + 1, p->sums);
     double total = accumulate(p);
     for (size_t i = 0; i < count; i++)
-        place(p, pixel_of(p, gscl_random_unit(random) * total), fmaxf(GROWN_SIZE * distance * p->scale, 0.5f),
-              GROWN_OPACITY, random, params + i * GSCL_PARAMS);
+        place(p, pixel_of(p, gscl_random_unit(random) * total),
+              fmaxf(gscl_fit_tunables.new_axis * distance * p->scale, 0.5f), gscl_fit_tunables.new_opacity, random,
+              params + i * GSCL_PARAMS);
     return gscl_fit_append(f, params, count);
 }
 

@@ -1,102 +1,116 @@
-/* The fit: splats, their gradients and Adam on the device, against a pyramid of the image.
+/* The fit: gradient descent on splats on the device, against a pyramid of the image.
  *
- * The caller drives it: set a level, add splats, take steps.  Everything but the births between steps
- * stays on the device. */
+ * The caller drives it: set a level, add splats, take steps.  Between steps the splats stay on the device.  The
+ * functions below are grouped by the file that defines them. */
 #ifndef GSCL_LIB_FIT_H
 #define GSCL_LIB_FIT_H
 
-#include "image/flat_background.h"
+#include "cl/structs.h"
 #include "decode/renderer.h"
+#include "fit/pyramid.h"
 #include "fit/ssim_loss.h"
-
-#define GSCL_MAX_LEVELS 15 /* 16384 pixels down to 1 */
+#include "fit/tile_skip.h"
+#include "image/flat_background.h"
 
 typedef struct gscl_fit {
     gscl_context *context;
-    gscl_renderer renderer;
+    gscl_renderer renderer; /* the splats, seen at the current level */
+    gscl_pyramid pyramid;   /* of the source */
+    int level;              /* the current one */
+
+    /* Optimiser: `capacity` splats fit in these buffers. */
+    size_t capacity;
+    gscl_buffer gradients, first_moment, second_moment, ages;
     gscl_limits limits;
-    uint32_t width, height;      /* of the full-size image */
-    int first_level, last_level; /* of the pyramid that exists; 0 is full size */
-    int level;
-    gscl_buffer levels[GSCL_MAX_LEVELS];
-    gscl_buffer gradients, first_moment, second_moment, ages, slots, tile_loss, wakes, loss, error;
-    float quiet;     /* loss a pixel, below which a tile sits out steps */
-    bool has_losses; /* tile_loss is of this level */
-    cl_int step;     /* since tiles were last woken */
-    size_t capacity; /* splats that fit in the buffers */
-    int steps_since_check;
+
+    /* Gradients before they are summed: a slot for each entry of a tile's list (cl/fit.cl). */
+    gscl_buffer gradient_slots;
+    int steps_since_check; /* steps since the lists of the tiles were measured */
+    gscl_tile_skip skip;
+
     float background[4];
-    gscl_flat_background ground; /* where the picture has one, the background is its colour, not the mean of all */
-    float ssim_weight;           /* of the SSIM term where the loss is EXTERNAL */
+    gscl_flat_background flat; /* of the image, if it has one; `background` is then its colour, else the mean colour */
+
+    gscl_buffer tile_loss, loss; /* of the last step: of each tile, and their sum */
+    gscl_buffer error;           /* scratch: a plane of squared errors */
+
+    float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
-    gscl_buffer derivative; /* of the loss by the picture */
-    gscl_buffer adapted;    /* what gscl_fit_adapt makes of the first level's target; else empty */
+    gscl_buffer derivative;     /* of the loss by the rendering, where the loss is EXTERNAL */
+    gscl_buffer adapted_target; /* of the first level (gscl_fit_adapt_target), or empty */
 } gscl_fit;
 
-/* Builds the pyramid of `planes` (renderer channels; the image at level `first_level`), down to a shorter
- * side of about 32 pixels; where options->weighted, each level gets a plane of weights (gscl_ssim_weights) besides.
- * `fit` may hold anything before. */
+/* ---- fit.c: the state, its level and target ---- */
+
+/* Builds the pyramid of `planes` (renderer channels; the image at level `first_level`), with planes of weights where
+ * options->weighted.  `fit` may hold anything before. */
 gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_kernel_options *options, uint32_t width,
                             uint32_t height, int first_level, const float *planes);
-/* Takes the colour of the picture's ground for the background; how large and how many splats become, and which tiles
- * rest, goes by the rest of the picture. */
-gscl_result gscl_fit_set_flat_background(gscl_fit *fit, const gscl_flat_background *ground);
 /* Accepts a fit that was zeroed and never created. */
 void gscl_fit_free(gscl_fit *fit);
 
+/* Uses the colour of a flat background for the background of the splats.  The size and number of splats and the skipping
+ * of tiles then depend on the other part of the image. */
+gscl_result gscl_fit_set_flat_background(gscl_fit *fit, const gscl_flat_background *flat);
+
+/* Makes this level (clamped to those that exist) the current one. */
+gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
+/* Size of the current level in pixels. */
 uint32_t gscl_fit_level_width(const gscl_fit *fit);
 uint32_t gscl_fit_level_height(const gscl_fit *fit);
-
+size_t gscl_fit_level_pixels(const gscl_fit *fit);
 /* The stage of an encode that fitting at the current level is. */
 gscl_stage_id gscl_fit_stage(const gscl_fit *fit);
 
-/* Pixels of a level. */
-size_t gscl_fit_level_pixels(const gscl_fit *fit, int level);
-/* Halves one plane of an image of this level's size into an image of the next one's. */
-gscl_result gscl_fit_halve(gscl_fit *fit, int level, size_t channel, const gscl_buffer *from, const gscl_buffer *to);
-
-/* Where errors are weighted (fit_weights.c).  Puts a plane of weights behind each level's target; part of creation. */
-gscl_result gscl_fit_build_weights(gscl_fit *fit);
-/* Adapts target and weights of the first level to what the splats draw now, so that squared error leads where MS-SSIM
- * does (cl/ssim.cl).  Does nothing where errors are not weighted, at other levels, or when the image is too small. */
-gscl_result gscl_fit_adapt(gscl_fit *fit);
-/* What the splats are to look like at this level: the target's planes and, where errors are weighted, the weights. */
+/* Adapts target and weights of the first level to the current rendering, so that squared error leads where MS-SSIM does
+ * (fit/ssim_weights.h).  Has no effect where errors are not weighted, at other levels, or if there is one level only. */
+gscl_result gscl_fit_adapt_target(gscl_fit *fit);
+/* The current level's target: its planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
+/* Reads the current level's planes of the source. */
+gscl_result gscl_fit_target(gscl_fit *fit, float *planes);
 
-/* What level `level` shows and the next smaller one, which must exist, does not, in the tiles that show most (a hundredth
- * left out): mean squared difference per sample from that level's pixels and slopes (fit_detail.c). */
-gscl_result gscl_fit_level_residual(gscl_fit *fit, int level, double *detail);
-/* Works on this level (clamped to those that exist) from now on. */
-gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
-/* Appends splats (GSCL_PARAMS floats each) with fresh optimiser state. */
+/* ---- fit_splats.c: the splats and the state of the optimiser for each ---- */
+
+/* Appends splats (GSCL_PARAMS floats each) with new optimiser state. */
 gscl_result gscl_fit_append(gscl_fit *fit, const float *params, size_t count);
-/* Replaces all splats; the optimiser starts afresh. */
+/* Replaces all splats, with new optimiser state. */
 gscl_result gscl_fit_replace(gscl_fit *fit, const float *params, size_t count);
-/* Puts the splats, with their optimiser state, into a new order: place i < kept takes splat order[i], the others
- * are dropped. */
+/* Permutes the splats, with their optimiser state: place i < kept receives splat order[i].  The others are removed. */
 gscl_result gscl_fit_reorder(gscl_fit *fit, const size_t *order, size_t kept);
 /* Reads all parameters (renderer.count * GSCL_PARAMS floats). */
 gscl_result gscl_fit_read(gscl_fit *fit, float *params);
-/* One step of Adam. `rate` multiplies the learning rates. */
+
+/* ---- fit_step.c: gradients and the optimiser ---- */
+
+/* One step of Adam.  `rate` multiplies the learning rates. */
 gscl_result gscl_fit_step(gscl_fit *fit, float rate);
-/* The parts of a step: gradients of what is projected, into fit->gradients; and Adam on parameters that may be others
- * than those drawn (`params`: count * GSCL_PARAMS floats on the device), which leaves them projected. */
+/* First part of a step: gradients of the projected splats into fit->gradients. */
 gscl_result gscl_fit_differentiate(gscl_fit *fit);
+/* Second part of a step: Adam on `params` (count * GSCL_PARAMS floats on the device), which may be other parameters than
+ * the projected ones.  Projects the result. */
 gscl_result gscl_fit_adam(gscl_fit *fit, const gscl_buffer *params, float rate);
 /* Gradients of the loss at the current parameters (count * GSCL_PARAMS floats), without a step. */
 gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
-/* Mean loss per sample of the last step (weighted: no MSE). */
+
+/* ---- fit_error.c: losses and errors ---- */
+
+/* Mean loss per sample of the last step; with weights it is no MSE. */
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
-/* Draws the splats as they are now (through the quantiser) and reads the squared error of each pixel of the
- * level, added over channels, times its weight. */
+/* Renders the current splats (through the quantiser) and reads the squared error of each pixel of the level, added over
+ * channels and weighted. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
-/* Draws the splats likewise: the sum over the level. */
-gscl_result gscl_fit_drawn_error(gscl_fit *fit, double *sum);
+/* Renders likewise; the sum over the level. */
+gscl_result gscl_fit_rendering_error(gscl_fit *fit, double *sum);
 /* Sum of (weighted) squared errors of planes (of the level's size) against the level's target. */
 gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
-/* Mean squared error of planes of the first level's size against the image, per sample and not weighted. */
+/* Mean squared error of planes of the first level's size against the source, per sample and not weighted. */
 gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes, double *mse);
-/* Reads the level's target planes. */
-gscl_result gscl_fit_target(gscl_fit *fit, float *planes);
+
+/* ---- level_residual.c ---- */
+
+/* Mean squared residual per sample of `level` after prediction from the pixels and slopes of the next smaller level,
+ * which must exist: the largest mean of a tile, without the tiles that gscl_fit_tunables.residual_outliers leaves out. */
+gscl_result gscl_fit_level_residual(gscl_fit *fit, int level, double *residual);
 
 #endif

@@ -1,13 +1,19 @@
-/* Gradient descent on splats: a pyramid of the image, gradients and Adam on the device, density control.
+/* Gradient descent on splats: a pyramid of the source, gradients and Adam on the device, density control.
  *
  * It may use: decode/ and lower rooms.
  *
  * In the order in which to read them:
- *   fit.h: the fit and its steps
+ *   fit.h: the state of a fit, and its steps; the face of the room
+ *   pyramid.h: the source at sizes that halve from level to level
+ *   fit_splats.c: the splats and the state of the optimiser for each
+ *   fit_step.c: gradients, Adam, and the bound on the tile occupancy
+ *   tile_skip.h: tiles that are skipped for some steps
+ *   fit_error.c: losses and errors
+ *   level_residual.c: the detail that a finer level would add
  *   density.h: where splats are added
- *   ssim_loss.h: the SSIM term of the loss
- *   ssim_weights.c: squared error weighted for MS-SSIM
- *   level_detail.c: what a finer level would add
+ *   ssim_loss.h: kernels of SSIM: a term of the loss, weights and contrast gains
+ *   ssim_weights.h: squared error that is weighted in place of MS-SSIM
+ *   tunables.h: numbers that were found by trying
  *   random.h: the random generator */
 #ifndef GSCL_ROOM_LIB_FIT_H
 #define GSCL_ROOM_LIB_FIT_H

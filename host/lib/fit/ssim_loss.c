@@ -111,8 +111,8 @@ gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_ke
                        GSCL_ARG_BUFFER(*weights));
 }
 
-gscl_result gscl_ssim_gains(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
-                            int height, gscl_buffer *gains) {
+gscl_result gscl_ssim_contrast_gains(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
+                                     int height, gscl_buffer *gains) {
     shape is = shape_of(context, options, width, height);
     cl_kernel kernel;
     size_t plane = (size_t)width * (size_t)height * sizeof(float);

@@ -23,8 +23,8 @@ gscl_result gscl_ssim_weights(gscl_ssim *ssim, gscl_context *context, const gscl
 /* After gscl_ssim_weights with a picture: by how much contrast around the local mean is to be raised so that squared
  * error leads where SSIM does; for each channel a plane of gains, 0..0.5, then for each one of means.  Images of at
  * least 11x11 pixels. */
-gscl_result gscl_ssim_gains(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options, int width,
-                            int height, gscl_buffer *gains);
+gscl_result gscl_ssim_contrast_gains(gscl_ssim *ssim, gscl_context *context, const gscl_kernel_options *options,
+                                     int width, int height, gscl_buffer *gains);
 /* Accepts a zeroed state. */
 void gscl_ssim_free(gscl_ssim *ssim);
 

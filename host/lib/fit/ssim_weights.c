@@ -1,86 +1,82 @@
-/* Squared errors that stand for MS-SSIM: a weight for each pixel, and targets of more contrast (cl/ssim.cl). */
-#include "fit/fit.h"
-#include "image/image.h"
+#include "fit/ssim_weights.h"
 
-/* The scales of MS-SSIM that count most, and their exponents (Wang et al. 2003).  The finest is left out: its windows
- * are so small that in smooth places they see only noise. */
+#include "decode/renderer.h"
+
+/* The scales of MS-SSIM with the largest exponents (Wang et al. 2003).  The finest is left out: in smooth places its
+ * small windows measure only noise. */
 #define SCALES 3
-static const float shares[SCALES] = {0.2856f, 0.3001f, 0.2363f};
+static const float exponents[SCALES] = {0.2856f, 0.3001f, 0.2363f};
 
-const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
-    return f->level == f->first_level && f->adapted.memory ? &f->adapted : &f->levels[f->level];
-}
-
-/* Adds a level's weights, judged without a picture or of one at that level, to those behind the first level's planes. */
-static gscl_result add_weights(gscl_fit *f, int level, const gscl_buffer *picture, float share,
-                               const gscl_buffer *planes) {
+/* Adds a level's weights, from the source alone or from a rendering of that level's size, to those behind the first
+ * level's planes. */
+static gscl_result weights_add(const gscl_pyramid *p, gscl_ssim *ssim, const gscl_kernel_options *options, int level,
+                               const gscl_buffer *rendering, float share, const gscl_buffer *planes) {
     gscl_buffer part = {0};
     cl_kernel kernel;
-    cl_int from_width = (cl_int)gscl_level_size(f->width, level),
-           from_height = (cl_int)gscl_level_size(f->height, level);
-    cl_int width = (cl_int)gscl_level_size(f->width, f->first_level),
-           height = (cl_int)gscl_level_size(f->height, f->first_level);
-    cl_int shift = level - f->first_level;
-    size_t pixels = gscl_fit_level_pixels(f, f->first_level);
-    cl_ulong to_at = pixels * (size_t)f->renderer.channels;
-    gscl_result result = gscl_ssim_weights(&f->ssim, f->context, &f->renderer.options, from_width, from_height, picture,
-                                           &f->levels[level], &part);
+    cl_int from_width = (cl_int)gscl_pyramid_width(p, level), from_height = (cl_int)gscl_pyramid_height(p, level);
+    cl_int width = (cl_int)gscl_pyramid_width(p, p->first_level),
+           height = (cl_int)gscl_pyramid_height(p, p->first_level);
+    cl_int shift = level - p->first_level;
+    size_t pixels = gscl_pyramid_pixels(p, p->first_level);
+    cl_ulong to_at = pixels * (size_t)p->channels;
+    gscl_result result =
+        gscl_ssim_weights(ssim, p->context, options, from_width, from_height, rendering, &p->levels[level], &part);
     if (result == GSCL_OK)
-        result = gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "add_enlarged", &kernel);
+        result = gscl_image_kernel(p->context, "add_enlarged", &kernel);
     if (result == GSCL_OK)
-        result = GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, 64), 64, GSCL_ARG_BUFFER(part),
-                             GSCL_ARG(from_width), GSCL_ARG(from_height), GSCL_ARG(shift), GSCL_ARG(share),
-                             GSCL_ARG_BUFFER(*planes), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
+        result =
+            GSCL_LAUNCH(p->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                        GSCL_ARG_BUFFER(part), GSCL_ARG(from_width), GSCL_ARG(from_height), GSCL_ARG(shift),
+                        GSCL_ARG(share), GSCL_ARG_BUFFER(*planes), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
     gscl_buffer_free(&part);
     return result;
 }
 
-gscl_result gscl_fit_build_weights(gscl_fit *f) {
-    const gscl_buffer *first = &f->levels[f->first_level];
-    size_t channels = (size_t)f->renderer.channels, plane = gscl_fit_level_pixels(f, f->first_level) * sizeof(float);
-    GSCL_TRY(gscl_buffer_zero(f->context, first, channels * plane, plane));
+gscl_result gscl_weights_build(const gscl_pyramid *p, gscl_ssim *ssim, const gscl_kernel_options *options) {
+    const gscl_buffer *first = &p->levels[p->first_level];
+    size_t channels = (size_t)p->channels, plane = gscl_pyramid_pixels(p, p->first_level) * sizeof(float);
+    GSCL_TRY(gscl_buffer_zero(p->context, first, channels * plane, plane));
     for (int i = 0; i < SCALES; i++) {
-        int level = i + 1 < f->first_level ? f->first_level : i + 1 > f->last_level ? f->last_level : i + 1;
-        GSCL_TRY(add_weights(f, level, NULL, shares[i], first));
+        int level = i + 1 < p->first_level ? p->first_level : i + 1 > p->last_level ? p->last_level : i + 1;
+        GSCL_TRY(weights_add(p, ssim, options, level, NULL, exponents[i], first));
     }
-    for (int level = f->first_level; level < f->last_level; level++)
-        GSCL_TRY(gscl_fit_halve(f, level, channels, &f->levels[level], &f->levels[level + 1]));
+    for (int level = p->first_level; level < p->last_level; level++)
+        GSCL_TRY(gscl_pyramid_halve(p, level, channels, &p->levels[level], &p->levels[level + 1]));
     return GSCL_OK;
 }
 
-/* Raises the contrast of the target, by the gains at half its size, into the adapted planes. */
-static gscl_result raise_contrast(gscl_fit *f, const gscl_buffer *gains) {
-    cl_int channels = f->renderer.channels, width = (cl_int)gscl_level_size(f->width, f->first_level),
-           height = (cl_int)gscl_level_size(f->height, f->first_level);
+/* Raises the contrast of the first level into the adapted planes, by contrast gains at half its size. */
+static gscl_result raise_contrast(const gscl_pyramid *p, const gscl_buffer *gains, const gscl_buffer *adapted) {
+    cl_int channels = p->channels, width = (cl_int)gscl_pyramid_width(p, p->first_level),
+           height = (cl_int)gscl_pyramid_height(p, p->first_level);
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_IMAGE, &f->renderer.options, "raise_contrast", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, gscl_groups(gscl_fit_level_pixels(f, f->first_level), 64), 64,
-                       GSCL_ARG_BUFFER(f->levels[f->first_level]), GSCL_ARG_BUFFER(*gains), GSCL_ARG(channels),
-                       GSCL_ARG(width), GSCL_ARG(height), GSCL_ARG_BUFFER(f->adapted));
+    GSCL_TRY(gscl_image_kernel(p->context, "raise_contrast", &kernel));
+    return GSCL_LAUNCH(p->context, kernel, gscl_groups(gscl_pyramid_pixels(p, p->first_level), GSCL_IMAGE_GROUP),
+                       GSCL_IMAGE_GROUP, GSCL_ARG_BUFFER(p->levels[p->first_level]), GSCL_ARG_BUFFER(*gains),
+                       GSCL_ARG(channels), GSCL_ARG(width), GSCL_ARG(height), GSCL_ARG_BUFFER(*adapted));
 }
 
-/* With the picture at half its size: judges it, and makes the adapted target and weights. */
-static gscl_result adapt_to(gscl_fit *f, gscl_buffer *half, gscl_buffer *gains) {
-    int level = f->first_level + 1;
-    size_t channels = (size_t)f->renderer.channels, plane = gscl_fit_level_pixels(f, f->first_level) * sizeof(float);
-    GSCL_TRY(gscl_buffer_reserve_image(f->context, half, gscl_fit_level_pixels(f, level) * channels * sizeof(float)));
+/* Halves the rendering into `half`, then writes the adapted planes; `half` and `gains` are scratch. */
+static gscl_result adapt_planes(const gscl_pyramid *p, gscl_ssim *ssim, const gscl_kernel_options *options,
+                                const gscl_buffer *rendering, gscl_buffer *half, gscl_buffer *gains,
+                                gscl_buffer *adapted) {
+    int level = p->first_level + 1;
+    size_t channels = (size_t)p->channels, plane = gscl_pyramid_pixels(p, p->first_level) * sizeof(float);
+    GSCL_TRY(gscl_buffer_reserve_image(p->context, half, gscl_pyramid_pixels(p, level) * channels * sizeof(float)));
     for (size_t k = 0; k < channels; k++)
-        GSCL_TRY(gscl_fit_halve(f, f->first_level, k, &f->renderer.image, half));
-    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->adapted, (channels + 1) * plane));
-    GSCL_TRY(gscl_buffer_copy(f->context, &f->levels[f->first_level], &f->adapted, channels * plane, plane));
-    GSCL_TRY(add_weights(f, level, half, 1.0f, &f->adapted));
-    GSCL_TRY(gscl_ssim_gains(&f->ssim, f->context, &f->renderer.options, (int)gscl_level_size(f->width, level),
-                             (int)gscl_level_size(f->height, level), gains));
-    return raise_contrast(f, gains);
+        GSCL_TRY(gscl_pyramid_halve(p, p->first_level, k, rendering, half));
+    GSCL_TRY(gscl_buffer_reserve_image(p->context, adapted, (channels + 1) * plane));
+    GSCL_TRY(gscl_buffer_copy(p->context, &p->levels[p->first_level], adapted, channels * plane, plane));
+    GSCL_TRY(weights_add(p, ssim, options, level, half, 1.0f, adapted));
+    GSCL_TRY(gscl_ssim_contrast_gains(ssim, p->context, options, (int)gscl_pyramid_width(p, level),
+                                      (int)gscl_pyramid_height(p, level), gains));
+    return raise_contrast(p, gains, adapted);
 }
 
-gscl_result gscl_fit_adapt(gscl_fit *f) {
+gscl_result gscl_weights_adapt(const gscl_pyramid *p, gscl_ssim *ssim, const gscl_kernel_options *options,
+                               const gscl_buffer *rendering, gscl_buffer *adapted) {
     gscl_buffer half = {0}, gains = {0};
-    if (!f->renderer.options.weighted || f->level != f->first_level || f->first_level == f->last_level)
-        return GSCL_OK;
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
-    GSCL_TRY(gscl_renderer_draw(&f->renderer));
-    gscl_result result = adapt_to(f, &half, &gains);
+    gscl_result result = adapt_planes(p, ssim, options, rendering, &half, &gains, adapted);
     gscl_buffer_free(&half);
     gscl_buffer_free(&gains);
     return result;

@@ -118,8 +118,8 @@ static int sketch_level(const schedule *s) {
 /* Of what the fit shows now, through its quantiser, at its level. */
 static gscl_result mean_error(gscl_fit *fit, double *mse) {
     double sum;
-    GSCL_TRY(gscl_fit_drawn_error(fit, &sum));
-    *mse = sum / ((double)gscl_fit_level_pixels(fit, fit->level) * fit->renderer.channels);
+    GSCL_TRY(gscl_fit_rendering_error(fit, &sum));
+    *mse = sum / ((double)gscl_fit_level_pixels(fit) * fit->renderer.channels);
     return GSCL_OK;
 }
 

@@ -193,7 +193,7 @@ gscl_result gscl_scalar_run_steps(schedule *s) {
         if (s->encoder->settings.blend == GSCL_BLEND_ALPHA && step % SORT_INTERVAL == 0)
             GSCL_TRY(sort_for_alpha(s));
         if (step == (int)(ADAPT_AT * s->steps) || step == (int)(ADAPT_AGAIN_AT * s->steps))
-            GSCL_TRY(gscl_fit_adapt(&s->fit));
+            GSCL_TRY(gscl_fit_adapt_target(&s->fit));
         GSCL_TRY(gscl_fit_step(&s->fit, (float)gscl_scalar_learning_rate(fraction)));
         GSCL_TRY(report(s, step));
         if ((step + 1) % gscl_trace_interval(s->steps) == 0)

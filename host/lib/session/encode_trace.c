@@ -56,8 +56,9 @@ static gscl_result open_preview(gscl_renderer *preview, const gscl_fit *fit, con
     preview->count = 0;
     GSCL_TRY(gscl_renderer_reserve(preview, count));
     preview->count = (cl_int)count;
-    return gscl_renderer_set_view(preview, fit->first_level, 0, 0, gscl_level_size(fit->width, fit->first_level),
-                                  gscl_level_size(fit->height, fit->first_level));
+    return gscl_renderer_set_view(preview, fit->pyramid.first_level, 0, 0,
+                                  gscl_pyramid_width(&fit->pyramid, fit->pyramid.first_level),
+                                  gscl_pyramid_height(&fit->pyramid, fit->pyramid.first_level));
 }
 
 static gscl_result preview_fit(gscl_renderer *preview, const gscl_fit *fit) {

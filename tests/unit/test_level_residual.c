@@ -1,4 +1,4 @@
-/* What a level of the pyramid shows that the next smaller one does not (gscl_fit_level_residual). */
+/* The residual of a level of the pyramid after prediction from the next smaller one (gscl_fit_level_residual). */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,8 +18,8 @@
 
 typedef float painter(int x, int y, int channel);
 
-/* Detail of a picture's finest level. */
-static double detail_of(painter *paint) {
+/* Residual of an image's finest level. */
+static double residual_of(painter *paint) {
     static float planes[CHANNELS * HEIGHT * WIDTH];
     for (int k = 0; k < CHANNELS; k++)
         for (int y = 0; y < HEIGHT; y++)
@@ -27,44 +27,44 @@ static double detail_of(painter *paint) {
                 planes[(k * HEIGHT + y) * WIDTH + x] = paint(x, y, k);
     const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = CHANNELS};
     gscl_fit fit = {0};
-    double detail = NAN;
+    double residual = NAN;
     assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
-    assert_int_equal(gscl_fit_level_residual(&fit, 0, &detail), GSCL_OK);
+    assert_int_equal(gscl_fit_level_residual(&fit, 0, &residual), GSCL_OK);
     gscl_fit_free(&fit);
-    return detail;
+    return residual;
 }
 
 static float ramp(int x, int y, int channel) {
     return 0.1f + 0.005f * (float)x + 0.004f * (float)y * (float)channel;
 }
-static void test_slopes_are_no_detail(void **unused) {
+static void test_slopes_leave_no_residual(void **unused) {
     (void)unused;
-    assert_float_equal(detail_of(ramp), 0, 1e-9);
+    assert_float_equal(residual_of(ramp), 0, 1e-9);
 }
 
 static float checkers(int x, int y, int channel) {
     return 0.5f + ((x + y) % 2 ? 0.1f : -0.1f) * (channel == 1 ? 2.0f : 1.0f);
 }
-static void test_single_pixels_are_detail(void **unused) {
+static void test_single_pixels_leave_a_residual(void **unused) {
     (void)unused;
-    assert_float_equal(detail_of(checkers), (0.01 + 0.04 + 0.01) / 3, 1e-6);
+    assert_float_equal(residual_of(checkers), (0.01 + 0.04 + 0.01) / 3, 1e-6);
 }
 
 static float one_checkered_tile(int x, int y, int channel) {
     return x < GSCL_TILE && y < GSCL_TILE ? checkers(x, y, channel) : 0.5f;
 }
-/* One tile of thirty is more than the hundredth that does not count. */
-static void test_a_small_thing_counts_in_full(void **unused) {
+/* One tile of thirty is more than the hundredth that is left out. */
+static void test_a_small_object_counts_in_full(void **unused) {
     (void)unused;
-    double all = detail_of(checkers), one = detail_of(one_checkered_tile);
+    double all = residual_of(checkers), one = residual_of(one_checkered_tile);
     assert_true(one > 0.5 * all);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slopes_are_no_detail),
-        cmocka_unit_test(test_single_pixels_are_detail),
-        cmocka_unit_test(test_a_small_thing_counts_in_full),
+        cmocka_unit_test(test_slopes_leave_no_residual),
+        cmocka_unit_test(test_single_pixels_leave_a_residual),
+        cmocka_unit_test(test_a_small_object_counts_in_full),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

@@ -1,0 +1,72 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "fit/fit.h"
+#include "fit/tunables.h"
+
+#define ROW (GSCL_PARAMS * sizeof(float)) /* bytes of a splat's parameters */
+
+/* Makes room for `count` splats, keeping the optimiser's state. */
+static gscl_result splats_reserve(gscl_fit *f, size_t count) {
+    if (count <= f->capacity)
+        return GSCL_OK;
+    count = gscl_room_for_splats(count + count / 4);
+    size_t used = (size_t)f->renderer.count;
+    GSCL_TRY(gscl_renderer_reserve(&f->renderer, count));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradients, count * ROW));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->gradients, 0, count * ROW)); /* kernels write fitted parameters only */
+    GSCL_TRY(gscl_buffer_grow(f->context, &f->first_moment, count * ROW, used * ROW));
+    GSCL_TRY(gscl_buffer_grow(f->context, &f->second_moment, count * ROW, used * ROW));
+    GSCL_TRY(gscl_buffer_grow(f->context, &f->ages, count * sizeof(cl_int), used * sizeof(cl_int)));
+    f->capacity = count;
+    return GSCL_OK;
+}
+
+gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
+    size_t used = (size_t)f->renderer.count;
+    GSCL_TRY(splats_reserve(f, used + count));
+    GSCL_TRY(gscl_buffer_write(f->context, &f->renderer.params, used * ROW, params, count * ROW));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->first_moment, used * ROW, count * ROW));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->second_moment, used * ROW, count * ROW));
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(cl_int), count * sizeof(cl_int)));
+    f->renderer.count += (cl_int)count;
+    f->steps_since_check = gscl_fit_tunables.check_interval;
+    /* The losses of the tiles were those of other splats. */
+    size_t tiles = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tiles));
+    return gscl_renderer_project(&f->renderer);
+}
+
+gscl_result gscl_fit_replace(gscl_fit *f, const float *params, size_t count) {
+    f->renderer.count = 0;
+    return gscl_fit_append(f, params, count);
+}
+
+/* Permutes the rows of a buffer on the host. */
+static gscl_result reorder_rows(gscl_fit *f, const gscl_buffer *buffer, size_t row, const size_t *order, size_t kept) {
+    size_t count = (size_t)f->renderer.count;
+    unsigned char *from = malloc((count + kept) * row + 1), *to = from + count * row;
+    if (!from)
+        return gscl_fail_memory(f->context);
+    gscl_result result = gscl_buffer_read(f->context, buffer, 0, from, count * row);
+    for (size_t i = 0; i < kept && result == GSCL_OK; i++)
+        memcpy(to + i * row, from + order[i] * row, row);
+    if (result == GSCL_OK)
+        result = gscl_buffer_write(f->context, buffer, 0, to, kept * row);
+    free(from);
+    return result;
+}
+
+gscl_result gscl_fit_reorder(gscl_fit *f, const size_t *order, size_t kept) {
+    GSCL_TRY(reorder_rows(f, &f->renderer.params, ROW, order, kept));
+    GSCL_TRY(reorder_rows(f, &f->first_moment, ROW, order, kept));
+    GSCL_TRY(reorder_rows(f, &f->second_moment, ROW, order, kept));
+    GSCL_TRY(reorder_rows(f, &f->ages, sizeof(cl_int), order, kept));
+    f->renderer.count = (cl_int)kept;
+    return gscl_renderer_project(&f->renderer);
+}
+
+gscl_result gscl_fit_read(gscl_fit *f, float *params) {
+    return gscl_buffer_read(f->context, &f->renderer.params, 0, params, (size_t)f->renderer.count * ROW);
+}

@@ -1,0 +1,117 @@
+#include <math.h>
+
+#include "cl/constants.h"
+#include "fit/fit.h"
+#include "fit/tunables.h"
+
+static size_t tile_count(const gscl_fit *f) {
+    return (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
+}
+
+/* Renders each tile, compares it with `target` (or reads the loss's derivative from it, where the loss is EXTERNAL) and
+ * writes the gradient slots. */
+static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
+    gscl_renderer *r = &f->renderer;
+    const gscl_kernel_options *o = &r->options;
+    size_t slot = (size_t)GSCL_SLOT_SIZE(o->shape, o->opacity, r->channels, o->texture) * sizeof(float);
+    size_t entries = r->entries.size / sizeof(cl_uint);
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot));
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, o, "fit_tiles", &kernel));
+    cl_ulong plane = gscl_renderer_plane(r);
+    cl_float scale = ldexpf(1.0f, 2 * f->level); /* a level has 4^level fewer pixels to add up */
+    return GSCL_LAUNCH(f->context, kernel, tile_count(f), gscl_tile_group_size(f->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(r->width),
+                       GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane), GSCL_ARG(scale),
+                       GSCL_ARG(f->skip.threshold), GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG_BUFFER(f->skip.skip_until), GSCL_ARG(f->skip.step));
+}
+
+static gscl_result launch_gather(gscl_fit *f) {
+    gscl_renderer *r = &f->renderer;
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "gather_gradients", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                       gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(r->params),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->gradient_slots),
+                       GSCL_ARG_BUFFER(f->gradients));
+}
+
+gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
+    gscl_renderer *r = &f->renderer;
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "adam_step", &kernel));
+    f->limits.rate = rate;
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
+                       gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(*params),
+                       GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
+                       GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count),
+                       GSCL_ARG(f->limits), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
+}
+
+/* The part of the tiles that is not flat background. */
+static double non_flat_tiles(const gscl_fit *f) {
+    return fmax(1 - f->flat.tiles, gscl_fit_tunables.min_non_flat_tiles);
+}
+
+/* The mean number of splats a tile above which the bound on the longest axis is reduced. */
+static double max_occupancy(const gscl_fit *f) {
+    const gscl_renderer *r = &f->renderer;
+    double limit = r->options.blend == GSCL_ALPHA      ? gscl_fit_tunables.max_occupancy_of_alpha
+                   : f->level > f->pyramid.first_level ? gscl_fit_tunables.max_occupancy_of_smaller_levels
+                                                       : gscl_fit_tunables.max_occupancy;
+    double tiles = (double)r->view.tiles_x * r->view.tiles_y;
+    return non_flat_tiles(f) * limit + gscl_fit_tunables.tiles_of_small_splat * r->count / tiles;
+}
+
+/* After an exact binning: bounds the tile occupancy, and sets the threshold of skipped tiles from the losses of the last
+ * step, which an external loss does not have. */
+static gscl_result check_tiles(gscl_fit *f) {
+    if (f->renderer.crowd > max_occupancy(f))
+        f->limits.log_max = fmaxf(f->limits.log_max - gscl_fit_tunables.axis_reduction, f->limits.log_min);
+    if (f->skip.step == 0 || f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL)
+        return GSCL_OK;
+    double loss;
+    GSCL_TRY(gscl_fit_loss(f, &loss));
+    gscl_tile_skip_set_threshold(&f->skip, loss, f->renderer.channels, non_flat_tiles(f));
+    return GSCL_OK;
+}
+
+/* Writes the derivative of an external loss by the rendering. */
+static gscl_result differentiate_loss(gscl_fit *f) {
+    gscl_renderer *r = &f->renderer;
+    GSCL_TRY(gscl_renderer_draw(r));
+    return gscl_ssim_derivative(&f->ssim, f->context, &r->options, r->width, r->height, &r->image,
+                                &f->pyramid.levels[f->level], f->ssim_weight, &f->derivative);
+}
+
+gscl_result gscl_fit_differentiate(gscl_fit *f) {
+    bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
+    bool check = f->steps_since_check >= gscl_fit_tunables.check_interval;
+    GSCL_TRY(gscl_renderer_bin(&f->renderer, check));
+    f->steps_since_check = check ? 1 : f->steps_since_check + 1;
+    if (check)
+        GSCL_TRY(check_tiles(f));
+    if (is_external)
+        GSCL_TRY(differentiate_loss(f));
+    GSCL_TRY(launch_tiles(f, is_external ? &f->derivative : gscl_fit_weighted_target(f)));
+    f->skip.step++;
+    return launch_gather(f);
+}
+
+gscl_result gscl_fit_step(gscl_fit *f, float rate) {
+    GSCL_TRY(gscl_fit_differentiate(f));
+    return gscl_fit_adam(f, &f->renderer.params, rate);
+}
+
+gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
+    f->steps_since_check = gscl_fit_tunables.check_interval;
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tile_count(f)));
+    GSCL_TRY(gscl_fit_differentiate(f));
+    return gscl_buffer_read(f->context, &f->gradients, 0, gradients,
+                            (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));
+}

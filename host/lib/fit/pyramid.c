@@ -1,0 +1,65 @@
+#include "fit/pyramid.h"
+
+#include "decode/renderer.h"
+#include "fit/tunables.h"
+#include "image/image.h"
+
+uint32_t gscl_pyramid_width(const gscl_pyramid *p, int level) {
+    return gscl_level_size(p->width, level);
+}
+uint32_t gscl_pyramid_height(const gscl_pyramid *p, int level) {
+    return gscl_level_size(p->height, level);
+}
+size_t gscl_pyramid_pixels(const gscl_pyramid *p, int level) {
+    return (size_t)gscl_pyramid_width(p, level) * gscl_pyramid_height(p, level);
+}
+
+gscl_result gscl_image_kernel(gscl_context *context, const char *name, cl_kernel *kernel) {
+    static const gscl_kernel_options none;
+    return gscl_kernel(context, GSCL_PROGRAM_IMAGE, &none, name, kernel);
+}
+
+gscl_result gscl_pyramid_halve(const gscl_pyramid *p, int level, size_t channel, const gscl_buffer *from,
+                               const gscl_buffer *to) {
+    cl_kernel kernel;
+    GSCL_TRY(gscl_image_kernel(p->context, "halve", &kernel));
+    cl_int from_width = (cl_int)gscl_pyramid_width(p, level), from_height = (cl_int)gscl_pyramid_height(p, level);
+    cl_int width = (cl_int)gscl_pyramid_width(p, level + 1), height = (cl_int)gscl_pyramid_height(p, level + 1);
+    size_t pixels = gscl_pyramid_pixels(p, level + 1);
+    cl_ulong from_at = channel * gscl_pyramid_pixels(p, level), to_at = channel * pixels;
+    return GSCL_LAUNCH(p->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                       GSCL_ARG_BUFFER(*from), GSCL_ARG(from_at), GSCL_ARG(from_width), GSCL_ARG(from_height),
+                       GSCL_ARG_BUFFER(*to), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
+}
+
+/* Makes the next smaller level, whose buffer has room for `planes` planes. */
+static gscl_result pyramid_add_level(gscl_pyramid *p, size_t planes) {
+    int level = p->last_level++;
+    GSCL_TRY(gscl_buffer_reserve_image(p->context, &p->levels[level + 1],
+                                       gscl_pyramid_pixels(p, level + 1) * planes * sizeof(float)));
+    for (size_t k = 0; k < (size_t)p->channels; k++)
+        GSCL_TRY(gscl_pyramid_halve(p, level, k, &p->levels[level], &p->levels[level + 1]));
+    return GSCL_OK;
+}
+
+gscl_result gscl_pyramid_create(gscl_pyramid *p, gscl_context *context, uint32_t width, uint32_t height,
+                                int first_level, int channels, bool weighted, const float *planes) {
+    p->context = context;
+    p->width = width;
+    p->height = height;
+    p->first_level = p->last_level = first_level;
+    p->channels = channels;
+    size_t count = (size_t)channels + weighted, plane = gscl_pyramid_pixels(p, first_level) * sizeof(float);
+    gscl_buffer *first = &p->levels[first_level];
+    GSCL_TRY(gscl_buffer_reserve_image(context, first, plane * count));
+    GSCL_TRY(gscl_buffer_write(context, first, 0, planes, plane * (size_t)channels));
+    uint32_t shorter = width < height ? width : height, least = (uint32_t)gscl_fit_tunables.min_level_side;
+    while (p->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, p->last_level + 1) >= least)
+        GSCL_TRY(pyramid_add_level(p, count));
+    return GSCL_OK;
+}
+
+void gscl_pyramid_free(gscl_pyramid *p) {
+    for (int i = 0; i < GSCL_MAX_LEVELS; i++)
+        gscl_buffer_free(&p->levels[i]);
+}
