@@ -56,15 +56,15 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
 
 /* `band_rows` 0: there are no bands, each row lists its own. */
 __kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                  __global const int4 *restrict boxes, int count, __global int *restrict listed,
-                  __global const int *restrict listed_counts, int band_rows, int tiles_x, int tiles_y, int row_capacity,
-                  __global uint *restrict entries, __global int2 *restrict tile_ranges,
-                  __global int *restrict row_totals) {
-    int ty = (int)get_global_id(0), band = band_rows > 0 ? ty / band_rows : ty;
-    if (ty >= tiles_y) return;
+                  __global const int4 *restrict boxes, __global int *restrict listed,
+                  __global const int *restrict listed_counts, gscl_bin_settings t, __global uint *restrict entries,
+                  __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
+    const int tiles_x = t.tiles_x;
+    int ty = (int)get_global_id(0), band = t.band_rows > 0 ? ty / t.band_rows : ty;
+    if (ty >= t.tiles_y) return;
     __global int2 *ranges = tile_ranges + (size_t)ty * tiles_x;
-    __global int *list = listed + (size_t)band * count;
-    int listed_count = band_rows > 0 ? listed_counts[band] : list_splats(boxes, count, ty, ty, list);
+    __global int *list = listed + (size_t)band * t.splats;
+    int listed_count = t.band_rows > 0 ? listed_counts[band] : list_splats(boxes, t.splats, ty, ty, list);
     for (int tx = 0; tx < tiles_x; tx++) ranges[tx] = (int2)(0, 0);
     for (int j = 0; j < listed_count; j++) {
         size_t i = (size_t)list[j];
@@ -75,7 +75,7 @@ __kernel void bin(__global const float *restrict projected, __global const float
         ranges[tiles.y].y++; /* end here */
     }
     /* Counts become the first entry of each tile; lists that would not fit are cut short below. */
-    int total = 0, open = 0, base = ty * row_capacity, end = base + row_capacity;
+    int total = 0, open = 0, base = ty * t.row_capacity, end = base + t.row_capacity;
     for (int tx = 0; tx < tiles_x; tx++) {
         int2 change = ranges[tx];
         ranges[tx] = (int2)(min(base + total, end));

@@ -166,16 +166,17 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
  * 0 and the loss that it had.  `wakes`: the step with which it works again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
-                        __global const float *restrict picture, int width, int height, int tiles_x, ulong plane,
-                        float gain, float quiet, __global float *restrict slots, __global float *restrict tile_loss,
+                        __global const float *restrict picture, gscl_image_shape shape, float gain, float quiet,
+                        __global float *restrict slots, __global float *restrict tile_loss,
                         __global int *restrict wakes, int step) {
 #if ITEMS > 1
     __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
 #endif
-    place p = place_of(tiles_x, width, height);
+    place p = place_of(shape);
     int2 range = tile_ranges[p.tile];
     bool rests = wakes[p.tile] > step;
-    int tile_pixels = min(GSCL_TILE, width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, height - (p.y & -GSCL_TILE));
+    int tile_pixels =
+        min(GSCL_TILE, shape.width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, shape.height - (p.y & -GSCL_TILE));
     if (rests) {
         for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
 #if ITEMS == 1
@@ -197,7 +198,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, kept);
     canvas_end(&c, background);
     chain b;
-    pix loss = chain_begin(&b, &c, p, picture, width, plane, gain);
+    pix loss = chain_begin(&b, &c, p, picture, shape.width, plane_size(shape), gain);
 
     for (int i = range.x; i < range.y; i++) {
         int j = BLEND == GSCL_ALPHA ? range.y - 1 - (i - range.x) : i;

@@ -179,14 +179,14 @@ typedef struct {
     size_t tile;
 } place;
 
-inline place place_of(int tiles_x, int width, int height) {
+inline place place_of(gscl_image_shape image) {
     place p;
     p.tile = get_group_id(0);
     p.row0 = (int)(get_local_id(0) / ITEMS_X) * ROWS;
-    p.x = (int)(p.tile % (size_t)tiles_x) * GSCL_TILE + (int)(get_local_id(0) % ITEMS_X) * LANES;
-    p.y = (int)(p.tile / (size_t)tiles_x) * GSCL_TILE + p.row0;
-    p.lanes = width - p.x;
-    p.rows = min(height - p.y, ROWS);
+    p.x = (int)(p.tile % (size_t)image.tiles_x) * GSCL_TILE + (int)(get_local_id(0) % ITEMS_X) * LANES;
+    p.y = (int)(p.tile / (size_t)image.tiles_x) * GSCL_TILE + p.row0;
+    p.lanes = image.width - p.x;
+    p.rows = min(image.height - p.y, ROWS);
     return p;
 }
 
@@ -199,15 +199,18 @@ inline void canvas_draw(canvas *c, place p, __global const real *restrict splats
     canvas_end(c, background);
 }
 
-/* Draws all tiles into CHANNELS planes of `plane` floats, rows of `width` floats.
- * `origin_y` moves the drawing up: row 0 of the image is row origin_y of the picture (bands). */
+/* Floats from one plane of an image to the next. */
+inline size_t plane_size(gscl_image_shape image) { return (size_t)image.width * (size_t)image.height; }
+
+/* Draws all tiles into CHANNELS planes. */
 __kernel void raster_forward(__global const real *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
-                             __global real *restrict image, int width, int height, int tiles_x, ulong plane) {
-    place p = place_of(tiles_x, width, height);
+                             __global real *restrict image, gscl_image_shape shape) {
+    place p = place_of(shape);
+    const size_t plane = plane_size(shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);
     for (int r = 0; r < p.rows; r++) UNROLL
     for (int k = 0; k < CHANNELS; k++)
-        pix_store_clipped(c.colour[k][r], image + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+        pix_store_clipped(c.colour[k][r], image + k * plane + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
 }

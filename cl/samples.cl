@@ -61,9 +61,9 @@ ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global
 
 /* As raster_forward, into an image in memory with packed rows. */
 __kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
-                             __global const int2 *restrict tile_ranges, __constant float *background, int width,
-                             int height, int tiles_x, gscl_sample_layout layout, __global uchar *restrict samples) {
-    place p = place_of(tiles_x, width, height);
+                             __global const int2 *restrict tile_ranges, __constant float *background,
+                             gscl_image_shape shape, gscl_sample_layout layout, __global uchar *restrict samples) {
+    place p = place_of(shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);
     if (p.lanes <= 0) return;
@@ -71,6 +71,6 @@ __kernel void raster_samples(__global const float *restrict splats, __global con
         pix values[CHANNELS];
         UNROLL
         for (int k = 0; k < CHANNELS; k++) values[k] = c.colour[k][r];
-        store_pixels(values, layout, samples, (size_t)(p.y + r) * width + p.x, min(p.lanes, LANES));
+        store_pixels(values, layout, samples, (size_t)(p.y + r) * shape.width + p.x, min(p.lanes, LANES));
     }
 }

@@ -224,17 +224,18 @@ __kernel void rdo_commit(__global const int *restrict visits, int start, int cou
 /* Draws the picture and the sums of weights that the visits start from. */
 __kernel void rdo_begin(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
-                        __global float *restrict picture, __global float *restrict weights, int width, int height,
-                        int tiles_x, ulong plane) {
-    place p = place_of(tiles_x, width, height);
+                        __global float *restrict picture, __global float *restrict weights, gscl_image_shape shape) {
+    place p = place_of(shape);
+    const size_t plane = plane_size(shape);
     canvas c;
     int2 range = tile_ranges[p.tile];
     canvas_begin(&c, background);
     canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
                  range.y - range.x, NULL);
-    for (int r = 0; r < p.rows; r++) pix_store_clipped(c.rest[r], weights + (size_t)(p.y + r) * width + p.x, p.lanes);
+    for (int r = 0; r < p.rows; r++)
+        pix_store_clipped(c.rest[r], weights + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
     canvas_end(&c, background);
     for (int r = 0; r < p.rows; r++)
         for (int k = 0; k < CHANNELS; k++)
-            pix_store_clipped(c.colour[k][r], picture + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+            pix_store_clipped(c.colour[k][r], picture + k * plane + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
 }

@@ -20,6 +20,20 @@ typedef struct gscl_view {
     cl_int tiles_x, tiles_y;
 } gscl_view;
 
+/* An image on the device: planes of width * height floats one after another, drawn by tiles. */
+typedef struct gscl_image_shape {
+    cl_int width, height; /* pixels */
+    cl_int tiles_x, tiles_y;
+} gscl_image_shape;
+
+/* Binning splats into the lists of tiles (cl/bin.cl). */
+typedef struct gscl_bin_settings {
+    cl_int splats;
+    cl_int band_rows; /* rows of tiles that share a list of splats; 0: each row makes its own */
+    cl_int tiles_x, tiles_y;
+    cl_int row_capacity; /* entries that each row of tiles owns */
+} gscl_bin_settings;
+
 /* Samples of an image in memory. */
 typedef struct gscl_sample_layout {
     cl_int channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */

@@ -137,14 +137,14 @@ static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
 
 static gscl_result launch_bin(gscl_renderer *r) {
     cl_kernel kernel;
-    cl_int band_rows;
-    GSCL_TRY(list_bands(r, &band_rows));
+    gscl_bin_settings settings = {
+        .splats = r->count, .tiles_x = r->view.tiles_x, .tiles_y = r->view.tiles_y, .row_capacity = r->row_capacity};
+    GSCL_TRY(list_bands(r, &settings.band_rows));
     GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
-                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
-                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(band_rows),
-                       GSCL_ARG(r->view.tiles_x), GSCL_ARG(r->view.tiles_y), GSCL_ARG(r->row_capacity),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
+                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
 }
 
 /* To begin with: a guess, or what the buffer holds already. */
@@ -172,13 +172,14 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
 
 gscl_result gscl_renderer_draw(gscl_renderer *r) {
     cl_kernel kernel;
-    cl_ulong plane = gscl_renderer_plane(r);
-    GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, (size_t)plane * (size_t)r->channels * sizeof(float)));
+    const gscl_image_shape shape = gscl_renderer_shape(r);
+    size_t floats = (size_t)gscl_renderer_plane(r) * (size_t)r->channels;
+    GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, floats * sizeof(float)));
     GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "raster_forward", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
                        gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image),
-                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
+                       GSCL_ARG(shape));
 }
 
 gscl_result gscl_renderer_render(gscl_renderer *r) {
@@ -189,11 +190,12 @@ gscl_result gscl_renderer_render(gscl_renderer *r) {
 
 static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
     cl_kernel kernel;
+    const gscl_image_shape shape = gscl_renderer_shape(r);
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_samples", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
                        gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG(r->width),
-                       GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG(shape),
+                       GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
 }
 
 static gscl_result read_samples(gscl_renderer *r, size_t row, void *pixels, size_t stride) {

@@ -59,6 +59,10 @@ gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout la
 static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
     return (cl_ulong)r->width * (cl_ulong)r->height;
 }
+/* The shape of renderer->image, as kernels take it. */
+static inline gscl_image_shape gscl_renderer_shape(const gscl_renderer *r) {
+    return (gscl_image_shape){r->width, r->height, r->view.tiles_x, r->view.tiles_y};
+}
 /* Groups of `size` that cover `count` work-items. */
 static inline size_t gscl_groups(size_t count, size_t size) {
     return (count + size - 1) / size;

@@ -18,12 +18,11 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot));
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, o, "fit_tiles", &kernel));
-    cl_ulong plane = gscl_renderer_plane(r);
+    const gscl_image_shape shape = gscl_renderer_shape(r);
     cl_float scale = ldexpf(1.0f, 2 * f->level); /* a level has 4^level fewer pixels to add up */
     return GSCL_LAUNCH(f->context, kernel, tile_count(f), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
-                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(r->width),
-                       GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane), GSCL_ARG(scale),
+                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(shape), GSCL_ARG(scale),
                        GSCL_ARG(f->skip.threshold), GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
                        GSCL_ARG_BUFFER(f->skip.skip_until), GSCL_ARG(f->skip.step));
 }

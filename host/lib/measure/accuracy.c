@@ -50,7 +50,7 @@ static gscl_result draw_reference(const gscl_subject *s, bool cut, double *plane
 static gscl_result draw_double(bench *b) {
     gscl_renderer *r = &b->renderer;
     gscl_kernel_options options = r->options;
-    cl_ulong plane = gscl_renderer_plane(r);
+    const gscl_image_shape shape = gscl_renderer_shape(r);
     cl_kernel project, raster;
     options.is_double = 1;
     options.shape = GSCL_SHAPE_ROTATED; /* records of double precision are of the most general kind */
@@ -64,7 +64,7 @@ static gscl_result draw_double(bench *b) {
     return GSCL_LAUNCH(r->context, raster, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
                        gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(b->projected), GSCL_ARG_BUFFER(r->entries),
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(b->image),
-                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane));
+                       GSCL_ARG(shape));
 }
 
 static gscl_result draw(void *opaque, size_t which) {

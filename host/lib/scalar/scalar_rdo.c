@@ -294,8 +294,8 @@ static gscl_result upload_all(pass *p) {
 static gscl_result begin(pass *p, double *error) {
     gscl_renderer *r = &p->fit->renderer;
     cl_kernel kernel;
-    cl_ulong plane = gscl_renderer_plane(r);
-    size_t bytes = (size_t)plane * sizeof(float);
+    const gscl_image_shape shape = gscl_renderer_shape(r);
+    size_t bytes = (size_t)gscl_renderer_plane(r) * sizeof(float);
     GSCL_TRY(gscl_renderer_set_steps(r, NULL));
     GSCL_TRY(gscl_fit_replace(p->fit, p->params, p->count));
     GSCL_TRY(gscl_renderer_bin(r, true));
@@ -305,8 +305,7 @@ static gscl_result begin(pass *p, double *error) {
     GSCL_TRY(GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
                          gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
                          GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background),
-                         GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights), GSCL_ARG(r->width),
-                         GSCL_ARG(r->height), GSCL_ARG(r->view.tiles_x), GSCL_ARG(plane)));
+                         GSCL_ARG_BUFFER(p->picture_planes), GSCL_ARG_BUFFER(p->weights), GSCL_ARG(shape)));
     return gscl_fit_error_sum(p->fit, &p->picture_planes, error);
 }
 
