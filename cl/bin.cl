@@ -5,7 +5,7 @@
  * entries; what does not fit is left out and row_totals tells the host, which then grows the lists. */
 
 /* Tiles of a row that are looked at together. */
-#define ABREAST 4
+#define BIN_LANES 4
 
 /* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last; none where first > last. */
 inline void rows_touched(__global const float *restrict projected, __global const float *restrict bounds, int tx,
@@ -90,10 +90,10 @@ __kernel void bin(__global const float *restrict projected, __global const float
         if (ty < box.z || ty > box.w) continue;
         __global const float *record = projected + i * GSCL_PROJECTED, *bounds = ellipse_bounds + i * GSCL_BOUNDS;
         int2 tiles = tiles_touched(record, bounds, box, ty, 1.0f);
-        for (int tx = tiles.x; tx <= tiles.y; tx += ABREAST) {
-            int first[ABREAST], last[ABREAST];
+        for (int tx = tiles.x; tx <= tiles.y; tx += BIN_LANES) {
+            int first[BIN_LANES], last[BIN_LANES];
             rows_touched(record, bounds, tx, ty, first, last);
-            for (int k = 0; k < ABREAST && tx + k <= tiles.y; k++)
+            for (int k = 0; k < BIN_LANES && tx + k <= tiles.y; k++)
                 if (first[k] <= last[k] && ranges[tx + k].y < end)
                     entries[ranges[tx + k].y++] = GSCL_ENTRY((uint)i, (uint)first[k], (uint)last[k]);
         }

@@ -14,36 +14,36 @@ typedef struct {
 } word_error;
 
 /* Takes a splat out within its box: afterwards P holds U.  */
-inline void take_out(const appearance *a, int4 box, __global float *restrict picture,
+inline void take_out(const projected_splat *a, int4 box, __global float *restrict picture,
                      __global const float *restrict front, __global const float *restrict through, int width,
                      ulong plane) {
     for (int y = box.z; y <= box.w; y++)
         for (int x = box.x; x <= box.y; x += LANES) {
             size_t at = (size_t)y * width + x;
             pix alpha = fmin(a->projected[GSCL_PROJECTED_OPACITY] *
-                                 private_weight(pix_offsets() + ((float)x + 0.5f - a->projected[GSCL_PROJECTED_X]),
-                                                (float)y + 0.5f - a->projected[GSCL_PROJECTED_Y], a),
+                                 projected_weight(pix_offsets() + ((float)x + 0.5f - a->projected[GSCL_PROJECTED_X]),
+                                                  (float)y + 0.5f - a->projected[GSCL_PROJECTED_Y], a),
                              (pix)(GSCL_MAX_ALPHA));
-            pix own = alpha * PIX_LOAD(through + at), rest = 1.0f / (1.0f - alpha);
+            pix own = alpha * PIX_LOAD(through + at), inverse = 1.0f / (1.0f - alpha);
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 pix u = PIX_LOAD(picture + k * plane + at) - PIX_LOAD(front + k * plane + at) -
                         own * a->projected[GSCL_PROJECTED_COLOUR + k];
-                pix_store_clipped(u * rest, picture + k * plane + at, box.y - x + 1);
+                pix_store_clipped(u * inverse, picture + k * plane + at, box.y - x + 1);
             }
         }
 }
 
 /* Puts a splat in: P, F and T are what they are after this visit. */
-inline void put_in(const appearance *a, int4 box, __global float *restrict picture, __global float *restrict front,
+inline void put_in(const projected_splat *a, int4 box, __global float *restrict picture, __global float *restrict front,
                    __global float *restrict through, int width, ulong plane) {
     for (int y = box.z; y <= box.w; y++)
         for (int x = box.x; x <= box.y; x += LANES) {
             size_t at = (size_t)y * width + x;
             int lanes = box.y - x + 1;
             pix alpha = fmin(a->projected[GSCL_PROJECTED_OPACITY] *
-                                 private_weight(pix_offsets() + ((float)x + 0.5f - a->projected[GSCL_PROJECTED_X]),
-                                                (float)y + 0.5f - a->projected[GSCL_PROJECTED_Y], a),
+                                 projected_weight(pix_offsets() + ((float)x + 0.5f - a->projected[GSCL_PROJECTED_X]),
+                                                  (float)y + 0.5f - a->projected[GSCL_PROJECTED_Y], a),
                              (pix)(GSCL_MAX_ALPHA));
             pix t = PIX_LOAD(through + at), own = t * alpha;
             UNROLL
@@ -58,7 +58,7 @@ inline void put_in(const appearance *a, int4 box, __global float *restrict pictu
 }
 
 /* The error of all colour words for one shape and position. */
-inline word_error walk(const appearance *a, __global const float *restrict picture,
+inline word_error walk(const projected_splat *a, __global const float *restrict picture,
                        __global const float *restrict front, __global const float *restrict through,
                        __global const float *restrict target, int width, int height, ulong plane) {
     outline o = outline_of(a, width, height);
@@ -68,7 +68,7 @@ inline word_error walk(const appearance *a, __global const float *restrict pictu
         int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             size_t at = (size_t)y * width + x;
-            pix g = private_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a) *
+            pix g = projected_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, a) *
                     pix_inside(columns.y - x + 1);
             pix gt = g * PIX_LOAD(through + at);
             square = fma(gt, gt, square);
@@ -114,8 +114,8 @@ inline float best_colour(const word_error *w, __global const float *restrict col
     return best;
 }
 
-inline appearance word_appearance(int2 cell, __global const float *restrict shape,
-                                  __global const float *restrict colour, gscl_word_rdo_settings t, gscl_view seen) {
+inline projected_splat word_project(int2 cell, __global const float *restrict shape,
+                                    __global const float *restrict colour, gscl_word_rdo_settings t, gscl_view view) {
     splat s;
     s.x = ((float)cell.x + 0.5f) * t.cell_x;
     s.y = ((float)cell.y + 0.5f) * t.cell_y;
@@ -123,7 +123,7 @@ inline appearance word_appearance(int2 cell, __global const float *restrict shap
     s.theta = shape[2];
     s.opacity = logistic(colour[CHANNELS]);
     for (int k = 0; k < CHANNELS; k++) s.colour[k] = colour[k];
-    return splat_appearance(s, seen);
+    return splat_project(s, view);
 }
 
 /* One visit each of the splats `visits[0..count)`: cells and indices change, a splat that is not worth its bits gets
@@ -132,21 +132,21 @@ __kernel void choose_visit(__global const int *restrict visits, int count, __glo
                            __global int2 *restrict indices, __global const int4 *restrict boxes,
                            __global const float *restrict shapes, __global const float *restrict colours,
                            __global const float *restrict shape_bits, __global const float *restrict colour_bits,
-                           gscl_word_rdo_settings t, gscl_view seen, __global float *restrict picture,
+                           gscl_word_rdo_settings t, gscl_view view, __global float *restrict picture,
                            __global float *restrict front, __global float *restrict through,
                            __global const float *restrict target, int width, int height, ulong plane) {
     if ((int)get_global_id(0) >= count) return;
     int i = visits[get_global_id(0)];
     int2 cell = cells[i], index = indices[i], best_cell = cell, best_index = (int2)(-1, 0);
-    appearance a =
-        word_appearance(cell, shapes + index.x * GSCL_BOOK_DIMS, colours + index.y * GSCL_BOOK_DIMS, t, seen);
+    projected_splat a =
+        word_project(cell, shapes + index.x * GSCL_BOOK_DIMS, colours + index.y * GSCL_BOOK_DIMS, t, view);
     take_out(&a, boxes[i], picture, front, through, width, plane);
     float best = t.leave_out, fixed_cost = t.lambda * (shape_bits[index.x] + t.existence);
     for (int n = 0; n < 5; n++) { /* here, and one cell to each side; another shape would change the drawing order */
         int2 at = cell + (int2)(n == 1 ? 1 : n == 2 ? -1 : 0, n == 3 ? 1 : n == 4 ? -1 : 0);
         int colour = 0;
         if (at.x < 0 || at.y < 0 || at.x > t.last_x || at.y > t.last_y) continue;
-        a = word_appearance(at, shapes + index.x * GSCL_BOOK_DIMS, colours, t, seen);
+        a = word_project(at, shapes + index.x * GSCL_BOOK_DIMS, colours, t, view);
         word_error w = walk(&a, picture, front, through, target, width, height, plane);
         float cost = best_colour(&w, colours, colour_bits, t.colours, t.lambda, &colour) + fixed_cost;
         if (cost < best) {
@@ -157,8 +157,8 @@ __kernel void choose_visit(__global const int *restrict visits, int count, __glo
     }
     indices[i] = best_index;
     cells[i] = best_cell;
-    a = word_appearance(best_cell, shapes + max(best_index.x, 0) * GSCL_BOOK_DIMS,
-                        colours + best_index.y * GSCL_BOOK_DIMS, t, seen);
+    a = word_project(best_cell, shapes + max(best_index.x, 0) * GSCL_BOOK_DIMS, colours + best_index.y * GSCL_BOOK_DIMS,
+                     t, view);
     if (best_index.x < 0) a.projected[GSCL_PROJECTED_OPACITY] = 0.0f;
     put_in(&a, boxes[i], picture, front, through, width, plane);
 }

@@ -16,12 +16,12 @@
 typedef struct {
     pix slope[CHANNELS][ROWS]; /* dL/dcolour of the picture; `normalized`: by the sum of weights */
     pix mean[ROWS];            /* dot(picture, slope); `alpha`: of the part that lies behind */
-    pix rest[ROWS];            /* `alpha`: transmittance so far */
+    pix transmittance[ROWS];   /* `alpha`: of the splats in front */
 } chain;
 
 /* Turns the canvas into the chain; returns this work-item's part of the loss. `picture` is the target (WEIGHTED: with
  * a plane of weights behind it), or with an external loss its derivative. */
-inline pix chain_begin(chain *b, const canvas *c, place p, __global const float *restrict picture, int width,
+inline pix chain_begin(chain *b, const canvas *c, pixel_block p, __global const float *restrict picture, int width,
                        ulong plane, float gain) {
     pix loss = (pix)(0.0f);
     for (int r = 0; r < ROWS; r++) {
@@ -54,12 +54,12 @@ inline pix chain_begin(chain *b, const canvas *c, place p, __global const float 
             }
             d *= gain;
 #if BLEND == GSCL_NORMALIZED
-            d *= c->rest[r]; /* 1 / sum of weights */
+            d *= c->weight_sum[r]; /* the reciprocal, after canvas_end */
 #endif
             b->slope[k][r] = d;
             b->mean[r] = fma(c->colour[k][r], d, b->mean[r]);
         }
-        b->rest[r] = (pix)(1.0f);
+        b->transmittance[r] = (pix)(1.0f);
     }
     return loss;
 }
@@ -125,10 +125,10 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
 #else
     pix_mask free = w < (pix)(GSCL_MAX_ALPHA);
     w = fmin(w, (pix)(GSCL_MAX_ALPHA));
-    pix share = w * b->rest[r];
+    pix share = w * b->transmittance[r];
     b->mean[r] = fma(-share, paint, b->mean[r]); /* what lies behind this splat */
-    pix h = select((pix)(0.0f), fma(b->rest[r], paint, -b->mean[r] / (1.0f - w)), free);
-    b->rest[r] -= share;
+    pix h = select((pix)(0.0f), fma(b->transmittance[r], paint, -b->mean[r] / (1.0f - w)), free);
+    b->transmittance[r] -= share;
 #endif
     pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, projected), s.weight > (pix)(0.0f));
     pix tv = t * s.v;
@@ -172,7 +172,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #if ITEMS > 1
     __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
 #endif
-    place p = place_of(shape);
+    pixel_block p = pixel_block_of(shape);
     int2 range = tile_ranges[p.tile];
     bool rests = wakes[p.tile] > step;
     int tile_pixels =
@@ -189,13 +189,13 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     float py = (float)p.y + 0.5f;
     canvas c;
     canvas_begin(&c, background);
-#if KEPT_ROWS
-    pix kept[KEPT_ROWS];
+#if CACHED_ROWS
+    pix cached[CACHED_ROWS];
 #else
-    pix *kept = NULL;
+    pix *cached = NULL;
 #endif
     int row = 0;
-    canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, kept);
+    canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, cached);
     canvas_end(&c, background);
     chain b;
     pix loss = chain_begin(&b, &c, p, picture, shape.width, plane_size(shape), gain);
@@ -212,10 +212,10 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         UNROLL
         for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
         splat_weight s;
-        weigh_begin(&s, dx, dy + (float)first, projected);
-        for (int r = first; r <= last; r++, weigh_next(&s, projected)) {
-            if (row < KEPT_ROWS) weigh_known(&s, kept[row++]);
-            else weigh(&s);
+        weight_begin(&s, dx, dy + (float)first, projected);
+        for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
+            if (row < CACHED_ROWS) weight_from_gauss(&s, cached[row++]);
+            else weight_evaluate(&s);
             slot_add_row(sums, &b, r, s, dx, dy + (float)r, projected);
         }
         slot_end(sums, s);

@@ -12,7 +12,7 @@ typedef struct {
 
 /* Whole numbers from `from` to `to`, within [0, count): first and last.  Cutting off and comparing rounds as ceil and
  * floor do, which take a dozen instructions each; a comparison that is true is -1. */
-inline void whole_within(pix from, pix to, int count, pix_mask *first, pix_mask *last) {
+inline void integers_within(pix from, pix to, int count, pix_mask *first, pix_mask *last) {
     from = LESSER(LARGER(from, (pix)(0.0f)), (pix)((float)count));
     to = LESSER(LARGER(to, (pix)(-1.0f)), (pix)((float)(count - 1)));
     pix_mask least = PIX_INT(from), most = PIX_INT(to);
@@ -20,7 +20,7 @@ inline void whole_within(pix from, pix to, int count, pix_mask *first, pix_mask 
     *last = most + (PIX_FLOAT(most) > to);
 }
 
-inline outline outline_of(const appearance *a, int width, int height) {
+inline outline outline_of(const projected_splat *a, int width, int height) {
     outline o;
     o.x = a->projected[GSCL_PROJECTED_X];
     o.y = a->projected[GSCL_PROJECTED_Y];
@@ -30,7 +30,7 @@ inline outline outline_of(const appearance *a, int width, int height) {
     o.curve = a->bounds[GSCL_BOUNDS_CURVE_X];
     o.width = width;
     pix_mask first, last;
-    whole_within((pix)(o.y - o.half_height - 0.5f), (pix)(o.y + o.half_height - 0.5f), height, &first, &last);
+    integers_within((pix)(o.y - o.half_height - 0.5f), (pix)(o.y + o.half_height - 0.5f), height, &first, &last);
     o.rows = (int2)(first.s0, last.s0);
     return o;
 }
@@ -42,14 +42,14 @@ inline int2 outline_columns(outline *o, int row) {
         pix dy = pix_offsets() + ((float)row + 0.5f - o->y), arc = o->width2 - o->curve * dy * dy;
         pix half_width = sqrt(LARGER(arc, (pix)(0.0f))), middle = o->x + o->slope * dy - 0.5f;
         pix_mask first, last;
-        whole_within(middle - half_width, middle + half_width, o->width, &first, &last);
+        integers_within(middle - half_width, middle + half_width, o->width, &first, &last);
         PIX_STORE(first, o->first);
         PIX_STORE(last, o->last);
     }
     return (int2)(o->first[lane], o->last[lane]);
 }
 
-inline pix private_weight(pix dx, float dy, const appearance *a) {
+inline pix projected_weight(pix dx, float dy, const projected_splat *a) {
 #if ROTATION
     pix u = fma(dx, (pix)(a->projected[GSCL_PROJECTED_UX]), (pix)(dy * a->projected[GSCL_PROJECTED_UY]));
     pix v = fma(dx, (pix)(a->projected[GSCL_PROJECTED_VX]), (pix)(dy * a->projected[GSCL_PROJECTED_VY]));
@@ -61,12 +61,12 @@ inline pix private_weight(pix dx, float dy, const appearance *a) {
 }
 
 /* The weight with which it is blended. */
-inline pix painted_weight(pix dx, float dy, const appearance *a) {
-    return WITH_OPACITY(private_weight(dx, dy, a), a->projected);
+inline pix blend_weight(pix dx, float dy, const projected_splat *a) {
+    return WITH_OPACITY(projected_weight(dx, dy, a), a->projected);
 }
 
 /* Whether the outline stays within the pixels that this visit owns. */
-inline bool within(const appearance *a, int4 owned) {
+inline bool outline_is_within(const projected_splat *a, int4 owned) {
     float x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
     float y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     return x - half_width >= (float)owned.x && x + half_width <= (float)owned.y && y - half_height >= (float)owned.z &&

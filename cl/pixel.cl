@@ -3,7 +3,7 @@
  * mapping: LANES 4 or less, ROWS 1, a work-group of 256 / LANES work-items draws a tile.
  *
  * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED (0 or
- * 1), LOSS, KEPT_ROWS (raster.cl).  Only for measuring what exactness costs (host/lib/accuracy.c): DOUBLE, EXPONENTIAL,
+ * 1), LOSS, CACHED_ROWS (raster.cl).  Only for measuring what exactness costs (host/lib/accuracy.c): DOUBLE, EXPONENTIAL,
  * EARLY_STOP, GSCL_SUPPORT. */
 #pragma OPENCL FP_CONTRACT OFF
 #ifdef __clang__

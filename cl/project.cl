@@ -2,92 +2,92 @@
 
 /* Splats after quantisation, in pixels of the full-size image. */
 typedef struct {
-    each x, y, theta, opacity;
-    each log_s1, log_s2; /* axes, */
-    each s1, s2;         /* pixels: splat_set_axes */
-    each colour[CHANNELS];
+    vfloat x, y, theta, opacity;
+    vfloat log_s1, log_s2; /* axes, */
+    vfloat s1, s2;         /* pixels: splat_set_axes */
+    vfloat colour[CHANNELS];
 #if TEXTURE
-    each wave_x, wave_y, wave_phase, wave_amplitude;
+    vfloat wave_x, wave_y, wave_phase, wave_amplitude;
 #endif
 } splat;
 
-inline each logistic(each x) { return 1.0f / (1.0f + exp(-x)); }
+inline vfloat logistic(vfloat x) { return 1.0f / (1.0f + exp(-x)); }
 
-inline void splat_set_axes(splat *s, each log_s1, each log_s2) {
+inline void splat_set_axes(splat *s, vfloat log_s1, vfloat log_s2) {
     s->log_s1 = log_s1;
     s->log_s2 = log_s2;
     s->s1 = exp(log_s1);
     s->s2 = exp(log_s2);
 }
 
-/* Parameter `k` of the splats whose rows begin at p; `live` of them are there. */
-#define LOAD_PARAM(p, k, live) LIVE(LOAD_EACH((p) + (k), GSCL_PARAMS), live)
+/* Parameter `k` of the splats whose rows begin at p; `lanes_used` of them exist. */
+#define LOAD_PARAM(p, k, lanes_used) MASK_TAIL(LOAD_LANES((p) + (k), GSCL_PARAMS), lanes_used)
 
 /* All but the axes, which the quantiser sets. */
-inline splat splat_load(__global const float *restrict p, int live) {
+inline splat splat_load(__global const float *restrict p, int lanes_used) {
     splat s;
-    s.x = LOAD_PARAM(p, GSCL_X, live);
-    s.y = LOAD_PARAM(p, GSCL_Y, live);
-    s.log_s1 = LOAD_PARAM(p, GSCL_LOG_S1, live);
-    s.log_s2 = ANISOTROPY ? LOAD_PARAM(p, GSCL_LOG_S2, live) : s.log_s1;
-    s.theta = ROTATION ? LOAD_PARAM(p, GSCL_THETA, live) : (each)(0.0f);
-    s.opacity = OPACITY ? logistic(LOAD_PARAM(p, GSCL_OPACITY, live)) : (each)(1.0f);
+    s.x = LOAD_PARAM(p, GSCL_X, lanes_used);
+    s.y = LOAD_PARAM(p, GSCL_Y, lanes_used);
+    s.log_s1 = LOAD_PARAM(p, GSCL_LOG_S1, lanes_used);
+    s.log_s2 = ANISOTROPY ? LOAD_PARAM(p, GSCL_LOG_S2, lanes_used) : s.log_s1;
+    s.theta = ROTATION ? LOAD_PARAM(p, GSCL_THETA, lanes_used) : (vfloat)(0.0f);
+    s.opacity = OPACITY ? logistic(LOAD_PARAM(p, GSCL_OPACITY, lanes_used)) : (vfloat)(1.0f);
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) s.colour[k] = LOAD_PARAM(p, GSCL_COLOUR + k, live);
+    for (int k = 0; k < CHANNELS; k++) s.colour[k] = LOAD_PARAM(p, GSCL_COLOUR + k, lanes_used);
 #if TEXTURE
-    s.wave_x = LOAD_PARAM(p, GSCL_WAVE_X, live);
-    s.wave_y = LOAD_PARAM(p, GSCL_WAVE_Y, live);
-    s.wave_phase = LOAD_PARAM(p, GSCL_WAVE_PHASE, live);
-    s.wave_amplitude = LOAD_PARAM(p, GSCL_WAVE_AMPLITUDE, live);
+    s.wave_x = LOAD_PARAM(p, GSCL_WAVE_X, lanes_used);
+    s.wave_y = LOAD_PARAM(p, GSCL_WAVE_Y, lanes_used);
+    s.wave_phase = LOAD_PARAM(p, GSCL_WAVE_PHASE, lanes_used);
+    s.wave_amplitude = LOAD_PARAM(p, GSCL_WAVE_AMPLITUDE, lanes_used);
 #endif
     return s;
 }
 
 /* Axes as seen at a level that shows 1 pixel for 1 / inv_scale of the full image: a smaller level is
  * box-filtered, which widens a splat by `blur` = ((1 / inv_scale)^2 - 1) / 12 square pixels. */
-inline each seen_axis(each sigma, float blur) { return sqrt(fma(sigma, sigma, (each)(blur))); }
+inline vfloat axis_at_level(vfloat sigma, float blur) { return sqrt(fma(sigma, sigma, (vfloat)(blur))); }
 
 /* What is drawn of a splat: the records of constants.h in private memory. */
 typedef struct {
-    each projected[GSCL_PROJECTED];
-    each bounds[GSCL_BOUNDS];
-} appearance;
+    vfloat projected[GSCL_PROJECTED];
+    vfloat bounds[GSCL_BOUNDS];
+} projected_splat;
 
-inline appearance splat_appearance(splat s, gscl_view seen) {
+inline projected_splat splat_project(splat s, gscl_view view) {
     const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
-    appearance a;
-    each c = ROTATION ? cos(s.theta) : (each)(1.0f), n = ROTATION ? sin(s.theta) : (each)(0.0f);
-    each s1 = seen_axis(s.s1, seen.blur) * seen.inv_scale, s2 = seen_axis(s.s2, seen.blur) * seen.inv_scale;
-    each i1 = to_frame / s1, i2 = to_frame / s2;
-    a.projected[GSCL_PROJECTED_X] = s.x * seen.inv_scale - seen.x;
-    a.projected[GSCL_PROJECTED_Y] = s.y * seen.inv_scale - seen.y;
+    projected_splat a;
+    vfloat c = ROTATION ? cos(s.theta) : (vfloat)(1.0f), n = ROTATION ? sin(s.theta) : (vfloat)(0.0f);
+    vfloat s1 = axis_at_level(s.s1, view.blur) * view.inv_scale, s2 = axis_at_level(s.s2, view.blur) * view.inv_scale;
+    vfloat i1 = to_frame / s1, i2 = to_frame / s2;
+    a.projected[GSCL_PROJECTED_X] = s.x * view.inv_scale - view.x;
+    a.projected[GSCL_PROJECTED_Y] = s.y * view.inv_scale - view.y;
     a.projected[GSCL_PROJECTED_UX] = c * i1;
     a.projected[GSCL_PROJECTED_UY] = n * i1;
     a.projected[GSCL_PROJECTED_VX] = -n * i2;
     a.projected[GSCL_PROJECTED_VY] = c * i2;
     a.projected[GSCL_PROJECTED_OPACITY] = s.opacity;
-    a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (each)(0.0f) : exp2(-i2 * i2);
+    a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (vfloat)(0.0f) : exp2(-i2 * i2);
     for (int k = 0; k < CHANNELS; k++) a.projected[GSCL_PROJECTED_COLOUR + k] = s.colour[k];
 #if TEXTURE
     /* What a level's box filter leaves of the wave. */
-    each cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
-    a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / seen.inv_scale;
-    a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / seen.inv_scale;
+    vfloat cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
+    a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / view.inv_scale;
+    a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / view.inv_scale;
     a.projected[GSCL_PROJECTED_WAVE_PHASE] = s.wave_phase;
-    a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * seen.blur);
+    a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * view.blur);
 #endif
 
     /* Covariance entries; the outline's support function in x and y. */
-    each xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
-    each xy = c * n * (s1 * s1 - s2 * s2);
+    vfloat xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
+    vfloat xy = c * n * (s1 * s1 - s2 * s2);
     a.bounds[GSCL_BOUNDS_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
     a.bounds[GSCL_BOUNDS_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy);
     a.bounds[GSCL_BOUNDS_SLOPE] = xy / xx;
     a.bounds[GSCL_BOUNDS_SLOPE_X] = xy / yy;
-    each by_xx = s1 * (s1 / xx), by_yy = s1 * (s1 / yy); /* det / xx^2 and the like without overflow */
+    vfloat by_xx = s1 * (s1 / xx), by_yy = s1 * (s1 / yy); /* det / xx^2 and the like without overflow */
     a.bounds[GSCL_BOUNDS_HEIGHT2] = 2.0f * GSCL_SUPPORT * by_xx * (s2 * s2);
     a.bounds[GSCL_BOUNDS_WIDTH2] = 2.0f * GSCL_SUPPORT * by_yy * (s2 * s2);
-    each ratio_x = s1 * s2 / xx, ratio_y = s1 * s2 / yy;
+    vfloat ratio_x = s1 * s2 / xx, ratio_y = s1 * s2 / yy;
     a.bounds[GSCL_BOUNDS_CURVE] = ratio_x * ratio_x;
     a.bounds[GSCL_BOUNDS_CURVE_X] = ratio_y * ratio_y;
     return a;
@@ -95,22 +95,22 @@ inline appearance splat_appearance(splat s, gscl_view seen) {
 
 /* Boxes of tiles (inclusive; empty when first > last) that outlines may touch. */
 typedef struct {
-    each_int first_x, last_x, first_y, last_y;
+    vint first_x, last_x, first_y, last_y;
 } tile_boxes;
 
 /* Clamped as floats: a giant's box does not fit an int. */
-inline each_int tile_at(each position, int tiles) {
-    return EACH_INT(clamp(floor(position * (1.0f / GSCL_TILE)), (each)(-1.0f), (each)((float)tiles)));
+inline vint tile_at(vfloat position, int tiles) {
+    return TO_VINT(clamp(floor(position * (1.0f / GSCL_TILE)), (vfloat)(-1.0f), (vfloat)((float)tiles)));
 }
 
-inline tile_boxes appearance_tiles(const appearance *a, gscl_view seen) {
-    each x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
-    each y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
+inline tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
+    vfloat x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
+    vfloat y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     tile_boxes b;
-    b.first_x = max(tile_at(x - half_width, seen.tiles_x), (each_int)(0));
-    b.last_x = min(tile_at(x + half_width, seen.tiles_x), (each_int)(seen.tiles_x - 1));
-    b.first_y = max(tile_at(y - half_height, seen.tiles_y), (each_int)(0));
-    b.last_y = min(tile_at(y + half_height, seen.tiles_y), (each_int)(seen.tiles_y - 1));
+    b.first_x = max(tile_at(x - half_width, view.tiles_x), (vint)(0));
+    b.last_x = min(tile_at(x + half_width, view.tiles_x), (vint)(view.tiles_x - 1));
+    b.first_y = max(tile_at(y - half_height, view.tiles_y), (vint)(0));
+    b.last_y = min(tile_at(y + half_height, view.tiles_y), (vint)(view.tiles_y - 1));
     return b;
 }
 
@@ -143,27 +143,27 @@ ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const
 }
 
 /* Stores what is drawn of the splats from `i` on, and their boxes of tiles. */
-inline void splat_project(splat s, gscl_view seen, size_t i, __global float *restrict projected,
-                          __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
-    appearance a = splat_appearance(s, seen);
-    tile_boxes b = appearance_tiles(&a, seen);
+inline void splat_store_projected(splat s, gscl_view view, size_t i, __global float *restrict projected,
+                                  __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
+    projected_splat a = splat_project(s, view);
+    tile_boxes b = projected_tiles(&a, view);
     projected += i * GSCL_PROJECTED;
     ellipse_bounds += i * GSCL_BOUNDS;
     UNROLL
     for (int k = 0; k < GSCL_PROJECTED_COLOUR + CHANNELS; k++)
-        store_each(a.projected[k], projected + k, GSCL_PROJECTED);
+        store_lanes(a.projected[k], projected + k, GSCL_PROJECTED);
 #if TEXTURE
     UNROLL
     for (int k = GSCL_PROJECTED_WAVE_X; k < GSCL_PROJECTED; k++)
-        store_each(a.projected[k], projected + k, GSCL_PROJECTED);
+        store_lanes(a.projected[k], projected + k, GSCL_PROJECTED);
 #endif
     UNROLL
-    for (int k = 0; k < GSCL_BOUNDS; k++) store_each(a.bounds[k], ellipse_bounds + k, GSCL_BOUNDS);
+    for (int k = 0; k < GSCL_BOUNDS; k++) store_lanes(a.bounds[k], ellipse_bounds + k, GSCL_BOUNDS);
     __global int *box = (__global int *)(boxes + i);
-    store_each_int(b.first_x, box, 4);
-    store_each_int(b.last_x, box + 1, 4);
-    store_each_int(b.first_y, box + 2, 4);
-    store_each_int(b.last_y, box + 3, 4);
+    store_lanes_int(b.first_x, box, 4);
+    store_lanes_int(b.last_x, box + 1, 4);
+    store_lanes_int(b.first_y, box + 2, 4);
+    store_lanes_int(b.last_y, box + 3, 4);
 }
 
 /* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit looks
@@ -174,23 +174,24 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
         splat_set_axes(&s, s.log_s1, s.log_s2);
         return s;
     }
-    splat_set_axes(&s, fmax(rint((s.log_s1 + M_LN2_F) / scale), (each)(0.0f)) * scale - M_LN2_F,
-                   fmax(rint((s.log_s2 + M_LN2_F) / scale), (each)(0.0f)) * scale - M_LN2_F);
-    each position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), (each)(1.0f / 32.0f));
+    splat_set_axes(&s, fmax(rint((s.log_s1 + M_LN2_F) / scale), (vfloat)(0.0f)) * scale - M_LN2_F,
+                   fmax(rint((s.log_s2 + M_LN2_F) / scale), (vfloat)(0.0f)) * scale - M_LN2_F);
+    vfloat position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), (vfloat)(1.0f / 32.0f));
     s.x = (floor(s.x / position) + 0.5f) * position;
     s.y = (floor(s.y / position) + 0.5f) * position;
 #if ROTATION
-    each aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
-    each angles = clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), (each)(1.0f), (each)(512.0f));
-    each turn = s.log_s1 < s.log_s2 ? (each)(M_PI_2_F) : (each)(0.0f); /* codes count from the major axis */
+    vfloat aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
+    vfloat angles =
+        clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), (vfloat)(1.0f), (vfloat)(512.0f));
+    vfloat turn = s.log_s1 < s.log_s2 ? (vfloat)(M_PI_2_F) : (vfloat)(0.0f); /* codes count from the major axis */
     s.theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles - turn;
 #endif
     float luma = steps[GSCL_STEP_LUMA];
 #if COLOURS == 3
     float chroma = steps[GSCL_STEP_CHROMA];
-    each y = rint((s.colour[0] + 2.0f * s.colour[1] + s.colour[2]) * 0.25f / luma) * luma;
-    each co = rint((s.colour[0] - s.colour[2]) / chroma) * chroma;
-    each cg = rint((s.colour[1] - 0.5f * (s.colour[0] + s.colour[2])) / chroma) * chroma;
+    vfloat y = rint((s.colour[0] + 2.0f * s.colour[1] + s.colour[2]) * 0.25f / luma) * luma;
+    vfloat co = rint((s.colour[0] - s.colour[2]) / chroma) * chroma;
+    vfloat cg = rint((s.colour[1] - 0.5f * (s.colour[0] + s.colour[2])) / chroma) * chroma;
     s.colour[1] = y + 0.5f * cg;
     s.colour[2] = y - 0.5f * cg - 0.5f * co;
     s.colour[0] = s.colour[2] + co;
@@ -202,17 +203,17 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
 #endif
 #if OPACITY
     float levels = steps[GSCL_STEP_OPACITY];
-    s.opacity = clamp(rint(s.opacity * levels), (each)(1.0f), (each)(levels)) / levels;
+    s.opacity = clamp(rint(s.opacity * levels), (vfloat)(1.0f), (vfloat)(levels)) / levels;
 #endif
     return s;
 }
 
 /* Projects the splats as they are, or through the quantiser. */
 __kernel void project(__global const float *restrict params, __global const float *restrict steps, int count,
-                      gscl_view seen, __global float *restrict projected, __global float *restrict ellipse_bounds,
+                      gscl_view view, __global float *restrict projected, __global float *restrict ellipse_bounds,
                       __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)count) return;
     splat s = splat_load(params + i * GSCL_PARAMS, count - (int)i);
-    splat_project(splat_quantise(s, steps), seen, i, projected, ellipse_bounds, boxes);
+    splat_store_projected(splat_quantise(s, steps), view, i, projected, ellipse_bounds, boxes);
 }

@@ -16,7 +16,7 @@ typedef struct {
 } splat_weight;
 
 /* At a row, `dx` and `dy` from the centre, that the outline touches. */
-ALWAYS_INLINE void weigh_begin(splat_weight *s, pix dx, real dy, __global const real *projected) {
+ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const real *projected) {
 #if ROTATION
     s->u = fma(dx, (pix)(projected[GSCL_PROJECTED_UX]), (pix)(dy * projected[GSCL_PROJECTED_UY]));
     s->v = fma(dx, (pix)(projected[GSCL_PROJECTED_VX]), (pix)(dy * projected[GSCL_PROJECTED_VY]));
@@ -33,28 +33,28 @@ ALWAYS_INLINE void weigh_begin(splat_weight *s, pix dx, real dy, __global const 
 }
 
 /* With the Gaussian that is known already, */
-inline void weigh_known(splat_weight *s, pix gauss) {
+inline void weight_from_gauss(splat_weight *s, pix gauss) {
     s->gauss = gauss;
     s->weight = fmax(gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
 /* or from the coordinates. */
-inline void weigh(splat_weight *s) {
+inline void weight_evaluate(splat_weight *s) {
 #if ROTATION
-    weigh_known(s, pix_exp2(fma(-s->u, s->u, -s->v * s->v)));
+    weight_from_gauss(s, pix_exp2(fma(-s->u, s->u, -s->v * s->v)));
 #else
-    weigh_known(s, s->column * s->row);
+    weight_from_gauss(s, s->column * s->row);
 #endif
 }
 
-/* A fit sees each row of each splat twice, forward and backward in the same order: KEPT_ROWS Gaussians of a tile are
+/* A fit sees each row of each splat twice, forward and backward in the same order: CACHED_ROWS Gaussians of a tile are
  * kept from the first time to the second.  0: none. */
-#ifndef KEPT_ROWS
-#define KEPT_ROWS 0
+#ifndef CACHED_ROWS
+#define CACHED_ROWS 0
 #endif
 
 /* Goes on to the next row. */
-inline void weigh_next(splat_weight *s, __global const real *restrict projected) {
+inline void weight_next_row(splat_weight *s, __global const real *restrict projected) {
 #if ROTATION
     s->u += projected[GSCL_PROJECTED_UY];
 #else
@@ -80,11 +80,14 @@ inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict pr
 #define WITH_OPACITY(weight, projected) (weight)
 #endif
 
-/* The blend's running sums of one work-item: colour, and the sum of weights (`normalized`) or the
- * transmittance (`alpha`; unused in `sum`). */
+/* The blend's running sums of one work-item. */
 typedef struct {
     pix colour[CHANNELS][ROWS];
-    pix rest[ROWS];
+#if BLEND == GSCL_ALPHA
+    pix transmittance[ROWS];
+#else
+    pix weight_sum[ROWS]; /* `normalized`; its reciprocal after canvas_end.  `sum`: always 1 */
+#endif
 } canvas;
 
 inline void canvas_begin(canvas *c, __constant float *background) {
@@ -99,24 +102,28 @@ inline void canvas_begin(canvas *c, __constant float *background) {
             c->colour[k][r] = (pix)(0.0f);
 #endif
         }
-        c->rest[r] = (pix)(BLEND == GSCL_NORMALIZED ? GSCL_EPSILON : 1.0f);
+#if BLEND == GSCL_ALPHA
+        c->transmittance[r] = (pix)(1.0f);
+#else
+        c->weight_sum[r] = (pix)(BLEND == GSCL_NORMALIZED ? GSCL_EPSILON : 1.0f);
+#endif
     }
 }
 
-#ifdef EARLY_STOP
-#define STOP_INTERVAL 4 /* splats between looks */
-/* So little light comes through everywhere that what lies behind is not drawn. */
+#if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
+#define STOP_INTERVAL 4 /* splats from one test to the next */
+/* Whether the transmittance is so low at all pixels that splats further behind are not drawn. */
 inline bool canvas_is_opaque(const canvas *c) {
     for (int r = 0; r < ROWS; r++)
-        if (any(c->rest[r] > (pix)(EARLY_STOP))) return false;
+        if (any(c->transmittance[r] > (pix)(EARLY_STOP))) return false;
     return true;
 }
 #endif
 
-/* Adds a tile's splats; `kept`: KEPT_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the
+/* Adds a tile's splats; `cached`: CACHED_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the
  * back. */
 inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *restrict splats,
-                         __global const uint *restrict entries, int count, pix *restrict kept) {
+                         __global const uint *restrict entries, int count, pix *restrict cached) {
     int row = 0;
     for (int i = 0; i < count; i++) {
 #if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
@@ -132,16 +139,16 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
         bool waved = projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f;
 #endif
         splat_weight s;
-        weigh_begin(&s, dx, dy + (float)first, projected);
-        for (int r = first; r <= last; r++, weigh_next(&s, projected)) {
-            weigh(&s);
-            if (kept && row < KEPT_ROWS) kept[row++] = s.gauss;
+        weight_begin(&s, dx, dy + (float)first, projected);
+        for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
+            weight_evaluate(&s);
+            if (cached && row < CACHED_ROWS) cached[row++] = s.gauss;
             pix w = WITH_OPACITY(s.weight, projected);
 #if BLEND == GSCL_ALPHA
-            w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->rest[r];
-            c->rest[r] -= w;
+            w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->transmittance[r];
+            c->transmittance[r] -= w;
 #elif BLEND == GSCL_NORMALIZED
-            c->rest[r] += w;
+            c->weight_sum[r] += w;
 #endif
             UNROLL
             for (int k = 0; k < CHANNELS; k++)
@@ -156,16 +163,17 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
     }
 }
 
-/* Turns the sums into colours.  `normalized` leaves 1 / (sum of weights) in rest. */
+/* Turns the sums into colours, and the sum of weights of `normalized` into its reciprocal. */
 inline void canvas_end(canvas *c, __constant float *background) {
     for (int r = 0; r < ROWS; r++) {
 #if BLEND == GSCL_NORMALIZED
-        c->rest[r] = 1.0f / c->rest[r];
+        c->weight_sum[r] = 1.0f / c->weight_sum[r];
         UNROLL
-        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] *= c->rest[r];
+        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] *= c->weight_sum[r];
 #elif BLEND == GSCL_ALPHA
         UNROLL
-        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = fma(c->rest[r], (pix)(background[k]), c->colour[k][r]);
+        for (int k = 0; k < CHANNELS; k++)
+            c->colour[k][r] = fma(c->transmittance[r], (pix)(background[k]), c->colour[k][r]);
 #endif
     }
 }
@@ -177,10 +185,10 @@ typedef struct {
     int lanes; /* pixels of a row inside the image, may be <= 0 or > LANES */
     int rows;  /* rows inside the image, may be <= 0 or > ROWS */
     size_t tile;
-} place;
+} pixel_block;
 
-inline place place_of(gscl_image_shape image) {
-    place p;
+inline pixel_block pixel_block_of(gscl_image_shape image) {
+    pixel_block p;
     p.tile = get_group_id(0);
     p.row0 = (int)(get_local_id(0) / ITEMS_X) * ROWS;
     p.x = (int)(p.tile % (size_t)image.tiles_x) * GSCL_TILE + (int)(get_local_id(0) % ITEMS_X) * LANES;
@@ -191,8 +199,8 @@ inline place place_of(gscl_image_shape image) {
 }
 
 /* Draws a tile. */
-inline void canvas_draw(canvas *c, place p, __global const real *restrict splats, __global const uint *restrict entries,
-                        int2 range, __constant float *background) {
+inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict splats,
+                        __global const uint *restrict entries, int2 range, __constant float *background) {
     canvas_begin(c, background);
     canvas_blend(c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
                  range.y - range.x, NULL);
@@ -206,7 +214,7 @@ inline size_t plane_size(gscl_image_shape image) { return (size_t)image.width * 
 __kernel void raster_forward(__global const real *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
                              __global real *restrict image, gscl_image_shape shape) {
-    place p = place_of(shape);
+    pixel_block p = pixel_block_of(shape);
     const size_t plane = plane_size(shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);

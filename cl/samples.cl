@@ -63,7 +63,7 @@ ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global
 __kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
                              gscl_image_shape shape, gscl_sample_layout layout, __global uchar *restrict samples) {
-    place p = place_of(shape);
+    pixel_block p = pixel_block_of(shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);
     if (p.lanes <= 0) return;

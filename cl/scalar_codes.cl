@@ -50,16 +50,16 @@ inline splat codes_splat(const gscl_codes *c, __global const gscl_minor_entry *m
 }
 
 /* The wave of a splat at a row of pixels, `dx` and `dy` from its centre. */
-inline pix private_wave(pix dx, float dy, const appearance *a) {
+inline pix projected_wave(pix dx, float dy, const projected_splat *a) {
     const float *d = a->projected;
     return d[GSCL_PROJECTED_WAVE_AMPLITUDE] *
            pix_wave(dx, dy, d[GSCL_PROJECTED_WAVE_X], d[GSCL_PROJECTED_WAVE_Y], d[GSCL_PROJECTED_WAVE_PHASE]);
 }
 
-inline bool has_wave(const appearance *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
+inline bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
 
 /* Puts the splat in (sign 1) or takes it out (sign -1). */
-inline void picture_change(const appearance *a, float sign, __global float *restrict picture,
+inline void picture_change(const projected_splat *a, float sign, __global float *restrict picture,
                            __global float *restrict weights, int width, int height, ulong plane) {
     outline o = outline_of(a, width, height);
     for (int y = o.rows.x; y <= o.rows.y; y++) {
@@ -69,8 +69,8 @@ inline void picture_change(const appearance *a, float sign, __global float *rest
             int lanes = columns.y - x + 1;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
             float dy = (float)y + 0.5f - o.y;
-            pix w = sign * painted_weight(dx, dy, a);
-            if (has_wave(a)) wave = private_wave(dx, dy, a);
+            pix w = sign * blend_weight(dx, dy, a);
+            if (has_wave(a)) wave = projected_wave(dx, dy, a);
 #if BLEND == GSCL_NORMALIZED
             pix sum = PIX_LOAD(weights + at) + w;
             pix_store_clipped(sum, weights + at, lanes);

@@ -13,8 +13,8 @@ typedef struct {
 } quadratic;
 
 /* The error as a function of colour, for a splat of this geometry and wave that is not in the picture: with colour 0 it
- * leaves the error `rest`, of which a colour adds s to each pixel. */
-inline quadratic picture_weigh(const appearance *a, __global const float *restrict picture,
+ * leaves the residual, of which a colour adds s to each pixel. */
+inline quadratic picture_weigh(const projected_splat *a, __global const float *restrict picture,
                                __global const float *restrict weights, __global const float *restrict target, int width,
                                int height, ulong plane) {
     outline o = outline_of(a, width, height);
@@ -26,8 +26,8 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
             size_t at = (size_t)y * width + x;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
             float dy = (float)y + 0.5f - o.y;
-            pix s = painted_weight(dx, dy, a) * pix_inside(columns.y - x + 1);
-            if (has_wave(a)) wave = private_wave(dx, dy, a);
+            pix s = blend_weight(dx, dy, a) * pix_inside(columns.y - x + 1);
+            if (has_wave(a)) wave = projected_wave(dx, dy, a);
 #if BLEND == GSCL_NORMALIZED
             s /= PIX_LOAD(weights + at) + s;
 #endif
@@ -40,11 +40,11 @@ inline quadratic picture_weigh(const appearance *a, __global const float *restri
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 pix p = PIX_LOAD(picture + k * plane + at), error = p - PIX_LOAD(target + k * plane + at);
-                pix rest = BLEND == GSCL_NORMALIZED ? fma(-s, p, error) : error;
-                if (TEXTURE && k < COLOURS) rest = fma(s, wave, rest);
-                linear[k] = fma(weighted, rest, linear[k]);
+                pix residual = BLEND == GSCL_NORMALIZED ? fma(-s, p, error) : error;
+                if (TEXTURE && k < COLOURS) residual = fma(s, wave, residual);
+                linear[k] = fma(weighted, residual, linear[k]);
                 before = fma(weight * error, error, before);
-                after = fma(weight * rest, rest, after);
+                after = fma(weight * residual, residual, after);
             }
         }
     }
@@ -147,13 +147,13 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry 
 /* First the splats are taken out of the picture. */
 __kernel void rdo_remove(__global const int *restrict visits, int start, int count,
                          __global const gscl_codes *restrict all, __global const gscl_minor_entry *restrict minors,
-                         __global const gscl_aspect_entry *restrict aspects, gscl_rdo_settings t, gscl_view seen,
+                         __global const gscl_aspect_entry *restrict aspects, gscl_rdo_settings t, gscl_view view,
                          __global float *restrict picture, __global float *restrict weights, int width, int height,
                          ulong plane) {
     int visit = (int)get_global_id(0);
     if (visit >= count) return;
     gscl_codes now = all[visits[start + visit]];
-    appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
+    projected_splat a = splat_project(codes_splat(&now, minors, aspects, t), view);
     picture_change(&a, -1.0f, picture, weights, width, height, plane);
 }
 
@@ -163,7 +163,7 @@ __kernel void rdo_evaluate(__global const int *restrict visits, int start, int c
                            __global const gscl_codes *restrict all, __global const int4 *restrict owned,
                            __global const gscl_minor_entry *restrict minors,
                            __global const gscl_aspect_entry *restrict aspects, __global const float *restrict tables,
-                           gscl_rdo_settings t, gscl_view seen, float existence, __global const float *restrict picture,
+                           gscl_rdo_settings t, gscl_view view, float existence, __global const float *restrict picture,
                            __global const float *restrict weights, __global const float *restrict target, int width,
                            int height, ulong plane, __global gscl_move_outcome *restrict outcomes) {
     int visit = (int)get_global_id(0) / MOVES, move = (int)get_global_id(0) % MOVES;
@@ -174,8 +174,8 @@ __kernel void rdo_evaluate(__global const int *restrict visits, int start, int c
     float other_bits = wave_bits(&now, tables);
     bool possible = codes_move(&now, move, minors, aspects, t);
     if (possible) {
-        appearance a = splat_appearance(codes_splat(&now, minors, aspects, t), seen);
-        if (move == 0 || within(&a, owned[i])) {
+        projected_splat a = splat_project(codes_splat(&now, minors, aspects, t), view);
+        if (move == 0 || outline_is_within(&a, owned[i])) {
             quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
             outcome.cost = colour_descend(&q, &now, tables, t);
             if (OPACITY) other_bits += tables[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
@@ -193,7 +193,7 @@ __kernel void rdo_commit(__global const int *restrict visits, int start, int cou
                          __global const gscl_move_outcome *restrict outcomes, __global gscl_codes *restrict all,
                          __global const gscl_minor_entry *restrict minors,
                          __global const gscl_aspect_entry *restrict aspects, __global const float *restrict tables,
-                         gscl_rdo_settings t, gscl_view seen, float leave_out, __global float *restrict picture,
+                         gscl_rdo_settings t, gscl_view view, float leave_out, __global float *restrict picture,
                          __global float *restrict weights, __global const float *restrict target, int width, int height,
                          ulong plane) {
     int visit = (int)get_global_id(0), best = -1;
@@ -214,10 +214,10 @@ __kernel void rdo_commit(__global const int *restrict visits, int start, int cou
     codes_move(&choice, best, minors, aspects, t);
     for (int k = 0; k < 4; k++) choice.code[GSCL_CODE_LUMA + k] = outcomes[best].colour[k];
 #if TEXTURE
-    texture_choose(&choice, minors, aspects, tables, t, seen, picture, weights, target, width, height, plane);
+    texture_choose(&choice, minors, aspects, tables, t, view, picture, weights, target, width, height, plane);
 #endif
     all[i] = choice;
-    appearance a = splat_appearance(codes_splat(&choice, minors, aspects, t), seen);
+    projected_splat a = splat_project(codes_splat(&choice, minors, aspects, t), view);
     picture_change(&a, 1.0f, picture, weights, width, height, plane);
 }
 
@@ -225,7 +225,7 @@ __kernel void rdo_commit(__global const int *restrict visits, int start, int cou
 __kernel void rdo_begin(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global float *restrict picture, __global float *restrict weights, gscl_image_shape shape) {
-    place p = place_of(shape);
+    pixel_block p = pixel_block_of(shape);
     const size_t plane = plane_size(shape);
     canvas c;
     int2 range = tile_ranges[p.tile];
@@ -233,7 +233,7 @@ __kernel void rdo_begin(__global const float *restrict splats, __global const ui
     canvas_blend(&c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
                  range.y - range.x, NULL);
     for (int r = 0; r < p.rows; r++)
-        pix_store_clipped(c.rest[r], weights + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
+        pix_store_clipped(c.weight_sum[r], weights + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
     canvas_end(&c, background);
     for (int r = 0; r < p.rows; r++)
         for (int k = 0; k < CHANNELS; k++)

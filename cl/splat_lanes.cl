@@ -4,18 +4,19 @@
  * Build option SPLAT_LANES: 16, what a CPU's vectors are for (a splat by itself takes as long); 1 on GPUs, and where
  * splats are visited one by one.  Bounds in clamp, min and max are vectors too: Oclgrind takes scalar ones wrongly. */
 #if SPLAT_LANES == 16
-typedef float16 each; /* a value for each of the splats */
-typedef int16 each_int;
-#define EACH_INT(x) convert_int16(x)
-#define EACH_FLOAT(x) convert_float16(x)
-#define LOAD_EACH(p, stride)                                                                                   \
-    ((each)((p)[0], (p)[(stride)], (p)[2 * (stride)], (p)[3 * (stride)], (p)[4 * (stride)], (p)[5 * (stride)], \
-            (p)[6 * (stride)], (p)[7 * (stride)], (p)[8 * (stride)], (p)[9 * (stride)], (p)[10 * (stride)],    \
-            (p)[11 * (stride)], (p)[12 * (stride)], (p)[13 * (stride)], (p)[14 * (stride)], (p)[15 * (stride)]))
-#define LOAD_EACH_INT(p) vload16(0, p)
-/* 0 in the lanes behind the last of `live` splats.  What is found there must not be seen: an argument that is out of
+typedef float16 vfloat; /* a value for each of the splats */
+typedef int16 vint;
+#define TO_VINT(x) convert_int16(x)
+#define TO_VFLOAT(x) convert_float16(x)
+#define LOAD_LANES(p, stride)                                                                                    \
+    ((vfloat)((p)[0], (p)[(stride)], (p)[2 * (stride)], (p)[3 * (stride)], (p)[4 * (stride)], (p)[5 * (stride)], \
+              (p)[6 * (stride)], (p)[7 * (stride)], (p)[8 * (stride)], (p)[9 * (stride)], (p)[10 * (stride)],    \
+              (p)[11 * (stride)], (p)[12 * (stride)], (p)[13 * (stride)], (p)[14 * (stride)], (p)[15 * (stride)]))
+#define LOAD_LANES_INT(p) vload16(0, p)
+/* 0 in the lanes behind the last of `lanes_used` splats.  What is found there must not be seen: an argument that is out of
  * range in one lane makes vector functions take another way for all, with other roundings. */
-#define LIVE(v, live) select((each)(0.0f), v, (each_int)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (live))
+#define MASK_TAIL(v, lanes_used) \
+    select((vfloat)(0.0f), v, (vint)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (lanes_used))
 #define OF_TYPE(name, vector, type)                                     \
     inline void name(vector v, __global type *p, int stride) {          \
         type lanes[SPLAT_LANES];                                        \
@@ -23,17 +24,17 @@ typedef int16 each_int;
         UNROLL                                                          \
         for (int i = 0; i < SPLAT_LANES; i++) p[i * stride] = lanes[i]; \
     }
-OF_TYPE(store_each, each, float)
-OF_TYPE(store_each_int, each_int, int)
+OF_TYPE(store_lanes, vfloat, float)
+OF_TYPE(store_lanes_int, vint, int)
 #undef OF_TYPE
 #else
-typedef float each;
-typedef int each_int;
-#define EACH_INT(x) convert_int(x)
-#define EACH_FLOAT(x) convert_float(x)
-#define LOAD_EACH(p, stride) ((p)[0])
-#define LOAD_EACH_INT(p) (*(p))
-#define LIVE(v, live) (v)
-inline void store_each(each v, __global float *p, int stride) { *p = v; }
-inline void store_each_int(each_int v, __global int *p, int stride) { *p = v; }
+typedef float vfloat;
+typedef int vint;
+#define TO_VINT(x) convert_int(x)
+#define TO_VFLOAT(x) convert_float(x)
+#define LOAD_LANES(p, stride) ((p)[0])
+#define LOAD_LANES_INT(p) (*(p))
+#define MASK_TAIL(v, lanes_used) (v)
+inline void store_lanes(vfloat v, __global float *p, int stride) { *p = v; }
+inline void store_lanes_int(vint v, __global int *p, int stride) { *p = v; }
 #endif

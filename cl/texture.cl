@@ -24,12 +24,12 @@ inline float wave_bits(const gscl_codes *c, __global const float *restrict table
 #define WIDEST 6.0f                       /* longest wavelength that is looked at, in major axes */
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
-inline void share_and_error(const appearance *plain, const outline *o, int x, int y, int lanes,
+inline void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes,
                             __global const float *restrict picture, __global const float *restrict weights,
                             __global const float *restrict target, int width, ulong plane, pix *share, pix *error) {
     size_t at = (size_t)y * width + x;
     pix inside = pix_inside(lanes);
-    pix s = painted_weight(pix_offsets() + ((float)x + 0.5f - o->x), (float)y + 0.5f - o->y, plain) * inside;
+    pix s = blend_weight(pix_offsets() + ((float)x + 0.5f - o->x), (float)y + 0.5f - o->y, plain) * inside;
 #if BLEND == GSCL_NORMALIZED
     s /= PIX_LOAD(weights + at) + s;
 #endif
@@ -53,9 +53,9 @@ typedef struct {
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
-inline wave_sums wave_weigh(const appearance *plain, float2 cycles, __global const float *restrict picture,
-                            __global const float *restrict weights, __global const float *restrict target, int width,
-                            int height, ulong plane) {
+inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __global const float *restrict picture,
+                              __global const float *restrict weights, __global const float *restrict target, int width,
+                              int height, ulong plane) {
     outline o = outline_of(plain, width, height);
     pix ec = (pix)(0.0f), es = (pix)(0.0f), cc = (pix)(0.0f), ss = (pix)(0.0f), cs = (pix)(0.0f);
     for (int y = o.rows.x; y <= o.rows.y; y++) {
@@ -78,8 +78,8 @@ inline wave_sums wave_weigh(const appearance *plain, float2 cycles, __global con
 }
 
 /* Finds the phase and the amplitude that cost least for a wave and direction; returns that cost. */
-inline float wave_settle(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *restrict tables,
-                         gscl_rdo_settings t) {
+inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation,
+                               __global const float *restrict tables, gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
     gscl_codes other = *c;
     for (int phase = 0; phase < GSCL_PHASES; phase++) {
@@ -133,7 +133,7 @@ inline void scan_add(scan_state *restrict states, int waves, pix shared_error, i
 
 /* What each wave of a state would win, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
  * (1 +- r) / 2, r = exp(-k' Sigma k). */
-inline pix scan_score(const appearance *plain, const scan_state *s) {
+inline pix scan_score(const projected_splat *plain, const scan_state *s) {
     const float *d = plain->projected;
     float u2 = d[GSCL_PROJECTED_UX] * d[GSCL_PROJECTED_UX] + d[GSCL_PROJECTED_UY] * d[GSCL_PROJECTED_UY];
     float v2 = d[GSCL_PROJECTED_VX] * d[GSCL_PROJECTED_VX] + d[GSCL_PROJECTED_VY] * d[GSCL_PROJECTED_VY];
@@ -145,7 +145,7 @@ inline pix scan_score(const appearance *plain, const scan_state *s) {
 }
 
 /* The most promising wave and direction. */
-inline int2 wave_scan(const appearance *plain, float major, gscl_view seen, __global const float *restrict picture,
+inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view, __global const float *restrict picture,
                       __global const float *restrict weights, __global const float *restrict target, int width,
                       int height, ulong plane) {
     scan_state states[SCANNED_WAVES * VECTORS];
@@ -153,7 +153,7 @@ inline int2 wave_scan(const appearance *plain, float major, gscl_view seen, __gl
     while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * WIDEST * major > 1.0f)) waves++;
     for (int i = 0; i < waves * VECTORS; i++) {
         pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
-        float cycles = wave_frequency(i / VECTORS) / seen.inv_scale;
+        float cycles = wave_frequency(i / VECTORS) / view.inv_scale;
         states[i].step_x = cycles * pix_cos_turns(direction);
         states[i].step_y = cycles * pix_cos_turns(direction - 0.25f);
         states[i].turn_cos = pix_cos_turns(states[i].step_x);
@@ -173,7 +173,7 @@ inline int2 wave_scan(const appearance *plain, float major, gscl_view seen, __gl
     int2 best = (int2)(0, 0);
     float highest = -1.0f;
     for (int i = 0; i < waves * VECTORS; i++) {
-        if (wave_frequency(i / VECTORS) > SHORTEST * seen.inv_scale) continue;
+        if (wave_frequency(i / VECTORS) > SHORTEST * view.inv_scale) continue;
         float scores[LANES];
         PIX_STORE(scan_score(plain, states + i), scores);
         for (int j = 0; j < LANES; j++)
@@ -188,7 +188,7 @@ inline int2 wave_scan(const appearance *plain, float major, gscl_view seen, __gl
 /* Gives the splat, which is out of the picture, the wave that costs least, or none. */
 inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minors,
                            __global const gscl_aspect_entry *aspects, __global const float *restrict tables,
-                           gscl_rdo_settings t, gscl_view seen, __global const float *restrict picture,
+                           gscl_rdo_settings t, gscl_view view, __global const float *restrict picture,
                            __global const float *restrict weights, __global const float *restrict target, int width,
                            int height, ulong plane) {
     gscl_codes now = *c, choice = *c;
@@ -196,7 +196,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minor
     float best = t.lambda * tables[GSCL_BITS_PLAIN];
     bool textured = now.code[GSCL_CODE_AMPLITUDE] > 0;
     splat s = codes_splat(&choice, minors, aspects, t);
-    appearance plain = splat_appearance(s, seen);
+    projected_splat plain = splat_project(s, view);
     int2 tried[6];
     int count = 0;
     if (textured) {
@@ -207,18 +207,19 @@ inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minor
         if (w + 1 < GSCL_WAVES) tried[count++] = (int2)(w + 1, d);
         if (w > 0) tried[count++] = (int2)(w - 1, d);
     }
-    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, seen, picture, weights, target, width, height, plane);
+    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, view, picture, weights, target, width, height, plane);
     for (int i = 0; i < count; i++) {
         gscl_codes other = now;
         other.code[GSCL_CODE_WAVE] = tried[i].x;
         other.code[GSCL_CODE_DIRECTION] = tried[i].y;
         other.code[GSCL_CODE_AMPLITUDE] = 1;
         splat waved = codes_splat(&other, minors, aspects, t);
-        appearance seen_so = splat_appearance(waved, seen);
-        float2 cycles = (float2)(seen_so.projected[GSCL_PROJECTED_WAVE_X], seen_so.projected[GSCL_PROJECTED_WAVE_Y]);
-        wave_sums w = wave_weigh(&plain, cycles, picture, weights, target, width, height, plane);
-        float attenuation = seen_so.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
-        float cost = wave_settle(&other, &w, attenuation, tables, t);
+        projected_splat projected = splat_project(waved, view);
+        float2 cycles =
+            (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);
+        wave_sums w = wave_sums_of(&plain, cycles, picture, weights, target, width, height, plane);
+        float attenuation = projected.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
+        float cost = wave_choose_codes(&other, &w, attenuation, tables, t);
         if (cost < best) {
             best = cost;
             choice = other;

@@ -49,16 +49,16 @@ inline void slots_add(float *restrict sums, found_slots *found, __global const f
     found->count = 0;
 }
 
-/* Adds the slots of splats `first` to `first + live` over the tiles of their boxes, row by row: always the same
+/* Adds the slots of splats `first` to `first + lanes_used` over the tiles of their boxes, row by row: always the same
  * order. */
-inline void slots_gather(float *restrict sums, size_t first, int live, __global const int4 *restrict boxes, int tiles_x,
-                         __global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                         __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
-                         __global const float *restrict slots) {
+inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __global const int4 *restrict boxes,
+                         int tiles_x, __global const float *restrict projected,
+                         __global const float *restrict ellipse_bounds, __global const uint *restrict entries,
+                         __global const int2 *restrict tile_ranges, __global const float *restrict slots) {
     found_slots found;
     found.count = 0;
     for (int k = 0; k < SPLAT_LANES * SLOT; k++) sums[k] = 0.0f;
-    for (int owner = 0; owner < live; owner++) {
+    for (int owner = 0; owner < lanes_used; owner++) {
         size_t i = first + (size_t)owner;
         int4 box = boxes[i];
         for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
@@ -77,31 +77,31 @@ inline void slots_gather(float *restrict sums, size_t first, int live, __global 
 }
 
 /* Sum `k` of each splat. */
-#define EACH_SUM(k) LOAD_EACH(sums + (k), SLOT)
+#define LANE_SUM(k) LOAD_LANES(sums + (k), SLOT)
 
-/* Chain rule from the frame's sums to the parameters.  `s`, `drawn`: the splats as they were drawn. */
-inline void gradient_from_sums(each *restrict gradient, const float *restrict sums, splat s,
-                               __global const float *restrict projected, gscl_view seen) {
-    each e1 = seen_axis(s.s1, seen.blur), e2 = seen_axis(s.s2, seen.blur);
+/* Chain rule from the frame's sums to the parameters.  `s`, `projected`: the splats as they were drawn. */
+inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict sums, splat s,
+                               __global const float *restrict projected, gscl_view view) {
+    vfloat e1 = axis_at_level(s.s1, view.blur), e2 = axis_at_level(s.s2, view.blur);
     /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
     const float factor = 2.0f * M_LN2_F;
-    each du = factor * EACH_SUM(GSCL_SLOT_U), dv = factor * EACH_SUM(GSCL_SLOT_V);
-    gradient[GSCL_X] = seen.inv_scale * fma(LOAD_EACH(projected + GSCL_PROJECTED_UX, GSCL_PROJECTED), du,
-                                            LOAD_EACH(projected + GSCL_PROJECTED_VX, GSCL_PROJECTED) * dv);
-    gradient[GSCL_Y] = seen.inv_scale * fma(LOAD_EACH(projected + GSCL_PROJECTED_UY, GSCL_PROJECTED), du,
-                                            LOAD_EACH(projected + GSCL_PROJECTED_VY, GSCL_PROJECTED) * dv);
+    vfloat du = factor * LANE_SUM(GSCL_SLOT_U), dv = factor * LANE_SUM(GSCL_SLOT_V);
+    gradient[GSCL_X] = view.inv_scale * fma(LOAD_LANES(projected + GSCL_PROJECTED_UX, GSCL_PROJECTED), du,
+                                            LOAD_LANES(projected + GSCL_PROJECTED_VX, GSCL_PROJECTED) * dv);
+    gradient[GSCL_Y] = view.inv_scale * fma(LOAD_LANES(projected + GSCL_PROJECTED_UY, GSCL_PROJECTED), du,
+                                            LOAD_LANES(projected + GSCL_PROJECTED_VY, GSCL_PROJECTED) * dv);
 #if TEXTURE
     /* d/dcentre of cos(2 pi (k.d - h)) = 2 pi k sin(...), and sin is cos a quarter of a turn later. */
-    each dwave = 2.0f * M_PI_F * EACH_SUM(SLOT_WAVE) * seen.inv_scale;
-    gradient[GSCL_X] = fma(LOAD_EACH(projected + GSCL_PROJECTED_WAVE_X, GSCL_PROJECTED), dwave, gradient[GSCL_X]);
-    gradient[GSCL_Y] = fma(LOAD_EACH(projected + GSCL_PROJECTED_WAVE_Y, GSCL_PROJECTED), dwave, gradient[GSCL_Y]);
+    vfloat dwave = 2.0f * M_PI_F * LANE_SUM(SLOT_WAVE) * view.inv_scale;
+    gradient[GSCL_X] = fma(LOAD_LANES(projected + GSCL_PROJECTED_WAVE_X, GSCL_PROJECTED), dwave, gradient[GSCL_X]);
+    gradient[GSCL_Y] = fma(LOAD_LANES(projected + GSCL_PROJECTED_WAVE_Y, GSCL_PROJECTED), dwave, gradient[GSCL_Y]);
 #endif
-    gradient[GSCL_LOG_S1] = factor * EACH_SUM(GSCL_SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
-    gradient[GSCL_LOG_S2] = factor * EACH_SUM(SLOT_VV) * (s.s2 / e2) * (s.s2 / e2);
-    gradient[GSCL_THETA] = ROTATION ? factor * EACH_SUM(GSCL_SLOT_UV) * (e1 / e2 - e2 / e1) : (each)(0.0f);
-    gradient[GSCL_OPACITY] = OPACITY ? EACH_SUM(SLOT_OPACITY) * s.opacity * (1.0f - s.opacity) : (each)(0.0f);
+    gradient[GSCL_LOG_S1] = factor * LANE_SUM(GSCL_SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
+    gradient[GSCL_LOG_S2] = factor * LANE_SUM(SLOT_VV) * (s.s2 / e2) * (s.s2 / e2);
+    gradient[GSCL_THETA] = ROTATION ? factor * LANE_SUM(GSCL_SLOT_UV) * (e1 / e2 - e2 / e1) : (vfloat)(0.0f);
+    gradient[GSCL_OPACITY] = OPACITY ? LANE_SUM(SLOT_OPACITY) * s.opacity * (1.0f - s.opacity) : (vfloat)(0.0f);
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = EACH_SUM(SLOT_COLOUR + k);
+    for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = LANE_SUM(SLOT_COLOUR + k);
 }
 
 #define ADAM_BETA1 0.9f
@@ -120,44 +120,44 @@ inline void gradient_from_sums(each *restrict gradient, const float *restrict su
 #define IS_FITTED(k) (((k) != GSCL_THETA || ROTATION) && ((k) != GSCL_OPACITY || OPACITY))
 
 /* Turns (x, y) by the angle whose cosine and sine are given. */
-inline void turn(each *restrict x, each *restrict y, each c, each s) {
-    each turned = c * *x - s * *y;
+inline void turn(vfloat *restrict x, vfloat *restrict y, vfloat c, vfloat s) {
+    vfloat turned = c * *x - s * *y;
     *y = fma(c, *y, s * *x);
     *x = turned;
 }
 
 /* The learning rate of each parameter.  The centre moves along the axes in units of each, and needles turn slowly, by
  * the power 3/4: both keep a step's effect on the picture alike for all shapes. */
-inline void learning_rates(each *restrict rates, const each *restrict p) {
-    each s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
-    each roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
+inline void learning_rates(vfloat *restrict rates, const vfloat *restrict p) {
+    vfloat s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
+    vfloat roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
     rates[GSCL_X] = RATE_POSITION * s1;
     rates[GSCL_Y] = RATE_POSITION * s2;
-    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = (each)(RATE_SHAPE);
+    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = (vfloat)(RATE_SHAPE);
     rates[GSCL_THETA] = RATE_TURN * roundness * sqrt(roundness);
-    rates[GSCL_OPACITY] = (each)(RATE_OPACITY);
+    rates[GSCL_OPACITY] = (vfloat)(RATE_OPACITY);
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = (each)(RATE_COLOUR);
+    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = (vfloat)(RATE_COLOUR);
 }
 
 /* Adam with the bias correction of each splat's own age; moments of the centre are in the splat's own frame. */
-inline void adam(each *restrict p, __global float *restrict first_moment, __global float *restrict second_moment,
-                 each age, __global const float *restrict gradient, float rate) {
-    each correct1 = rate / (1.0f - exp2(LOG2_BETA1 * age)), correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * age));
-    each c = ROTATION ? cos(p[GSCL_THETA]) : (each)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (each)(0.0f),
-         steps[FITTED], rates[FITTED];
+inline void adam(vfloat *restrict p, __global float *restrict first_moment, __global float *restrict second_moment,
+                 vfloat age, __global const float *restrict gradient, float rate) {
+    vfloat correct1 = rate / (1.0f - exp2(LOG2_BETA1 * age)), correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * age));
+    vfloat c = ROTATION ? cos(p[GSCL_THETA]) : (vfloat)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (vfloat)(0.0f),
+           steps[FITTED], rates[FITTED];
     learning_rates(rates, p);
     UNROLL
-    for (int k = 0; k < FITTED; k++) steps[k] = LOAD_EACH(gradient + k, GSCL_PARAMS);
+    for (int k = 0; k < FITTED; k++) steps[k] = LOAD_LANES(gradient + k, GSCL_PARAMS);
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
     UNROLL
     for (int k = 0; k < FITTED; k++) {
         if (!IS_FITTED(k)) continue;
-        each m = fma((each)(ADAM_BETA1), LOAD_EACH(first_moment + k, GSCL_PARAMS), (1.0f - ADAM_BETA1) * steps[k]);
-        each v = fma((each)(ADAM_BETA2), LOAD_EACH(second_moment + k, GSCL_PARAMS),
-                     (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
-        store_each(m, first_moment + k, GSCL_PARAMS);
-        store_each(v, second_moment + k, GSCL_PARAMS);
+        vfloat m = fma((vfloat)(ADAM_BETA1), LOAD_LANES(first_moment + k, GSCL_PARAMS), (1.0f - ADAM_BETA1) * steps[k]);
+        vfloat v = fma((vfloat)(ADAM_BETA2), LOAD_LANES(second_moment + k, GSCL_PARAMS),
+                       (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
+        store_lanes(m, first_moment + k, GSCL_PARAMS);
+        store_lanes(v, second_moment + k, GSCL_PARAMS);
         steps[k] = rates[k] * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
     }
     turn(&steps[GSCL_X], &steps[GSCL_Y], c, s);
@@ -166,57 +166,58 @@ inline void adam(each *restrict p, __global float *restrict first_moment, __glob
         if (IS_FITTED(k)) p[k] -= steps[k];
 }
 
-inline void keep_within(each *restrict p, gscl_limits b) {
-    p[GSCL_X] = clamp(p[GSCL_X], (each)(0.0f), (each)(b.width));
-    p[GSCL_Y] = clamp(p[GSCL_Y], (each)(0.0f), (each)(b.height));
-    each difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
-    each excess = fmax(0.5f * (fabs(difference) - b.log_aspect), (each)(0.0f));
+inline void keep_within(vfloat *restrict p, gscl_limits b) {
+    p[GSCL_X] = clamp(p[GSCL_X], (vfloat)(0.0f), (vfloat)(b.width));
+    p[GSCL_Y] = clamp(p[GSCL_Y], (vfloat)(0.0f), (vfloat)(b.height));
+    vfloat difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
+    vfloat excess = fmax(0.5f * (fabs(difference) - b.log_aspect), (vfloat)(0.0f));
     excess = difference < 0.0f ? -excess : excess;
-    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1] - excess, (each)(b.log_min), (each)(b.log_max));
-    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2] + excess, (each)(b.log_min), (each)(b.log_max));
-    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], (each)(-8.0f), (each)(8.0f));
+    p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1] - excess, (vfloat)(b.log_min), (vfloat)(b.log_max));
+    p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2] + excess, (vfloat)(b.log_min), (vfloat)(b.log_max));
+    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], (vfloat)(-8.0f), (vfloat)(8.0f));
     UNROLL
     for (int k = 0; k < CHANNELS; k++)
-        p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (each)(b.colour_min), (each)(b.colour_max));
+        p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
 /* Writes the gradients of SPLAT_LANES splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
  * they are). */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
-                               gscl_view seen, __global const int4 *restrict boxes,
+                               gscl_view view, __global const int4 *restrict boxes,
                                __global const float *restrict projected, __global const float *restrict ellipse_bounds,
                                __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
                                __global const float *restrict slots, __global float *restrict gradients) {
     size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)count) return;
     float sums[SPLAT_LANES * SLOT];
-    each gradient[FITTED];
-    int live = min(count - (int)i, SPLAT_LANES);
-    slots_gather(sums, i, live, boxes, seen.tiles_x, projected, ellipse_bounds, entries, tile_ranges, slots);
-    splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, live), steps);
-    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, seen);
+    vfloat gradient[FITTED];
+    int lanes_used = min(count - (int)i, SPLAT_LANES);
+    slots_gather(sums, i, lanes_used, boxes, view.tiles_x, projected, ellipse_bounds, entries, tile_ranges, slots);
+    splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps);
+    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, view);
     UNROLL
-    for (int k = 0; k < FITTED; k++) store_each(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
+    for (int k = 0; k < FITTED; k++) store_lanes(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
 }
 
 /* One step of Adam from the gradients, then the projection of the (quantised) result. */
 __kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
                         __global const float *restrict gradients, __global const float *restrict steps, int count,
-                        gscl_limits bounds, gscl_view seen, __global float *restrict projected,
+                        gscl_limits bounds, gscl_view view, __global float *restrict projected,
                         __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
     if (i >= (size_t)count) return;
-    each p[FITTED];
-    int live = min(count - (int)i, SPLAT_LANES);
+    vfloat p[FITTED];
+    int lanes_used = min(count - (int)i, SPLAT_LANES);
     UNROLL
-    for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, live);
-    each_int age = LOAD_EACH_INT(ages + i) + 1;
-    store_each_int(age, ages + i, 1);
-    adam(p, first_moment + at, second_moment + at, LIVE(EACH_FLOAT(age), live), gradients + at, bounds.rate);
+    for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, lanes_used);
+    vint age = LOAD_LANES_INT(ages + i) + 1;
+    store_lanes_int(age, ages + i, 1);
+    adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradients + at, bounds.rate);
     keep_within(p, bounds);
     UNROLL
     for (int k = 0; k < FITTED; k++)
-        if (IS_FITTED(k)) store_each(p[k], params + at + k, GSCL_PARAMS);
-    splat_project(splat_quantise(splat_load(params + at, live), steps), seen, i, projected, ellipse_bounds, boxes);
+        if (IS_FITTED(k)) store_lanes(p[k], params + at + k, GSCL_PARAMS);
+    splat_store_projected(splat_quantise(splat_load(params + at, lanes_used), steps), view, i, projected,
+                          ellipse_bounds, boxes);
 }

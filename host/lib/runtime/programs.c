@@ -47,7 +47,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
 /* The two mappings of pixels to work-items (cl/pixel.cl). */
 #define CPU_LANES 16
 #define CPU_ROWS 16
-#define CPU_KEPT_ROWS 512 /* 32 KB of a work-item's own memory */
+#define CPU_CACHED_ROWS 512 /* 32 KB of a work-item's own memory */
 #define GPU_LANES 4
 #define GPU_ROWS 1
 
@@ -105,8 +105,8 @@ static void options_text(const gscl_context *context, gscl_program_kind kind, co
     if (fits || kind == GSCL_PROGRAM_SCALAR_RDO)
         length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);
     if (fits)
-        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d -DKEPT_ROWS=%d", options->loss,
-                 context->gpu_mapping ? 0 : CPU_KEPT_ROWS);
+        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d -DCACHED_ROWS=%d", options->loss,
+                 context->gpu_mapping ? 0 : CPU_CACHED_ROWS);
     append_exactness(options, text);
 }
 
