@@ -3,7 +3,6 @@
  *
  * Two ways to learn: straight through (the parameters of each splat are learnt as if they were drawn, its words
  * follow by clustering), and directly (a word's gradient is the sum over the splats that use it). */
-#define SHAPE_DIMS 3
 #define COLOUR_DIMS (CHANNELS + 1)
 
 inline float to_stored(int book, int dim, float value) {
@@ -51,7 +50,7 @@ __kernel void book_apply(__global const float *restrict learnt, __global const i
                          *colour = colours + indices[i].y * GSCL_BOOK_DIMS;
     to[GSCL_X] = ((float)clamp((int)floor(from[GSCL_X] / cell.x), 0, last_cell.x) + 0.5f) * cell.x;
     to[GSCL_Y] = ((float)clamp((int)floor(from[GSCL_Y] / cell.y), 0, last_cell.y) + 0.5f) * cell.y;
-    for (int k = 0; k < SHAPE_DIMS; k++) to[GSCL_LOG_S1 + k] = shape[k];
+    for (int k = 0; k < GSCL_BOOK_SHAPE_DIMS; k++) to[GSCL_LOG_S1 + k] = shape[k];
     for (int k = 0; k < CHANNELS; k++) to[GSCL_COLOUR + k] = colour[k];
     to[GSCL_OPACITY] = colour[CHANNELS];
 }
@@ -67,7 +66,7 @@ __kernel void book_step(__global float *restrict words, __global float *restrict
                         gscl_limits bounds) {
     int w = (int)get_global_id(0);
     if (w >= count) return;
-    int dims = book == GSCL_BOOK_SHAPE ? SHAPE_DIMS : COLOUR_DIMS;
+    int dims = book == GSCL_BOOK_SHAPE ? GSCL_BOOK_SHAPE_DIMS : COLOUR_DIMS;
     float sums[GSCL_BOOK_DIMS];
     for (int k = 0; k < GSCL_BOOK_DIMS; k++) sums[k] = 0.0f;
     for (int i = 0; i < splats; i++) {

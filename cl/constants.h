@@ -146,7 +146,8 @@
 #define GSCL_BOOK_SHAPE 0
 #define GSCL_BOOK_COLOUR 1
 #define GSCL_BOOKS 2
-#define GSCL_BOOK_DIMS 5 /* floats from one word to the next, in either book */
+#define GSCL_BOOK_DIMS 5       /* floats from one word to the next, in either book */
+#define GSCL_BOOK_SHAPE_DIMS 3 /* ln s1, ln s2, theta; words of colours have the channels and an opacity logit */
 
 /* A splat's codes in scalar coding (gscl_codes). */
 #define GSCL_CODE_MINOR 0

@@ -13,7 +13,7 @@ void test_cloud(float *values, uint32_t count, uint32_t dims, uint32_t seed) {
     }
 }
 
-static double squared_distance(const kmeans_points *points, uint32_t i, const float *centroid) {
+static double squared_distance(const gscl_kmeans_points *points, uint32_t i, const float *centroid) {
     double sum = 0.0;
     for (uint32_t d = 0; d < points->dims; d++) {
         const double metric = points->metric ? points->metric[d] : 1.0;
@@ -23,8 +23,8 @@ static double squared_distance(const kmeans_points *points, uint32_t i, const fl
     return sum;
 }
 
-bool test_clusters_consistent(const kmeans_points *points, const float *centroids, const uint32_t *assignment,
-                              const kmeans_result *result) {
+bool test_clusters_consistent(const gscl_kmeans_points *points, const float *centroids, const uint32_t *assignment,
+                              const gscl_kmeans_result *result) {
     double total = 0.0;
     uint32_t *members = calloc(result->clusters + 1, sizeof *members);
     bool good = members != NULL;

@@ -10,7 +10,7 @@
 void test_cloud(float *values, uint32_t count, uint32_t dims, uint32_t seed);
 
 /* Every point sits at its nearest centroid, every centroid has a member, the distortion adds up. */
-bool test_clusters_consistent(const kmeans_points *points, const float *centroids, const uint32_t *assignment,
-                              const kmeans_result *result);
+bool test_clusters_consistent(const gscl_kmeans_points *points, const float *centroids, const uint32_t *assignment,
+                              const gscl_kmeans_result *result);
 
 #endif

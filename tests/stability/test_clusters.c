@@ -29,16 +29,16 @@ typedef struct {
 typedef struct {
     float centroids[CLUSTERS * DIMS];
     uint32_t assignment[POINTS];
-    kmeans_result result;
+    gscl_kmeans_result result;
 } solution;
 
 static void solve(const problem *p, uint32_t iterations, solution *s) {
-    const kmeans_points points = {p->values, p->weighted ? p->weights : NULL, p->scaled ? p->metric : NULL, p->count,
-                                  p->dims};
-    const kmeans_options options = {.clusters = p->clusters, .warm = p->warm, .iterations = iterations, .seed = 3};
+    const gscl_kmeans_points points = {p->values, p->weighted ? p->weights : NULL, p->scaled ? p->metric : NULL,
+                                       p->count, p->dims};
+    const gscl_kmeans_options options = {.clusters = p->clusters, .warm = p->warm, .iterations = iterations, .seed = 3};
     memset(s, 0, sizeof *s);
     memcpy(s->centroids, p->start, sizeof s->centroids);
-    assert_int_equal(kmeans_cluster(&points, &options, s->centroids, s->assignment, &s->result), KMEANS_OK);
+    assert_int_equal(gscl_kmeans_cluster(&points, &options, s->centroids, s->assignment, &s->result), GSCL_KMEANS_OK);
     assert_true(test_clusters_consistent(&points, s->centroids, s->assignment, &s->result));
     assert_true(isfinite(s->result.distortion));
 }

@@ -11,7 +11,10 @@
 #include <cmocka.h>
 
 #include "both_mappings.h"
-#include "codebook/codebook.h"
+#include "codebook/codebook_cluster.h"
+#include "codebook/codebook_order.h"
+#include "codebook/codebook_quantise.h"
+#include "codebook/codebook_step.h"
 #include "cl/constants.h"
 #include "decodes.h"
 #include "decode/coded_image.h"
@@ -243,7 +246,7 @@ static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl
     for (int round = 0; round < (c->equal ? 0 : 3); round++) {
         check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, round > 0, &random));
         check_call(context, c->name, gscl_codebook_sort(&book, picture));
-        check_call(context, c->name, gscl_codebook_step_through(&book, 1.0f));
+        check_call(context, c->name, gscl_codebook_step_straight_through(&book, 1.0f));
     }
     check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, true, &random));
     check_call(context, c->name, gscl_codebook_project(&book));

@@ -1,11 +1,8 @@
-/* The last step of the paper profile: words and splats as the integers of the file (P8). */
+#include "codebook/codebook_quantise.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "codebook/codebook.h"
-#include "cl/constants.h"
-#include "decode/quantise.h"
 
 /* A word's dimensions in the units of the file (format.h). */
 static double to_units(int book, int dim, int channels, float value) {
@@ -19,7 +16,7 @@ static double to_units(int book, int dim, int channels, float value) {
     return 255.0 / (1.0 + exp(-value));
 }
 
-/* Ends of a dimension over all words, whole units inside the format's limits. */
+/* The range of a dimension over all words, in whole units and within the format's limits. */
 static gsf_range range_of(const gscl_book *words, int book, int dim, int channels) {
     double low = 1e9, high = -1e9;
     for (int i = 0; i < words->count; i++) {
@@ -27,10 +24,11 @@ static gsf_range range_of(const gscl_book *words, int book, int dim, int channel
         low = fmin(low, v);
         high = fmax(high, v);
     }
-    double least = book == GSCL_BOOK_COLOUR && dim < channels ? -255 : 0;
-    double most = book == GSCL_BOOK_SHAPE ? (dim < 2 ? GSF_MAX_OCTAVES32 : 256) : dim < channels ? 510 : 255;
-    low = fmin(fmax(floor(low + 0.25), least), most); /* outward, but not for a hair's breadth */
-    high = fmin(fmax(ceil(high - 0.25), low), most);
+    const double min = book == GSCL_BOOK_COLOUR && dim < channels ? -255 : 0;
+    const double max = book == GSCL_BOOK_SHAPE ? (dim < 2 ? GSF_MAX_OCTAVES32 : 256) : dim < channels ? 510 : 255;
+    /* Rounded outward, unless a quarter of a unit or less would be cut off. */
+    low = fmin(fmax(floor(low + 0.25), min), max);
+    high = fmin(fmax(ceil(high - 0.25), low), max);
     return (gsf_range){(int32_t)low, (int32_t)high};
 }
 
@@ -41,13 +39,13 @@ static uint16_t code_of(const gsf_range *range, int bits, double value) {
     return (uint16_t)fmin(fmax(rint((value - range->min) * last / (range->max - range->min)), 0), last);
 }
 
-/* A word on its way into stored order. */
-typedef struct coded {
+/* A word and its index before it was sorted into the stored order. */
+typedef struct coded_word {
     uint16_t code[GSCL_BOOK_DIMS];
     int from;
-} coded;
+} coded_word;
 
-static int compare_words(const coded *p, const coded *q, int sign) {
+static int compare_words(const coded_word *p, const coded_word *q, int sign) {
     if (p->code[0] != q->code[0])
         return p->code[0] < q->code[0] ? -sign : sign;
     return p->from < q->from ? -1 : p->from > q->from;
@@ -59,11 +57,12 @@ static int ascending(const void *a, const void *b) {
     return compare_words(a, b, 1);
 }
 
-/* Writes one book into the picture and tells where each word went. */
-static void write_book(const gscl_codebook *c, int which, gsf_coded_image *file, coded *words, int *places) {
+/* Writes one book into the coded image; word k of the codebook becomes word places[k] of the file. */
+static void write_book(const gscl_codebook *c, int which, gsf_coded_image *file, int *places) {
     const gscl_book *book = &c->books[which];
     gsf_codebooks *books = &file->codebooks;
-    int channels = c->fit->renderer.channels, dims = which == GSCL_BOOK_SHAPE ? 3 : channels + 1;
+    coded_word words[GSF_MAX_CODEBOOK];
+    const int channels = gscl_codebook_channels(c), dims = gscl_codebook_dims(c, which);
     gsf_range *ranges = which == GSCL_BOOK_SHAPE ? books->shape : books->colour;
     for (int d = 0; d < dims; d++)
         ranges[d] = range_of(book, which, d, channels);
@@ -75,11 +74,9 @@ static void write_book(const gscl_codebook *c, int which, gsf_coded_image *file,
     }
     qsort(words, (size_t)book->count, sizeof *words, which == GSCL_BOOK_SHAPE ? descending : ascending);
     for (int i = 0; i < book->count; i++) {
+        uint16_t *stored = which == GSCL_BOOK_SHAPE ? books->shape_words[i] : books->colour_words[i];
         places[words[i].from] = i;
-        if (which == GSCL_BOOK_SHAPE)
-            memcpy(books->shape_words[i], words[i].code, 3 * sizeof(uint16_t));
-        else
-            memcpy(books->colour_words[i], words[i].code, (size_t)dims * sizeof(uint16_t));
+        memcpy(stored, words[i].code, (size_t)dims * sizeof *stored);
     }
 }
 
@@ -88,37 +85,37 @@ static uint16_t cell_of(float position, uint32_t size, int bits) {
     return (uint16_t)fmin(fmax(cell, 0), cells - 1);
 }
 
-gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *picture) {
-    size_t count = (size_t)c->fit->renderer.count;
-    gsf_coded_image *file = &picture->file;
-    GSCL_TRY(gscl_coded_image_reserve(picture, count));
-    coded *words = malloc(GSF_MAX_CODEBOOK * sizeof *words);
-    int(*places)[GSF_MAX_CODEBOOK] = malloc(GSCL_BOOKS * sizeof *places);
-    if (words && places) {
-        file->header.splat_count = (uint32_t)count;
-        file->codebooks.shape_count = (uint16_t)c->books[GSCL_BOOK_SHAPE].count;
-        file->codebooks.colour_count = (uint16_t)c->books[GSCL_BOOK_COLOUR].count;
-        file->codebooks.position_bits = (uint8_t)c->position_bits;
-        file->codebooks.shape_bits = (uint8_t)c->books[GSCL_BOOK_SHAPE].bits;
-        file->codebooks.colour_bits = (uint8_t)c->books[GSCL_BOOK_COLOUR].bits;
-        for (int b = 0; b < GSCL_BOOKS; b++)
-            write_book(c, b, file, words, places[b]);
-        for (size_t i = 0; i < count; i++) {
-            const float *p = c->params + i * GSCL_PARAMS;
-            file->indexed[i] =
-                (gsf_indexed_splat){(uint16_t)places[0][c->pairs[i][0]], (uint16_t)places[1][c->pairs[i][1]],
-                                    cell_of(p[GSCL_X], c->fit->pyramid.width, c->position_bits),
-                                    cell_of(p[GSCL_Y], c->fit->pyramid.height, c->position_bits)};
-        }
-    }
-    gscl_result result = words && places ? GSCL_OK : gscl_fail_memory(c->fit->context);
-    free(words);
-    free(places);
-    return result;
+/* Sets what the file says about the books as a whole. */
+static void write_layout(const gscl_codebook *c, gsf_codebooks *books) {
+    books->shape_count = (uint16_t)c->books[GSCL_BOOK_SHAPE].count;
+    books->colour_count = (uint16_t)c->books[GSCL_BOOK_COLOUR].count;
+    books->position_bits = (uint8_t)c->position_bits;
+    books->shape_bits = (uint8_t)c->books[GSCL_BOOK_SHAPE].bits;
+    books->colour_bits = (uint8_t)c->books[GSCL_BOOK_COLOUR].bits;
 }
 
-/* Tells how many of `count` words are used and where each of these goes: their order stays. */
-static uint16_t count_used(const bool *used, uint16_t count, uint16_t *places) {
+gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *picture) {
+    const size_t count = gscl_codebook_splats(c);
+    gsf_coded_image *file = &picture->file;
+    int places[GSCL_BOOKS][GSF_MAX_CODEBOOK];
+    GSCL_TRY(gscl_coded_image_reserve(picture, count));
+    file->header.splat_count = (uint32_t)count;
+    write_layout(c, &file->codebooks);
+    for (int b = 0; b < GSCL_BOOKS; b++)
+        write_book(c, b, file, places[b]);
+    for (size_t i = 0; i < count; i++) {
+        const float *p = c->params + i * GSCL_PARAMS;
+        const cl_int *pair = c->pairs[i];
+        file->indexed[i] = (gsf_indexed_splat){(uint16_t)places[GSCL_BOOK_SHAPE][pair[GSCL_BOOK_SHAPE]],
+                                               (uint16_t)places[GSCL_BOOK_COLOUR][pair[GSCL_BOOK_COLOUR]],
+                                               cell_of(p[GSCL_X], c->fit->pyramid.width, c->position_bits),
+                                               cell_of(p[GSCL_Y], c->fit->pyramid.height, c->position_bits)};
+    }
+    return GSCL_OK;
+}
+
+/* Gives each used word its new index, in the old order, and returns the number of used words. */
+static uint16_t renumber_used(const bool *used, uint16_t count, uint16_t *places) {
     uint16_t kept = 0;
     for (uint16_t k = 0; k < count; k++)
         if (used[k])
@@ -126,28 +123,28 @@ static uint16_t count_used(const bool *used, uint16_t count, uint16_t *places) {
     return kept;
 }
 
-void gscl_codebook_drop_unused(gsf_coded_image *file) {
-    bool used[GSCL_BOOKS][GSF_MAX_CODEBOOK] = {{false}};
-    uint16_t places[GSCL_BOOKS][GSF_MAX_CODEBOOK];
+void gscl_coded_codebooks_drop_unused(gsf_coded_image *file) {
+    bool used_shapes[GSF_MAX_CODEBOOK] = {false}, used_colours[GSF_MAX_CODEBOOK] = {false};
+    uint16_t shape_places[GSF_MAX_CODEBOOK], colour_places[GSF_MAX_CODEBOOK];
     gsf_codebooks *books = &file->codebooks;
-    if (file->header.splat_count == 0)
+    const uint32_t splats = file->header.splat_count;
+    if (splats == 0)
         return;
-    for (uint32_t i = 0; i < file->header.splat_count; i++) {
-        used[GSCL_BOOK_SHAPE][file->indexed[i].shape] = true;
-        used[GSCL_BOOK_COLOUR][file->indexed[i].colour] = true;
+    for (uint32_t i = 0; i < splats; i++) {
+        used_shapes[file->indexed[i].shape] = true;
+        used_colours[file->indexed[i].colour] = true;
     }
-    uint16_t shapes = count_used(used[GSCL_BOOK_SHAPE], books->shape_count, places[GSCL_BOOK_SHAPE]);
-    uint16_t colours = count_used(used[GSCL_BOOK_COLOUR], books->colour_count, places[GSCL_BOOK_COLOUR]);
+    const uint16_t shapes = renumber_used(used_shapes, books->shape_count, shape_places);
+    const uint16_t colours = renumber_used(used_colours, books->colour_count, colour_places);
     for (uint16_t k = 0; k < books->shape_count; k++)
-        if (used[GSCL_BOOK_SHAPE][k])
-            memmove(books->shape_words[places[GSCL_BOOK_SHAPE][k]], books->shape_words[k], sizeof *books->shape_words);
+        if (used_shapes[k])
+            memmove(books->shape_words[shape_places[k]], books->shape_words[k], sizeof *books->shape_words);
     for (uint16_t k = 0; k < books->colour_count; k++)
-        if (used[GSCL_BOOK_COLOUR][k])
-            memmove(books->colour_words[places[GSCL_BOOK_COLOUR][k]], books->colour_words[k],
-                    sizeof *books->colour_words);
-    for (uint32_t i = 0; i < file->header.splat_count; i++) {
-        file->indexed[i].shape = places[GSCL_BOOK_SHAPE][file->indexed[i].shape];
-        file->indexed[i].colour = places[GSCL_BOOK_COLOUR][file->indexed[i].colour];
+        if (used_colours[k])
+            memmove(books->colour_words[colour_places[k]], books->colour_words[k], sizeof *books->colour_words);
+    for (uint32_t i = 0; i < splats; i++) {
+        file->indexed[i].shape = shape_places[file->indexed[i].shape];
+        file->indexed[i].colour = colour_places[file->indexed[i].colour];
     }
     books->shape_count = shapes;
     books->colour_count = colours;

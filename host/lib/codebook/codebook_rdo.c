@@ -1,229 +1,278 @@
-/* Host side of cl/codebook_rdo.cl: prices, and which splats may be visited together. */
+#include "codebook/codebook_rdo.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/constants.h"
-#include "cl/structs.h"
-#include "codebook/codebook.h"
+#include "codebook/tunables.h"
 
-#define CELL 16  /* pixels of the map that keeps visits apart */
-#define ROOM 3.0 /* pixels around the outline */
-
-typedef struct chooser {
-    gscl_codebook *codebook;
-    size_t count;
-    gscl_word_rdo_settings settings;
-    float *stored; /* shape words as they are drawn */
-    float *bits[GSCL_BOOKS];
-    cl_int (*cells)[2];
-    cl_int (*boxes)[4];
-    int *waves;     /* when each splat is visited */
-    cl_int *visits; /* splats by wave */
-    gscl_buffer d_bits[GSCL_BOOKS], d_cells, d_boxes, d_visits, front, through;
-} chooser;
-
-static void chooser_free(chooser *c) {
-    free(c->stored);
-    free(c->bits[0]);
-    free(c->bits[1]);
-    free(c->cells);
-    free(c->boxes);
-    free(c->waves);
-    free(c->visits);
-    gscl_buffer *buffers[] = {&c->d_bits[0], &c->d_bits[1], &c->d_cells, &c->d_boxes,
-                              &c->d_visits,  &c->front,     &c->through};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
-        gscl_buffer_free(buffers[i]);
+static gscl_context *context_of(const gscl_codebook_rdo *rdo) {
+    return rdo->codebook->fit->context;
 }
 
-static gscl_result allocate(chooser *c) {
-    size_t n = c->count + 1;
-    c->stored = malloc(GSF_MAX_CODEBOOK * GSCL_BOOK_DIMS * sizeof(float));
-    c->bits[0] = malloc(GSF_MAX_CODEBOOK * sizeof(float));
-    c->bits[1] = malloc(GSF_MAX_CODEBOOK * sizeof(float));
-    c->cells = malloc(n * sizeof *c->cells);
-    c->boxes = malloc(n * sizeof *c->boxes);
-    c->waves = malloc(n * sizeof *c->waves);
-    c->visits = malloc(n * sizeof *c->visits);
-    if (c->stored && c->bits[0] && c->bits[1] && c->cells && c->boxes && c->waves && c->visits)
-        return GSCL_OK;
-    return gscl_fail_memory(c->codebook->fit->context);
-}
+/* ---- Arrays and buffers ---- */
 
-/* Bits of each word, from how often it is used; half a use for each so that none is impossible. */
-static void price_words(chooser *c, int book) {
-    int count = c->codebook->books[book].count;
-    for (int k = 0; k < count; k++)
-        c->bits[book][k] = 0.5f;
-    for (size_t i = 0; i < c->count; i++)
-        c->bits[book][c->codebook->pairs[i][book]] += 1.0f;
-    for (int k = 0; k < count; k++)
-        c->bits[book][k] = -log2f(c->bits[book][k] / ((float)c->count + 0.5f * (float)count));
-}
-
-static void half_size(const float *shape, double *width, double *height) {
-    double s1 = exp(2.0 * shape[0]), s2 = exp(2.0 * shape[1]), c = cos(shape[2]), s = sin(shape[2]);
-    *width = fmax(*width, sqrt(2 * GSCL_SUPPORT * (c * c * s1 + s * s * s2)));
-    *height = fmax(*height, sqrt(2 * GSCL_SUPPORT * (s * s * s1 + c * c * s2)));
-}
-
-/* The pixels that a visit may touch: the outline with room for a move by a cell, clipped to the image. */
-static void find_box(chooser *c, size_t i) {
-    const gscl_fit *f = c->codebook->fit;
-    int shape = c->codebook->pairs[i][0];
-    double width = 0, height = 0, x = (c->cells[i][0] + 0.5) * c->settings.cell_x,
-           y = (c->cells[i][1] + 0.5) * c->settings.cell_y;
-    half_size(c->stored + shape * GSCL_BOOK_DIMS, &width, &height);
-    width += ROOM + c->settings.cell_x;
-    height += ROOM + c->settings.cell_y;
-    c->boxes[i][0] = (cl_int)fmax(floor(x - width), 0);
-    c->boxes[i][1] = (cl_int)fmin(ceil(x + width), f->renderer.width - 1);
-    c->boxes[i][2] = (cl_int)fmax(floor(y - height), 0);
-    c->boxes[i][3] = (cl_int)fmin(ceil(y + height), f->renderer.height - 1);
-}
-
-/* Puts each splat, from the front to the back, into the first wave after those of all splats in front of it that it
- * touches; returns the number of waves. */
-static gscl_result make_waves(chooser *c, int *waves) {
-    const gscl_renderer *r = &c->codebook->fit->renderer;
-    int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
-    int *map = calloc((size_t)columns * (size_t)rows, sizeof *map);
-    if (!map)
-        return gscl_fail_memory(r->context);
-    *waves = 0;
-    for (size_t i = c->count; i-- > 0;) {
-        const cl_int *b = c->boxes[i];
-        int wave = 0;
-        for (int y = b[2] / CELL; y <= b[3] / CELL; y++)
-            for (int x = b[0] / CELL; x <= b[1] / CELL; x++)
-                if (map[y * columns + x] > wave)
-                    wave = map[y * columns + x];
-        for (int y = b[2] / CELL; y <= b[3] / CELL; y++)
-            for (int x = b[0] / CELL; x <= b[1] / CELL; x++)
-                map[y * columns + x] = wave + 1;
-        c->waves[i] = wave;
-        if (wave + 1 > *waves)
-            *waves = wave + 1;
-    }
-    free(map);
+static gscl_result rdo_allocate(gscl_codebook_rdo *rdo) {
+    const size_t n = gscl_codebook_splats(rdo->codebook) + 1;
+    rdo->shapes = malloc(GSCL_BOOK_BYTES);
+    for (int b = 0; b < GSCL_BOOKS; b++)
+        rdo->bits[b] = calloc(GSF_MAX_CODEBOOK, sizeof *rdo->bits[b]);
+    rdo->cells = malloc(n * sizeof *rdo->cells);
+    rdo->boxes = malloc(n * sizeof *rdo->boxes);
+    rdo->batch_of = malloc(n * sizeof *rdo->batch_of);
+    rdo->batch = malloc(n * sizeof *rdo->batch);
+    rdo->next_batch = malloc((size_t)rdo->map_columns * (size_t)rdo->map_rows * sizeof *rdo->next_batch);
+    rdo->kept = malloc(n * sizeof *rdo->kept);
+    if (!rdo->shapes || !rdo->bits[GSCL_BOOK_SHAPE] || !rdo->bits[GSCL_BOOK_COLOUR] || !rdo->cells || !rdo->boxes ||
+        !rdo->batch_of || !rdo->batch || !rdo->next_batch || !rdo->kept)
+        return gscl_fail_memory(context_of(rdo));
     return GSCL_OK;
 }
 
-static gscl_result upload_all(chooser *c) {
-    gscl_context *context = c->codebook->fit->context;
+static gscl_result rdo_reserve_buffers(gscl_codebook_rdo *rdo) {
+    const gscl_renderer *r = &rdo->codebook->fit->renderer;
+    const size_t n = gscl_codebook_splats(rdo->codebook) + 1, plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
     for (int b = 0; b < GSCL_BOOKS; b++)
-        GSCL_TRY(gscl_buffer_upload(context, &c->d_bits[b], c->bits[b], GSF_MAX_CODEBOOK * sizeof(float)));
-    GSCL_TRY(gscl_buffer_upload(context, &c->d_cells, c->cells, c->count * sizeof *c->cells));
-    return gscl_buffer_upload(context, &c->d_boxes, c->boxes, c->count * sizeof *c->boxes);
+        GSCL_TRY(gscl_buffer_reserve(r->context, &rdo->device_bits[b], GSF_MAX_CODEBOOK * sizeof(float)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &rdo->device_cells, n * sizeof *rdo->cells));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &rdo->device_boxes, n * sizeof *rdo->boxes));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &rdo->device_batch, n * sizeof *rdo->batch));
+    GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->front, plane * (size_t)r->channels));
+    return gscl_buffer_reserve_image(r->context, &rdo->transmittance, plane);
 }
 
-/* Draws the picture into renderer->image; nothing is in front yet. */
-static gscl_result begin(chooser *c) {
-    gscl_renderer *r = &c->codebook->fit->renderer;
-    size_t plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
+gscl_result gscl_codebook_rdo_create(gscl_codebook_rdo *rdo, gscl_codebook *codebook) {
+    const int side = gscl_codebook_tunables.cell_side;
+    const gscl_renderer *r = &codebook->fit->renderer;
+    *rdo = (gscl_codebook_rdo){
+        .codebook = codebook, .map_columns = (r->width + side - 1) / side, .map_rows = (r->height + side - 1) / side};
+    GSCL_TRY(rdo_allocate(rdo));
+    return rdo_reserve_buffers(rdo);
+}
+
+void gscl_codebook_rdo_free(gscl_codebook_rdo *rdo) {
+    void *arrays[] = {rdo->shapes,
+                      rdo->bits[GSCL_BOOK_SHAPE],
+                      rdo->bits[GSCL_BOOK_COLOUR],
+                      rdo->cells,
+                      rdo->boxes,
+                      rdo->batch_of,
+                      rdo->batch,
+                      rdo->next_batch,
+                      rdo->kept};
+    gscl_buffer *buffers[] = {&rdo->device_bits[GSCL_BOOK_SHAPE],
+                              &rdo->device_bits[GSCL_BOOK_COLOUR],
+                              &rdo->device_cells,
+                              &rdo->device_boxes,
+                              &rdo->device_batch,
+                              &rdo->front,
+                              &rdo->transmittance};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
+        gscl_buffer_free(buffers[i]);
+    memset(rdo, 0, sizeof *rdo);
+}
+
+/* ---- Settings, bits and boxes of a pass ---- */
+
+static void rdo_set_settings(gscl_codebook_rdo *rdo, double lambda, bool keep_all) {
+    const gscl_codebook *c = rdo->codebook;
+    const int last = (1 << c->position_bits) - 1;
+    rdo->settings =
+        (gscl_word_rdo_settings){.lambda = (cl_float)lambda,
+                                 .existence = (float)(2 * c->position_bits) - log2f((float)gscl_codebook_splats(c)),
+                                 .leave_out = keep_all ? FLT_MAX : 0.0f,
+                                 .cell_x = (cl_float)c->fit->pyramid.width / (cl_float)(last + 1),
+                                 .cell_y = (cl_float)c->fit->pyramid.height / (cl_float)(last + 1),
+                                 .last_x = last,
+                                 .last_y = last,
+                                 .colours = c->books[GSCL_BOOK_COLOUR].count};
+}
+
+/* Bits of each word, from how often it is used. */
+static void count_bits_of_words(gscl_codebook_rdo *rdo, int book) {
+    const gscl_codebook *c = rdo->codebook;
+    const size_t splats = gscl_codebook_splats(c);
+    const int count = c->books[book].count;
+    const float prior = gscl_codebook_tunables.prior_uses;
+    float *bits = rdo->bits[book];
+    for (int k = 0; k < count; k++)
+        bits[k] = prior;
+    for (size_t i = 0; i < splats; i++)
+        bits[c->pairs[i][book]] += 1.0f;
+    for (int k = 0; k < count; k++)
+        bits[k] = -log2f(bits[k] / ((float)splats + prior * (float)count));
+}
+
+static void find_cell(gscl_codebook_rdo *rdo, size_t i) {
+    const float *p = rdo->codebook->params + i * GSCL_PARAMS;
+    rdo->cells[i][0] = (cl_int)fmin(fmax(floor(p[GSCL_X] / rdo->settings.cell_x), 0), rdo->settings.last_x);
+    rdo->cells[i][1] = (cl_int)fmin(fmax(floor(p[GSCL_Y] / rdo->settings.cell_y), 0), rdo->settings.last_y);
+}
+
+static void outline_half_size(const float *shape, double *width, double *height) {
+    const double s1 = exp(2.0 * shape[0]), s2 = exp(2.0 * shape[1]), c = cos(shape[2]), s = sin(shape[2]);
+    *width = sqrt(2 * GSCL_SUPPORT * (c * c * s1 + s * s * s2));
+    *height = sqrt(2 * GSCL_SUPPORT * (s * s * s1 + c * c * s2));
+}
+
+/* The pixels that the pass may change for a splat: its outline with a margin for a move by a cell, within the image. */
+static void find_box(gscl_codebook_rdo *rdo, size_t i) {
+    const gscl_renderer *r = &rdo->codebook->fit->renderer;
+    const double margin = gscl_codebook_tunables.box_margin;
+    const gscl_word_rdo_settings *s = &rdo->settings;
+    const double x = (rdo->cells[i][0] + 0.5) * s->cell_x, y = (rdo->cells[i][1] + 0.5) * s->cell_y;
+    double width, height;
+    outline_half_size(rdo->shapes + rdo->codebook->pairs[i][GSCL_BOOK_SHAPE] * GSCL_BOOK_DIMS, &width, &height);
+    width += margin + s->cell_x;
+    height += margin + s->cell_y;
+    rdo->boxes[i][0] = (cl_int)fmax(floor(x - width), 0);
+    rdo->boxes[i][1] = (cl_int)fmin(ceil(x + width), r->width - 1);
+    rdo->boxes[i][2] = (cl_int)fmax(floor(y - height), 0);
+    rdo->boxes[i][3] = (cl_int)fmin(ceil(y + height), r->height - 1);
+}
+
+/* ---- Batches of splats that do not overlap ---- */
+
+/* The first batch that a splat with this box may be part of. */
+static int first_free_batch(const gscl_codebook_rdo *rdo, const cl_int *box) {
+    const int side = gscl_codebook_tunables.cell_side;
+    int batch = 0;
+    for (int y = box[2] / side; y <= box[3] / side; y++)
+        for (int x = box[0] / side; x <= box[1] / side; x++)
+            if (rdo->next_batch[y * rdo->map_columns + x] > batch)
+                batch = rdo->next_batch[y * rdo->map_columns + x];
+    return batch;
+}
+
+static void occupy(gscl_codebook_rdo *rdo, const cl_int *box, int batch) {
+    const int side = gscl_codebook_tunables.cell_side;
+    for (int y = box[2] / side; y <= box[3] / side; y++)
+        for (int x = box[0] / side; x <= box[1] / side; x++)
+            rdo->next_batch[y * rdo->map_columns + x] = batch + 1;
+}
+
+/* Puts each splat, from the front to the back, into the first batch after those of all splats in front of it that it
+ * may overlap; returns the number of batches. */
+static int make_batches(gscl_codebook_rdo *rdo) {
+    int batches = 0;
+    memset(rdo->next_batch, 0, (size_t)rdo->map_columns * (size_t)rdo->map_rows * sizeof *rdo->next_batch);
+    for (size_t i = gscl_codebook_splats(rdo->codebook); i-- > 0;) {
+        const int batch = first_free_batch(rdo, rdo->boxes[i]);
+        occupy(rdo, rdo->boxes[i], batch);
+        rdo->batch_of[i] = batch;
+        if (batch + 1 > batches)
+            batches = batch + 1;
+    }
+    return batches;
+}
+
+/* ---- The device ---- */
+
+static gscl_result rdo_upload(gscl_codebook_rdo *rdo) {
+    gscl_context *context = context_of(rdo);
+    const size_t splats = gscl_codebook_splats(rdo->codebook);
+    for (int b = 0; b < GSCL_BOOKS; b++)
+        GSCL_TRY(gscl_buffer_write(context, &rdo->device_bits[b], 0, rdo->bits[b], GSF_MAX_CODEBOOK * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write(context, &rdo->device_cells, 0, rdo->cells, splats * sizeof *rdo->cells));
+    return gscl_buffer_write(context, &rdo->device_boxes, 0, rdo->boxes, splats * sizeof *rdo->boxes);
+}
+
+/* Renders all splats into renderer->image; none is in front of the first. */
+static gscl_result rdo_render(gscl_codebook_rdo *rdo) {
+    gscl_renderer *r = &rdo->codebook->fit->renderer;
+    const size_t plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
     const cl_float one = 1.0f;
     GSCL_TRY(gscl_renderer_bin(r, true));
     GSCL_TRY(gscl_renderer_draw(r));
-    GSCL_TRY(gscl_buffer_reserve_image(r->context, &c->front, plane * (size_t)r->channels));
-    GSCL_TRY(gscl_buffer_reserve_image(r->context, &c->through, plane));
-    GSCL_TRY(gscl_buffer_zero(r->context, &c->front, 0, plane * (size_t)r->channels));
-    GSCL_CL(r->context,
-            clEnqueueFillBuffer(r->context->queue, c->through.memory, &one, sizeof one, 0, plane, 0, NULL, NULL));
+    GSCL_TRY(gscl_buffer_zero(r->context, &rdo->front, 0, plane * (size_t)r->channels));
+    GSCL_CL(r->context, clEnqueueFillBuffer(r->context->queue, rdo->transmittance.memory, &one, sizeof one, 0, plane, 0,
+                                            NULL, NULL));
     return GSCL_OK;
 }
 
-static gscl_result visit_wave(chooser *c, const cl_int *visits, cl_int count) {
-    gscl_codebook *book = c->codebook;
-    gscl_renderer *r = &book->fit->renderer;
-    cl_ulong plane = gscl_renderer_plane(r);
+static gscl_result run_batch(gscl_codebook_rdo *rdo, cl_int count) {
+    gscl_codebook *c = rdo->codebook;
+    gscl_renderer *r = &c->fit->renderer;
+    const cl_ulong plane = gscl_renderer_plane(r);
     cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_upload(r->context, &c->d_visits, visits, (size_t)count * sizeof *visits));
+    GSCL_TRY(gscl_buffer_write(r->context, &rdo->device_batch, 0, rdo->batch, (size_t)count * sizeof *rdo->batch));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "choose_visit", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)count, 1, GSCL_ARG_BUFFER(c->d_visits), GSCL_ARG(count),
-                       GSCL_ARG_BUFFER(c->d_cells), GSCL_ARG_BUFFER(book->indices), GSCL_ARG_BUFFER(c->d_boxes),
-                       GSCL_ARG_BUFFER(book->books[0].stored), GSCL_ARG_BUFFER(book->books[1].stored),
-                       GSCL_ARG_BUFFER(c->d_bits[0]), GSCL_ARG_BUFFER(c->d_bits[1]), GSCL_ARG(c->settings),
-                       GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(c->front),
-                       GSCL_ARG_BUFFER(c->through), GSCL_ARG_BUFFER(book->fit->pyramid.levels[book->fit->level]),
-                       GSCL_ARG(r->width), GSCL_ARG(r->height), GSCL_ARG(plane));
+    return GSCL_LAUNCH(
+        r->context, kernel, (size_t)count, 1, GSCL_ARG_BUFFER(rdo->device_batch), GSCL_ARG(count),
+        GSCL_ARG_BUFFER(rdo->device_cells), GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(rdo->device_boxes),
+        GSCL_ARG_BUFFER(c->books[GSCL_BOOK_SHAPE].stored), GSCL_ARG_BUFFER(c->books[GSCL_BOOK_COLOUR].stored),
+        GSCL_ARG_BUFFER(rdo->device_bits[GSCL_BOOK_SHAPE]), GSCL_ARG_BUFFER(rdo->device_bits[GSCL_BOOK_COLOUR]),
+        GSCL_ARG(rdo->settings), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->front),
+        GSCL_ARG_BUFFER(rdo->transmittance), GSCL_ARG_BUFFER(c->fit->pyramid.levels[c->fit->level]), GSCL_ARG(r->width),
+        GSCL_ARG(r->height), GSCL_ARG(plane));
 }
 
-static gscl_result visit_all(chooser *c, int waves) {
-    for (int wave = 0; wave < waves; wave++) {
+static gscl_result run_batches(gscl_codebook_rdo *rdo, int batches) {
+    const size_t splats = gscl_codebook_splats(rdo->codebook);
+    for (int batch = 0; batch < batches; batch++) {
         cl_int count = 0;
-        for (size_t i = 0; i < c->count; i++)
-            if (c->waves[i] == wave)
-                c->visits[count++] = (cl_int)i;
-        GSCL_TRY(visit_wave(c, c->visits, count));
+        for (size_t i = 0; i < splats; i++)
+            if (rdo->batch_of[i] == batch)
+                rdo->batch[count++] = (cl_int)i;
+        GSCL_TRY(run_batch(rdo, count));
     }
     return GSCL_OK;
 }
 
-/* Takes cells and words back, without the splats that were dropped. */
-static gscl_result collect(chooser *c) {
-    gscl_codebook *book = c->codebook;
-    size_t kept = 0, row = GSCL_PARAMS * sizeof(float);
-    GSCL_TRY(gscl_buffer_read(book->fit->context, &book->indices, 0, book->pairs, c->count * sizeof *book->pairs));
-    GSCL_TRY(gscl_buffer_read(book->fit->context, &c->d_cells, 0, c->cells, c->count * sizeof *c->cells));
-    size_t *order = malloc((c->count + 1) * sizeof *order);
-    if (!order)
-        return gscl_fail_memory(book->fit->context);
-    for (size_t i = 0; i < c->count; i++) {
-        float *p = book->params + i * GSCL_PARAMS;
-        if (book->pairs[i][0] < 0)
+/* ---- The result of a pass ---- */
+
+/* Moves the splats that were kept to the front of the host copies, at their new positions; gives their number. */
+static size_t move_kept(gscl_codebook_rdo *rdo) {
+    gscl_codebook *c = rdo->codebook;
+    const size_t splats = gscl_codebook_splats(c);
+    size_t kept = 0;
+    for (size_t i = 0; i < splats; i++) {
+        float *p = c->params + i * GSCL_PARAMS;
+        if (c->pairs[i][GSCL_BOOK_SHAPE] < 0)
             continue;
-        p[GSCL_X] = ((float)c->cells[i][0] + 0.5f) * c->settings.cell_x;
-        p[GSCL_Y] = ((float)c->cells[i][1] + 0.5f) * c->settings.cell_y;
-        order[kept] = i;
-        memmove(book->params + kept * GSCL_PARAMS, p, row);
-        memmove(book->pairs[kept], book->pairs[i], sizeof book->pairs[i]);
+        p[GSCL_X] = ((float)rdo->cells[i][0] + 0.5f) * rdo->settings.cell_x;
+        p[GSCL_Y] = ((float)rdo->cells[i][1] + 0.5f) * rdo->settings.cell_y;
+        rdo->kept[kept] = i;
+        memmove(c->params + kept * GSCL_PARAMS, p, GSCL_PARAMS * sizeof *p);
+        memmove(c->pairs[kept], c->pairs[i], sizeof c->pairs[i]);
         kept++;
     }
-    gscl_result result = gscl_fit_reorder(book->fit, order, kept);
-    free(order);
-    gscl_codebook_compact(book);
-    return result == GSCL_OK ? gscl_codebook_push(book) : result;
+    return kept;
 }
 
-static gscl_result run(chooser *c, double lambda, bool keep_all) {
-    gscl_codebook *book = c->codebook;
-    gscl_fit *f = book->fit;
-    int waves, last = (1 << book->position_bits) - 1;
-    GSCL_TRY(allocate(c));
-    GSCL_TRY(gscl_codebook_pull(book));
-    GSCL_TRY(gscl_buffer_read(f->context, &book->books[0].stored, 0, c->stored,
-                              (size_t)book->books[0].count * GSCL_BOOK_DIMS * sizeof(float)));
-    c->settings = (gscl_word_rdo_settings){.lambda = (cl_float)lambda,
-                                           .existence = (float)(2 * book->position_bits) - log2f((float)c->count),
-                                           .leave_out = keep_all ? FLT_MAX : 0.0f,
-                                           .cell_x = (cl_float)f->pyramid.width / (cl_float)(last + 1),
-                                           .cell_y = (cl_float)f->pyramid.height / (cl_float)(last + 1),
-                                           .last_x = last,
-                                           .last_y = last,
-                                           .colours = book->books[1].count};
-    for (size_t i = 0; i < c->count; i++) {
-        const float *p = book->params + i * GSCL_PARAMS;
-        c->cells[i][0] = (cl_int)fmin(fmax(floor(p[GSCL_X] / c->settings.cell_x), 0), last);
-        c->cells[i][1] = (cl_int)fmin(fmax(floor(p[GSCL_Y] / c->settings.cell_y), 0), last);
-    }
-    price_words(c, 0);
-    price_words(c, 1);
-    for (size_t i = 0; i < c->count; i++)
-        find_box(c, i);
-    GSCL_TRY(make_waves(c, &waves));
-    GSCL_TRY(upload_all(c));
-    GSCL_TRY(begin(c));
-    GSCL_TRY(visit_all(c, waves));
-    return collect(c);
+static gscl_result rdo_read_back(gscl_codebook_rdo *rdo) {
+    gscl_codebook *c = rdo->codebook;
+    const size_t splats = gscl_codebook_splats(c);
+    GSCL_TRY(gscl_buffer_read(context_of(rdo), &c->indices, 0, c->pairs, splats * sizeof *c->pairs));
+    GSCL_TRY(gscl_buffer_read(context_of(rdo), &rdo->device_cells, 0, rdo->cells, splats * sizeof *rdo->cells));
+    const size_t kept = move_kept(rdo);
+    GSCL_TRY(gscl_fit_reorder(c->fit, rdo->kept, kept));
+    gscl_codebook_drop_unused(c);
+    return gscl_codebook_upload(c);
 }
 
-gscl_result gscl_codebook_choose(gscl_codebook *codebook, double lambda, bool keep_all) {
-    chooser c = {.codebook = codebook, .count = (size_t)codebook->fit->renderer.count};
-    if (c.count == 0)
+gscl_result gscl_codebook_rdo_run(gscl_codebook_rdo *rdo, double lambda, bool keep_all) {
+    gscl_codebook *c = rdo->codebook;
+    const gscl_book *shapes = &c->books[GSCL_BOOK_SHAPE];
+    const size_t splats = gscl_codebook_splats(c);
+    if (splats == 0)
         return GSCL_OK;
-    gscl_result result = run(&c, lambda, keep_all);
-    chooser_free(&c);
-    return result;
+    GSCL_TRY(gscl_codebook_read_back(c));
+    GSCL_TRY(gscl_buffer_read(context_of(rdo), &shapes->stored, 0, rdo->shapes,
+                              (size_t)shapes->count * GSCL_BOOK_DIMS * sizeof *rdo->shapes));
+    rdo_set_settings(rdo, lambda, keep_all);
+    for (int b = 0; b < GSCL_BOOKS; b++)
+        count_bits_of_words(rdo, b);
+    for (size_t i = 0; i < splats; i++) {
+        find_cell(rdo, i);
+        find_box(rdo, i);
+    }
+    const int batches = make_batches(rdo);
+    GSCL_TRY(rdo_upload(rdo));
+    GSCL_TRY(rdo_render(rdo));
+    GSCL_TRY(run_batches(rdo, batches));
+    return rdo_read_back(rdo);
 }

@@ -8,8 +8,8 @@
 
 /* Everything one run works on.  Arrays marked * are owned and freed at the end. */
 typedef struct kmeans_run {
-    const kmeans_points *points;
-    float metric[KMEANS_MAX_DIMS];
+    const gscl_kmeans_points *points;
+    float metric[GSCL_KMEANS_MAX_DIMS];
     float *centroids;     /* caller's, [wanted][dims] */
     uint32_t *assignment; /* caller's, [count] */
     double *distance;     /* * [count]: squared, to the assigned centroid, not weighted */
@@ -243,9 +243,10 @@ static bool all_finite(const float *values, size_t count, bool negative_too) {
     return true;
 }
 
-static bool arguments_valid(const kmeans_points *points, const kmeans_options *options, const float *centroids) {
-    if (points->dims < 1 || points->dims > KMEANS_MAX_DIMS || points->count > KMEANS_MAX_POINTS ||
-        options->clusters < 1 || options->clusters > KMEANS_MAX_CLUSTERS || options->warm > options->clusters)
+static bool arguments_valid(const gscl_kmeans_points *points, const gscl_kmeans_options *options,
+                            const float *centroids) {
+    if (points->dims < 1 || points->dims > GSCL_KMEANS_MAX_DIMS || points->count > GSCL_KMEANS_MAX_POINTS ||
+        options->clusters < 1 || options->clusters > GSCL_KMEANS_MAX_CLUSTERS || options->warm > options->clusters)
         return false;
     return all_finite(points->values, (size_t)points->count * points->dims, true) &&
            (!points->weights || all_finite(points->weights, points->count, false)) &&
@@ -269,19 +270,19 @@ static void release_run(kmeans_run *run) {
     free(run->members);
 }
 
-kmeans_status kmeans_cluster(const kmeans_points *points, const kmeans_options *options, float *centroids,
-                             uint32_t *assignment, kmeans_result *result) {
-    *result = (kmeans_result){0};
+gscl_kmeans_status gscl_kmeans_cluster(const gscl_kmeans_points *points, const gscl_kmeans_options *options,
+                                       float *centroids, uint32_t *assignment, gscl_kmeans_result *result) {
+    *result = (gscl_kmeans_result){0};
     if (!arguments_valid(points, options, centroids))
-        return KMEANS_INVALID;
+        return GSCL_KMEANS_INVALID;
     if (points->count == 0)
-        return KMEANS_OK;
+        return GSCL_KMEANS_OK;
     kmeans_run run = {.points = points, .centroids = centroids, .assignment = assignment};
     /* More drawn centroids than points would only run empty; warm ones are all looked at. */
     uint32_t wanted = options->clusters < points->count ? options->clusters : points->count;
     if (wanted < options->warm)
         wanted = options->warm;
-    kmeans_status status = KMEANS_NO_MEMORY;
+    gscl_kmeans_status status = GSCL_KMEANS_NO_MEMORY;
     if (prepare_run(&run, wanted)) {
         seed_centroids(&run, options->warm, wanted, options->seed);
         ensure_one_centroid(&run);
@@ -289,7 +290,7 @@ kmeans_status kmeans_cluster(const kmeans_points *points, const kmeans_options *
         result->distortion = total_distortion(&run);
         drop_empty(&run);
         result->clusters = run.clusters;
-        status = KMEANS_OK;
+        status = GSCL_KMEANS_OK;
     }
     release_run(&run);
     return status;

@@ -7,39 +7,39 @@
 
 #include <stdint.h>
 
-#define KMEANS_MAX_DIMS 5
-#define KMEANS_MAX_POINTS (1u << 20) /* keeps every size below 2^26 bytes */
-#define KMEANS_MAX_CLUSTERS 65536u
+#define GSCL_KMEANS_MAX_DIMS 5
+#define GSCL_KMEANS_MAX_POINTS (1u << 20) /* keeps every size below 2^26 bytes */
+#define GSCL_KMEANS_MAX_CLUSTERS 65536u
 
-typedef enum kmeans_status {
-    KMEANS_OK = 0,
-    KMEANS_INVALID, /* a size outside its range, or a value that is not finite (or negative) */
-    KMEANS_NO_MEMORY
-} kmeans_status;
+typedef enum gscl_kmeans_status {
+    GSCL_KMEANS_OK = 0,
+    GSCL_KMEANS_INVALID, /* a size outside its range, or a value that is not finite (or negative) */
+    GSCL_KMEANS_NO_MEMORY
+} gscl_kmeans_status;
 
 /* What is clustered.  The caller keeps ownership of every array; none is written. */
-typedef struct kmeans_points {
+typedef struct gscl_kmeans_points {
     const float *values;  /* [count][dims], finite, in any unit */
     const float *weights; /* [count], finite and >= 0; NULL: 1 each */
     const float *metric;  /* [dims], finite and >= 0: each dimension is multiplied by it before a
                              distance is taken; NULL: 1 each */
-    uint32_t count;       /* points, 0..KMEANS_MAX_POINTS */
-    uint32_t dims;        /* 1..KMEANS_MAX_DIMS */
-} kmeans_points;
+    uint32_t count;       /* points, 0..GSCL_KMEANS_MAX_POINTS */
+    uint32_t dims;        /* 1..GSCL_KMEANS_MAX_DIMS */
+} gscl_kmeans_points;
 
-typedef struct kmeans_options {
-    uint32_t clusters;   /* most code words wanted, 1..KMEANS_MAX_CLUSTERS */
+typedef struct gscl_kmeans_options {
+    uint32_t clusters;   /* most code words wanted, 1..GSCL_KMEANS_MAX_CLUSTERS */
     uint32_t warm;       /* the first `warm` rows of `centroids` are starting points, 0..clusters;
                             the rest are seeded by k-means++ */
     uint32_t iterations; /* most Lloyd iterations; 0: assign to the starting points only */
     uint64_t seed;       /* of the k-means++ draws */
-} kmeans_options;
+} gscl_kmeans_options;
 
-typedef struct kmeans_result {
+typedef struct gscl_kmeans_result {
     uint32_t clusters;   /* code words left, each with a member; at most min(clusters, count) */
     uint32_t iterations; /* Lloyd iterations done; fewer than allowed when nothing moved any more */
     double distortion;   /* sum of weight * squared distance in the metric */
-} kmeans_result;
+} gscl_kmeans_result;
 
 /* Clusters the points.  On return `assignment` ([count]) holds for every point the row of its nearest
  * centroid (of equals the first), and `centroids` (in: the warm rows; out: result->clusters rows of
@@ -50,7 +50,7 @@ typedef struct kmeans_result {
  * grows with more iterations, up to the rounding of centroids to float.
  *
  * On failure the outputs hold nothing of use. */
-kmeans_status kmeans_cluster(const kmeans_points *points, const kmeans_options *options, float *centroids,
-                             uint32_t *assignment, kmeans_result *result);
+gscl_kmeans_status gscl_kmeans_cluster(const gscl_kmeans_points *points, const gscl_kmeans_options *options,
+                                       float *centroids, uint32_t *assignment, gscl_kmeans_result *result);
 
 #endif
