@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 static void require(gscl_context *context, gscl_result result) {
     if (result != GSCL_OK) {
@@ -34,7 +35,7 @@ int main(void) {
     require(context, gscl_encode(context, &image, &settings, &bytes, &size, NULL));
     gscl_image decoded = {0};
     require(context, gscl_decode(context, bytes, size, NULL, &decoded));
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     require(context, gscl_compare(&image, &decoded, &comparison));
     printf("%zu bytes, %.2f dB\n", size, comparison.psnr);
 

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <gscl/measure.h>
 
 #include "both_mappings.h"
 #include "decodes.h"
@@ -104,7 +105,7 @@ static void encode(gscl_context *context, const gscl_image *image, const mode *m
 static void check_quality(gscl_context *context, const scene *s, const gscl_image *image, const mode *m,
                           const char *mapping, const uint8_t *bytes, size_t size) {
     gscl_image decoded = {0};
-    gscl_comparison c;
+    gscl_comparison c = {.struct_size = sizeof c};
     char detail[60];
     assert_int_equal(gscl_decode(context, bytes, size, NULL, &decoded), GSCL_OK);
     assert_int_equal(gscl_compare(image, &decoded, &c), GSCL_OK);

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 #include "cl/constants.h"
 #include "oracle.h"
@@ -34,7 +35,7 @@ static file files[BLENDS]; /* normalized, alpha, sum */
 static file encode(gscl_blend blend) {
     file f;
     gscl_encode_settings settings;
-    gscl_encode_report report;
+    gscl_encode_report report = {.struct_size = sizeof report};
     gscl_encode_settings_default(&settings);
     settings.blend = blend;
     settings.effort = 2;
@@ -249,7 +250,7 @@ static void test_choices(void **state) {
 
 static gscl_result encode_with_steps(double factor, gscl_profile profile, file *f, uint32_t *splats) {
     gscl_encode_settings settings;
-    gscl_encode_report report = {0};
+    gscl_encode_report report = {.struct_size = sizeof report};
     gscl_encode_settings_default(&settings);
     settings.profile = profile;
     settings.effort = 1;

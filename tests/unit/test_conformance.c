@@ -433,7 +433,7 @@ static gscl_result as_library(oracle_result result) {
 /* Both readers accept a file, or refuse it for the same reason. */
 static void check_verdict(const uint8_t *bytes, size_t size, size_t where, int what) {
     oracle_picture truth;
-    gscl_info info;
+    gscl_info info = {.struct_size = sizeof info};
     const gscl_result expected = as_library(oracle_read(bytes, size, &truth));
     const gscl_result result = gscl_inspect(bytes, size, &info);
     oracle_free(&truth);

@@ -31,6 +31,7 @@ static void encode(gscl_profile profile, gscl_target target, double value, bool 
     settings.effort = 1;
     settings.trace = trace;
     memset(&o->report, 0x55, sizeof o->report);
+    o->report.struct_size = sizeof o->report;
     assert_int_equal(gscl_encode(context, &image, &settings, &o->bytes, &o->size, &o->report), GSCL_OK);
     test_image_free(&image);
 }
@@ -97,7 +98,7 @@ static void test_failure_leaves_no_recorder(void **state) {
     const gscl_image image = {.width = 2, .height = 2, .channels = 1, .sample = GSCL_SAMPLE_F32, .pixels = pixels};
     uint8_t *bytes;
     size_t size;
-    outcome o = {0};
+    outcome o = {.report = {.struct_size = sizeof o.report}};
     assert_int_equal(gscl_encode(context, &image, NULL, &bytes, &size, &o.report), GSCL_ERROR_IMAGE_NOT_FINITE);
     assert_int_equal(o.report.stage_count, 0);
     encode(GSCL_PROFILE_DEFAULT, GSCL_TARGET_BYTES, 500, false, &o);

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 #include "one_context.h"
 #include "synthetic_image.h"
@@ -128,25 +129,25 @@ static gscl_result try_device(const char *device) {
 
 static void test_devices(void **state) {
     (void)state;
-    gscl_device_info *devices = NULL, own;
-    size_t count = 0, defaults = 0;
-    assert_int_equal(gscl_list_devices(&devices, &count), GSCL_OK);
-    gscl_context_device(context, &own);
-    for (size_t i = 0; i < count; i++) {
-        defaults += devices[i].is_default;
-        assert_true(devices[i].is_default == (devices[i].why_default[0] != '\0'));
-        if (devices[i].is_default)
-            assert_string_equal(devices[i].id, own.id);
+    gscl_device_info *devices = NULL;
+    size_t defaults = 0;
+    assert_int_equal(gscl_list_devices(&devices), GSCL_OK);
+    const gscl_device_info *own = gscl_context_device(context);
+    for (const gscl_device_info *device = devices; device; device = device->next) {
+        defaults += device->is_default;
+        assert_true(device->is_default == (device->why_default[0] != '\0'));
+        if (device->is_default)
+            assert_string_equal(device->id, own->id);
     }
     assert_int_equal(defaults, 1);
-    assert_int_equal(try_device(own.id), GSCL_OK);
+    assert_int_equal(try_device(own->id), GSCL_OK);
     assert_int_equal(try_device("no such device"), GSCL_ERROR_UNKNOWN_DEVICE);
     assert_int_equal(try_device("99.0"), GSCL_ERROR_UNKNOWN_DEVICE);
     assert_int_equal(try_device("0.99"), GSCL_ERROR_UNKNOWN_DEVICE);
     /* Several devices of one platform: its name is not enough. */
-    for (size_t i = 1; i < count; i++) {
-        if (!strcmp(devices[i].platform_name, devices[i - 1].platform_name))
-            assert_int_equal(try_device(devices[i].platform_name), GSCL_ERROR_AMBIGUOUS_DEVICE);
+    for (const gscl_device_info *device = devices; device->next; device = device->next) {
+        if (!strcmp(device->platform_name, device->next->platform_name))
+            assert_int_equal(try_device(device->platform_name), GSCL_ERROR_AMBIGUOUS_DEVICE);
     }
     gscl_free(devices);
     assert_int_equal(gscl_context_create(NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
@@ -197,7 +198,7 @@ static void test_null_arguments(void **state) {
     const file f = encode_some(TEST_SHAPES, 16, 16, 3, 4);
     uint8_t *bytes = NULL;
     size_t size = 0, count = 0;
-    gscl_info info;
+    gscl_info info = {.struct_size = sizeof info};
     gscl_splat *splats = NULL;
     assert_int_equal(gscl_encode(NULL, &image, NULL, &bytes, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_encode(context, &image, NULL, NULL, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
@@ -355,7 +356,7 @@ static void test_smallest_budget(void **state) {
 /* Sizes of the files for a budget: never above it. */
 static size_t encode_within(const gscl_image *image, size_t budget) {
     const gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, (double)budget);
-    gscl_encode_report report;
+    gscl_encode_report report = {.struct_size = sizeof report};
     file f = {NULL, 0};
     assert_result(gscl_encode(context, image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
     assert_int_equal(report.bytes, f.size);
@@ -403,13 +404,13 @@ static void test_psnr(void **state) {
     (void)state;
     gscl_image image = test_image(TEST_BUSY, 160, 90, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings = quick(GSCL_TARGET_PSNR, 22.0);
-    gscl_encode_report report;
+    gscl_encode_report report = {.struct_size = sizeof report};
     file f = {NULL, 0};
     assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
     if (report.psnr < 22.0 || report.psnr > 22.3)
         fail_msg("22 to 22.3 dB wanted, got %g", report.psnr);
     gscl_image decoded = decode(&f, NULL);
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
     assert_true(fabs(comparison.psnr - report.psnr) < 1e-6);
     gscl_free(decoded.pixels);
@@ -452,8 +453,8 @@ static gscl_image striped_image(void) {
 /* Of a file of 120 bytes. */
 static double psnr_of(const gscl_image *image, int effort, uint64_t seed, uint32_t *effects) {
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 120);
-    gscl_encode_report report;
-    gscl_info info;
+    gscl_encode_report report = {.struct_size = sizeof report};
+    gscl_info info = {.struct_size = sizeof info};
     file f = {NULL, 0};
     settings.effort = effort;
     settings.seed = seed;
@@ -516,7 +517,7 @@ static void test_long_pictures(void **state) {
         const uint32_t width = tall ? 1 : GSCL_MAX_DIMENSION, height = tall ? GSCL_MAX_DIMENSION : 1;
         const file f = encode_some(TEST_GRADIENT, width, height, 3, 20);
         gscl_image image = test_image(TEST_GRADIENT, width, height, 3, GSCL_SAMPLE_U8), decoded = decode(&f, NULL);
-        gscl_comparison comparison;
+        gscl_comparison comparison = {.struct_size = sizeof comparison};
         assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
         if (!(comparison.psnr > 18.0))
             fail_msg("%ux%u: %g dB", width, height, comparison.psnr);
@@ -734,7 +735,7 @@ static void test_sample_types(void **state) {
 /* ---- Looking into files ---- */
 
 static void check_info(const file *f, uint32_t channels, uint32_t splats) {
-    gscl_info probe, inspect;
+    gscl_info probe = {.struct_size = sizeof probe}, inspect = {.struct_size = sizeof inspect};
     gscl_splat *list = NULL;
     size_t count = 0;
     assert_int_equal(gscl_probe(f->bytes, f->size, &probe), GSCL_OK);

@@ -33,7 +33,7 @@ static void draw_waves(uint32_t width, uint32_t height, uint32_t channels) {
 
 static gscl_comparison compare(uint32_t width, uint32_t height, uint32_t channels) {
     const gscl_image a = image_of(width, height, channels, pixels_a), b = image_of(width, height, channels, pixels_b);
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     assert_int_equal(gscl_compare(&a, &b, &comparison), GSCL_OK);
     return comparison;
 }
@@ -52,7 +52,7 @@ static void test_equal_images(void **state) {
     (void)state;
     draw_waves(180, 190, 3);
     const gscl_image a = image_of(180, 190, 3, pixels_a);
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     assert_int_equal(gscl_compare(&a, &a, &comparison), GSCL_OK);
     assert_true(comparison.mse == 0.0 && comparison.max_difference == 0.0);
     assert_true(isinf(comparison.psnr) && comparison.psnr > 0.0);
@@ -124,7 +124,7 @@ static void test_alpha_counts_premultiplied(void **state) {
     (void)state;
     const uint8_t straight[4] = {200, 100, 50, 51}, other[4] = {0, 100, 50, 51}, multiplied[4] = {40, 20, 10, 51};
     gscl_image a = image_of(1, 1, 4, (void *)(uintptr_t)straight), b = image_of(1, 1, 4, (void *)(uintptr_t)other);
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     assert_int_equal(gscl_compare(&a, &b, &comparison), GSCL_OK);
     assert_near(comparison.max_difference, 200.0 * 51.0 / 255.0, 1e-4);
     assert_near(comparison.mse, 40.0 * 40.0 / 4.0, 1e-2);
@@ -148,7 +148,7 @@ static void test_sample_types_and_strides(void **state) {
     }
     const gscl_image a = image_of(WIDTH, HEIGHT, 1, pixels_a);
     gscl_image b = image_of(WIDTH, HEIGHT, 1, high_bit_depth), c = image_of(WIDTH, HEIGHT, 1, real);
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     b.sample = GSCL_SAMPLE_U16;
     b.stride = sizeof *high_bit_depth;
     c.sample = GSCL_SAMPLE_F32;
@@ -174,7 +174,7 @@ static void test_wrong_arguments(void **state) {
     (void)state;
     const gscl_image a = image_of(20, 20, 3, pixels_a);
     gscl_image b = a;
-    gscl_comparison comparison = {.mse = -1.0};
+    gscl_comparison comparison = {.struct_size = sizeof comparison, .mse = -1.0};
     assert_int_equal(gscl_compare(&a, &b, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_compare(NULL, &b, &comparison), GSCL_ERROR_INVALID_ARGUMENT);
     b.width = 19;

@@ -1,17 +1,49 @@
 /* gscl: an image codec that stores a picture as a set of 2D Gaussians ("splats").
  *
- * Conventions, stated once:
- *  - Functions that can fail return gscl_result; GSCL_OK is 0.  Out-parameters are written only on
- *    success, unless said otherwise.
- *  - What the library allocates for the caller is released with gscl_free (or the named function);
- *    every release function accepts NULL.
- *  - A context is used by one thread at a time; different contexts are independent.  Functions
- *    that take no context may be called from any thread.
- *  - The library never prints, exits, reads the environment or keeps global state (the OpenCL
- *    implementation underneath may do as it likes).
- *  - Images are row by row from the top left; x to the right, y down; pixel (i, j) has its centre at
- *    (i + 0.5, j + 0.5).  Samples are as stored in ordinary image files (gamma-encoded); grey and
- *    RGB values of floating-point images are in 0..1 and clamped to it. */
+ * This header is all that a program needs to encode and decode; gscl/measure.h compares images and measures speed and
+ * accuracy.  A complete program that encodes a black image and decodes it again:
+ *
+ *     #include <gscl/gscl.h>
+ *     static uint8_t pixels[48][64][3], *bytes;
+ *     int main(void) {
+ *         gscl_context *context;
+ *         size_t size;
+ *         gscl_image image = {64, 48, 3, GSCL_SAMPLE_U8, 0, false, pixels}, decoded = {0};
+ *         gscl_result result = gscl_context_create(&context, NULL);
+ *         if (result == GSCL_OK) result = gscl_encode(context, &image, NULL, &bytes, &size, NULL);
+ *         if (result == GSCL_OK) result = gscl_decode(context, bytes, size, NULL, &decoded);
+ *         gscl_free(decoded.pixels), gscl_free(bytes), gscl_context_free(&context);
+ *         return result;
+ *     }
+ *
+ * Conventions
+ *  - Functions that can fail return gscl_result; GSCL_OK is 0.  Output parameters are written on success only, unless a
+ *    function says otherwise.
+ *  - The caller releases memory that the library allocated with gscl_free or with the function that is named.  Every
+ *    release function accepts NULL.
+ *  - A context is used by one thread at a time; different contexts are independent of each other.  Functions without a
+ *    context may be called from any thread.
+ *  - The library never prints, exits, reads the environment or keeps global state.  The OpenCL implementation that it
+ *    uses may do all of these.
+ *  - Images are stored row by row from the top left; x points to the right and y down.  Pixel (i, j) has its centre at
+ *    (i + 0.5, j + 0.5).  Samples are gamma-encoded as in ordinary image files.  Floating-point samples are clamped to
+ *    0..1.
+ *
+ * How the interface grows.  A program that was compiled with an older header works with a newer library of the same
+ * soname, because
+ *  - a struct that the caller allocates and that may gain fields begins with `struct_size`: the size of the struct as the
+ *    caller's header declares it.  The library neither reads nor writes beyond that size and takes the default for
+ *    settings that lie beyond it.  The functions *_settings_default set struct_size; for a struct that the library fills
+ *    in, the caller sets it before the call (`gscl_info info = {.struct_size = sizeof info};`).  Functions return
+ *    GSCL_ERROR_STRUCT_SIZE for a size that is zero or that no version up to the library's has;
+ *  - structs that the library allocates and passes by pointer (gscl_device_info, gscl_progress, gscl_timing,
+ *    gscl_measurement and the like) may gain fields at their end.  They are passed one by one or as lists that are
+ *    linked by `next`, never as arrays, so that their size does not matter to the caller;
+ *  - gscl_image and the rows of arrays (gscl_splat, gscl_stream_bits, gscl_stage_time, gscl_trace_point,
+ *    gscl_effect_decision, gscl_effect_use) never change, nor do the lengths of arrays in structs.  A new kind of image
+ *    or a new figure gets a new sample type, array or function;
+ *  - enumerations may gain values.  A program must expect values that it does not know in what it receives.
+ * A program compiled with a newer header than the library's is not supported; gscl_version_number tells them apart. */
 #ifndef GSCL_GSCL_H
 #define GSCL_GSCL_H
 
@@ -33,60 +65,71 @@ extern "C" {
 #define GSCL_CHECKED
 #endif
 
-#define GSCL_MAX_DIMENSION 16384 /* pixels, of an encoded or decoded picture */
-#define GSCL_MAX_SPLATS 1048576
+#define GSCL_MAX_DIMENSION 16384 /* largest width and height of an encoded or decoded image, pixels */
+#define GSCL_MAX_SPLATS 1048576  /* of one file */
 
-/* Results.  Values are fixed for ever. */
+/* ---- Results, version, memory -------------------------------------------------------------- */
+
+/* The values never change. */
 typedef enum gscl_result {
     GSCL_OK = 0,
-    GSCL_ERROR_INVALID_ARGUMENT = 1,    /* a NULL pointer or a value out of range */
-    GSCL_ERROR_OUT_OF_MEMORY = 2,       /* on the host */
-    GSCL_ERROR_CANCELLED = 3,           /* the progress callback said so */
-    GSCL_ERROR_NO_PLATFORM = 10,        /* no OpenCL platform or no device at all */
-    GSCL_ERROR_UNKNOWN_DEVICE = 11,     /* the device asked for does not exist */
-    GSCL_ERROR_AMBIGUOUS_DEVICE = 12,   /* several devices match; the message lists them */
-    GSCL_ERROR_DEVICE_MEMORY = 13,      /* the device has too little memory for this picture */
-    GSCL_ERROR_DEVICE_FAILED = 14,      /* an OpenCL call failed */
-    GSCL_ERROR_KERNEL_BUILD = 15,       /* the device's compiler refused a kernel */
-    GSCL_ERROR_NOT_GSCL = 20,           /* not a gscl file */
-    GSCL_ERROR_NEWER_VERSION = 21,      /* written in a newer format version */
-    GSCL_ERROR_TRUNCATED = 22,          /* the file ends too early */
-    GSCL_ERROR_DAMAGED = 23,            /* the checksum does not match */
-    GSCL_ERROR_CORRUPT = 24,            /* a value outside the format's limits */
-    GSCL_ERROR_IMAGE_SIZE = 30,         /* an image of zero size or beyond GSCL_MAX_DIMENSION */
-    GSCL_ERROR_IMAGE_NOT_FINITE = 31,   /* NaN or infinite samples */
-    GSCL_ERROR_BUDGET_TOO_SMALL = 40,   /* the message names the smallest possible size */
-    GSCL_ERROR_TARGET_UNREACHABLE = 41, /* the quality asked for cannot be reached */
+    GSCL_ERROR_INVALID_ARGUMENT = 1,  /* a NULL pointer or a value out of range */
+    GSCL_ERROR_OUT_OF_MEMORY = 2,     /* on the host */
+    GSCL_ERROR_CANCELLED = 3,         /* by the progress callback */
+    GSCL_ERROR_STRUCT_SIZE = 4,       /* struct_size was not set, or is not one that this library knows */
+    GSCL_ERROR_NO_PLATFORM = 10,      /* no OpenCL platform or no device at all */
+    GSCL_ERROR_UNKNOWN_DEVICE = 11,   /* no device matches the selector */
+    GSCL_ERROR_AMBIGUOUS_DEVICE = 12, /* several devices match the selector; the message lists them */
+    GSCL_ERROR_DEVICE_MEMORY = 13,    /* the device has too little memory for this image */
+    GSCL_ERROR_DEVICE_FAILED = 14,    /* an OpenCL call failed */
+    GSCL_ERROR_KERNEL_BUILD = 15,     /* the device's compiler rejected a kernel */
+    GSCL_ERROR_NOT_GSCL = 20,         /* not a gscl file */
+    GSCL_ERROR_NEWER_VERSION = 21,    /* written in a newer format version */
+    GSCL_ERROR_TRUNCATED = 22,        /* the file ends too early */
+    GSCL_ERROR_DAMAGED = 23,          /* the checksum does not match */
+    GSCL_ERROR_CORRUPT = 24,          /* a value outside the format's limits */
+    GSCL_ERROR_LIMIT = 25,            /* decoding needs more than max_pixels or max_work; the message has the figures */
+    GSCL_ERROR_IMAGE_SIZE = 30,       /* an image without pixels or larger than GSCL_MAX_DIMENSION */
+    GSCL_ERROR_IMAGE_NOT_FINITE = 31, /* NaN or infinite samples */
+    GSCL_ERROR_BUDGET_TOO_SMALL = 40, /* the message names the smallest possible size */
+    GSCL_ERROR_TARGET_UNREACHABLE = 41, /* no file reaches the PSNR of the settings */
     GSCL_ERROR_CONFLICT = 42            /* settings that exclude each other */
 } gscl_result;
 
-/* One line of English for a result; never NULL. */
+/* Returns one line of English for a result, never NULL.  The text is static. */
 GSCL_API const char *gscl_result_text(gscl_result result);
-/* GSCL_VERSION of the library that is running. */
+
+/* Returns GSCL_VERSION of the library that is running.  The text is static. */
 GSCL_API const char *gscl_version(void);
-/* Releases memory that the library returned. */
+/* Returns GSCL_VERSION_NUMBER of the library that is running. */
+GSCL_API uint32_t gscl_version_number(void);
+
+/* Releases memory that the library allocated for the caller. */
 GSCL_API void gscl_free(void *memory);
 
-/* ---- Devices and contexts ---------------------------------------------------------------- */
+/* ---- Devices and contexts ------------------------------------------------------------------ */
 
-/* How kernels map pixels to work-items.  AUTO takes CPU for CPU devices and GPU for all others. */
+/* How kernels map pixels to work-items.  AUTO is CPU for CPU devices and GPU for all others. */
 typedef enum gscl_mapping { GSCL_MAPPING_AUTO = 0, GSCL_MAPPING_CPU = 1, GSCL_MAPPING_GPU = 2 } gscl_mapping;
 
+/* An OpenCL device.  All texts end with a zero byte. */
 typedef struct gscl_device_info {
-    char id[16]; /* "P.D": platform and device number, what device selectors take */
+    const struct gscl_device_info *next; /* in the list of gscl_list_devices; NULL for the last device */
+    char id[16];                         /* "P.D": numbers of platform and device, as device selectors take it */
     char platform_name[128];
     char device_name[128];
     char device_version[128];
     bool is_gpu;
     bool is_default;
-    char why_default[96]; /* one phrase; empty when not the default */
-    uint32_t compute_units;
-    uint64_t memory_bytes;
-    uint64_t max_allocation_bytes;
+    char why_default[96];          /* one phrase; empty unless is_default */
+    uint32_t compute_units;        /* of the device, as OpenCL counts them */
+    uint64_t memory_bytes;         /* global memory */
+    uint64_t max_allocation_bytes; /* largest single buffer */
 } gscl_device_info;
 
-/* Lists all OpenCL devices; *devices is released with gscl_free. */
-GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices, size_t *count);
+/* Lists all OpenCL devices in the order of their ids.  *devices is the first one; the caller releases the whole list with
+ * gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device. */
+GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices);
 
 typedef enum gscl_log_level {
     GSCL_LOG_ERROR = 0,
@@ -94,372 +137,293 @@ typedef enum gscl_log_level {
     GSCL_LOG_INFO = 2,
     GSCL_LOG_DEBUG = 3
 } gscl_log_level;
+/* Receives one line of text without a newline, valid during the call. */
 typedef void (*gscl_log_callback)(void *opaque, gscl_log_level level, const char *message);
 
 typedef struct gscl_context_settings {
-    const char *device;    /* "P.D" or part of a device or platform name; NULL: the default device
-                                (first GPU, else first accelerator, else first CPU) */
+    size_t struct_size;    /* set by gscl_context_settings_default */
+    const char *device;    /* "P.D", or a part of a device or platform name; default NULL: the first GPU, else the first
+                              accelerator, else the first CPU */
     gscl_mapping mapping;  /* default AUTO */
-    gscl_log_callback log; /* default NULL: silent */
-    void *log_opaque;
-    bool timing; /* default false; true: gscl_context_timings tells where time goes, at the price of a little of it */
+    bool timing;           /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
+    gscl_log_callback log; /* default NULL: no log */
+    void *log_opaque;      /* first argument of `log` */
 } gscl_context_settings;
 
+/* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_context_settings_default. */
+GSCL_API void gscl_context_settings_init(gscl_context_settings *settings, size_t struct_size);
+static inline void gscl_context_settings_default(gscl_context_settings *settings) {
+    gscl_context_settings_init(settings, sizeof *settings);
+}
+
+/* A device that is open, with its compiled kernels, its buffers and the text of the last error. */
 typedef struct gscl_context gscl_context;
 
-GSCL_API void gscl_context_settings_default(gscl_context_settings *settings);
-/* Opens a device.  `settings` may be NULL (defaults).  On failure *context is still set when memory
- * allows, so that gscl_context_message can be read; free it in either case. */
+/* Opens a device.  `settings` may be NULL for the defaults.  When this fails, *context is a context for
+ * gscl_context_message, or NULL if memory does not allow one; the caller frees it in either case.
+ * Errors: GSCL_ERROR_NO_PLATFORM, _UNKNOWN_DEVICE, _AMBIGUOUS_DEVICE, _DEVICE_FAILED, _INVALID_ARGUMENT. */
 GSCL_API GSCL_CHECKED gscl_result gscl_context_create(gscl_context **context, const gscl_context_settings *settings);
-/* Frees the context and sets *context to NULL. */
+/* Frees a context and sets *context to NULL. */
 GSCL_API void gscl_context_free(gscl_context **context);
-/* The detailed text of the context's last error ("" if none); valid until its next call. */
+/* Returns the detailed text of the context's last error, "" if there was none.  Valid until the context's next call. */
 GSCL_API const char *gscl_context_message(const gscl_context *context);
-/* The device of this context. */
-GSCL_API void gscl_context_device(const gscl_context *context, gscl_device_info *device);
+/* Returns the device of a context, valid as long as the context; NULL for NULL.  Its `next` is NULL. */
+GSCL_API const gscl_device_info *gscl_context_device(const gscl_context *context);
 
-/* Time that a context spent on one thing since it was made or its timings were reset. */
-typedef struct gscl_timing {
-    const char *name;      /* of a stage, "pyramid", or of a kernel, "fit_tiles" */
-    bool is_kernel;        /* kernels run within stages: do not add up the two kinds */
-    uint64_t count;        /* stages begun, kernels launched */
-    double seconds;        /* stages: wall clock, the device's work included; kernels: the device's clock */
-    double kernel_seconds; /* of a stage: what its kernels took */
-} gscl_timing;
-/* Stages and kernels in the order in which they first came; returns their number, 0 for a context without timing.
- * *timings is valid until the context's next call. */
-GSCL_API size_t gscl_context_timings(const gscl_context *context, const gscl_timing **timings);
-GSCL_API void gscl_context_reset_timings(gscl_context *context);
-
-/* ---- Images ------------------------------------------------------------------------------ */
+/* ---- Images -------------------------------------------------------------------------------- */
 
 typedef enum gscl_sample {
-    GSCL_SAMPLE_AUTO = 0,
-    GSCL_SAMPLE_U8 = 1,
-    GSCL_SAMPLE_U16 = 2,
-    GSCL_SAMPLE_F32 = 3
+    GSCL_SAMPLE_AUTO = 0, /* in decode settings only */
+    GSCL_SAMPLE_U8 = 1,   /* uint8_t, 0..255 */
+    GSCL_SAMPLE_U16 = 2,  /* uint16_t, 0..65535, native byte order */
+    GSCL_SAMPLE_F32 = 3   /* float, 0..1 */
 } gscl_sample;
 
-/* An image in memory, samples interleaved, native byte order. */
+/* An image in memory: height rows of width pixels of `channels` interleaved samples.  This struct never changes. */
 typedef struct gscl_image {
-    uint32_t width, height; /* pixels */
-    uint32_t channels;      /* 1 grey, 2 grey+alpha, 3 RGB, 4 RGBA */
-    gscl_sample sample;     /* U8 (0..255), U16 (0..65535) or F32 (0..1) */
-    size_t stride;          /* bytes from one row to the next; 0: rows are packed */
-    bool premultiplied;     /* colours are multiplied by alpha; default false (as in PNG) */
+    uint32_t width, height; /* pixels, 1..GSCL_MAX_DIMENSION */
+    uint32_t channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
+    gscl_sample sample;
+    size_t stride;      /* bytes from one row to the next; 0: rows follow each other without a gap */
+    bool premultiplied; /* whether colours are multiplied by alpha; false in PNG files */
     void *pixels;
 } gscl_image;
 
-/* ---- Effects ----------------------------------------------------------------------------- */
+/* ---- Effects ------------------------------------------------------------------------------- */
 
-/* All that a splat may be beyond a grey disk.  Each has a flag in the file's header; one that is off has no bits in the
- * file and no instructions in the kernels. */
+/* Properties that splats may have beyond those of a grey disk.  Each has a flag in the file's header.  An effect that is
+ * off takes no bits in the file and no instructions in the kernels. */
 typedef enum gscl_effect {
-    GSCL_EFFECT_CHROMA = 1u << 0,        /* colour; else grey */
-    GSCL_EFFECT_ALPHA_CHANNEL = 1u << 1, /* else opaque (what is transparent becomes black) */
-    GSCL_EFFECT_OPACITY = 1u << 2,       /* splats that count for less than others */
-    GSCL_EFFECT_ROTATION = 1u << 3,      /* of ellipses; only with anisotropy */
-    GSCL_EFFECT_ANISOTROPY = 1u << 4,    /* ellipses; else circles */
-    GSCL_EFFECT_CODEBOOKS = 1u << 5,     /* the paper profile */
-    GSCL_EFFECT_TEXTURE = 1u << 6        /* waves on some splats' colours */
+    GSCL_EFFECT_CHROMA = 1u << 0,        /* colour; without it the image is grey */
+    GSCL_EFFECT_ALPHA_CHANNEL = 1u << 1, /* without it the image is opaque: transparent pixels become black */
+    GSCL_EFFECT_OPACITY = 1u << 2,       /* a weight for each splat */
+    GSCL_EFFECT_ROTATION = 1u << 3,      /* of ellipses; needs ANISOTROPY */
+    GSCL_EFFECT_ANISOTROPY = 1u << 4,    /* ellipses; without it all splats are circles */
+    GSCL_EFFECT_CODEBOOKS = 1u << 5,     /* the coding of the paper profile */
+    GSCL_EFFECT_TEXTURE = 1u << 6        /* a cosine wave on the colour of some splats */
 } gscl_effect;
-/* "chroma", "alpha-channel", ...; NULL when `effect` is not one effect. */
+#define GSCL_EFFECT_COUNT 7 /* effects that this version knows */
+#define GSCL_MAX_EFFECTS 16 /* rows of arrays with one row for each effect */
+
+/* Returns "chroma", "alpha-channel", ...; NULL when `effect` is not exactly one effect.  The text is static. */
 GSCL_API const char *gscl_effect_name(gscl_effect effect);
 
-#define GSCL_MAX_EFFECTS 7
-
-/* Who decided on an effect. */
+/* What decided on an effect. */
 typedef enum gscl_effect_reason {
-    GSCL_EFFECT_ASKED = 0,   /* the settings */
-    GSCL_EFFECT_CONTENT = 1, /* the image has, or lacks, what it is for */
+    GSCL_EFFECT_ASKED = 0,   /* the settings effects_on and effects_off */
+    GSCL_EFFECT_CONTENT = 1, /* the image: whether it contains what the effect represents */
     GSCL_EFFECT_PROFILE = 2, /* profile and blend */
-    GSCL_EFFECT_TRIAL = 3,   /* trials: quick fits of this image */
+    GSCL_EFFECT_TRIAL = 3,   /* trials: short fits of this image with and without the effect */
     GSCL_EFFECT_PASSES = 4   /* the rate-distortion passes, splat by splat */
 } gscl_effect_reason;
-/* "asked", "content", "profile", "trial", "passes"; NULL for anything else. */
+/* Returns "asked", "content", "profile", "trial" or "passes"; NULL for other values.  The text is static. */
 GSCL_API const char *gscl_effect_reason_name(gscl_effect_reason reason);
 
+/* This struct never changes. */
 typedef struct gscl_effect_decision {
     gscl_effect effect;
     bool on;
     gscl_effect_reason reason;
-    double gain_db; /* TRIAL: PSNR with it less PSNR without, of quick fits for the same budget; else NaN */
+    double gain_db; /* for TRIAL: PSNR with the effect less PSNR without it, of short fits at equal size; else NaN */
 } gscl_effect_decision;
 
-/* ---- Encoding ---------------------------------------------------------------------------- */
+/* ---- Encoding ------------------------------------------------------------------------------ */
 
 typedef enum gscl_profile {
     GSCL_PROFILE_DEFAULT = 0, /* scalar codes in the splat's own frame */
-    GSCL_PROFILE_PAPER = 1    /* Zhang et al., "2D Gaussian Splatting for Image Compression" */
+    GSCL_PROFILE_PAPER = 1    /* codebooks, as in Zhang et al., "2D Gaussian Splatting for Image Compression" */
 } gscl_profile;
 
+/* How the splats at a pixel become its colour. */
 typedef enum gscl_blend {
-    GSCL_BLEND_AUTO = 0,       /* normalized in the default profile, alpha in the paper's */
+    GSCL_BLEND_AUTO = 0,       /* NORMALIZED in the default profile, ALPHA in the paper profile */
     GSCL_BLEND_NORMALIZED = 1, /* weighted mean of splat colours */
-    GSCL_BLEND_ALPHA = 2,      /* ordered alpha blending (paper eq. 4) */
+    GSCL_BLEND_ALPHA = 2,      /* ordered alpha blending (equation 4 of the paper) */
     GSCL_BLEND_SUM = 3         /* background plus signed splats */
 } gscl_blend;
 
-/* Loss of the fit; AUTO is L2 in the default profile and L1+SSIM in the paper's. */
+/* Loss of the fit.  AUTO is L2 in the default profile and L1_SSIM in the paper profile. */
 typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM = 2, GSCL_LOSS_L2 = 3 } gscl_loss;
 
-/* What the encoder spends bits on, where it has the choice. */
+/* The measure of quality that the encoder maximises. */
 typedef enum gscl_tune {
-    GSCL_TUNE_PSNR = 0, /* squared error, the same everywhere */
-    GSCL_TUNE_SSIM = 1  /* MS-SSIM: errors count more where the image is smooth.  Default profile, loss L2 */
+    GSCL_TUNE_PSNR = 0, /* squared error with equal weights */
+    GSCL_TUNE_SSIM = 1  /* MS-SSIM: errors in smooth regions weigh more.  Default profile and loss L2 only */
 } gscl_tune;
 
-/* What the encoder aims at. */
+/* What the encoder has to meet, and the unit of target_value. */
 typedef enum gscl_target {
-    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more */
+    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more; target_value is not used */
     GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, never exceeded */
-    GSCL_TARGET_BYTES = 2, /* size of the whole file, never exceeded */
-    GSCL_TARGET_PSNR = 3,  /* dB; met within +0.3 dB */
-    GSCL_TARGET_SPLATS = 4 /* number of splats */
+    GSCL_TARGET_BYTES = 2, /* bytes of the whole file, never exceeded */
+    GSCL_TARGET_PSNR = 3,  /* dB, exceeded by at most 0.3 */
+    GSCL_TARGET_SPLATS = 4 /* number of splats, 0..GSCL_MAX_SPLATS */
 } gscl_target;
 
 typedef struct gscl_progress {
-    double fraction; /* 0..1 of the expected work */
-    double psnr;     /* dB of the current fit; 0 while unknown */
-    uint32_t splats;
-    double elapsed_s, left_s; /* seconds; left_s is an estimate */
+    double fraction;  /* of the expected work, 0..1; never decreases */
+    double psnr;      /* dB of the current fit; 0 while unknown */
+    uint32_t splats;  /* of the current fit */
+    double elapsed_s; /* seconds since the encode began */
+    double left_s;    /* seconds until it ends, an estimate */
 } gscl_progress;
-/* Return true to go on, false to cancel (the encode returns GSCL_ERROR_CANCELLED). */
+/* Returns true to continue and false to cancel; a cancelled encode returns GSCL_ERROR_CANCELLED. */
 typedef bool (*gscl_progress_callback)(void *opaque, const gscl_progress *progress);
 
 #define GSCL_MAX_EFFORT 9
 #define GSCL_DEFAULT_EFFORT 5
 
 typedef struct gscl_encode_settings {
-    gscl_profile profile;   /* default DEFAULT */
-    gscl_blend blend;       /* default AUTO */
-    gscl_loss loss;         /* default AUTO */
-    gscl_tune tune;         /* default PSNR */
-    gscl_target target;     /* default AUTO */
-    double target_value;    /* bpp, bytes, dB or count according to `target`; not used by AUTO */
-    int effort;             /* 0 (fastest) .. 9 (best); default 5 */
-    uint32_t codebook_size; /* paper profile: code words in each codebook, 2..1024; 0 (default): chosen by rate */
-    uint32_t effects_on;    /* gscl_effect bits: these are used, */
-    uint32_t effects_off;   /* these are not; the encoder decides on the others.  Default 0 */
-    uint64_t seed;          /* default 1; same seed, settings, image and device: same bytes */
-    double step_factor;     /* default profile: 0.25..4 times the quantiser's usual steps, as far as the format has such
-                               steps; 0 (default): 1 */
-    bool trace;             /* default false; true: the report has the convergence trace.  Same bytes, more time */
+    size_t struct_size;              /* set by gscl_encode_settings_default */
+    gscl_profile profile;            /* default DEFAULT */
+    gscl_blend blend;                /* default AUTO; the paper profile allows AUTO and ALPHA only */
+    gscl_loss loss;                  /* default AUTO */
+    gscl_tune tune;                  /* default PSNR */
+    gscl_target target;              /* default AUTO */
+    double target_value;             /* default 0; unit and range as `target` says */
+    int effort;                      /* 0 (fastest) .. GSCL_MAX_EFFORT (best); default GSCL_DEFAULT_EFFORT */
+    uint32_t codebook_size;          /* code words of each codebook, 2..1024, paper profile only; default 0: by rate */
+    uint32_t effects_on;             /* bits of gscl_effect that are switched on; default 0 */
+    uint32_t effects_off;            /* bits that are switched off; default 0.  The encoder decides on all others */
+    uint64_t seed;                   /* default 1.  Equal seed, settings, image and device give equal bytes */
     gscl_progress_callback progress; /* default NULL */
-    void *progress_opaque;
+    void *progress_opaque;           /* first argument of `progress` */
+    double step_factor;              /* scale of the default quantiser steps, 0.25..4, default profile only; rounded to
+                                        the nearest step that the format has; default 0: no scaling */
+    bool
+        trace; /* whether the report contains the convergence trace; default false.  It costs time; the bytes stay equal */
 } gscl_encode_settings;
 
-/* One stage of an encode. */
+/* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_encode_settings_default. */
+GSCL_API void gscl_encode_settings_init(gscl_encode_settings *settings, size_t struct_size);
+static inline void gscl_encode_settings_default(gscl_encode_settings *settings) {
+    gscl_encode_settings_init(settings, sizeof *settings);
+}
+
+/* One stage of an encode.  This struct never changes. */
 typedef struct gscl_stage_time {
-    const char *name; /* static, as in gscl_timing */
-    uint32_t count;   /* how often it was begun */
-    double seconds;   /* wall clock, the device's work included */
+    const char *name; /* as in gscl_timing (gscl/measure.h); static */
+    uint32_t count;   /* number of times that the stage began */
+    double seconds;   /* wall clock, with the work of the device */
 } gscl_stage_time;
 
-/* How far the fit had come at one moment: about two dozen while splats move, then one after each pass that chooses their
- * codes. */
+/* State of the fit at one moment of an encode.  There are about two dozen points while splats move, then one after each
+ * rate-distortion pass.  This struct never changes. */
 typedef struct gscl_trace_point {
-    const char *stage; /* under way: the name of one of the report's stages */
-    uint32_t steps;    /* of gradient descent done, which passes do not count as */
+    const char *stage; /* name of the current stage; static */
+    uint32_t steps;    /* of gradient descent so far; rate-distortion passes add none */
     uint32_t splats;
     double seconds; /* since the encode began */
-    double psnr;    /* dB of the picture drawn at full size, not rounded, against the image */
+    double psnr;    /* dB of the rendering at full size, before rounding to samples, against the image */
 } gscl_trace_point;
 
 #define GSCL_MAX_STAGES 32
 #define GSCL_MAX_TRACE_POINTS 96
 
-/* What an encode did; optional.  It holds no memory of the library's.  Times are on the wall clock, without the time that
- * the convergence trace took. */
+/* What an encode did.  Times are wall-clock times and exclude the time that the convergence trace took. */
 typedef struct gscl_encode_report {
+    size_t struct_size; /* set by the caller */
     uint32_t splats;
     uint64_t bytes;
-    double psnr;      /* dB of the decoded file against the image (as gscl_compare) */
-    double seconds;   /* all of it */
-    uint32_t trials;  /* complete fits that the target took */
-    gscl_blend blend; /* that was used */
-    size_t effect_count;
-    gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* what was decided on each effect that could have been used */
-    uint32_t stage_count; /* stages in the order in which they first came; their seconds add up to all but a rest */
-    gscl_stage_time stages[GSCL_MAX_STAGES];
-    uint32_t trace_count; /* points of the last fit; 0 unless the settings ask for the trace */
-    gscl_trace_point trace[GSCL_MAX_TRACE_POINTS];
+    double psnr;         /* dB of the decoded file against the image, as gscl_compare (gscl/measure.h) computes it */
+    double seconds;      /* total */
+    uint32_t trials;     /* complete fits until the target was met */
+    gscl_blend blend;    /* never AUTO */
+    size_t effect_count; /* rows of `effects` */
+    gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* one row for each effect that the profile allows */
+    uint32_t stage_count;                           /* rows of `stages` */
+    gscl_stage_time stages[GSCL_MAX_STAGES]; /* in the order of stages; their seconds add up to nearly the total */
+    uint32_t trace_count;                    /* rows of `trace`; 0 unless the settings request the trace */
+    gscl_trace_point trace[GSCL_MAX_TRACE_POINTS]; /* of the last fit */
 } gscl_encode_report;
 
-GSCL_API void gscl_encode_settings_default(gscl_encode_settings *settings);
-/* Encodes `image` into a new buffer *bytes of *size bytes (release with gscl_free).
- * `settings` and `report` may be NULL. */
+/* Encodes `image` into a new buffer *bytes of *size bytes, which the caller releases with gscl_free.
+ * `settings` may be NULL for the defaults.  `report` may be NULL.  Errors: GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
+ * _CONFLICT, _IMAGE_SIZE, _IMAGE_NOT_FINITE, _BUDGET_TOO_SMALL, _TARGET_UNREACHABLE, _CANCELLED, and those of memory and
+ * the device. */
 GSCL_API GSCL_CHECKED gscl_result gscl_encode(gscl_context *context, const gscl_image *image,
                                               const gscl_encode_settings *settings, uint8_t **bytes, size_t *size,
                                               gscl_encode_report *report);
 
-/* ---- Decoding ---------------------------------------------------------------------------- */
+/* ---- Decoding ------------------------------------------------------------------------------ */
 
+/* The limits protect a server from files of strangers: a file of 30 bytes can describe 16384x16384 pixels.  Both apply to
+ * the rectangle that is returned.  gscl_decode checks them as soon as the figures are known, before it allocates pixels
+ * or memory of the device; it checks the pixels and the number of splats before it allocates anything. */
 typedef struct gscl_decode_settings {
-    uint32_t width, height;           /* draw the whole picture at this size; 0: the size it was encoded at */
-    uint32_t crop_x, crop_y;          /* rectangle of the drawn picture to return, in its pixels */
-    uint32_t crop_width, crop_height; /* 0: all */
-    gscl_sample sample;               /* default AUTO: U8 or U16, as the source was */
-    bool premultiplied;               /* default false */
+    size_t struct_size;      /* set by gscl_decode_settings_default */
+    uint32_t width, height;  /* size at which the whole picture is drawn, pixels; default 0: the encoded size */
+    uint32_t crop_x, crop_y; /* top left corner of the returned rectangle in the drawn picture; default 0 */
+    uint32_t crop_width, crop_height; /* size of that rectangle, pixels; default 0: up to the right and bottom edges */
+    gscl_sample sample;               /* of the returned image; default AUTO: U8 or U16, as in the source */
+    bool premultiplied;               /* whether returned colours are multiplied by alpha; default false */
+    uint64_t max_pixels;              /* largest number of pixels to return; default 0: as many as the format allows,
+                                         GSCL_MAX_DIMENSION squared */
+    uint64_t max_work; /* largest number of evaluations (see gscl_info.work); default 0: no limit.  A CPU core does
+                          about 5e8 a second */
 } gscl_decode_settings;
 
-GSCL_API void gscl_decode_settings_default(gscl_decode_settings *settings);
-/* Decodes into *image.  All fields of *image are set.  When image->pixels is NULL on entry the
- * library allocates packed rows (release image->pixels with gscl_free); otherwise pixels are written
- * to the caller's memory with the caller's stride, and width, height, channels and sample must already
- * be what the decode gives (see gscl_probe).  The context keeps its buffers on the device for the next decode. */
+/* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_decode_settings_default. */
+GSCL_API void gscl_decode_settings_init(gscl_decode_settings *settings, size_t struct_size);
+static inline void gscl_decode_settings_default(gscl_decode_settings *settings) {
+    gscl_decode_settings_init(settings, sizeof *settings);
+}
+
+/* Decodes a file into *image and sets all fields of *image.  When image->pixels is NULL on entry, the library allocates
+ * rows without gaps, which the caller releases with gscl_free(image->pixels).  Otherwise the pixels are written to the
+ * caller's memory with the caller's stride; width, height, channels and sample must then be those of the decoded image,
+ * which gscl_probe returns.  The context keeps its device buffers for the next decode.  `settings` may be NULL for the
+ * defaults.  Errors: GSCL_ERROR_NOT_GSCL to _LIMIT for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
+ * _IMAGE_SIZE, and those of memory and the device. */
 GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size,
                                               const gscl_decode_settings *settings, gscl_image *image);
 
-/* ---- Looking into files (no context, no OpenCL) -------------------------------------------- */
+/* ---- Inspecting files (without a context and without OpenCL) -------------------------------- */
 
+/* This struct never changes. */
 typedef struct gscl_stream_bits {
-    const char *name; /* "header", "position", ... static */
+    const char *name; /* "header", "position", ...; static */
     double bits;
 } gscl_stream_bits;
 #define GSCL_MAX_STREAMS 16
 
 typedef struct gscl_info {
+    size_t struct_size; /* set by the caller */
     uint32_t format_version;
-    uint32_t width, height;
-    uint32_t channels;    /* of the decoded image, 1..4 */
-    gscl_sample sample;   /* U8 or U16, of the source */
-    gscl_profile profile; /* which coding: PAPER means codebooks */
-    gscl_blend blend;
+    uint32_t width, height; /* encoded size, pixels */
+    uint32_t channels;      /* of the decoded image, 1..4 */
+    gscl_sample sample;     /* of the source, U8 or U16 */
+    gscl_profile profile;   /* the coding: PAPER means codebooks */
+    gscl_blend blend;       /* never AUTO */
     uint32_t splats;
-    uint32_t effects;                   /* gscl_effect bits that are on */
-    uint32_t shape_words, colour_words; /* codebook sizes, else 0 */
+    uint32_t effects;                   /* bits of gscl_effect that are on */
+    uint32_t shape_words, colour_words; /* codebook sizes, gscl_inspect only; else 0 */
     uint64_t bytes;
-    size_t stream_count; /* streams with at least a bit; their bits add up to 8 * bytes */
-    gscl_stream_bits streams[GSCL_MAX_STREAMS];
+    size_t stream_count;                        /* rows of `streams`, gscl_inspect only; else 0 */
+    gscl_stream_bits streams[GSCL_MAX_STREAMS]; /* streams that are in use; their bits add up to 8 * bytes */
+    uint64_t pixels; /* width * height: what max_pixels limits in a decode at the encoded size */
+    uint64_t work; /* evaluations of a splat at a pixel in such a decode, what max_work limits: for each splat the area
+                        of the rectangle around its outline inside the picture, at least 1.  gscl_probe returns an upper
+                        bound from the header, splats * pixels; gscl_inspect the figure itself */
 } gscl_info;
 
-/* Header facts only; reads a few bytes, does not check the checksum.  stream_count is 0. */
+/* Reads the header only and does not check the checksum.  The caller sets info->struct_size.
+ * Errors: GSCL_ERROR_NOT_GSCL to _CORRUPT, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE. */
 GSCL_API GSCL_CHECKED gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info);
-/* Reads the whole file: checks it and counts each stream's bits. */
+/* Reads and checks the whole file and counts the bits of each stream.  Errors as gscl_probe, and those of memory. */
 GSCL_API GSCL_CHECKED gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info);
 
-/* What an effect is worth to a file. */
-typedef struct gscl_effect_use {
-    gscl_effect effect;
-    double bits;    /* that the same splats take less without it; NaN where that cannot be told (paper profile) */
-    double gain_db; /* PSNR that the same splats lose without it; NaN without an image, or likewise */
-} gscl_effect_use;
-/* The effects that are on in a file, at most GSCL_MAX_EFFECTS, each written (and, with an image, drawn) again without:
- * what the encoder would have made of the splats without it is not looked for.  `image`: the picture that was encoded,
- * in the kind of its decode, or NULL; with it a context is needed, else `context` may be NULL. */
-GSCL_API GSCL_CHECKED gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size,
-                                                       const gscl_image *image, gscl_effect_use *uses, size_t *count);
-
-/* One splat as it is drawn. */
+/* One splat as it is drawn.  This struct never changes. */
 typedef struct gscl_splat {
     float x, y;           /* centre, pixels of the encoded size */
-    float sigma1, sigma2; /* axes (standard deviations), pixels */
+    float sigma1, sigma2; /* standard deviations along the axes, pixels */
     float theta;          /* direction of the sigma1 axis, radians, 0..pi from +x towards +y */
     float opacity;        /* 0..1 */
-    float colour[4];      /* R G B (equal when grey) premultiplied, and alpha */
+    float colour[4];      /* R, G and B, equal in grey images, premultiplied; then alpha */
 } gscl_splat;
-/* All splats in drawing order; *splats is released with gscl_free. */
+/* Reads all splats in drawing order.  The caller releases *splats with gscl_free.  Errors as gscl_inspect. */
 GSCL_API GSCL_CHECKED gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, gscl_splat **splats,
                                                    size_t *count);
-
-/* ---- Quality ------------------------------------------------------------------------------ */
-
-typedef struct gscl_comparison {
-    double mse;            /* of samples in 0..255, all channels together (colours premultiplied if there is alpha) */
-    double psnr;           /* dB, 10 log10(255^2 / mse); infinity when equal */
-    double ssim;           /* mean over channels, 11x11 Gaussian window of sigma 1.5, valid area; NaN below 11 pixels */
-    double ms_ssim;        /* five scales (Wang et al. 2003); NaN when the smallest scale is below 11 pixels */
-    double max_difference; /* 0..255 */
-} gscl_comparison;
-/* Compares two images of the same size and kind (sample types may differ). */
-GSCL_API GSCL_CHECKED gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison);
-
-/* ---- Speed -------------------------------------------------------------------------------- */
-
-typedef struct gscl_benchmark_settings {
-    uint32_t width, height; /* of the picture, pixels; default 768x512 */
-    uint32_t splats;        /* default 2500: made up, of the sizes and shapes that fits leave */
-    uint32_t repetitions;   /* 1..1000, default 20; a few more warm up */
-} gscl_benchmark_settings;
-
-/* Seconds that one thing takes. */
-typedef struct gscl_measurement {
-    const char *name; /* of a kernel, or "fit step": all of its kernels, on the wall clock */
-    const char *unit; /* of `work`: "flop", "byte", or "evaluation" of a splat at a pixel */
-    gscl_blend blend; /* AUTO where it does not apply */
-    uint32_t splats;  /* 0 where it does not apply */
-    double work;      /* of one run */
-    double needed;    /* evaluations inside the splats' outlines, which no renderer could do without */
-    double flop; /* of one run, nominal: 28 an evaluation forward, 100 in a whole step; 0 where it has no meaning */
-    double median_s, fastest_s, slowest_s;
-} gscl_measurement;
-typedef void (*gscl_measurement_callback)(void *opaque, const gscl_measurement *measurement);
-
-GSCL_API void gscl_benchmark_settings_default(gscl_benchmark_settings *settings);
-/* Measures what the device can do: "multiply_add" and "copy".  Like the next, it needs a context with timing, takes
- * NULL for the default settings, and resets the context's timings. */
-GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_settings *settings,
-                                                        gscl_measurement_callback callback, void *opaque);
-/* Measures the kernels of drawing and fitting, for each blend. */
-GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_kernels(gscl_context *context, const gscl_benchmark_settings *settings,
-                                                         gscl_measurement_callback callback, void *opaque);
-
-/* ---- What exactness costs ------------------------------------------------------------------- */
-
-typedef struct gscl_accuracy_settings {
-    uint32_t repetitions; /* of what is timed: 1..1000, default 20; a few more warm up */
-    uint32_t splats;      /* whose derivatives are taken: 1..1000, default 48 */
-} gscl_accuracy_settings;
-
-/* One way of drawing a file's splats: how far it is off, and how long it takes.  `choice` says what is varied:
- *   "support"      where Gaussians are cut off, `value` in sigmas; errors are those against Gaussians without end
- *   "exponential"  "polynomial", "exp2" or "native_exp2"
- *   "precision"    "float32" or "float64" (only where the device has it)
- *   "early stop"   the transmittance, `value`, below which nothing behind is drawn; 0: all is.  Blend alpha only
- *   "quantiser"    `value` times the steps that the encoder takes, as far as the format has such steps; errors are those
- *                  against splats that are not quantised.  Default profile, blends normalized and sum only
- * Other errors are those against the format's definition in double precision. */
-typedef struct gscl_accuracy {
-    const char *choice;  /* static */
-    const char *variant; /* in a word, "3.74 sigma"; valid until the callback returns */
-    double value;
-    bool is_default;
-    gscl_blend blend;                 /* of the file */
-    double largest_error, mean_error; /* of samples clamped to 0..1, in units of 1/255 */
-    double ns_per_pixel;   /* of the device, all kernels of a drawing: median; 0 where it makes no difference */
-    double bits_per_splat; /* of the file, "quantiser" only, else 0 */
-    double psnr;           /* dB of what is drawn against the image */
-} gscl_accuracy;
-typedef void (*gscl_accuracy_callback)(void *opaque, const gscl_accuracy *accuracy);
-
-/* How far the derivatives of the fit's squared error are from central differences in double precision, over one kind of
- * parameter: "position", "scale", "angle", "opacity" or "colour". */
-typedef struct gscl_gradient_accuracy {
-    const char *kind;    /* static, */
-    const char *variant; /* and so is this: of the exponential, as above */
-    bool is_default;
-    gscl_blend blend;
-    uint32_t parameters;  /* compared */
-    double rms_error;     /* root mean square of the errors over that of the derivatives */
-    double largest_error; /* largest error over the largest derivative */
-    double ns_per_pixel;  /* of the device, drawing and differentiating: median */
-} gscl_gradient_accuracy;
-typedef void (*gscl_gradient_callback)(void *opaque, const gscl_gradient_accuracy *accuracy);
-
-GSCL_API void gscl_accuracy_settings_default(gscl_accuracy_settings *settings);
-/* Draws a file with each choice.  `image` is what was encoded.  Like the next, it needs a context with timing, takes NULL
- * for the default settings, resets the context's timings, and calls back once for each result, in order. */
-GSCL_API GSCL_CHECKED gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image,
-                                                        const uint8_t *bytes, size_t size,
-                                                        const gscl_accuracy_settings *settings,
-                                                        gscl_accuracy_callback callback, void *opaque);
-/* Differentiates the squared error of a file's splats in a part of the image: at most 128x128 pixels around the splat that
- * is nearest to its middle. */
-GSCL_API GSCL_CHECKED gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *image,
-                                                         const uint8_t *bytes, size_t size,
-                                                         const gscl_accuracy_settings *settings,
-                                                         gscl_gradient_callback callback, void *opaque);
 
 #ifdef __cplusplus
 }

@@ -173,16 +173,18 @@ uint32_t gscl_coded_image_channels(const gsf_header *header) {
     return channels[header->layout];
 }
 
+void gscl_coded_image_splat(const gscl_coded_image *p, uint32_t i, float *params) {
+    if (p->file.header.coding == GSF_CODING_SCALAR)
+        gscl_dequantise(&p->file, &p->file.splats[i], params);
+    else
+        gscl_dequantise_indexed(&p->file, &p->file.indexed[i], params);
+}
+
 void gscl_coded_image_params(const gscl_coded_image *p, float *params, float background[4]) {
     const gsf_header *header = &p->file.header;
     unsigned channels = gsf_channel_count(header);
     for (unsigned k = 0; k < channels; k++)
         background[k] = (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
-    for (uint32_t i = 0; i < header->splat_count; i++) {
-        float *to = params + (size_t)i * GSCL_PARAMS;
-        if (header->coding == GSF_CODING_SCALAR)
-            gscl_dequantise(&p->file, &p->file.splats[i], to);
-        else
-            gscl_dequantise_indexed(&p->file, &p->file.indexed[i], to);
-    }
+    for (uint32_t i = 0; i < header->splat_count; i++)
+        gscl_coded_image_splat(p, i, params + (size_t)i * GSCL_PARAMS);
 }

@@ -42,6 +42,9 @@ gscl_kernel_options gscl_coded_image_options(const gsf_header *header);
 /* Channels of the decoded image, 1..4. */
 uint32_t gscl_coded_image_channels(const gsf_header *header);
 
+/* Dequantises splat `i` into GSCL_PARAMS parameters. */
+void gscl_coded_image_splat(const gscl_coded_image *picture, uint32_t i, float *params);
+
 /* What the codes stand for: splat_count * GSCL_PARAMS parameters in drawing order, and the background. */
 void gscl_coded_image_params(const gscl_coded_image *picture, float *params, float background[4]);
 

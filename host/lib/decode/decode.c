@@ -5,47 +5,21 @@
 #include "cl/constants.h"
 #include "image/image.h"
 #include "decode/coded_image.h"
+#include "decode/frame.h"
 #include "decode/renderer.h"
 #include "decode/resize.h"
+#include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
 #define BAND_SAMPLES (16u << 20) /* of a band: 64 MiB of floats */
 
-void gscl_decode_settings_default(gscl_decode_settings *settings) {
-    if (settings)
-        *settings = (gscl_decode_settings){0};
-}
-
-/* What is drawn: the size of the whole drawn picture and the rectangle of it that is wanted. */
-typedef struct frame {
-    uint32_t full_width, full_height;
-    uint32_t x, y, width, height;
-} frame;
-
-static gscl_result resolve_frame(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,
-                                 frame *f) {
-    if ((s->width == 0) != (s->height == 0))
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "both width and height must be given, or neither");
-    f->full_width = s->width ? s->width : header->width;
-    f->full_height = s->height ? s->height : header->height;
-    if (f->full_width > GSCL_MAX_DIMENSION || f->full_height > GSCL_MAX_DIMENSION)
-        return gscl_fail(context, GSCL_ERROR_IMAGE_SIZE, "cannot draw %ux%u pixels; at most %dx%d", f->full_width,
-                         f->full_height, GSCL_MAX_DIMENSION, GSCL_MAX_DIMENSION);
-    bool crop = s->crop_width || s->crop_height || s->crop_x || s->crop_y;
-    *f = (frame){f->full_width, f->full_height, s->crop_x, s->crop_y, s->crop_width, s->crop_height};
-    if (!crop || f->width == 0)
-        f->width = f->full_width > f->x ? f->full_width - f->x : 0;
-    if (!crop || f->height == 0)
-        f->height = f->full_height > f->y ? f->full_height - f->y : 0;
-    if (f->width == 0 || f->height == 0 || f->x > f->full_width - f->width || f->y > f->full_height - f->height ||
-        f->width > f->full_width || f->height > f->full_height)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "crop %u,%u,%u,%u does not lie inside %ux%u", s->crop_x,
-                         s->crop_y, s->crop_width, s->crop_height, f->full_width, f->full_height);
-    return GSCL_OK;
+void gscl_decode_settings_init(gscl_decode_settings *settings, size_t struct_size) {
+    const gscl_decode_settings defaults = {0};
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
 /* The image that the decode gives, without pixels. */
-static gscl_image shape_of(const frame *f, const gsf_header *header, const gscl_decode_settings *s) {
+static gscl_image shape_of(const gscl_frame *f, const gsf_header *header, const gscl_decode_settings *s) {
     gscl_sample sample = s->sample != GSCL_SAMPLE_AUTO ? s->sample
                          : header->high_bit_depth      ? GSCL_SAMPLE_U16
                                                        : GSCL_SAMPLE_U8;
@@ -78,7 +52,7 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
 }
 
 /* Draws the frame band by band, so that no buffer grows with the picture. */
-static gscl_result draw_bands(gscl_renderer *r, const frame *f, const gscl_image *image) {
+static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
     uint32_t rows = (uint32_t)(BAND_SAMPLES / ((size_t)f->width * image->channels) / GSCL_TILE * GSCL_TILE);
     if (rows < GSCL_TILE)
@@ -120,7 +94,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
 }
 
 /* `params` and `background`: room for what the device is given. */
-static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *picture, const frame *f,
+static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *picture, const gscl_frame *f,
                                const gscl_image *image, float *params, float background[4]) {
     const gsf_header *header = &picture->file.header;
     gscl_renderer *renderer = NULL;
@@ -137,7 +111,7 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *pi
     return draw_bands(renderer, f, image);
 }
 
-static gscl_result draw(gscl_context *context, const gscl_coded_image *picture, const frame *f,
+static gscl_result draw(gscl_context *context, const gscl_coded_image *picture, const gscl_frame *f,
                         const gscl_image *image) {
     float background[4],
         *params = malloc(((size_t)picture->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
@@ -149,30 +123,41 @@ static gscl_result draw(gscl_context *context, const gscl_coded_image *picture, 
     return result;
 }
 
+/* Reads the file, checking each limit as soon as its figure is known: the header before anything is allocated, the work
+ * before pixels and memory of the device are. */
+static gscl_result read_within_limits(gscl_context *context, const uint8_t *bytes, size_t size,
+                                      const gscl_decode_settings *s, gscl_coded_image *picture, gscl_frame *f) {
+    gsf_header header;
+    gscl_result result = gscl_result_of_format(gsf_read_header(bytes, size, &header));
+    if (result != GSCL_OK)
+        return gscl_coded_image_fail(context, result, bytes, size);
+    GSCL_TRY(gscl_frame_resolve(context, s, &header, f));
+    gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
+    result = gscl_coded_image_read(picture, bytes, size);
+    if (result != GSCL_OK)
+        gscl_coded_image_fail(context, result, bytes, size);
+    else if ((result = gscl_frame_check_work(context, s, picture, f)) != GSCL_OK)
+        gscl_coded_image_free(picture);
+    if (result != GSCL_OK)
+        gscl_stage(context, GSCL_STAGE_NONE);
+    return result;
+}
+
 gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_decode_settings *settings,
                         gscl_image *image) {
     if (!context || !bytes || !image)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    gscl_decode_settings defaults = {0};
-    if (!settings)
-        settings = &defaults;
-    if (settings->sample > GSCL_SAMPLE_F32)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)settings->sample);
     context->message[0] = 0;
+    gscl_decode_settings s;
+    gscl_decode_settings_default(&s);
+    GSCL_TRY(GSCL_STRUCT_READ(context, gscl_decode_settings, max_pixels, settings, &s));
+    if ((unsigned)s.sample > GSCL_SAMPLE_F32)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)s.sample);
     gscl_coded_image picture;
-    gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
-    gscl_result result = gscl_coded_image_read(&picture, bytes, size);
-    if (result != GSCL_OK) {
-        gscl_stage(context, GSCL_STAGE_NONE);
-        return gscl_coded_image_fail(context, result, bytes, size);
-    }
-    frame f = {0};
-    gscl_image decoded = {0};
-    result = resolve_frame(context, settings, &picture.file.header, &f);
-    if (result == GSCL_OK) {
-        decoded = shape_of(&f, &picture.file.header, settings);
-        result = provide_pixels(context, &decoded, image);
-    }
+    gscl_frame f;
+    GSCL_TRY(read_within_limits(context, bytes, size, &s, &picture, &f));
+    gscl_image decoded = shape_of(&f, &picture.file.header, &s);
+    gscl_result result = provide_pixels(context, &decoded, image);
     if (result == GSCL_OK)
         result = draw(context, &picture, &f, &decoded);
     if (result == GSCL_OK)

@@ -6,6 +6,8 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
+#include "decode/frame.h"
+#include "runtime/struct_size.h"
 
 static const struct {
     gscl_effect effect;
@@ -49,7 +51,7 @@ static void describe(const gsf_header *header, size_t size, gscl_info *info) {
     static const gscl_blend blends[] = {[GSF_BLEND_NORMALIZED] = GSCL_BLEND_NORMALIZED,
                                         [GSF_BLEND_ALPHA] = GSCL_BLEND_ALPHA,
                                         [GSF_BLEND_SUM] = GSCL_BLEND_SUM};
-    memset(info, 0, sizeof *info);
+    *info = (gscl_info){.struct_size = sizeof *info};
     info->format_version = header->version;
     info->width = header->width;
     info->height = header->height;
@@ -59,6 +61,8 @@ static void describe(const gsf_header *header, size_t size, gscl_info *info) {
     info->blend = blends[header->blend];
     info->splats = header->splat_count;
     info->bytes = size;
+    info->pixels = (uint64_t)header->width * header->height;
+    info->work = header->splat_count * info->pixels;
     info->effects =
         (header->has_chroma ? GSCL_EFFECT_CHROMA : 0u) | (header->has_alpha ? GSCL_EFFECT_ALPHA_CHANNEL : 0u) |
         (header->has_opacity ? GSCL_EFFECT_OPACITY : 0u) | (header->has_rotation ? GSCL_EFFECT_ROTATION : 0u) |
@@ -87,24 +91,32 @@ static void list_streams(const uint64_t *stream_bits256, size_t size, gscl_info 
 gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;
+    GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_info, pixels, info));
     gsf_header header;
     GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &header)));
-    describe(&header, size, info);
+    gscl_info own;
+    describe(&header, size, &own);
+    gscl_struct_write(info, &own);
     return GSCL_OK;
 }
 
 gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;
+    GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_info, pixels, info));
     gscl_coded_image picture;
+    gscl_info own;
     uint64_t stream_bits256[GSF_STREAM_COUNT];
     GSCL_TRY(gscl_coded_image_read_counted(&picture, bytes, size, stream_bits256));
-    describe(&picture.file.header, size, info);
+    describe(&picture.file.header, size, &own);
     if (picture.file.header.coding == GSF_CODING_CODEBOOK && picture.file.header.splat_count > 0) {
-        info->shape_words = picture.file.codebooks.shape_count;
-        info->colour_words = picture.file.codebooks.colour_count;
+        own.shape_words = picture.file.codebooks.shape_count;
+        own.colour_words = picture.file.codebooks.colour_count;
     }
-    list_streams(stream_bits256, size, info);
+    list_streams(stream_bits256, size, &own);
+    const gscl_frame whole = {own.width, own.height, 0, 0, own.width, own.height};
+    own.work = gscl_frame_work(&picture, &whole);
+    gscl_struct_write(info, &own);
     gscl_coded_image_free(&picture);
     return GSCL_OK;
 }

@@ -7,6 +7,7 @@
  *   quantise.h: integers to splat parameters and back
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
+ *   frame.h: the rectangle that a decode returns, and its limits
  *   decode.c, inspect.c: the public functions */
 #ifndef GSCL_ROOM_LIB_DECODE_H
 #define GSCL_ROOM_LIB_DECODE_H

@@ -13,15 +13,16 @@
 #include "image/metrics.h"
 #include "decode/quantise.h"
 #include "session/encode_trace.h"
+#include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
 #define AUTO_BPP 0.125   /* GSCL_TARGET_AUTO: this many bits per pixel, */
 #define AUTO_BYTES 256.0 /* but at least so many bytes */
 #define FEW_SPLATS 2     /* so few may be worse than none */
 
-void gscl_encode_settings_default(gscl_encode_settings *settings) {
-    if (settings)
-        *settings = (gscl_encode_settings){.effort = GSCL_DEFAULT_EFFORT, .seed = 1};
+void gscl_encode_settings_init(gscl_encode_settings *settings, size_t struct_size) {
+    const gscl_encode_settings defaults = {.effort = GSCL_DEFAULT_EFFORT, .seed = 1};
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
 static gscl_result check_settings(gscl_context *context, const gscl_encode_settings *s) {
@@ -186,8 +187,9 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     context->message[0] = 0;
     gscl_encoder e = {.context = context, .image = image};
     gscl_encode_settings_default(&e.settings);
-    if (settings)
-        e.settings = *settings;
+    GSCL_TRY(GSCL_STRUCT_READ(context, gscl_encode_settings, trace, settings, &e.settings));
+    if (report)
+        GSCL_TRY(GSCL_STRUCT_CHECK(context, gscl_encode_report, trace_count, report));
     GSCL_TRY(check_settings(context, &e.settings));
     gscl_encode_trace trace = {0};
     gscl_encode_report measured;
@@ -217,7 +219,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
         *bytes = written;
         *size = written_size;
         if (report)
-            *report = measured;
+            gscl_struct_write(report, &measured);
     } else {
         free(written);
     }

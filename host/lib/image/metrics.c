@@ -4,6 +4,8 @@
 #include <stdlib.h>
 
 #include "image/image.h"
+#include "runtime/context.h"
+#include "runtime/struct_size.h"
 
 #define PEAK 255.0
 #define WINDOW 11 /* taps of the Gaussian window, along each axis */
@@ -224,6 +226,7 @@ gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparis
     gscl_comparison measured;
     if (!comparison)
         return GSCL_ERROR_INVALID_ARGUMENT;
+    GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_comparison, max_difference, comparison));
     gscl_result result = open_pair(a, b, &pair);
     if (result != GSCL_OK)
         return result;
@@ -231,6 +234,6 @@ gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparis
     result = measure_structure(&pair, &measured);
     close_pair(&pair);
     if (result == GSCL_OK)
-        *comparison = measured;
+        gscl_struct_write(comparison, &measured);
     return result;
 }

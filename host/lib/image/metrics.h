@@ -3,6 +3,7 @@
 #define GSCL_LIB_METRICS_H
 
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 /* gscl_compare without the structural measures, which take most of its time: `mse`, `psnr` and `max_difference`;
  * the others are NaN. */

@@ -83,7 +83,7 @@ static void choose(bench *b, size_t first) {
         if (i == first || (p[GSCL_X] >= 0 && p[GSCL_X] < part_width(b) && p[GSCL_Y] >= 0 && p[GSCL_Y] < part_height(b)))
             b->chosen[found++] = i;
     }
-    size_t wanted = found < s->settings->splats ? found : s->settings->splats;
+    size_t wanted = found < s->settings.splats ? found : s->settings.splats;
     for (size_t i = 0; i < wanted; i++)
         b->chosen[i] = b->chosen[i * found / wanted];
     b->chosen_count = wanted;

@@ -1,4 +1,5 @@
 /* How fast the device runs the kernels, and how fast it could. */
+#include <gscl/measure.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,6 +7,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/random.h"
+#include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
 #define MAX_SERIES 12
@@ -29,7 +31,7 @@ typedef struct series {
 
 typedef struct bench {
     gscl_context *context;
-    const gscl_benchmark_settings *settings;
+    gscl_benchmark_settings settings;
     gscl_measurement_callback callback;
     void *opaque;
     gscl_measurement about; /* what the measurements to come have in common */
@@ -41,9 +43,8 @@ typedef gscl_result bench_run(bench *b, void *opaque);
 
 static const gscl_benchmark_settings defaults = {.width = 768, .height = 512, .splats = 2500, .repetitions = 20};
 
-void gscl_benchmark_settings_default(gscl_benchmark_settings *settings) {
-    if (settings)
-        *settings = defaults;
+void gscl_benchmark_settings_init(gscl_benchmark_settings *settings, size_t struct_size) {
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
 static void add_sample(bench *b, const char *name, double seconds) {
@@ -60,7 +61,7 @@ static void add_sample(bench *b, const char *name, double seconds) {
 /* Runs it again and again; leaves samples of the whole, under `name`, and of each kernel. */
 static gscl_result sample(bench *b, const char *name, bench_run *run, void *opaque) {
     b->count = 0;
-    for (uint32_t i = 0; i < WARM_UP + b->settings->repetitions; i++) {
+    for (uint32_t i = 0; i < WARM_UP + b->settings.repetitions; i++) {
         gscl_context_reset_timings(b->context);
         double start = gscl_now();
         gscl_stage(b->context, GSCL_STAGE_MEASURE);
@@ -69,11 +70,9 @@ static gscl_result sample(bench *b, const char *name, bench_run *run, void *opaq
         if (i < WARM_UP)
             continue;
         add_sample(b, name, gscl_now() - start);
-        const gscl_timing *rows;
-        size_t count = gscl_context_timings(b->context, &rows);
-        for (size_t k = 0; k < count; k++)
-            if (rows[k].is_kernel && rows[k].count > 0)
-                add_sample(b, rows[k].name, rows[k].seconds);
+        for (const gscl_timing *row = gscl_context_timings(b->context); row; row = row->next)
+            if (row->is_kernel && row->count > 0)
+                add_sample(b, row->name, row->seconds);
     }
     return GSCL_OK;
 }
@@ -213,11 +212,11 @@ static gscl_result step(bench *b, void *opaque) {
 
 static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
     double evaluations;
-    GSCL_TRY(gscl_fit_append(fit, params, b->settings->splats));
+    GSCL_TRY(gscl_fit_append(fit, params, b->settings.splats));
     GSCL_TRY(gscl_renderer_bin(&fit->renderer, true));
     GSCL_TRY(count_evaluations(&fit->renderer, &evaluations));
     b->about.unit = "evaluation";
-    b->about.needed = pixels_inside(b->settings, params);
+    b->about.needed = pixels_inside(&b->settings, params);
     GSCL_TRY(sample(b, "whole", draw, &fit->renderer));
     report(b, "raster_forward", evaluations, FORWARD_FLOP * evaluations);
     GSCL_TRY(sample(b, "fit step", step, fit));
@@ -235,8 +234,7 @@ static gscl_result measure_blend(bench *b, gscl_blend blend, const float *params
         .blend = kernels_of[blend], .colours = 3, .opacity = blend == GSCL_BLEND_ALPHA, .loss = GSCL_LOSS_KIND_L2};
     gscl_fit fit;
     b->about.blend = blend;
-    gscl_result result =
-        gscl_fit_create(&fit, b->context, &options, b->settings->width, b->settings->height, 0, planes);
+    gscl_result result = gscl_fit_create(&fit, b->context, &options, b->settings.width, b->settings.height, 0, planes);
     if (result == GSCL_OK)
         result = measure_scene(b, &fit, params);
     gscl_fit_free(&fit);
@@ -244,7 +242,7 @@ static gscl_result measure_blend(bench *b, gscl_blend blend, const float *params
 }
 
 static gscl_result measure_kernels(bench *b) {
-    const gscl_benchmark_settings *s = b->settings;
+    const gscl_benchmark_settings *s = &b->settings;
     size_t samples = (size_t)s->width * s->height * 3;
     float *params = malloc((size_t)s->splats * GSCL_PARAMS * sizeof *params),
           *planes = malloc(samples * sizeof *planes);
@@ -264,19 +262,19 @@ static gscl_result measure_kernels(bench *b) {
 
 /* ---- */
 
-static gscl_result begin(gscl_context *context, const gscl_benchmark_settings *s, gscl_measurement_callback callback,
-                         void *opaque, bench **b) {
+static gscl_result begin(gscl_context *context, const gscl_benchmark_settings *settings,
+                         gscl_measurement_callback callback, void *opaque, bench **b) {
     if (!context || !callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    if (!s)
-        s = &defaults;
+    gscl_benchmark_settings s = defaults;
+    GSCL_TRY(GSCL_STRUCT_READ(context, gscl_benchmark_settings, repetitions, settings, &s));
     if (!context->timings)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a benchmark needs a context with timing");
-    if (s->width == 0 || s->height == 0 || s->width > GSCL_MAX_DIMENSION || s->height > GSCL_MAX_DIMENSION)
+    if (s.width == 0 || s.height == 0 || s.width > GSCL_MAX_DIMENSION || s.height > GSCL_MAX_DIMENSION)
         return gscl_fail(context, GSCL_ERROR_IMAGE_SIZE, "%s", gscl_result_text(GSCL_ERROR_IMAGE_SIZE));
-    if (s->splats == 0 || s->splats > GSCL_MAX_SPLATS || s->repetitions == 0 || s->repetitions > MAX_REPETITIONS)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u splats or %u repetitions are out of range",
-                         s->splats, s->repetitions);
+    if (s.splats == 0 || s.splats > GSCL_MAX_SPLATS || s.repetitions == 0 || s.repetitions > MAX_REPETITIONS)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u splats or %u repetitions are out of range", s.splats,
+                         s.repetitions);
     *b = calloc(1, sizeof **b);
     if (!*b)
         return gscl_fail_memory(context);

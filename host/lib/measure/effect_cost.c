@@ -1,5 +1,6 @@
 /* What the effects of a file cost and give: the file is written again without each of them. */
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,7 +90,7 @@ static gscl_result use_of(gscl_context *context, const gscl_coded_image *picture
 
 gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
                                  gscl_effect_use *uses, size_t *count) {
-    gscl_info info;
+    gscl_info info = {.struct_size = sizeof info};
     gscl_coded_image picture;
     double psnr = NAN;
     if (!bytes || !uses || !count || (image && !context))
@@ -98,7 +99,7 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
     GSCL_TRY(gscl_coded_image_read(&picture, bytes, size));
     gscl_result result = image ? gscl_file_psnr(context, bytes, size, image, &psnr) : GSCL_OK;
     size_t used = 0;
-    for (unsigned bit = 0; bit < GSCL_MAX_EFFECTS && result == GSCL_OK; bit++)
+    for (unsigned bit = 0; bit < GSCL_EFFECT_COUNT && result == GSCL_OK; bit++)
         if (info.effects >> bit & 1) {
             uses[used].effect = (gscl_effect)(1u << bit);
             result = use_of(context, &picture, size, image, psnr, &uses[used++]);

@@ -6,6 +6,7 @@
 
 #include "cl/constants.h"
 #include "image/image.h"
+#include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
 #define WARM_UP 3
@@ -13,9 +14,8 @@
 
 static const gscl_accuracy_settings defaults = {.repetitions = 20, .splats = 48};
 
-void gscl_accuracy_settings_default(gscl_accuracy_settings *settings) {
-    if (settings)
-        *settings = defaults;
+void gscl_accuracy_settings_init(gscl_accuracy_settings *settings, size_t struct_size) {
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
 static gscl_result check_settings(gscl_context *context, const gscl_accuracy_settings *s) {
@@ -57,8 +57,9 @@ gscl_result gscl_subject_open(gscl_subject *s, gscl_context *context, const gscl
         return GSCL_ERROR_INVALID_ARGUMENT;
     context->message[0] = 0;
     s->context = context;
-    s->settings = settings ? settings : &defaults;
-    GSCL_TRY(check_settings(context, s->settings));
+    s->settings = defaults;
+    GSCL_TRY(GSCL_STRUCT_READ(context, gscl_accuracy_settings, splats, settings, &s->settings));
+    GSCL_TRY(check_settings(context, &s->settings));
     GSCL_TRY(gscl_image_examine(context, image, &content));
     gscl_result result = gscl_coded_image_read(&s->picture, bytes, size);
     return result == GSCL_OK ? load(s, image) : gscl_coded_image_fail(context, result, bytes, size);
@@ -97,7 +98,7 @@ static gscl_result time_once(const gscl_subject *s, gscl_subject_run *run, void 
 
 gscl_result gscl_subject_time(const gscl_subject *s, gscl_subject_run *run, void *opaque, size_t count,
                               double *seconds) {
-    size_t repetitions = s->settings->repetitions;
+    size_t repetitions = s->settings.repetitions;
     double warm, *samples = malloc(count * repetitions * sizeof *samples);
     gscl_result result = samples ? GSCL_OK : gscl_fail_memory(s->context);
     for (size_t i = 0; i < WARM_UP + repetitions; i++)

@@ -2,13 +2,15 @@
 #ifndef GSCL_LIB_SUBJECT_H
 #define GSCL_LIB_SUBJECT_H
 
+#include <gscl/measure.h>
+
 #include "decode/coded_image.h"
 #include "measure/reference.h"
 #include "decode/renderer.h"
 
 typedef struct gscl_subject {
     gscl_context *context;
-    const gscl_accuracy_settings *settings; /* resolved */
+    gscl_accuracy_settings settings; /* resolved */
     gscl_coded_image picture;
     gscl_kernel_options options;
     uint32_t width, height;

@@ -81,8 +81,8 @@ static void list_devices(device_list *list) {
     mark_default(list, preferences);
 }
 
-gscl_result gscl_list_devices(gscl_device_info **devices, size_t *count) {
-    if (!devices || !count)
+gscl_result gscl_list_devices(gscl_device_info **devices) {
+    if (!devices)
         return GSCL_ERROR_INVALID_ARGUMENT;
     device_list *list = malloc(sizeof *list);
     if (!list)
@@ -92,8 +92,9 @@ gscl_result gscl_list_devices(gscl_device_info **devices, size_t *count) {
     gscl_result result = !infos ? GSCL_ERROR_OUT_OF_MEMORY : list->count == 0 ? GSCL_ERROR_NO_PLATFORM : GSCL_OK;
     if (result == GSCL_OK) {
         memcpy(infos, list->infos, list->count * sizeof *infos);
+        for (size_t i = 0; i + 1 < list->count; i++)
+            infos[i].next = &infos[i + 1];
         *devices = infos;
-        *count = list->count;
     } else {
         free(infos);
     }

@@ -5,11 +5,12 @@
 #include "runtime/device.h"
 #include "runtime/opencl.h"
 #include "runtime/programs.h"
+#include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
-void gscl_context_settings_default(gscl_context_settings *settings) {
-    if (settings)
-        *settings = (gscl_context_settings){0};
+void gscl_context_settings_init(gscl_context_settings *settings, size_t struct_size) {
+    const gscl_context_settings defaults = {0};
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
 static gscl_result open_device(gscl_context *context) {
@@ -28,26 +29,23 @@ static gscl_result open_device(gscl_context *context) {
 gscl_result gscl_context_create(gscl_context **context, const gscl_context_settings *settings) {
     if (!context)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    gscl_context_settings defaults;
-    gscl_context_settings_default(&defaults);
-    if (!settings)
-        settings = &defaults;
     gscl_context *c = *context = calloc(1, sizeof *c);
     if (!c)
         return GSCL_ERROR_OUT_OF_MEMORY;
-    c->log = settings->log;
-    c->log_opaque = settings->log_opaque;
-    if ((int)settings->mapping < GSCL_MAPPING_AUTO || settings->mapping > GSCL_MAPPING_GPU)
-        return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu",
-                         (int)settings->mapping);
-    GSCL_TRY(gscl_device_choose(c, settings->device));
+    gscl_context_settings s;
+    gscl_context_settings_default(&s);
+    GSCL_TRY(GSCL_STRUCT_READ(c, gscl_context_settings, log, settings, &s));
+    c->log = s.log;
+    c->log_opaque = s.log_opaque;
+    if ((int)s.mapping < GSCL_MAPPING_AUTO || s.mapping > GSCL_MAPPING_GPU)
+        return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu", (int)s.mapping);
+    GSCL_TRY(gscl_device_choose(c, s.device));
     cl_device_type type = CL_DEVICE_TYPE_CPU;
     GSCL_CL(c, clGetDeviceInfo(c->device, CL_DEVICE_TYPE, sizeof type, &type, NULL));
-    c->gpu_mapping =
-        settings->mapping == GSCL_MAPPING_AUTO ? !(type & CL_DEVICE_TYPE_CPU) : settings->mapping == GSCL_MAPPING_GPU;
+    c->gpu_mapping = s.mapping == GSCL_MAPPING_AUTO ? !(type & CL_DEVICE_TYPE_CPU) : s.mapping == GSCL_MAPPING_GPU;
     gscl_log(c, GSCL_LOG_INFO, "device %s: %s (%s mapping)", c->info.id, c->info.device_name,
              c->gpu_mapping ? "GPU" : "CPU");
-    if (settings->timing)
+    if (s.timing)
         GSCL_TRY(gscl_timing_create(c));
     return open_device(c);
 }
@@ -72,7 +70,6 @@ const char *gscl_context_message(const gscl_context *context) {
     return context ? context->message : "";
 }
 
-void gscl_context_device(const gscl_context *context, gscl_device_info *device) {
-    if (context && device)
-        *device = context->info;
+const gscl_device_info *gscl_context_device(const gscl_context *context) {
+    return context ? &context->info : NULL;
 }

@@ -6,6 +6,10 @@ const char *gscl_version(void) {
     return GSCL_VERSION;
 }
 
+uint32_t gscl_version_number(void) {
+    return GSCL_VERSION_NUMBER;
+}
+
 void gscl_free(void *memory) {
     free(memory);
 }
@@ -20,6 +24,8 @@ const char *gscl_result_text(gscl_result result) {
         return "out of memory";
     case GSCL_ERROR_CANCELLED:
         return "cancelled";
+    case GSCL_ERROR_STRUCT_SIZE:
+        return "struct_size is not set, or is not a size that this library knows";
     case GSCL_ERROR_NO_PLATFORM:
         return "no OpenCL device was found; install an OpenCL implementation such as PoCL";
     case GSCL_ERROR_UNKNOWN_DEVICE:
@@ -42,6 +48,8 @@ const char *gscl_result_text(gscl_result result) {
         return "the file is damaged: its checksum does not match";
     case GSCL_ERROR_CORRUPT:
         return "the file holds values outside the format's limits";
+    case GSCL_ERROR_LIMIT:
+        return "decoding the file would exceed a limit of the settings";
     case GSCL_ERROR_IMAGE_SIZE:
         return "image size outside 1x1 to 16384x16384";
     case GSCL_ERROR_IMAGE_NOT_FINITE:

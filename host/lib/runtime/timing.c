@@ -127,9 +127,9 @@ cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
     return &t->pending[t->pending_count++];
 }
 
-size_t gscl_context_timings(const gscl_context *context, const gscl_timing **timings) {
-    if (!context || !context->timings || !timings)
-        return 0;
+const gscl_timing *gscl_context_timings(const gscl_context *context) {
+    if (!context || !context->timings)
+        return NULL;
     struct gscl_timings *t = context->timings;
     size_t count = 0;
     for (int stage = GSCL_STAGE_NONE + 1; stage < GSCL_STAGE_COUNT; stage++) {
@@ -142,8 +142,9 @@ size_t gscl_context_timings(const gscl_context *context, const gscl_timing **tim
     }
     for (size_t i = 0; i < t->kernel_count; i++)
         t->listed[count++] = t->kernel_rows[i];
-    *timings = t->listed;
-    return count;
+    for (size_t i = 0; i < count; i++)
+        t->listed[i].next = i + 1 < count ? &t->listed[i + 1] : NULL;
+    return count > 0 ? t->listed : NULL;
 }
 
 double gscl_kernel_seconds(const gscl_context *context) {

@@ -5,6 +5,8 @@
 #ifndef GSCL_LIB_TIMING_H
 #define GSCL_LIB_TIMING_H
 
+#include <gscl/measure.h>
+
 #include "runtime/context.h"
 
 /* Ends the current stage, once the device has finished its work, and begins `stage` (NONE: no stage).

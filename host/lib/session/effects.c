@@ -37,11 +37,11 @@ static const char *contradiction(const gscl_encode_settings *s, const gscl_image
 
 gscl_result gscl_effects_check(const gscl_encoder *e) {
     const gscl_encode_settings *s = &e->settings;
-    for (uint32_t effect = 1; effect < 1u << GSCL_MAX_EFFECTS; effect <<= 1)
+    for (uint32_t effect = 1; effect < 1u << GSCL_EFFECT_COUNT; effect <<= 1)
         if (s->effects_on & s->effects_off & effect)
             return gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%s is both asked for and ruled out",
                              gscl_effect_name((gscl_effect)effect));
-    if ((s->effects_on | s->effects_off) >> GSCL_MAX_EFFECTS)
+    if ((s->effects_on | s->effects_off) >> GSCL_EFFECT_COUNT)
         return gscl_fail(e->context, GSCL_ERROR_INVALID_ARGUMENT, "an effect is not one that there is");
     const char *why = contradiction(s, e->image);
     return why ? gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;

@@ -40,7 +40,10 @@ int gscl_loss_kind(gscl_loss loss) {
 gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
                            double *psnr) {
     gscl_image decoded = {0};
-    gscl_decode_settings settings = {.sample = image->sample, .premultiplied = image->premultiplied};
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.sample = image->sample;
+    settings.premultiplied = image->premultiplied;
     gscl_comparison comparison;
     GSCL_TRY(gscl_decode(context, bytes, size, &settings, &decoded));
     gscl_result result = gscl_compare_samples(image, &decoded, &comparison);

@@ -1,5 +1,6 @@
 #include "commands/bench_codec.h"
 
+#include <gscl/measure.h>
 #include <stdlib.h>
 
 #include "cli/stopwatch.h"
@@ -8,16 +9,14 @@ static const double rates[] = {0.042, 0.183}; /* bits per pixel */
 #define RATE_COUNT (sizeof rates / sizeof *rates)
 
 static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, double whole) {
-    const gscl_timing *rows;
-    const size_t count = gscl_context_timings(codec->context, &rows);
-    for (size_t i = 0; i < count; i++) {
-        if (rows[i].is_kernel != kernels || rows[i].count == 0)
+    for (const gscl_timing *row = gscl_context_timings(codec->context); row; row = row->next) {
+        if (row->is_kernel != kernels || row->count == 0)
             continue;
-        const double seconds = rows[i].seconds / runs;
-        printf("    %-26s%7.0f x%12.3f ms%7.1f %%", rows[i].name, (double)rows[i].count / runs, 1e3 * seconds,
+        const double seconds = row->seconds / runs;
+        printf("    %-26s%7.0f x%12.3f ms%7.1f %%", row->name, (double)row->count / runs, 1e3 * seconds,
                100 * seconds / whole);
         if (!kernels)
-            printf("%10.3f ms outside kernels", 1e3 * (seconds - rows[i].kernel_seconds / runs));
+            printf("%10.3f ms outside kernels", 1e3 * (seconds - row->kernel_seconds / runs));
         printf("\n");
     }
 }
@@ -31,18 +30,16 @@ static void print_text(const bench_codec *codec, const char *operation, double b
 }
 
 static void write_rows(const bench_codec *codec, bool kernels, unsigned runs) {
-    const gscl_timing *rows;
-    const size_t count = gscl_context_timings(codec->context, &rows);
     json_open_array(codec->json, kernels ? "kernels" : "stages");
-    for (size_t i = 0; i < count; i++) {
-        if (rows[i].is_kernel != kernels || rows[i].count == 0)
+    for (const gscl_timing *row = gscl_context_timings(codec->context); row; row = row->next) {
+        if (row->is_kernel != kernels || row->count == 0)
             continue;
         json_open_object(codec->json, NULL);
-        json_string(codec->json, "name", rows[i].name);
-        json_real(codec->json, "count", (double)rows[i].count / runs);
-        json_real(codec->json, "seconds", rows[i].seconds / runs);
+        json_string(codec->json, "name", row->name);
+        json_real(codec->json, "count", (double)row->count / runs);
+        json_real(codec->json, "seconds", row->seconds / runs);
         if (!kernels)
-            json_real(codec->json, "kernel_seconds", rows[i].kernel_seconds / runs);
+            json_real(codec->json, "kernel_seconds", row->kernel_seconds / runs);
         json_close_object(codec->json);
     }
     json_close_array(codec->json);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 #include "cli/device_choice.h"
 #include "cli/exit_code.h"
@@ -143,16 +144,15 @@ static int bench_picture(const bench_options *bench, const gscl_image *image, gs
 }
 
 static void print_device(const gscl_context *context, bench_output *output) {
-    gscl_device_info device;
-    gscl_context_device(context, &device);
+    const gscl_device_info *device = gscl_context_device(context);
     if (!output->as_json) {
-        printf("%s: %s, %s, %u compute units\n", device.id, device.device_name, device.device_version,
-               device.compute_units);
+        printf("%s: %s, %s, %u compute units\n", device->id, device->device_name, device->device_version,
+               device->compute_units);
         return;
     }
-    json_string(&output->json, "device", device.device_name);
-    json_string(&output->json, "version", device.device_version);
-    json_integer(&output->json, "compute_units", device.compute_units);
+    json_string(&output->json, "device", device->device_name);
+    json_string(&output->json, "version", device->device_version);
+    json_integer(&output->json, "compute_units", device->compute_units);
 }
 
 static int run(const bench_options *bench, const gscl_image *image) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 #include "cli/device_choice.h"
 #include "cli/exit_code.h"
@@ -56,7 +57,7 @@ static bool are_comparable(const char *name_a, const gscl_image *a, const char *
 }
 
 static int compare(const char *name_a, const gscl_image *a, const char *name_b, const gscl_image *b, bool as_json) {
-    gscl_comparison comparison;
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
     if (!are_comparable(name_a, a, name_b, b))
         return EXIT_FAILURE;
     const gscl_result result = gscl_compare(a, b, &comparison);

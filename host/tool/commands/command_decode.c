@@ -82,7 +82,7 @@ static int draw_picture(const decode_options *options, const uint8_t *bytes, siz
 }
 
 static int decode_bytes(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size) {
-    gscl_info info;
+    gscl_info info = {.struct_size = sizeof info};
     gscl_decode_settings settings;
     output_file output;
     const gscl_result result = gscl_probe(bytes, size, &info);

@@ -37,16 +37,16 @@ static void write_json(json_writer *json, const gscl_device_info *device) {
     json_close_object(json);
 }
 
-static void print_devices(const gscl_device_info *devices, size_t count, bool as_json) {
+static void print_devices(const gscl_device_info *devices, bool as_json) {
     json_writer json;
     json_start(&json, stdout);
     if (as_json)
         json_open_array(&json, NULL);
-    for (size_t i = 0; i < count; i++) {
+    for (const gscl_device_info *device = devices; device; device = device->next) {
         if (as_json)
-            write_json(&json, &devices[i]);
+            write_json(&json, device);
         else
-            print_text(&devices[i]);
+            print_text(device);
     }
     if (as_json)
         json_close_array(&json);
@@ -71,11 +71,10 @@ int command_devices(int argc, char **argv) {
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
 
     gscl_device_info *devices;
-    size_t count;
-    const gscl_result result = gscl_list_devices(&devices, &count);
+    const gscl_result result = gscl_list_devices(&devices);
     if (result != GSCL_OK)
         return report_result(NULL, "OpenCL", result);
-    print_devices(devices, count, as_json);
+    print_devices(devices, as_json);
     gscl_free(devices);
     return EXIT_SUCCESS;
 }

@@ -77,7 +77,7 @@ static int make_picture(const draw_options *options, const uint8_t *bytes, size_
 }
 
 static int draw_bytes(const draw_options *options, const image_format *format, const uint8_t *bytes, size_t size) {
-    gscl_info info;
+    gscl_info info = {.struct_size = sizeof info};
     gscl_image image = {0};
     output_file output;
     const char *label = input_label(options->input);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 #include "cli/device_choice.h"
 #include "cli/exit_code.h"
@@ -158,7 +159,7 @@ static int inspect_against(file_facts *facts, const char *reference, const uint8
 }
 
 static int inspect(const char *input, const char *reference, const device_choice *device, bool as_json) {
-    file_facts facts = {.name = input_label(input)};
+    file_facts facts = {.name = input_label(input), .info = {.struct_size = sizeof facts.info}};
     uint8_t *bytes;
     size_t size;
     if (!read_file(input, MAX_GSCL_FILE, &bytes, &size))

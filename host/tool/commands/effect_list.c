@@ -8,7 +8,7 @@
 
 /* The effect of this name, or 0. */
 static uint32_t effect_named(const char *name, size_t length) {
-    for (unsigned bit = 0; bit < GSCL_MAX_EFFECTS; bit++) {
+    for (unsigned bit = 0; bit < GSCL_EFFECT_COUNT; bit++) {
         const char *candidate = gscl_effect_name((gscl_effect)(1u << bit));
         if (candidate && strlen(candidate) == length && strncmp(candidate, name, length) == 0)
             return 1u << bit;

@@ -159,6 +159,7 @@ static void print_report(batch_state *state, const char *input, const char *outp
 
 static void *encode(void *opaque) {
     encode_job *job = opaque;
+    job->report.struct_size = sizeof job->report;
     job->result = gscl_encode(job->context, &job->image, &job->settings, &job->bytes, &job->size, &job->report);
     return NULL;
 }

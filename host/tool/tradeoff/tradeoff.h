@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include <gscl/gscl.h>
+#include <gscl/measure.h>
 
 #include "cli/device_choice.h"
 

@@ -30,7 +30,7 @@ static void keep_gradient(void *opaque, const gscl_gradient_accuracy *accuracy) 
 /* What the encoder makes of other quantiser steps: finer ones leave room for fewer splats. */
 static gscl_result encode_with_steps(const tradeoff_plan *plan, gscl_context *context, tradeoff_accuracy *a) {
     gscl_encode_settings settings;
-    gscl_encode_report report;
+    gscl_encode_report report = {.struct_size = sizeof report};
     progress_line line;
     uint8_t *bytes;
     size_t size;

@@ -40,7 +40,7 @@ static gscl_result encode_repeatedly(const codec *c, const gscl_encode_settings 
     double spent = 0;
     *bytes = NULL;
     for (int i = 0; i < MOST_ENCODES && spent < ENOUGH_SECONDS; i++) {
-        gscl_encode_report report;
+        gscl_encode_report report = {.struct_size = sizeof report};
         uint8_t *written;
         const gscl_result result = encode_once(c, settings, label, &written, size, &report);
         if (result != GSCL_OK)
@@ -57,8 +57,10 @@ static gscl_result encode_repeatedly(const codec *c, const gscl_encode_settings 
 static gscl_result decode_repeatedly(const codec *c, const uint8_t *bytes, size_t size, tradeoff_encode *e) {
     double seconds[DECODES];
     gscl_image decoded = {0};
-    gscl_comparison comparison;
-    const gscl_decode_settings settings = {.sample = c->plan->image->sample};
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.sample = c->plan->image->sample;
     gscl_result result = gscl_decode(c->context, bytes, size, &settings, &decoded); /* warms up */
     for (int i = 0; i < DECODES && result == GSCL_OK; i++) {
         const double start = stopwatch_now();
@@ -194,7 +196,7 @@ int tradeoff_measure_codec(const tradeoff_plan *plan, tradeoff_results *results)
     const int status = open_device(&choice, &c.context);
     if (status != EXIT_SUCCESS)
         return status;
-    gscl_context_device(c.context, &results->device);
+    results->device = *gscl_context_device(c.context);
     gscl_result result = warm_up(&c);
     if (result == GSCL_OK)
         result = measure_efforts(&c);

@@ -1,0 +1,29 @@
+/* What a decode draws: the size of the drawn picture, the rectangle of it that is returned, and the limits on both. */
+#ifndef GSCL_LIB_FRAME_H
+#define GSCL_LIB_FRAME_H
+
+#include <gscl/gscl.h>
+
+#include "decode/coded_image.h"
+
+typedef struct gscl_frame {
+    uint32_t full_width, full_height; /* of the whole drawn picture, pixels */
+    uint32_t x, y, width, height;     /* the rectangle that is returned */
+} gscl_frame;
+
+/* Computes the frame from the settings and checks it against max_pixels and, as far as the header allows, max_work.  It
+ * allocates nothing. */
+gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,
+                               gscl_frame *f);
+
+/* The number of pixels in the returned rectangle. */
+uint64_t gscl_frame_pixels(const gscl_frame *f);
+
+/* Evaluations of a splat at a pixel, as gscl_info.work defines them. */
+uint64_t gscl_frame_work(const gscl_coded_image *picture, const gscl_frame *f);
+
+/* Checks the work against max_work. */
+gscl_result gscl_frame_check_work(gscl_context *context, const gscl_decode_settings *s, const gscl_coded_image *picture,
+                                  const gscl_frame *f);
+
+#endif
