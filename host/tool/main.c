@@ -17,19 +17,19 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-    {"encode", command_encode, "turn images into gscl files"},
-    {"decode", command_decode, "turn a gscl file into an image, at any size, whole or in part"},
-    {"info", command_info, "show a gscl file's header, effects and where its bits went"},
+    {"encode", command_encode, "encode images as gscl files"},
+    {"decode", command_decode, "decode a gscl file to an image, at any size, whole or cropped"},
+    {"info", command_info, "show the header, the effects and the bits of each stream of a gscl file"},
     {"compare", command_compare, "measure the difference of two images: PSNR, SSIM, MS-SSIM"},
-    {"draw", command_draw, "draw a gscl file's splats as ellipses over its picture"},
-    {"devices", command_devices, "list OpenCL devices, and which is the default and why"},
-    {"bench", command_bench, "measure how fast this machine draws, fits, encodes and decodes"},
-    {"tradeoff", command_tradeoff, "measure what accuracy costs in time, with tables and plots"},
+    {"draw", command_draw, "draw the splats of a gscl file as ellipses over the decoded image"},
+    {"devices", command_devices, "list OpenCL devices, with the default one and why it is the default"},
+    {"bench", command_bench, "measure the speed of this machine: kernels, encode and decode"},
+    {"tradeoff", command_tradeoff, "measure accuracy against time, as tables and plots"},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof *commands)
 
 static void print_usage(FILE *stream) {
-    fprintf(stream, "gscl %s: stores a picture as 2D Gaussians\n\nusage: gscl COMMAND ...\n\n", gscl_version());
+    fprintf(stream, "gscl %s: stores an image as 2D Gaussians\n\nusage: gscl COMMAND ...\n\n", gscl_version());
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         fprintf(stream, "  %-10s%s\n", commands[i].name, commands[i].about);
     fprintf(stream, "\n'gscl COMMAND -h' lists a command's options.  In place of a file, - reads standard input or\n"
@@ -44,8 +44,8 @@ static const command *find_command(const char *name) {
     return NULL;
 }
 
-static int report_unknown(const char *name) {
-    return report_usage(name, "is no command; 'gscl help' lists them");
+static int report_unknown_command(const char *name) {
+    return report_usage(name, "is not a command; 'gscl help' lists all commands");
 }
 
 static int run_help(int argc, char **argv) {
@@ -55,14 +55,14 @@ static int run_help(int argc, char **argv) {
     }
     const command *explained = find_command(argv[1]);
     char *arguments[] = {argv[1], "-h", NULL};
-    return explained ? explained->run(2, arguments) : report_unknown(argv[1]);
+    return explained ? explained->run(2, arguments) : report_unknown_command(argv[1]);
 }
 
 static bool is_one_of(const char *word, const char *a, const char *b, const char *c) {
     return strcmp(word, a) == 0 || strcmp(word, b) == 0 || strcmp(word, c) == 0;
 }
 
-static int run(int argc, char **argv) {
+static int run_command(int argc, char **argv) {
     if (argc < 1) {
         print_usage(stderr);
         return EXIT_USAGE;
@@ -74,10 +74,10 @@ static int run(int argc, char **argv) {
         return EXIT_SUCCESS;
     }
     const command *chosen = find_command(argv[0]);
-    return chosen ? chosen->run(argc, argv) : report_unknown(argv[0]);
+    return chosen ? chosen->run(argc, argv) : report_unknown_command(argv[0]);
 }
 
 int main(int argc, char **argv) {
     interrupt_install();
-    return finish_stdout(run(argc - 1, argv + 1));
+    return finish_stdout(run_command(argc - 1, argv + 1));
 }

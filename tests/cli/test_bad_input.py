@@ -260,7 +260,7 @@ class Usage(ToolTest):
         self.refused(command, says, command, *arguments, code=2)
 
     def test_commands(self):
-        self.wrong("is no command; 'gscl help' lists", "encoed", "in.png")
+        self.wrong("is not a command; 'gscl help' lists", "encoed", "in.png")
 
     def test_options(self):
         self.wrong("unknown option --fast; 'gscl encode -h'", "encode", "in.png", "--fast")

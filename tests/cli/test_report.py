@@ -125,7 +125,7 @@ class Help(ToolTest):
                     self.assertRegex(text, rf"(?m)^ .*{option} ")
 
     def test_help_on_nothing(self):
-        self.refused("encoed", "is no command; 'gscl help' lists them", "help", "encoed", code=2)
+        self.refused("encoed", "is not a command; 'gscl help' lists all", "help", "encoed", code=2)
 
     def test_options_tell_ranges_and_defaults(self):
         text = self.gscl("encode", "-h").decode()

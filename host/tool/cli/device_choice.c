@@ -8,12 +8,12 @@
 
 static void log_message(void *opaque, gscl_log_level level, const char *message) {
     (void)opaque;
-    /* Errors come back as results and are reported there, once. */
+    /* Errors also come back as results; report_result reports them, once. */
     if (level != GSCL_LOG_ERROR)
         report_note("%s", message);
 }
 
-/* A text for the errors that the tool knows to explain better than one line of the library's. */
+/* What to do about an error, after the library's text. */
 static const char *advice(gscl_result result) {
     switch (result) {
     case GSCL_ERROR_NO_PLATFORM:
@@ -26,7 +26,7 @@ static const char *advice(gscl_result result) {
 }
 
 int report_result(const gscl_context *context, const char *subject, gscl_result result) {
-    /* Whatever the result: kernel compilers clean up on signals, too, and fail in their own way. */
+    /* A signal decides whatever the result is: kernel compilers react to signals too, and fail with errors of their own. */
     if (interrupt_pending()) {
         report_error(subject, "interrupted; its output was not written");
         return EXIT_SIGNAL + interrupt_pending();

@@ -13,7 +13,7 @@ typedef struct device_choice {
     const char *device; /* NULL: the library's choice */
     int mapping;        /* index into mapping_words, which is a gscl_mapping */
     bool verbose;       /* the library's messages on stderr */
-    bool timing;        /* see gscl_context_settings */
+    bool timing;        /* as in gscl_context_settings */
 } device_choice;
 
 #define DEVICE_OPTIONS(choice)                                                                                       \
@@ -24,7 +24,7 @@ typedef struct device_choice {
      .help = "OpenCL device: its number P.D or part of its name (default: see 'gscl devices')"},                     \
     {                                                                                                                \
         .name = "mapping", .kind = OPTION_WORD, .value = &(choice).mapping, .words = mapping_words, .argument = "M", \
-        .help = "kernels made for a CPU or for a GPU (default: auto, by the device)"                                 \
+        .help = "kernels for a CPU or for a GPU (default: auto, by the device)"                                      \
     }
 
 /* Opens the device; reports errors.  Returns the program's exit code; *context is NULL unless that is 0. */

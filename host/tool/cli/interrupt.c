@@ -13,54 +13,54 @@
 
 #define MAX_GUARDED 16
 
-/* Signals are blocked in every thread and fetched by one of our own: compilers inside OpenCL drivers install signal
- * handlers while they work, which would else end the program in their own way. */
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all below */
-static sigset_t waited;
+/* Signals are blocked in every thread and received by a thread for signals.  Compilers inside OpenCL drivers install
+ * signal handlers while they work, which would otherwise end the program without removing its files. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* guards all variables below */
+static sigset_t handled_signals;
 static char guarded_paths[MAX_GUARDED][PATH_MAX]; /* empty: none */
-static bool is_patient;
-static int pending;
+static bool is_deferring;
+static int pending_signal; /* 0: none */
 
-static void end(int number) {
+static void end_program(int number) {
     for (int i = 0; i < MAX_GUARDED; i++)
         if (guarded_paths[i][0])
             unlink(guarded_paths[i]);
     _exit(EXIT_SIGNAL + number);
 }
 
-static void handle(int number) {
+static void handle_signal(int number) {
     pthread_mutex_lock(&lock);
-    if (is_patient && pending == 0) {
-        pending = number;
+    if (is_deferring && pending_signal == 0) {
+        pending_signal = number;
         pthread_mutex_unlock(&lock);
         return;
     }
-    end(number); /* still locked: nobody opens another file */
+    end_program(number); /* the lock stays held, so that no other file is opened */
 }
 
 static void *wait_for_signals(void *unused) {
     int number;
-    while (sigwait(&waited, &number) == 0)
-        handle(number);
+    while (sigwait(&handled_signals, &number) == 0)
+        handle_signal(number);
     return unused;
 }
 
 void interrupt_install(void) {
     static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     pthread_t thread;
-    sigemptyset(&waited);
+    sigemptyset(&handled_signals);
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         struct sigaction before;
-        /* What the parent (nohup, a shell's background job) wants ignored stays ignored. */
+        /* A signal that the parent ignores (nohup, a background job of a shell) stays ignored. */
         if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaddset(&waited, signals[i]);
+            sigaddset(&handled_signals, signals[i]);
     }
-    pthread_sigmask(SIG_BLOCK, &waited, NULL);
+    pthread_sigmask(SIG_BLOCK, &handled_signals, NULL);
     if (pthread_create(&thread, NULL, wait_for_signals, NULL) == 0)
         pthread_detach(thread);
     else
-        pthread_sigmask(SIG_UNBLOCK, &waited, NULL);
-    signal(SIGPIPE, end); /* raised by a write of the thread itself, so never within the lock */
+        pthread_sigmask(SIG_UNBLOCK, &handled_signals, NULL);
+    signal(SIGPIPE, end_program); /* raised by a write of the thread itself, so never while the lock is held */
     signal(SIGXFSZ, SIG_IGN);
 }
 
@@ -84,15 +84,15 @@ void interrupt_release_guarded(const char *path) {
     pthread_mutex_unlock(&lock);
 }
 
-void interrupt_set_patient(bool patient) {
+void interrupt_set_deferring(bool deferring) {
     pthread_mutex_lock(&lock);
-    is_patient = patient;
+    is_deferring = deferring;
     pthread_mutex_unlock(&lock);
 }
 
 int interrupt_pending(void) {
     pthread_mutex_lock(&lock);
-    const int number = pending;
+    const int number = pending_signal;
     pthread_mutex_unlock(&lock);
     return number;
 }

@@ -15,7 +15,7 @@ static int utf8_length(const unsigned char *text) {
         if ((text[i] & 0xC0) != 0x80)
             return 0;
     }
-    /* Overlong forms, surrogates and what lies beyond U+10FFFF show in the second byte. */
+    /* The second byte tells overlong forms, surrogates and codes beyond U+10FFFF from valid ones. */
     if ((c == 0xE0 && text[1] < 0xA0) || (c == 0xED && text[1] > 0x9F) || (c == 0xF0 && text[1] < 0x90) ||
         (c == 0xF4 && text[1] > 0x8F))
         return 0;
@@ -44,7 +44,7 @@ static void new_line(json_writer *json) {
     fprintf(json->stream, "\n%*s", 2 * json->depth, "");
 }
 
-/* What comes before any value: the comma of the one before, and the key. */
+/* Writes the comma after the previous value, and the key. */
 static void begin_value(json_writer *json, const char *key) {
     if (json->has_member)
         fputc(',', json->stream);

@@ -10,8 +10,8 @@
 
 #define MAX_LINE 2048 /* bytes; a longer message is cut */
 
-/* Line breaks and other control characters become blanks: a message stays on its line, and a file name
- * cannot send escape sequences to the terminal. */
+/* Replaces line breaks and other control characters by blanks, so that a message stays on its line and a file name
+ * sends no escape sequences to the terminal. */
 static void make_one_line(char *text) {
     for (unsigned char *c = (unsigned char *)text; *c; c++) {
         if (*c < 0x20 || *c == 0x7F)

@@ -1,4 +1,4 @@
-/* What gscl says on stderr.  Every message is one line, whatever file names and library texts hold. */
+/* Messages on standard error.  Every message is one line, whatever file names and library texts contain. */
 #ifndef GSCL_TOOL_MESSAGE_H
 #define GSCL_TOOL_MESSAGE_H
 
@@ -10,18 +10,17 @@
 #define MESSAGE_FORMAT(string, first)
 #endif
 
-/* "gscl: SUBJECT: text".  The subject is a file or a command.  Returns false, so that a failing function can
- * end with it. */
+/* Prints "gscl: SUBJECT: text".  The subject is a file or a command.  Returns false, as the result of the caller. */
 bool report_error(const char *subject, const char *format, ...) MESSAGE_FORMAT(2, 3);
 
-/* The same for a wrong command line; returns EXIT_USAGE. */
+/* Prints the same for a wrong command line.  Returns EXIT_USAGE. */
 int report_usage(const char *command, const char *format, ...) MESSAGE_FORMAT(2, 3);
 
-/* A line of information without prefix. */
+/* Prints a line of information without prefix. */
 void report_note(const char *format, ...) MESSAGE_FORMAT(1, 2);
 
-/* Closes stdout and turns a failure (a full disk, say) into an error.  Returns `status`, or EXIT_FAILURE when
- * only this went wrong. */
+/* Closes standard output and reports a failure, for example a full disk.  Returns `status`, or EXIT_FAILURE when `status`
+ * is EXIT_SUCCESS and the output failed. */
 int finish_stdout(int status);
 
 #endif

@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 #include <stddef.h>
 
-/* The name has no slash, so that the loader looks where the tool's run path says. */
+/* The name has no slash, so that the loader searches the run path of the tool. */
 const void *module_load(const char *file, const char *symbol) {
     void *library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
     return library ? dlsym(library, symbol) : NULL;

@@ -1,8 +1,8 @@
-/* Words for the library's enums, as they are written on the command line and in JSON. */
+/* Words for the enums of the library, on the command line and in JSON. */
 #ifndef GSCL_TOOL_NAMES_H
 #define GSCL_TOOL_NAMES_H
 
-/* Each is indexed by its enum and ends with NULL. */
+/* Each array is indexed by its enum and ends with NULL. */
 extern const char *const profile_words[]; /* gscl_profile */
 extern const char *const blend_words[];   /* gscl_blend */
 extern const char *const loss_words[];    /* gscl_loss */

@@ -16,20 +16,20 @@
 
 /* ---- Values ------------------------------------------------------------------------------------ */
 
-/* Reads decimal digits up to `end` characters; *rest is where they stop.  No sign, no blank. */
-static bool read_integer(const char *text, uint64_t *value, const char **rest) {
+/* Reads decimal digits, without sign and blanks.  *end is the first character after them. */
+static bool read_integer(const char *text, uint64_t *value, const char **end) {
     if (*text < '0' || *text > '9')
         return false;
-    char *end;
+    char *after;
     errno = 0;
-    *value = strtoull(text, &end, 10);
-    *rest = end;
+    *value = strtoull(text, &after, 10);
+    *end = after;
     return errno == 0;
 }
 
 static bool parse_integer(const char *text, uint64_t *value) {
-    const char *rest;
-    return read_integer(text, value, &rest) && *rest == '\0';
+    const char *end;
+    return read_integer(text, value, &end) && *end == '\0';
 }
 
 static bool parse_real(const char *text, double *value) {
@@ -50,11 +50,11 @@ static bool parse_word(const char *text, const char *const *words, int *index) {
     return false;
 }
 
-/* Reads `count` integers up to `high` with `separator` between them. */
-static bool parse_list(const char *text, char separator, uint64_t high, uint32_t *values, int count) {
+/* Reads `count` integers of at most `max` with `separator` between them. */
+static bool parse_list(const char *text, char separator, uint64_t max, uint32_t *values, int count) {
     for (int i = 0; i < count; i++) {
         uint64_t value;
-        if (!read_integer(text, &value, &text) || value > high)
+        if (!read_integer(text, &value, &text) || value > max)
             return false;
         values[i] = (uint32_t)value;
         if (*text != (i + 1 < count ? separator : '\0'))
@@ -66,7 +66,7 @@ static bool parse_list(const char *text, char separator, uint64_t high, uint32_t
 
 static bool parse_size(const option_spec *spec, const char *text, option_size *size) {
     uint32_t values[2];
-    if (!parse_list(text, 'x', spec->high, values, 2) || values[0] == 0 || values[1] == 0)
+    if (!parse_list(text, 'x', spec->max_integer, values, 2) || values[0] == 0 || values[1] == 0)
         return false;
     *size = (option_size){values[0], values[1]};
     return true;
@@ -74,7 +74,7 @@ static bool parse_size(const option_spec *spec, const char *text, option_size *s
 
 static bool parse_rectangle(const option_spec *spec, const char *text, option_rectangle *rectangle) {
     uint32_t values[4];
-    if (!parse_list(text, ',', spec->high, values, 4) || values[2] == 0 || values[3] == 0)
+    if (!parse_list(text, ',', spec->max_integer, values, 4) || values[2] == 0 || values[3] == 0)
         return false;
     *rectangle = (option_rectangle){values[0], values[1], values[2], values[3]};
     return true;
@@ -91,12 +91,12 @@ static bool parse_value(const option_spec *spec, const char *text) {
         *(const char **)spec->value = text;
         return *text != '\0';
     case OPTION_INTEGER:
-        if (!parse_integer(text, &integer) || integer < spec->low || integer > spec->high)
+        if (!parse_integer(text, &integer) || integer < spec->min_integer || integer > spec->max_integer)
             return false;
         *(uint64_t *)spec->value = integer;
         return true;
     case OPTION_REAL:
-        if (!parse_real(text, &real) || real < spec->minimum || real > spec->maximum)
+        if (!parse_real(text, &real) || real < spec->min_real || real > spec->max_real)
             return false;
         *(double *)spec->value = real;
         return true;
@@ -119,24 +119,24 @@ static void append_words(char *text, size_t capacity, const char *const *words) 
     }
 }
 
-/* What the option takes, in words: for errors ("must be ...") and for the help text. */
+/* Describes the values of an option, for error messages and for the help text. */
 static void describe_range(const option_spec *spec, char *text, size_t capacity) {
     text[0] = '\0';
     switch (spec->kind) {
     case OPTION_INTEGER:
-        snprintf(text, capacity, "%" PRIu64 " to %" PRIu64, spec->low, spec->high);
+        snprintf(text, capacity, "%" PRIu64 " to %" PRIu64, spec->min_integer, spec->max_integer);
         break;
     case OPTION_REAL:
-        snprintf(text, capacity, "%g to %g", spec->minimum, spec->maximum);
+        snprintf(text, capacity, "%g to %g", spec->min_real, spec->max_real);
         break;
     case OPTION_WORD:
         append_words(text, capacity, spec->words);
         break;
     case OPTION_SIZE:
-        snprintf(text, capacity, "1x1 to %" PRIu64 "x%" PRIu64, spec->high, spec->high);
+        snprintf(text, capacity, "1x1 to %" PRIu64 "x%" PRIu64, spec->max_integer, spec->max_integer);
         break;
     case OPTION_RECTANGLE:
-        snprintf(text, capacity, "pixels, up to %" PRIu64, spec->high);
+        snprintf(text, capacity, "pixels, up to %" PRIu64, spec->max_integer);
         break;
     case OPTION_FLAG:
     case OPTION_TEXT:
@@ -145,7 +145,7 @@ static void describe_range(const option_spec *spec, char *text, size_t capacity)
 }
 
 static int report_wrong_value(const char *command, const option_spec *spec, const char *text) {
-    static const char *const what[] = {
+    static const char *const kinds[] = {
         [OPTION_FLAG] = "",
         [OPTION_TEXT] = "some text",
         [OPTION_INTEGER] = "a whole number from ",
@@ -156,7 +156,7 @@ static int report_wrong_value(const char *command, const option_spec *spec, cons
     };
     char range[256];
     describe_range(spec, range, sizeof range);
-    return report_usage(command, "--%s cannot be '%s'; it takes %s%s", spec->name, text, what[spec->kind], range);
+    return report_usage(command, "--%s cannot be '%s'; it takes %s%s", spec->name, text, kinds[spec->kind], range);
 }
 
 static void print_option(const option_spec *spec) {
@@ -179,16 +179,16 @@ static void print_help(const option_command *command) {
 
 /* ---- The command line -------------------------------------------------------------------------- */
 
-/* The command's options in getopt's own tables. */
+/* The options of a command in the tables of getopt. */
 typedef struct getopt_tables {
     struct option longs[MAX_OPTIONS + 2];
     char shorts[2 * MAX_OPTIONS + 3];
 } getopt_tables;
 
-static void fill_tables(const option_command *command, getopt_tables *tables) {
+static void fill_getopt_tables(const option_command *command, getopt_tables *tables) {
     char *letter = tables->shorts;
     memset(tables, 0, sizeof *tables);
-    *letter++ = ':'; /* tells a missing argument from an unknown option */
+    *letter++ = ':'; /* getopt then returns ':' for a missing argument and '?' for an unknown option */
     *letter++ = 'h';
     tables->longs[0] = (struct option){"help", no_argument, NULL, 'h'};
     for (int i = 0; i < command->option_count && i < MAX_OPTIONS; i++) {
@@ -203,7 +203,7 @@ static void fill_tables(const option_command *command, getopt_tables *tables) {
     }
 }
 
-/* The option behind getopt's return value. */
+/* The option of a return value of getopt. */
 static const option_spec *find_option(const option_command *command, int value) {
     for (int i = 0; i < command->option_count; i++) {
         if (value == FIRST_LONG + i || (value < FIRST_LONG && value == command->options[i].letter))
@@ -212,17 +212,17 @@ static const option_spec *find_option(const option_command *command, int value) 
     return NULL;
 }
 
-static int report_unknown(const option_command *command, char **argv, bool argument_missing) {
+static int report_unknown_option(const option_command *command, char **argv, bool argument_missing) {
     char letter[3] = {'-', (char)optopt, '\0'};
-    /* getopt leaves a letter in optopt for short options, and something else for long ones. */
+    /* For a short option getopt sets optopt to its letter; for a long one, to another value. */
     const bool is_short = optopt > 0 && optopt < FIRST_LONG;
-    const char *what = is_short ? letter : argv[optind - 1];
+    const char *name = is_short ? letter : argv[optind - 1];
     if (argument_missing)
-        return report_usage(command->name, "%s lacks its value; 'gscl %s -h' explains it", what, command->name);
-    return report_usage(command->name, "unknown option %s; 'gscl %s -h' lists all", what, command->name);
+        return report_usage(command->name, "%s lacks its value; 'gscl %s -h' explains it", name, command->name);
+    return report_usage(command->name, "unknown option %s; 'gscl %s -h' lists all", name, command->name);
 }
 
-static bool count_operands(const option_command *command, int count) {
+static bool check_operand_count(const option_command *command, int count) {
     if (count >= command->min_operands && count <= command->max_operands)
         return true;
     report_usage(command->name, "%s; usage: gscl %s %s",
@@ -233,7 +233,7 @@ static bool count_operands(const option_command *command, int count) {
 
 option_outcome options_parse(const option_command *command, int argc, char **argv, int *first) {
     getopt_tables tables;
-    fill_tables(command, &tables);
+    fill_getopt_tables(command, &tables);
     opterr = 0;
     optind = 1;
     for (int value; (value = getopt_long(argc, argv, tables.shorts, tables.longs, NULL)) != -1;) {
@@ -243,7 +243,7 @@ option_outcome options_parse(const option_command *command, int argc, char **arg
         }
         const option_spec *spec = find_option(command, value);
         if (!spec) {
-            report_unknown(command, argv, value == ':');
+            report_unknown_option(command, argv, value == ':');
             return OPTIONS_WRONG;
         }
         if (!parse_value(spec, optarg)) {
@@ -254,5 +254,5 @@ option_outcome options_parse(const option_command *command, int argc, char **arg
             *spec->given = true;
     }
     *first = optind;
-    return count_operands(command, argc - optind) ? OPTIONS_RUN : OPTIONS_WRONG;
+    return check_operand_count(command, argc - optind) ? OPTIONS_RUN : OPTIONS_WRONG;
 }

@@ -1,5 +1,5 @@
-/* Command-line options described by a table: one parser, one set of range checks and one help text for all
- * subcommands. */
+/* Command lines described by a table of options, with one parser, one set of range checks and one form of help text for
+ * all commands. */
 #ifndef GSCL_TOOL_OPTIONS_H
 #define GSCL_TOOL_OPTIONS_H
 
@@ -14,15 +14,15 @@ typedef struct option_rectangle {
     uint32_t x, y, width, height;
 } option_rectangle;
 
-/* What an option takes, and the type that `value` points to. */
+/* The kind of value of an option, and the type that `value` points to. */
 typedef enum option_kind {
-    OPTION_FLAG,     /* bool; takes nothing */
+    OPTION_FLAG,     /* bool; no value */
     OPTION_TEXT,     /* const char * into argv */
-    OPTION_INTEGER,  /* uint64_t in low..high */
-    OPTION_REAL,     /* double in minimum..maximum */
+    OPTION_INTEGER,  /* uint64_t in min_integer..max_integer */
+    OPTION_REAL,     /* double in min_real..max_real */
     OPTION_WORD,     /* int, an index into `words` */
-    OPTION_SIZE,     /* option_size, WIDTHxHEIGHT */
-    OPTION_RECTANGLE /* option_rectangle, X,Y,WIDTH,HEIGHT */
+    OPTION_SIZE,     /* option_size, WIDTHxHEIGHT, each 1..max_integer */
+    OPTION_RECTANGLE /* option_rectangle, X,Y,WIDTH,HEIGHT, each at most max_integer */
 } option_kind;
 
 typedef struct option_spec {
@@ -30,28 +30,28 @@ typedef struct option_spec {
     char letter;      /* short form, or 0 */
     option_kind kind;
     void *value; /* written when the option is given */
-    bool *given; /* set when the option is given; may be NULL */
-    uint64_t low, high;
-    double minimum, maximum;
+    bool *given; /* set to true when the option is given; may be NULL */
+    uint64_t min_integer, max_integer;
+    double min_real, max_real;
     const char *const *words; /* NULL at the end */
-    const char *argument;     /* its name in the help text, "N" */
-    const char *help;         /* one phrase, with the default but without the range, which the help adds */
+    const char *argument;     /* name of the value in the help text, "N" */
+    const char *help;         /* one phrase with the default; the help text adds the range */
 } option_spec;
 
 typedef struct option_command {
     const char *name;  /* "encode" */
     const char *usage; /* "IN... [-o OUT.gscl]" */
-    const char *about; /* a few lines on what the command does */
+    const char *about; /* what the command does, in a few lines */
     const option_spec *options;
     int option_count;
     int min_operands, max_operands;
 } option_command;
 
-/* What is to happen after parsing. */
+/* Outcome of parsing: run the command, or end after the help text or after an error. */
 typedef enum option_outcome { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_WRONG } option_outcome;
 
-/* Reads argv (argv[0] is the command's name).  OPTIONS_RUN: argv[*first .. argc) are the operands, in number as
- * the command wants them.  OPTIONS_HELP: the help text has been printed.  OPTIONS_WRONG: so has an error. */
+/* Reads argv (argv[0] is the name of the command).  OPTIONS_RUN: argv[*first .. argc) are the operands, whose number is
+ * within the limits of the command.  OPTIONS_HELP: the help text has been printed.  OPTIONS_WRONG: an error has. */
 option_outcome options_parse(const option_command *command, int argc, char **argv, int *first);
 
 #endif

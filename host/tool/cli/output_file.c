@@ -28,7 +28,7 @@ bool output_is_separate(const char *command, const char *input, const char *outp
     return false;
 }
 
-/* "DIR/.gscl-XXXXXX" beside DIR/NAME; NULL when out of memory. */
+/* "DIR/.gscl-XXXXXX" for DIR/NAME; NULL when out of memory. */
 static char *temporary_name(const char *target) {
     static const char pattern[] = ".gscl-XXXXXX";
     const char *slash = strrchr(target, '/');
@@ -41,7 +41,7 @@ static char *temporary_name(const char *target) {
     return name;
 }
 
-/* The permissions of the file that is replaced, or what open() would give a new one. */
+/* The permissions of the file that is replaced, or those that open() would give a new file. */
 static mode_t target_mode(const struct stat *existing) {
     if (existing)
         return existing->st_mode & 0777;
@@ -88,9 +88,10 @@ bool output_open(output_file *output, const char *name) {
     if (strcmp(name, "-") == 0) {
         output->label = "standard output";
         output->stream = stdout;
-        return !isatty(STDOUT_FILENO) || report_error(output->label, "is a terminal; send it to a file or a pipe");
+        return !isatty(STDOUT_FILENO) ||
+               report_error(output->label, "is a terminal; redirect it to a file or a pipe, or name a file with -o");
     }
-    /* The file behind a symbolic link is what gets replaced, not the link. */
+    /* A symbolic link stays; the file that it names is replaced. */
     output->target = realpath(name, NULL);
     if (!output->target)
         output->target = strdup(name);
@@ -107,7 +108,7 @@ bool output_write(output_file *output, const void *bytes, size_t size) {
     return !output->error;
 }
 
-/* Flushes and closes, keeping the first error: a full disk may show only here. */
+/* Flushes and closes, and keeps the first error: a full disk may be reported only here. */
 static void close_stream(output_file *output) {
     if (!output->stream)
         return;
@@ -118,7 +119,7 @@ static void close_stream(output_file *output) {
     output->stream = NULL;
 }
 
-static void release(output_file *output) {
+static void release_names(output_file *output) {
     if (output->temporary)
         interrupt_release_guarded(output->temporary);
     free(output->temporary);
@@ -135,7 +136,7 @@ bool output_commit(output_file *output) {
         output_discard(output);
         return false;
     }
-    release(output);
+    release_names(output);
     return true;
 }
 
@@ -143,5 +144,5 @@ void output_discard(output_file *output) {
     close_stream(output);
     if (output->temporary)
         unlink(output->temporary);
-    release(output);
+    release_names(output);
 }

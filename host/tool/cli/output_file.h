@@ -1,5 +1,5 @@
-/* An output that appears complete or not at all: written under a temporary name beside the target and renamed
- * when finished.  Standard output ("-"), devices and pipes are written directly. */
+/* An output that appears complete or not at all: it is written under a temporary name beside the target and renamed when
+ * it is finished.  Standard output ("-"), devices and pipes are written directly. */
 #ifndef GSCL_TOOL_OUTPUT_FILE_H
 #define GSCL_TOOL_OUTPUT_FILE_H
 
@@ -8,14 +8,14 @@
 #include <stdio.h>
 
 typedef struct output_file {
-    const char *label; /* the user's name for it, in messages */
+    const char *label; /* name in messages, as the user gave it */
     char *target;      /* symbolic links resolved; NULL for standard output */
     char *temporary;   /* NULL when written directly */
     FILE *stream;
     int error; /* errno of the first failed write; reported by output_commit */
 } output_file;
 
-/* Reports a usage error of `command` when writing `output` would destroy `input`. */
+/* Whether writing `output` leaves `input` intact; otherwise reports a usage error of `command`. */
 bool output_is_separate(const char *command, const char *input, const char *output);
 
 /* Opens `name` ("-": standard output), which must stay valid.  Reports errors. */
@@ -24,13 +24,13 @@ bool output_open(output_file *output, const char *name);
 /* Appends bytes.  A failure is kept and reported by output_commit. */
 bool output_write(output_file *output, const void *bytes, size_t size);
 
-/* Finishes: the file is in place, or an error has been reported and nothing is left. */
+/* Finishes the output.  Either the file is in place, or an error has been reported and no file is left. */
 bool output_commit(output_file *output);
 
-/* Gives up: nothing is left.  Does nothing after output_commit. */
+/* Removes an unfinished output.  Does nothing after output_commit. */
 void output_discard(output_file *output);
 
-/* Where a file name's suffix (".png") starts, or the end of the name if it has none. */
+/* The suffix of a file name (".png"), or the end of the name if it has none. */
 const char *name_suffix(const char *name);
 
 #endif

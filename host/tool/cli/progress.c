@@ -11,15 +11,15 @@
 #define REDRAW_SECONDS 0.1
 #define LABEL_WIDTH 28
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of what stands on the terminal */
-static const progress_line *shown;                       /* the line that does; NULL: none */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* guards the terminal line */
+static const progress_line *shown;                       /* line on the terminal; NULL: none */
 
 void progress_start(progress_line *line, const char *label, bool quiet) {
     const char *slash = strrchr(label, '/');
     *line = (progress_line){.label = slash ? slash + 1 : label, .visible = !quiet && isatty(STDERR_FILENO)};
 }
 
-static void draw(const progress_line *line, const gscl_progress *progress) {
+static void print_progress(const progress_line *line, const gscl_progress *progress) {
     fprintf(stderr, "\r\033[K%.*s  %3.0f %%", LABEL_WIDTH, line->label, 100.0 * progress->fraction);
     if (progress->psnr > 0.0)
         fprintf(stderr, "  %.2f dB", progress->psnr);
@@ -27,13 +27,13 @@ static void draw(const progress_line *line, const gscl_progress *progress) {
     fflush(stderr);
 }
 
-/* The first of several lines has the terminal until it is finished. */
-static void show(progress_line *line, const gscl_progress *progress) {
+/* The first of several lines occupies the terminal until it is finished. */
+static void show_line(progress_line *line, const gscl_progress *progress) {
     pthread_mutex_lock(&lock);
     if (!shown)
         shown = line;
     if (shown == line && (!line->drawn || progress->elapsed_s >= line->drawn_at + REDRAW_SECONDS)) {
-        draw(line, progress);
+        print_progress(line, progress);
         line->drawn = true;
         line->drawn_at = progress->elapsed_s;
     }
@@ -43,7 +43,7 @@ static void show(progress_line *line, const gscl_progress *progress) {
 bool progress_update(void *opaque, const gscl_progress *progress) {
     progress_line *line = opaque;
     if (line->visible)
-        show(line, progress);
+        show_line(line, progress);
     return interrupt_pending() == 0;
 }
 

@@ -1,4 +1,4 @@
-/* The progress line of a long computation, on a terminal only.  Of several at a time one is shown. */
+/* The progress line of a long computation, on a terminal only.  Of several computations one is shown at a time. */
 #ifndef GSCL_TOOL_PROGRESS_H
 #define GSCL_TOOL_PROGRESS_H
 
@@ -7,17 +7,17 @@
 #include <gscl/gscl.h>
 
 typedef struct progress_line {
-    const char *label; /* what is being worked on */
+    const char *label; /* name of the computation */
     bool visible;
-    bool drawn;      /* something stands on the line now */
-    double drawn_at; /* elapsed seconds then */
+    bool drawn;      /* the line is on the terminal */
+    double drawn_at; /* elapsed seconds of the last update */
 } progress_line;
 
-/* Shows nothing when stderr is not a terminal or `quiet`. */
+/* Starts a line, which stays invisible when standard error is not a terminal or `quiet` is set. */
 void progress_start(progress_line *line, const char *label, bool quiet);
 
-/* A gscl_progress_callback with a progress_line behind it: draws the line, and cancels the computation
- * after a signal. */
+/* A gscl_progress_callback whose opaque pointer is a progress_line.  Updates the line, and cancels the computation after
+ * a signal. */
 bool progress_update(void *line, const gscl_progress *progress);
 
 /* Erases the line. */

@@ -27,10 +27,10 @@ static void close_input(FILE *stream) {
         fclose(stream);
 }
 
-/* Doubles the buffer, within the limit (plus one byte, to see that there is more). */
-static bool grow(uint8_t **bytes, size_t *capacity, uint64_t limit) {
-    const uint64_t wanted = *capacity ? 2 * (uint64_t)*capacity : FIRST_CAPACITY;
-    const size_t larger = (size_t)(wanted > limit ? limit + 1 : wanted);
+/* Doubles the buffer up to one byte more than the limit, so that a larger file is detected. */
+static bool grow_buffer(uint8_t **bytes, size_t *capacity, uint64_t limit) {
+    const uint64_t doubled = *capacity ? 2 * (uint64_t)*capacity : FIRST_CAPACITY;
+    const size_t larger = (size_t)(doubled > limit ? limit + 1 : doubled);
     uint8_t *moved = realloc(*bytes, larger);
     if (!moved)
         return false;
@@ -42,11 +42,11 @@ static bool grow(uint8_t **bytes, size_t *capacity, uint64_t limit) {
 static bool read_stream(FILE *stream, const char *label, uint64_t limit, uint8_t **bytes, size_t *size) {
     size_t capacity = 0;
     do {
-        if (*size == capacity && !grow(bytes, &capacity, limit))
-            return report_error(label, "is too large for the memory");
+        if (*size == capacity && !grow_buffer(bytes, &capacity, limit))
+            return report_error(label, "is too large for the available memory");
         *size += fread(*bytes + *size, 1, capacity - *size, stream);
         if (*size > limit)
-            return report_error(label, "is larger than %llu MiB; no such file makes sense here",
+            return report_error(label, "is larger than %llu MiB, the limit for this kind of file",
                                 (unsigned long long)(limit >> 20));
         if (ferror(stream))
             return report_error(label, "cannot be read: %s", strerror(errno));

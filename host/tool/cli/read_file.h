@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Limits on what is read: an endless input must not fill the memory. */
+/* Limits on the size of inputs, so that an endless input does not fill the memory. */
 #define MAX_GSCL_FILE ((uint64_t)256 << 20)   /* bytes; the largest possible gscl file is far smaller */
 #define MAX_IMAGE_FILE ((uint64_t)2560 << 20) /* bytes; 16384 x 16384 x RGBA x 16 bit is 2048 MiB */
 

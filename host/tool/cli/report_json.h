@@ -1,4 +1,4 @@
-/* The library's report of an encode as JSON members. */
+/* The report of an encode as JSON members. */
 #ifndef GSCL_TOOL_REPORT_JSON_H
 #define GSCL_TOOL_REPORT_JSON_H
 
@@ -6,7 +6,7 @@
 
 #include "cli/json.h"
 
-/* Arrays "stages" and "trace" of the object that is open. */
+/* Write the arrays "stages" and "trace" into the open object. */
 void report_write_stages(json_writer *json, const gscl_encode_report *report);
 void report_write_trace(json_writer *json, const gscl_encode_report *report);
 

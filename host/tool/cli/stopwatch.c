@@ -10,12 +10,12 @@ double stopwatch_now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int compare(const void *a, const void *b) {
+static int compare_doubles(const void *a, const void *b) {
     const double *p = a, *q = b;
     return *p < *q ? -1 : *p > *q;
 }
 
 spread spread_of(double *seconds, unsigned count) {
-    qsort(seconds, count, sizeof *seconds, compare);
+    qsort(seconds, count, sizeof *seconds, compare_doubles);
     return (spread){seconds[count / 2], seconds[0], seconds[count - 1]};
 }

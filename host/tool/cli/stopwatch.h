@@ -1,4 +1,4 @@
-/* Wall clock, and what several measurements of the same thing say. */
+/* A monotonic clock, and the spread of repeated measurements. */
 #ifndef GSCL_TOOL_STOPWATCH_H
 #define GSCL_TOOL_STOPWATCH_H
 
@@ -7,10 +7,10 @@ typedef struct spread {
     double median, fastest, slowest;
 } spread;
 
-/* Seconds on a clock that only goes forward. */
+/* Seconds on a monotonic clock. */
 double stopwatch_now(void);
 
-/* Sorts the seconds of `count` > 0 runs. */
+/* The spread of `count` > 0 runs, whose seconds it sorts. */
 spread spread_of(double *seconds, unsigned count);
 
 #endif

@@ -127,8 +127,8 @@ int command_draw(int argc, char **argv) {
          .kind = OPTION_INTEGER,
          .value = &draw_settings.scale,
          .argument = "N",
-         .low = 1,
-         .high = 64,
+         .min_integer = 1,
+         .max_integer = 64,
          .help = "enlarge the picture, not the lines (default 1)"},
         DEVICE_OPTIONS(draw_settings.choice),
     };

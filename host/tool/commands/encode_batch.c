@@ -171,7 +171,7 @@ static bool start_thread(batch_state *state, encode_job *job) {
     progress_start(&job->line, input_label(job->input), batch->quiet || batch->choice.verbose);
     job->settings.progress = progress_update;
     job->settings.progress_opaque = &job->line;
-    interrupt_set_patient(true);
+    interrupt_set_deferring(true);
     job->started = pthread_create(&job->thread, NULL, encode, job) == 0;
     if (!job->started) {
         output_discard(&job->output);
@@ -217,7 +217,7 @@ static int finish_job(batch_state *state, encode_job *job, bool is_last) {
         return job->status;
     pthread_join(job->thread, NULL);
     if (is_last)
-        interrupt_set_patient(false);
+        interrupt_set_deferring(false);
     progress_finish(&job->line);
     /* A signal may come too late for the library to see it. */
     if (job->result == GSCL_OK && interrupt_pending()) {
