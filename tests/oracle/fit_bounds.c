@@ -30,7 +30,7 @@ typedef struct {
 } sample;
 
 /* What a splat's frame coordinates go through: `steps` additions from the first row to this one. */
-static void frame_errors(const oracle_appearance *a, double x, double y, sample *s) {
+static void frame_errors(const oracle_projected_splat *a, double x, double y, sample *s) {
     const double i1 = a->i1 * to_frame, i2 = a->i2 * to_frame;
     const double height = sqrt(14.0) * hypot(a->s / a->i1, a->c / a->i2);
     const double steps = fmin(TILE, 2.0 * height + 3.0);
@@ -43,14 +43,14 @@ static void frame_errors(const oracle_appearance *a, double x, double y, sample 
 /* Rows of what is not turned: row n is the first one times n ratios, each of which is the one before times the square of
  * 2^-step^2.  An exp2 is off by 3 ulp besides what its argument is off by: so is the first row, the first ratio
  * 2^(-2 v step) 2^-step^2 n times, and the square n (n - 1) / 2 times. */
-static double stepped_rounding(const oracle_appearance *a) {
+static double stepped_rounding(const oracle_projected_splat *a) {
     const double step = a->i2 * to_frame, height = sqrt(14.0) / a->i2, n = fmin(TILE - 1, floor(2.0 * height) + 1.0);
     const double bend = ln2 * step * step * 2.0 * RECORD + 7.0 * UNIT;
     const double ratio = ln2 * 2.0 * sqrt(cut2) * step * (RECORD + 4.0 * UNIT) + 7.0 * UNIT + bend;
     return 20.0 * UNIT + n * (ratio + 2.0 * UNIT) + n * (n - 1.0) / 2.0 * (2.0 * bend + UNIT);
 }
 
-static sample sample_at(const oracle_fit *fit, const oracle_appearance *a, double x, double y) {
+static sample sample_at(const oracle_fit *fit, const oracle_projected_splat *a, double x, double y) {
     sample s = {.rounding = GAUSS + (fit->stepped ? stepped_rounding(a) : 0.0)};
     oracle_frame(a, x, y, &s.u, &s.v);
     s.u *= to_frame;
@@ -250,7 +250,7 @@ static void add_pixel(const oracle_scene *s, size_t i, const sample *at, const p
 
 /* From sums to the parameters, with what adding so many terms loses. */
 static void finish(const oracle_scene *s, size_t i, const double *params, const splat_sums *from, double *gradient) {
-    const oracle_appearance *a = &s->splats[i];
+    const oracle_projected_splat *a = &s->splats[i];
     const double tiles = ((s->fit->width + TILE - 1) / TILE) * ((s->fit->height + TILE - 1) / TILE);
     const double adding = (24.0 + tiles) * UNIT, ratio = a->i1 / a->i2, inv_scale = ldexp(1.0, -s->fit->level);
     double e[SUMS];

@@ -79,7 +79,7 @@ void oracle_shape_gradient(double *gradient, bool turned, bool round) {
 }
 
 double oracle_natural_step(const oracle_fit *fit, const double *p, size_t parameter) {
-    const oracle_appearance a = oracle_appear(fit, p);
+    const oracle_projected_splat a = oracle_project(fit, p);
     const double scale = ldexp(1.0, fit->level), pi = 3.14159265358979323846;
     if (parameter == 0)
         return scale / (hypot(a.c * a.i1, a.s * a.i2) + 2.0 * pi * fabs(a.wave_x));
@@ -94,7 +94,7 @@ double oracle_difference_step(const oracle_fit *fit, const double *params, size_
 }
 
 /* The splat with other parameters, but on the side of each kink (the cut, the clamp of alpha) on which it stands. */
-static substitute replace_at(const oracle_scene *s, size_t i, const oracle_appearance *a, int pixel) {
+static substitute replace_at(const oracle_scene *s, size_t i, const oracle_projected_splat *a, int pixel) {
     const double x = oracle_pixel_x(s->fit, pixel), y = oracle_pixel_y(s->fit, pixel), pi = 3.14159265358979323846;
     double u, v;
     oracle_frame(a, x, y, &u, &v);
@@ -129,7 +129,7 @@ static double difference(const oracle_scene *s, size_t i, const double *params, 
     memcpy(down, params, sizeof down);
     up[parameter] += step;
     down[parameter] -= step;
-    const oracle_appearance above = oracle_appear(s->fit, up), below = oracle_appear(s->fit, down);
+    const oracle_projected_splat above = oracle_project(s->fit, up), below = oracle_project(s->fit, down);
     for (int p = 0; p < s->pixels; p++) {
         if (s->weights[(size_t)p * s->count + i] == 0.0)
             continue;

@@ -10,10 +10,10 @@ static double seen_axis(double log_axis, int level) {
     return sqrt(exp(2.0 * log_axis) + blur) / scale;
 }
 
-oracle_appearance oracle_appear(const oracle_fit *fit, const double *p) {
+oracle_projected_splat oracle_project(const oracle_fit *fit, const double *p) {
     const double scale = ldexp(1.0, fit->level);
     const double filtered = exp(-2.0 * pi * pi * (p[10] * p[10] + p[11] * p[11]) * (scale * scale - 1.0) / 12.0);
-    return (oracle_appearance){
+    return (oracle_projected_splat){
         .x = p[0] / scale,
         .y = p[1] / scale,
         .i1 = 1.0 / seen_axis(p[2], fit->level),
@@ -29,20 +29,20 @@ oracle_appearance oracle_appear(const oracle_fit *fit, const double *p) {
     };
 }
 
-void oracle_frame(const oracle_appearance *a, double x, double y, double *u, double *v) {
+void oracle_frame(const oracle_projected_splat *a, double x, double y, double *u, double *v) {
     const double dx = x - a->x, dy = y - a->y;
     *u = (dx * a->c + dy * a->s) * a->i1;
     *v = (dy * a->c - dx * a->s) * a->i2;
 }
 
-static double weight_at(const oracle_appearance *a, double x, double y) {
+static double weight_at(const oracle_projected_splat *a, double x, double y) {
     double u, v;
     oracle_frame(a, x, y, &u, &v);
     const double q = 0.5 * (u * u + v * v);
     return q < ORACLE_CUT ? a->opacity * (exp(-q) - exp(-ORACLE_CUT)) : 0.0;
 }
 
-static double wave_at(const oracle_appearance *a, double x, double y) {
+static double wave_at(const oracle_projected_splat *a, double x, double y) {
     return a->amplitude * cos(2.0 * pi * ((x - a->x) * a->wave_x + (y - a->y) * a->wave_y - a->phase));
 }
 
@@ -55,7 +55,7 @@ oracle_scene oracle_scene_new(const oracle_fit *fit, const double *params, size_
     if (!s.splats || !s.weights || (fit->texture && !s.waves))
         abort();
     for (size_t i = 0; i < count; i++) {
-        s.splats[i] = oracle_appear(fit, params + i * ORACLE_PARAMS);
+        s.splats[i] = oracle_project(fit, params + i * ORACLE_PARAMS);
         for (int p = 0; p < s.pixels; p++) {
             const double x = oracle_pixel_x(fit, p), y = oracle_pixel_y(fit, p);
             s.weights[(size_t)p * count + i] = weight_at(&s.splats[i], x, y);

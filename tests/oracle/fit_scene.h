@@ -13,23 +13,23 @@ typedef struct {
     double x, y, i1, i2, c, s, opacity;
     const double *colour;
     double wave_x, wave_y, phase, amplitude; /* cycles per pixel of the level, cycles */
-} oracle_appearance;
+} oracle_projected_splat;
 
 typedef struct {
     const oracle_fit *fit;
     size_t count;
     int pixels, channels;
-    oracle_appearance *splats;
+    oracle_projected_splat *splats;
     double *weights; /* pixels rows of count: what each splat weighs there, */
     double *waves;   /* and its wave; NULL without textures */
 } oracle_scene;
 
-oracle_appearance oracle_appear(const oracle_fit *fit, const double *params);
+oracle_projected_splat oracle_project(const oracle_fit *fit, const double *params);
 /* By how much a parameter is moved to take differences: a thousandth of its natural step (colours: a quarter,
  * which is exact, too), as a power of two, so that parameters that are floats move by exactly that much. */
 double oracle_difference_step(const oracle_fit *fit, const double *params, size_t parameter);
 /* (u, v) of a pixel in the splat's frame, in axes: q = (u^2 + v^2) / 2. */
-void oracle_frame(const oracle_appearance *splat, double x, double y, double *u, double *v);
+void oracle_frame(const oracle_projected_splat *splat, double x, double y, double *u, double *v);
 static inline double oracle_pixel_x(const oracle_fit *fit, int pixel) {
     return pixel % fit->width + 0.5;
 }

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-void test_cloud(float *values, uint32_t count, uint32_t dims, uint32_t seed) {
+void synthetic_points(float *values, uint32_t count, uint32_t dims, uint32_t seed) {
     uint32_t state = seed;
     for (uint32_t i = 0; i < count * dims; i++) {
         state = state * 1664525u + 1013904223u;
@@ -23,8 +23,8 @@ static double squared_distance(const gscl_kmeans_points *points, uint32_t i, con
     return sum;
 }
 
-bool test_clusters_consistent(const gscl_kmeans_points *points, const float *centroids, const uint32_t *assignment,
-                              const gscl_kmeans_result *result) {
+bool clusters_are_consistent(const gscl_kmeans_points *points, const float *centroids, const uint32_t *assignment,
+                             const gscl_kmeans_result *result) {
     double total = 0.0;
     uint32_t *members = calloc(result->clusters + 1, sizeof *members);
     bool good = members != NULL;

@@ -31,34 +31,34 @@ static double busy(uint32_t x, uint32_t y, uint32_t c) {
     return 0.5 * a + 0.3 * b + 0.2 * d;
 }
 
-static double colour(test_image_kind kind, uint32_t x, uint32_t y, uint32_t c, double u, double v) {
+static double colour(synthetic_image_kind kind, uint32_t x, uint32_t y, uint32_t c, double u, double v) {
     switch (kind) {
-    case TEST_GRADIENT:
+    case SYNTHETIC_GRADIENT:
         return c == 0 ? u : c == 1 ? v : 1.0 - 0.5 * (u + v);
-    case TEST_NOISE:
+    case SYNTHETIC_NOISE:
         return noise(x, y, c);
-    case TEST_SHAPES:
+    case SYNTHETIC_SHAPES:
         return shapes(u, v, c);
-    case TEST_BUSY:
+    case SYNTHETIC_TEXTURE:
         return busy(x, y, c);
-    case TEST_FLAT:
+    case SYNTHETIC_FLAT:
         break;
     }
     return 0.2 * (c + 1);
 }
 
 /* Opaque in the middle, clear at the corners. */
-static double opacity(test_image_kind kind, double u, double v) {
-    if (kind == TEST_FLAT)
+static double opacity(synthetic_image_kind kind, double u, double v) {
+    if (kind == SYNTHETIC_FLAT)
         return 0.6;
     return fmin(fmax(1.6 - 2.4 * hypot(u - 0.5, v - 0.5), 0.0), 1.0);
 }
 
-size_t test_sample_size(gscl_sample sample) {
+size_t synthetic_sample_size(gscl_sample sample) {
     return sample == GSCL_SAMPLE_U8 ? 1 : sample == GSCL_SAMPLE_U16 ? 2 : 4;
 }
 
-size_t test_sample_count(const gscl_image *image) {
+size_t synthetic_sample_count(const gscl_image *image) {
     return (size_t)image->width * image->height * image->channels;
 }
 
@@ -71,7 +71,7 @@ static void put(gscl_image *image, size_t index, double value) {
         ((float *)image->pixels)[index] = (float)value;
 }
 
-double test_sample(const gscl_image *image, size_t index) {
+double synthetic_sample(const gscl_image *image, size_t index) {
     if (image->sample == GSCL_SAMPLE_U8)
         return ((const uint8_t *)image->pixels)[index] / 255.0;
     if (image->sample == GSCL_SAMPLE_U16)
@@ -79,9 +79,10 @@ double test_sample(const gscl_image *image, size_t index) {
     return ((const float *)image->pixels)[index];
 }
 
-gscl_image test_image(test_image_kind kind, uint32_t width, uint32_t height, uint32_t channels, gscl_sample sample) {
+gscl_image synthetic_image(synthetic_image_kind kind, uint32_t width, uint32_t height, uint32_t channels,
+                           gscl_sample sample) {
     gscl_image image = {.width = width, .height = height, .channels = channels, .sample = sample};
-    image.pixels = calloc(test_sample_count(&image), test_sample_size(sample));
+    image.pixels = calloc(synthetic_sample_count(&image), synthetic_sample_size(sample));
     if (!image.pixels)
         return image;
     const uint32_t colours = channels >= 3 ? 3 : 1;
@@ -98,7 +99,7 @@ gscl_image test_image(test_image_kind kind, uint32_t width, uint32_t height, uin
     return image;
 }
 
-void test_image_free(gscl_image *image) {
+void synthetic_image_free(gscl_image *image) {
     free(image->pixels);
     image->pixels = NULL;
 }

@@ -1,21 +1,28 @@
 /* Small synthetic pictures for tests. */
-#ifndef GSCL_TEST_IMAGE_H
-#define GSCL_TEST_IMAGE_H
+#ifndef GSCL_SYNTHETIC_IMAGE_H
+#define GSCL_SYNTHETIC_IMAGE_H
 
 #include <gscl/gscl.h>
 
-typedef enum { TEST_GRADIENT, TEST_NOISE, TEST_SHAPES, TEST_FLAT, TEST_BUSY } test_image_kind;
+typedef enum {
+    SYNTHETIC_GRADIENT,
+    SYNTHETIC_NOISE,
+    SYNTHETIC_SHAPES,
+    SYNTHETIC_FLAT,
+    SYNTHETIC_TEXTURE
+} synthetic_image_kind;
 
 /* An image with packed rows; NULL pixels when there is no memory.  Samples are U8, U16 or F32.  Released with
- * test_image_free. */
-gscl_image test_image(test_image_kind kind, uint32_t width, uint32_t height, uint32_t channels, gscl_sample sample);
-void test_image_free(gscl_image *image);
+ * synthetic_image_free. */
+gscl_image synthetic_image(synthetic_image_kind kind, uint32_t width, uint32_t height, uint32_t channels,
+                           gscl_sample sample);
+void synthetic_image_free(gscl_image *image);
 
 /* Bytes of a sample. */
-size_t test_sample_size(gscl_sample sample);
+size_t synthetic_sample_size(gscl_sample sample);
 /* Samples of the image's pixels: width * height * channels. */
-size_t test_sample_count(const gscl_image *image);
+size_t synthetic_sample_count(const gscl_image *image);
 /* A sample of a packed image in 0..1. */
-double test_sample(const gscl_image *image, size_t index);
+double synthetic_sample(const gscl_image *image, size_t index);
 
 #endif

@@ -3,23 +3,23 @@
 #include <math.h>
 #include <stdlib.h>
 
-uint32_t test_random_state;
+uint32_t synthetic_random_state;
 
-uint32_t test_pick(uint32_t count) {
-    test_random_state = test_random_state * 1664525u + 1013904223u;
-    return (test_random_state >> 8) % count;
+uint32_t synthetic_random(uint32_t count) {
+    synthetic_random_state = synthetic_random_state * 1664525u + 1013904223u;
+    return (synthetic_random_state >> 8) % count;
 }
 
-float test_uniform(double low, double high) {
-    return (float)(low + (high - low) * test_pick(1 << 20) / (1 << 20));
+float synthetic_uniform(double low, double high) {
+    return (float)(low + (high - low) * synthetic_random(1 << 20) / (1 << 20));
 }
 
 static int between(int min, int max) {
-    return min + (int)test_pick((uint32_t)(max - min + 1));
+    return min + (int)synthetic_random((uint32_t)(max - min + 1));
 }
 
-test_scene *test_scene_new(const gsf_header *header) {
-    test_scene *scene = calloc(1, sizeof *scene);
+synthetic_scene *synthetic_scene_new(const gsf_header *header) {
+    synthetic_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return NULL;
     gsf_coded_image *picture = &scene->picture;
@@ -29,13 +29,13 @@ test_scene *test_scene_new(const gsf_header *header) {
     picture->codebooks.shape_words = scene->shape_words;
     picture->codebooks.colour_words = scene->colour_words;
     if (!picture->splats || !picture->indexed) {
-        test_scene_free(scene);
+        synthetic_scene_free(scene);
         return NULL;
     }
     return scene;
 }
 
-void test_scene_free(test_scene *scene) {
+void synthetic_scene_free(synthetic_scene *scene) {
     if (!scene)
         return;
     free(scene->picture.splats);
@@ -43,7 +43,7 @@ void test_scene_free(test_scene *scene) {
     free(scene);
 }
 
-gsf_result test_scene_write(test_scene *scene, uint8_t **bytes, size_t *size) {
+gsf_result synthetic_scene_write(synthetic_scene *scene, uint8_t **bytes, size_t *size) {
     const size_t capacity = gsf_write_bound(&scene->picture);
     void *scratch = malloc(gsf_scratch_size(&scene->picture.header));
     *bytes = malloc(capacity);
@@ -54,39 +54,39 @@ gsf_result test_scene_write(test_scene *scene, uint8_t **bytes, size_t *size) {
     return result;
 }
 
-gsf_header test_any_header(int number, gsf_coding coding) {
+gsf_header synthetic_header(int number, gsf_coding coding) {
     const gsf_layout layout = (gsf_layout)(number % 4);
-    const bool anisotropy = test_pick(4) > 0;
+    const bool anisotropy = synthetic_random(4) > 0;
     return (gsf_header){.blend = (gsf_blend)(number / 4 % 3),
                         .coding = coding,
                         .layout = layout,
-                        .high_bit_depth = test_pick(2),
-                        .has_chroma = layout >= GSF_RGB && test_pick(4) > 0,
+                        .high_bit_depth = synthetic_random(2),
+                        .has_chroma = layout >= GSF_RGB && synthetic_random(4) > 0,
                         .has_alpha = layout & 1,
-                        .has_opacity = test_pick(2),
-                        .has_rotation = anisotropy && test_pick(4) > 0,
+                        .has_opacity = synthetic_random(2),
+                        .has_rotation = anisotropy && synthetic_random(4) > 0,
                         .has_anisotropy = anisotropy,
-                        .has_texture = coding == GSF_CODING_SCALAR && test_pick(2),
-                        .width = 1 + test_pick(100),
-                        .height = 1 + test_pick(100),
-                        .splat_count = test_pick(150)};
+                        .has_texture = coding == GSF_CODING_SCALAR && synthetic_random(2),
+                        .width = 1 + synthetic_random(100),
+                        .height = 1 + synthetic_random(100),
+                        .splat_count = synthetic_random(150)};
 }
 
-void test_any_background(gsf_coded_image *picture) {
+void synthetic_background(gsf_coded_image *picture) {
     for (int i = 0; i < GSF_MAX_CHANNELS; i++)
-        picture->background[i] = (uint16_t)test_pick(picture->header.high_bit_depth ? 65536 : 256);
+        picture->background[i] = (uint16_t)synthetic_random(picture->header.high_bit_depth ? 65536 : 256);
 }
 
-void test_any_steps(gsf_coded_image *picture) {
+void synthetic_steps(gsf_coded_image *picture) {
     uint8_t *steps[7] = {&picture->steps.scale,  &picture->steps.position, &picture->steps.angle,  &picture->steps.luma,
                          &picture->steps.chroma, &picture->steps.alpha,    &picture->steps.opacity};
     for (int i = 0; i < 7; i++)
-        *steps[i] = (uint8_t)test_pick(16);
+        *steps[i] = (uint8_t)synthetic_random(16);
     if (!picture->header.has_rotation)
         picture->steps.angle = 0;
 }
 
-void test_any_colour(const gsf_coded_image *picture, gsf_splat *splat) {
+void synthetic_colour(const gsf_coded_image *picture, gsf_splat *splat) {
     int min, max;
     gsf_luma_range(picture->header.blend, picture->steps.luma, &min, &max);
     splat->luma = (int16_t)between(min, max);
@@ -95,22 +95,23 @@ void test_any_colour(const gsf_coded_image *picture, gsf_splat *splat) {
     gsf_chroma_range(picture->steps.chroma, &min, &max);
     splat->co = (int16_t)between(min, max);
     splat->cg = (int16_t)between(min, max);
-    splat->opacity = (uint16_t)test_pick(picture->steps.opacity + 1u);
+    splat->opacity = (uint16_t)synthetic_random(picture->steps.opacity + 1u);
     splat->texture = (gsf_texture){0};
-    if (picture->header.has_texture && test_pick(2))
-        splat->texture = (gsf_texture){.wave = (uint8_t)test_pick(GSF_WAVES),
-                                       .direction = (uint8_t)test_pick(GSF_DIRECTIONS),
-                                       .phase = (uint8_t)test_pick(GSF_PHASES),
-                                       .amplitude = (uint8_t)(1 + test_pick(GSF_AMPLITUDES))};
+    if (picture->header.has_texture && synthetic_random(2))
+        splat->texture = (gsf_texture){.wave = (uint8_t)synthetic_random(GSF_WAVES),
+                                       .direction = (uint8_t)synthetic_random(GSF_DIRECTIONS),
+                                       .phase = (uint8_t)synthetic_random(GSF_PHASES),
+                                       .amplitude = (uint8_t)(1 + synthetic_random(GSF_AMPLITUDES))};
 }
 
-void test_any_splat(const gsf_coded_image *picture, gsf_splat *splat, unsigned minor, unsigned aspect) {
+void synthetic_splat(const gsf_coded_image *picture, gsf_splat *splat, unsigned minor, unsigned aspect) {
     splat->minor = (uint16_t)minor;
     splat->aspect = (uint16_t)aspect;
-    splat->angle = picture->header.has_rotation ? (uint16_t)test_pick(gsf_angle_count(&picture->steps, aspect)) : 0;
-    splat->x = test_pick(gsf_position_cells(&picture->steps, minor, picture->header.width));
-    splat->y = test_pick(gsf_position_cells(&picture->steps, minor, picture->header.height));
-    test_any_colour(picture, splat);
+    splat->angle =
+        picture->header.has_rotation ? (uint16_t)synthetic_random(gsf_angle_count(&picture->steps, aspect)) : 0;
+    splat->x = synthetic_random(gsf_position_cells(&picture->steps, minor, picture->header.width));
+    splat->y = synthetic_random(gsf_position_cells(&picture->steps, minor, picture->header.height));
+    synthetic_colour(picture, splat);
 }
 
 static uint32_t cell_at(const gsf_coded_image *picture, unsigned minor, double place, uint32_t dimension) {
@@ -119,7 +120,7 @@ static uint32_t cell_at(const gsf_coded_image *picture, unsigned minor, double p
     return cell < 0.0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
 }
 
-void test_place_splat(const gsf_coded_image *picture, gsf_splat *splat, double x, double y) {
+void synthetic_place_splat(const gsf_coded_image *picture, gsf_splat *splat, double x, double y) {
     splat->x = cell_at(picture, splat->minor, x, picture->header.width);
     splat->y = cell_at(picture, splat->minor, y, picture->header.height);
 }
@@ -135,24 +136,24 @@ static int ascending(const void *a, const void *b) {
 static void any_words(gsf_codebooks *books) {
     for (uint32_t i = 0; i < books->shape_count; i++) {
         for (int d = 0; d < GSF_SHAPE_DIMS; d++)
-            books->shape_words[i][d] = (uint16_t)test_pick(1u << books->shape_bits);
+            books->shape_words[i][d] = (uint16_t)synthetic_random(1u << books->shape_bits);
     }
     for (uint32_t i = 0; i < books->colour_count; i++) {
         for (int d = 0; d < GSF_MAX_COLOUR_DIMS; d++)
-            books->colour_words[i][d] = (uint16_t)test_pick(1u << books->colour_bits);
+            books->colour_words[i][d] = (uint16_t)synthetic_random(1u << books->colour_bits);
     }
     qsort(books->shape_words, books->shape_count, sizeof *books->shape_words, descending);
     qsort(books->colour_words, books->colour_count, sizeof *books->colour_words, ascending);
 }
 
-void test_any_codebooks(gsf_coded_image *picture, int32_t longest) {
+void synthetic_codebooks(gsf_coded_image *picture, int32_t longest) {
     gsf_codebooks *books = &picture->codebooks;
     const unsigned channels = gsf_channel_count(&picture->header);
-    books->shape_count = (uint16_t)(1 + test_pick(40));
-    books->colour_count = (uint16_t)(1 + test_pick(60));
-    books->position_bits = (uint8_t)(1 + test_pick(16));
-    books->shape_bits = (uint8_t)(1 + test_pick(16));
-    books->colour_bits = (uint8_t)(1 + test_pick(16));
+    books->shape_count = (uint16_t)(1 + synthetic_random(40));
+    books->colour_count = (uint16_t)(1 + synthetic_random(60));
+    books->position_bits = (uint8_t)(1 + synthetic_random(16));
+    books->shape_bits = (uint8_t)(1 + synthetic_random(16));
+    books->colour_bits = (uint8_t)(1 + synthetic_random(16));
     books->shape[0] = books->shape[1] = (gsf_range){between(0, 100), longest};
     books->shape[2] = (gsf_range){between(0, 20), 256};
     for (unsigned i = 0; i < channels; i++)
@@ -161,9 +162,9 @@ void test_any_codebooks(gsf_coded_image *picture, int32_t longest) {
     any_words(books);
     for (uint32_t i = 0; i < picture->header.splat_count; i++) {
         gsf_indexed_splat *splat = &picture->indexed[i];
-        splat->shape = (uint16_t)test_pick(books->shape_count);
-        splat->colour = (uint16_t)test_pick(books->colour_count);
-        splat->x = (uint16_t)test_pick(1u << books->position_bits);
-        splat->y = (uint16_t)test_pick(1u << books->position_bits);
+        splat->shape = (uint16_t)synthetic_random(books->shape_count);
+        splat->colour = (uint16_t)synthetic_random(books->colour_count);
+        splat->x = (uint16_t)synthetic_random(1u << books->position_bits);
+        splat->y = (uint16_t)synthetic_random(1u << books->position_bits);
     }
 }

@@ -44,7 +44,7 @@ static void stack_of_10000(scene *s) {
 static void thin_stack(scene *s) {
     stack(s, scene_scaled(1000, 20));
     for (size_t i = 0; i < s->count; i++)
-        s->params[i * GSCL_PARAMS + GSCL_OPACITY] = test_uniform(-9.0, -6.0);
+        s->params[i * GSCL_PARAMS + GSCL_OPACITY] = synthetic_uniform(-9.0, -6.0);
 }
 
 /* Each lets through 1/1000 to 1/20: less than the smallest float after 15 to 35. */
@@ -54,7 +54,7 @@ static void underflow(scene *s) {
     for (size_t i = 0; i < s->count; i++) {
         float *p = s->params + i * GSCL_PARAMS;
         scene_set_axes(p, scene_log_uniform(4.0, 1e3), scene_log_uniform(4.0, 1e3));
-        p[GSCL_OPACITY] = test_uniform(3.0, 20.0);
+        p[GSCL_OPACITY] = synthetic_uniform(3.0, 20.0);
     }
 }
 
@@ -62,8 +62,8 @@ static void underflow(scene *s) {
 static void unreached(scene *s) {
     for (size_t i = 0; i < 6; i++) {
         float *p = scene_add(s);
-        p[GSCL_X] = test_uniform(0.0, 10.0);
-        p[GSCL_Y] = test_uniform(0.0, 10.0);
+        p[GSCL_X] = synthetic_uniform(0.0, 10.0);
+        p[GSCL_Y] = synthetic_uniform(0.0, 10.0);
         scene_set_axes(p, 1.0, 0.5);
     }
 }

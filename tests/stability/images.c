@@ -54,7 +54,7 @@ static void checkerboard(scene *s) {
 static void white_noise(scene *s) {
     fit(s, s->width, s->height);
     for (int i = 0; i < s->width * s->height * SCENE_CHANNELS; i++)
-        s->target[i] = (float)test_pick(2);
+        s->target[i] = (float)synthetic_random(2);
 }
 static void hot_pixel(scene *s) {
     fit(s, s->width, s->height);

@@ -50,8 +50,8 @@ static void touching_outlines(scene *s) {
 static void place_far(scene *s, int along, int across, int length) {
     for (int i = 0; i < 16; i++) {
         float *p = scene_add(s);
-        p[along] = test_uniform(length - (length > 400 ? 400.0 : 60.0), length);
-        p[across] = test_uniform(0.0, 3.0);
+        p[along] = synthetic_uniform(length - (length > 400 ? 400.0 : 60.0), length);
+        p[across] = synthetic_uniform(0.0, 3.0);
         scene_set_axes(p, scene_log_uniform(0.5, i % 4 ? 5.0 : 1e3), scene_log_uniform(0.5, 2.0));
         p[GSCL_THETA] = i % 4 ? p[GSCL_THETA] : along == GSCL_X ? 0.0f : 1.57079633f;
     }

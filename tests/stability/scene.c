@@ -23,7 +23,7 @@ void scene_resize(scene *s, int width, int height) {
     s->width = width;
     s->height = height;
     for (int i = 0; i < scene_level_width(s) * scene_level_height(s) * SCENE_CHANNELS; i++)
-        s->target[i] = test_uniform(0.0, 1.0);
+        s->target[i] = synthetic_uniform(0.0, 1.0);
 }
 
 void scene_begin(scene *s, const char *name, int blend) {
@@ -34,7 +34,7 @@ void scene_begin(scene *s, const char *name, int blend) {
     s->shape = GSCL_SHAPE_ROTATED;
     s->count = 0;
     s->stride = 1;
-    test_random_state = 12345;
+    synthetic_random_state = 12345;
     scene_resize(s, (int)scene_scaled(40, 18), (int)scene_scaled(33, 9));
 }
 
@@ -49,7 +49,7 @@ void scene_take_shape(scene *s, int shape) {
 }
 
 double scene_log_uniform(double low, double high) {
-    return exp(test_uniform(log(low), log(high)));
+    return exp(synthetic_uniform(log(low), log(high)));
 }
 
 void scene_set_axes(float *p, double s1, double s2) {
@@ -60,12 +60,12 @@ void scene_set_axes(float *p, double s1, double s2) {
 float *scene_add(scene *s) {
     float *p = s->params + s->count++ * GSCL_PARAMS;
     memset(p, 0, GSCL_PARAMS * sizeof *p);
-    p[GSCL_X] = test_uniform(0.0, s->width);
-    p[GSCL_Y] = test_uniform(0.0, s->height);
+    p[GSCL_X] = synthetic_uniform(0.0, s->width);
+    p[GSCL_Y] = synthetic_uniform(0.0, s->height);
     scene_set_axes(p, scene_log_uniform(0.7, 15.0), scene_log_uniform(0.7, 15.0));
-    p[GSCL_THETA] = test_uniform(-4.0, 4.0);
-    p[GSCL_OPACITY] = test_uniform(-3.0, 3.0);
+    p[GSCL_THETA] = synthetic_uniform(-4.0, 4.0);
+    p[GSCL_OPACITY] = synthetic_uniform(-3.0, 3.0);
     for (int k = 0; k < SCENE_CHANNELS; k++)
-        p[GSCL_COLOUR + k] = test_uniform(-0.2, 1.2);
+        p[GSCL_COLOUR + k] = synthetic_uniform(-0.2, 1.2);
     return p;
 }

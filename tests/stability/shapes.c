@@ -7,8 +7,8 @@
 static const double pi = 3.14159265358979323846;
 
 static void place_on_pixel(const scene *s, float *p) {
-    p[GSCL_X] = (float)test_pick((uint32_t)s->width) + 0.5f;
-    p[GSCL_Y] = (float)test_pick((uint32_t)s->height) + 0.5f;
+    p[GSCL_X] = (float)synthetic_random((uint32_t)s->width) + 0.5f;
+    p[GSCL_Y] = (float)synthetic_random((uint32_t)s->height) + 0.5f;
 }
 
 /* Through the centres of pixels, along rows, columns and diagonals, and at any angle. */
@@ -18,7 +18,7 @@ static void needles(scene *s, double aspect) {
         place_on_pixel(s, p);
         scene_set_axes(p, sqrt(aspect), 1.0 / sqrt(aspect));
         if (i % 4 < 3)
-            p[GSCL_THETA] = (float)((double)test_pick(4) * pi / 4.0);
+            p[GSCL_THETA] = (float)((double)synthetic_random(4) * pi / 4.0);
     }
 }
 
@@ -41,8 +41,8 @@ static void sub_pixel(scene *s) {
         float *p = scene_add(s);
         place_on_pixel(s, p);
         scene_set_axes(p, scene_log_uniform(1e-3, 2e-3), 1e-3);
-        p[GSCL_X] += test_uniform(-2e-3, 2e-3);
-        p[GSCL_Y] += test_uniform(-2e-3, i % 4 ? 2e-3 : 0.4);
+        p[GSCL_X] += synthetic_uniform(-2e-3, 2e-3);
+        p[GSCL_Y] += synthetic_uniform(-2e-3, i % 4 ? 2e-3 : 0.4);
     }
 }
 
@@ -51,8 +51,8 @@ static void giants(scene *s) {
         float *p = scene_add(s);
         scene_set_axes(p, 1e6, scene_log_uniform(1e4, 1e6));
         if (i % 2) {
-            p[GSCL_X] = test_uniform(-1e6, 1e6);
-            p[GSCL_Y] = test_uniform(-1e6, 1e6);
+            p[GSCL_X] = synthetic_uniform(-1e6, 1e6);
+            p[GSCL_Y] = synthetic_uniform(-1e6, 1e6);
         }
     }
 }

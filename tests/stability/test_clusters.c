@@ -39,7 +39,7 @@ static void solve(const problem *p, uint32_t iterations, solution *s) {
     memset(s, 0, sizeof *s);
     memcpy(s->centroids, p->start, sizeof s->centroids);
     assert_int_equal(gscl_kmeans_cluster(&points, &options, s->centroids, s->assignment, &s->result), GSCL_KMEANS_OK);
-    assert_true(test_clusters_consistent(&points, s->centroids, s->assignment, &s->result));
+    assert_true(clusters_are_consistent(&points, s->centroids, s->assignment, &s->result));
     assert_true(isfinite(s->result.distortion));
 }
 
@@ -82,7 +82,7 @@ static problem *cloud(const char *name, uint32_t count, uint32_t dims, uint32_t 
     p.count = count;
     p.dims = dims;
     p.clusters = clusters;
-    test_cloud(p.values, count, dims, 7);
+    synthetic_points(p.values, count, dims, 7);
     return &p;
 }
 

@@ -136,7 +136,7 @@ static void check_encode(const scene *s, const gscl_image *image, const mode *m,
     gscl_free(bytes[1]);
 }
 
-static void test_image(void **state) {
+static void synthetic_image(void **state) {
     static scene s;
     const scene_case *c = *state;
     scene_begin(&s, c->name, 0);
@@ -154,7 +154,7 @@ int main(void) {
     size_t count = 0;
     for (; image_cases[count].name; count++) {
         cases[count] = image_cases[count];
-        tests[count] = (struct CMUnitTest){image_cases[count].name, test_image, NULL, NULL, &cases[count]};
+        tests[count] = (struct CMUnitTest){image_cases[count].name, synthetic_image, NULL, NULL, &cases[count]};
     }
     return _cmocka_run_group_tests("encodes", tests, count, open_contexts, close_contexts);
 }

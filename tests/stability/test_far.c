@@ -34,19 +34,19 @@ static const far_case cases[] = {
 
 /* Diagonal, through the view: places on a grid of 1/1024, so that the distance is exact. */
 static void make_splats(const far_case *c, float params[SPLATS * GSCL_PARAMS]) {
-    test_random_state = 4;
+    synthetic_random_state = 4;
     for (int i = 0; i < SPLATS * GSCL_PARAMS; i++)
         params[i] = 0.0f;
     for (int i = 0; i < SPLATS; i++) {
         float *p = params + i * GSCL_PARAMS;
-        const float away = floorf(test_uniform(c->nearest, fmin(2.0 * c->nearest, ORIGIN)));
-        p[GSCL_X] = (float)ORIGIN + floorf(test_uniform(0.0, SIDE)) - away + 0.5f;
-        p[GSCL_Y] = (float)ORIGIN + floorf(test_uniform(0.0, SIDE)) - away + 0.5f;
+        const float away = floorf(synthetic_uniform(c->nearest, fmin(2.0 * c->nearest, ORIGIN)));
+        p[GSCL_X] = (float)ORIGIN + floorf(synthetic_uniform(0.0, SIDE)) - away + 0.5f;
+        p[GSCL_Y] = (float)ORIGIN + floorf(synthetic_uniform(0.0, SIDE)) - away + 0.5f;
         scene_set_axes(p, c->s1, c->s2);
-        p[GSCL_THETA] = (float)(atan2(1.0, 1.0) + test_uniform(-1e-4, 1e-4));
-        p[GSCL_OPACITY] = test_uniform(-2.0, 4.0);
+        p[GSCL_THETA] = (float)(atan2(1.0, 1.0) + synthetic_uniform(-1e-4, 1e-4));
+        p[GSCL_OPACITY] = synthetic_uniform(-2.0, 4.0);
         for (int k = 0; k < SCENE_CHANNELS; k++)
-            p[GSCL_COLOUR + k] = test_uniform(0.0, 1.0);
+            p[GSCL_COLOUR + k] = synthetic_uniform(0.0, 1.0);
     }
 }
 

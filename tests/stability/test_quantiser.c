@@ -101,7 +101,7 @@ static void test_parameters_beyond_all_ends(void **state) {
 
 /* ---- Codebook coding ---- */
 
-static test_scene *codebook_scene(gsf_blend blend, uint8_t bits, bool wide) {
+static synthetic_scene *codebook_scene(gsf_blend blend, uint8_t bits, bool wide) {
     const gsf_header header = {.blend = blend,
                                .coding = GSF_CODING_CODEBOOK,
                                .layout = GSF_RGB,
@@ -112,11 +112,11 @@ static test_scene *codebook_scene(gsf_blend blend, uint8_t bits, bool wide) {
                                .width = 45,
                                .height = 34,
                                .splat_count = 60};
-    test_scene *s = test_scene_new(&header);
+    synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
-    test_random_state = 17;
-    test_any_background(&s->picture);
-    test_any_codebooks(&s->picture, 200);
+    synthetic_random_state = 17;
+    synthetic_background(&s->picture);
+    synthetic_codebooks(&s->picture, 200);
     gsf_codebooks *books = &s->picture.codebooks;
     books->position_bits = books->shape_bits = books->colour_bits = bits;
     for (int d = 0; d < GSF_MAX_COLOUR_DIMS; d++)
@@ -147,7 +147,7 @@ static void use_ends(gsf_coded_image *p) {
 static void test_codebook_ends(void **state) {
     (void)state;
     for (int i = 0; i < 12; i++) {
-        test_scene *s = codebook_scene(blends[i % 3], i / 3 % 2 ? 16 : 1, i / 6);
+        synthetic_scene *s = codebook_scene(blends[i % 3], i / 3 % 2 ? 16 : 1, i / 6);
         char name[80];
         uint8_t *bytes[2];
         size_t sizes[2];
@@ -155,13 +155,13 @@ static void test_codebook_ends(void **state) {
         snprintf(name, sizeof name, "codebooks, blend %d, %d bits, %s", i % 3, i / 3 % 2 ? 16 : 1,
                  i / 6 ? "the widest range" : "min = max");
         for (int k = 0; k < 2; k++)
-            assert_int_equal(test_scene_write(s, &bytes[k], &sizes[k]), GSF_OK);
+            assert_int_equal(synthetic_scene_write(s, &bytes[k], &sizes[k]), GSF_OK);
         assert_int_equal(sizes[0], sizes[1]);
         assert_memory_equal(bytes[0], bytes[1], sizes[0]);
         check_bytes(name, bytes[0], sizes[0]);
         free(bytes[0]);
         free(bytes[1]);
-        test_scene_free(s);
+        synthetic_scene_free(s);
     }
 }
 
@@ -184,17 +184,17 @@ static void check_call(gscl_context *context, const char *name, gscl_result resu
 
 static void make_splats(const book_case *c, float *params) {
     memset(params, 0, c->splats * GSCL_PARAMS * sizeof *params);
-    test_random_state = 5;
+    synthetic_random_state = 5;
     for (size_t i = 0; i < c->splats; i++) {
         float *p = params + i * GSCL_PARAMS;
-        p[GSCL_X] = test_uniform(0.0, SIDE);
-        p[GSCL_Y] = test_uniform(0.0, SIDE);
-        p[GSCL_LOG_S1] = test_uniform(-0.5, 3.0);
-        p[GSCL_LOG_S2] = test_uniform(-0.5, 3.0);
-        p[GSCL_THETA] = test_uniform(-3.0, 3.0);
-        p[GSCL_OPACITY] = test_uniform(-4.0, 4.0);
+        p[GSCL_X] = synthetic_uniform(0.0, SIDE);
+        p[GSCL_Y] = synthetic_uniform(0.0, SIDE);
+        p[GSCL_LOG_S1] = synthetic_uniform(-0.5, 3.0);
+        p[GSCL_LOG_S2] = synthetic_uniform(-0.5, 3.0);
+        p[GSCL_THETA] = synthetic_uniform(-3.0, 3.0);
+        p[GSCL_OPACITY] = synthetic_uniform(-4.0, 4.0);
         for (int k = GSCL_COLOUR; k < GSCL_COLOUR + 3; k++)
-            p[k] = test_uniform(0.0, 1.0);
+            p[k] = synthetic_uniform(0.0, 1.0);
         if (c->equal && i > 0)
             memcpy(p + GSCL_LOG_S1, params + GSCL_LOG_S1, (GSCL_PARAMS - GSCL_LOG_S1) * sizeof *p);
     }

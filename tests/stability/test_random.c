@@ -27,55 +27,55 @@ static const double pi = 3.14159265358979323846;
 /* ---- Scenes ---- */
 
 static float any_place(int size) {
-    const float on_border = 16.0f * (float)test_pick(3);
-    switch (test_pick(8)) {
+    const float on_border = 16.0f * (float)synthetic_random(3);
+    switch (synthetic_random(8)) {
     case 0:
         return on_border;
     case 1:
-        return nextafterf(on_border, test_pick(2) ? 100.0f : -100.0f);
+        return nextafterf(on_border, synthetic_random(2) ? 100.0f : -100.0f);
     case 2:
-        return test_uniform(-3.0 * size, 4.0 * size);
+        return synthetic_uniform(-3.0 * size, 4.0 * size);
     case 3:
-        return (float)test_pick((uint32_t)size) + 0.5f;
+        return (float)synthetic_random((uint32_t)size) + 0.5f;
     case 4:
-        return (float)scene_log_uniform(1e-3, 1e6) * (test_pick(2) ? 1.0f : -1.0f);
+        return (float)scene_log_uniform(1e-3, 1e6) * (synthetic_random(2) ? 1.0f : -1.0f);
     default:
-        return test_uniform(0.0, size);
+        return synthetic_uniform(0.0, size);
     }
 }
 
 static float any_angle(void) {
-    const float right = (float)((double)test_pick(5) * pi / 2.0);
-    switch (test_pick(4)) {
+    const float right = (float)((double)synthetic_random(5) * pi / 2.0);
+    switch (synthetic_random(4)) {
     case 0:
         return right;
     case 1:
-        return nextafterf(right, test_pick(2) ? 100.0f : -100.0f);
+        return nextafterf(right, synthetic_random(2) ? 100.0f : -100.0f);
     default:
-        return test_uniform(-7.0, 7.0);
+        return synthetic_uniform(-7.0, 7.0);
     }
 }
 
 static float any_logit(void) {
-    switch (test_pick(8)) {
+    switch (synthetic_random(8)) {
     case 0:
-        return test_pick(2) ? INFINITY : -INFINITY;
+        return synthetic_random(2) ? INFINITY : -INFINITY;
     case 1:
-        return test_uniform(-20.0, -8.0);
+        return synthetic_uniform(-20.0, -8.0);
     case 2:
-        return test_uniform(8.0, 20.0);
+        return synthetic_uniform(8.0, 20.0);
     default:
-        return test_uniform(-4.0, 4.0);
+        return synthetic_uniform(-4.0, 4.0);
     }
 }
 
 static void any_axes(float *p) {
-    const double s1 = test_pick(3) ? scene_log_uniform(0.3, 30.0) : scene_log_uniform(1e-3, 1e6);
-    const double aspect = test_pick(3) ? scene_log_uniform(1.0, 10.0) : scene_log_uniform(1.0, 1e6);
+    const double s1 = synthetic_random(3) ? scene_log_uniform(0.3, 30.0) : scene_log_uniform(1e-3, 1e6);
+    const double aspect = synthetic_random(3) ? scene_log_uniform(1.0, 10.0) : scene_log_uniform(1.0, 1e6);
     scene_set_axes(p, s1, fmax(s1 / aspect, 1e-3));
-    if (test_pick(4) == 0)
+    if (synthetic_random(4) == 0)
         p[GSCL_LOG_S2] = p[GSCL_LOG_S1];
-    if (test_pick(2)) {
+    if (synthetic_random(2)) {
         const float first = p[GSCL_LOG_S1];
         p[GSCL_LOG_S1] = p[GSCL_LOG_S2];
         p[GSCL_LOG_S2] = first;
@@ -86,13 +86,13 @@ static void any_scene(scene *s, uint32_t seed) {
     char name[40];
     snprintf(name, sizeof name, "seed %u", seed);
     scene_begin(s, name, (int)(seed % 3));
-    test_random_state = 2654435761u * (seed + 1);
-    test_pick(2);
-    const int width = 1 + (int)test_pick(test_pick(3) ? 24 : 60), height = 1 + (int)test_pick(24);
-    s->level = width >= 4 && height >= 4 && test_pick(4) == 0 ? 1 : 0;
+    synthetic_random_state = 2654435761u * (seed + 1);
+    synthetic_random(2);
+    const int width = 1 + (int)synthetic_random(synthetic_random(3) ? 24 : 60), height = 1 + (int)synthetic_random(24);
+    s->level = width >= 4 && height >= 4 && synthetic_random(4) == 0 ? 1 : 0;
     scene_resize(s, width, height);
-    const double colours = test_pick(8) ? 1.5 : scene_log_uniform(1.0, 1e4);
-    for (uint32_t count = test_pick(MOST_SPLATS + 1); count > 0; count--) {
+    const double colours = synthetic_random(8) ? 1.5 : scene_log_uniform(1.0, 1e4);
+    for (uint32_t count = synthetic_random(MOST_SPLATS + 1); count > 0; count--) {
         float *p = scene_add(s);
         p[GSCL_X] = any_place(width);
         p[GSCL_Y] = any_place(height);
@@ -100,7 +100,7 @@ static void any_scene(scene *s, uint32_t seed) {
         p[GSCL_THETA] = any_angle();
         p[GSCL_OPACITY] = any_logit();
         for (int k = 0; k < SCENE_CHANNELS; k++)
-            p[GSCL_COLOUR + k] = test_uniform(-colours, colours);
+            p[GSCL_COLOUR + k] = synthetic_uniform(-colours, colours);
     }
 }
 

@@ -163,7 +163,7 @@ static float picture[PIXELS], target[PIXELS];
 
 static void fill(float *plane, float value, float noise) {
     for (int i = 0; i < PIXELS; i++)
-        plane[i] = value + test_uniform(-noise, noise);
+        plane[i] = value + synthetic_uniform(-noise, noise);
 }
 
 static void test_flat(void **state) {

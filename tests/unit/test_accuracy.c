@@ -56,7 +56,7 @@ static int open_all(void **state) {
         if (gscl_context_create(&contexts[i], &settings) != GSCL_OK)
             return -1;
     }
-    image = test_image(TEST_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
+    image = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
     for (int i = 0; i < BLENDS; i++)
         files[i] = encode((gscl_blend)(GSCL_BLEND_NORMALIZED + i));
     return 0;
@@ -66,7 +66,7 @@ static int close_all(void **state) {
     (void)state;
     for (int i = 0; i < BLENDS; i++)
         gscl_free(files[i].bytes);
-    test_image_free(&image);
+    synthetic_image_free(&image);
     gscl_context_free(&contexts[0]);
     gscl_context_free(&contexts[1]);
     return 0;

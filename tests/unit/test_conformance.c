@@ -65,7 +65,7 @@ static void check_file(const char *name, const uint8_t *bytes, size_t size) {
     }
     gap cpu = {0}, gpu = {0}, between = {0};
     const uint32_t peak = truth.header.high_bit_depth ? 65535 : 255, allowed = truth.header.high_bit_depth ? 257 : 1;
-    for (size_t i = 0; i < test_sample_count(&images[0]); i++) {
+    for (size_t i = 0; i < synthetic_sample_count(&images[0]); i++) {
         const uint32_t expected = oracle_round(truth.pixels[i], peak);
         const uint32_t a = integer_sample(&images[0], i), b = integer_sample(&images[1], i);
         widen(&cpu, i, a, expected);
@@ -83,7 +83,7 @@ static void check_file(const char *name, const uint8_t *bytes, size_t size) {
 /* ---- Encoded pictures ---- */
 
 typedef struct {
-    test_image_kind kind;
+    synthetic_image_kind kind;
     uint32_t width, height, channels;
     gscl_sample sample;
     gscl_profile profile;
@@ -98,7 +98,7 @@ static void check_encoding(const encoding *e) {
     char name[128];
     snprintf(name, sizeof name, "%s %ux%u, %u channels, sample %d, profile %d, %s, %u splats", kind_names[e->kind],
              e->width, e->height, e->channels, (int)e->sample, (int)e->profile, blend_names[e->blend], e->splats);
-    gscl_image image = test_image(e->kind, e->width, e->height, e->channels, e->sample);
+    gscl_image image = synthetic_image(e->kind, e->width, e->height, e->channels, e->sample);
     assert_non_null(image.pixels);
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
@@ -114,13 +114,13 @@ static void check_encoding(const encoding *e) {
         fail_msg("%s: %s", name, gscl_context_message(contexts[0]));
     check_file(name, bytes, size);
     gscl_free(bytes);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 static void test_encoded_kinds_and_blends(void **state) {
     (void)state;
     for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
-        for (test_image_kind kind = TEST_GRADIENT; kind <= TEST_FLAT; kind++) {
+        for (synthetic_image_kind kind = SYNTHETIC_GRADIENT; kind <= SYNTHETIC_FLAT; kind++) {
             const encoding e = {kind, 67, 45, 3, GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT, blend, 60};
             check_encoding(&e);
         }
@@ -133,7 +133,7 @@ static void test_encoded_layouts(void **state) {
     for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
         for (uint32_t channels = 1; channels <= 4; channels++) {
             const gscl_sample sample = (channels + blend) % 2 ? GSCL_SAMPLE_U8 : GSCL_SAMPLE_U16;
-            const encoding e = {TEST_SHAPES, 40, 33, channels, sample, GSCL_PROFILE_DEFAULT, blend, 30};
+            const encoding e = {SYNTHETIC_SHAPES, 40, 33, channels, sample, GSCL_PROFILE_DEFAULT, blend, 30};
             if (channels == 4 || blend == blend_of[channels]) /* each build of the kernels takes its time */
                 check_encoding(&e);
         }
@@ -144,8 +144,8 @@ static void test_encoded_sizes(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1}, {1, 40}, {300, 1}, {2, 3}, {16, 16}, {17, 15}, {129, 31}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        const encoding e = {TEST_BUSY,      sizes[i][0],          sizes[i][1],     3,
-                            GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT, GSCL_BLEND_AUTO, 25};
+        const encoding e = {SYNTHETIC_TEXTURE, sizes[i][0],          sizes[i][1],     3,
+                            GSCL_SAMPLE_U8,    GSCL_PROFILE_DEFAULT, GSCL_BLEND_AUTO, 25};
         check_encoding(&e);
     }
 }
@@ -154,7 +154,8 @@ static void test_encoded_splat_counts(void **state) {
     (void)state;
     static const uint32_t counts[] = {1, 2, 10, 100, 400};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-        const encoding e = {TEST_BUSY, 96, 80, 3, GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT, GSCL_BLEND_AUTO, counts[i]};
+        const encoding e = {SYNTHETIC_TEXTURE, 96,       80, 3, GSCL_SAMPLE_U8, GSCL_PROFILE_DEFAULT,
+                            GSCL_BLEND_AUTO,   counts[i]};
         check_encoding(&e);
     }
 }
@@ -162,7 +163,8 @@ static void test_encoded_splat_counts(void **state) {
 static void test_encoded_paper_profile(void **state) {
     (void)state;
     for (uint32_t channels = 2; channels <= 3; channels++) {
-        const encoding e = {TEST_SHAPES, 64, 50, channels, GSCL_SAMPLE_U8, GSCL_PROFILE_PAPER, GSCL_BLEND_AUTO, 60};
+        const encoding e = {SYNTHETIC_SHAPES, 64, 50, channels, GSCL_SAMPLE_U8, GSCL_PROFILE_PAPER,
+                            GSCL_BLEND_AUTO,  60};
         check_encoding(&e);
     }
 }
@@ -170,18 +172,18 @@ static void test_encoded_paper_profile(void **state) {
 /* ---- Pictures made by hand ---- */
 
 /* Writes the scene, checks the file, and frees the scene. */
-static void check_scene(const char *name, test_scene *s) {
+static void check_scene(const char *name, synthetic_scene *s) {
     uint8_t *bytes = NULL;
     size_t size = 0;
-    const gsf_result result = test_scene_write(s, &bytes, &size);
+    const gsf_result result = synthetic_scene_write(s, &bytes, &size);
     if (result != GSF_OK)
         fail_msg("%s: gsf_write says %d", name, (int)result);
     check_file(name, bytes, size);
     free(bytes);
-    test_scene_free(s);
+    synthetic_scene_free(s);
 }
 
-static test_scene *photo(uint32_t width, uint32_t height, gsf_blend blend, uint32_t splats) {
+static synthetic_scene *photo(uint32_t width, uint32_t height, gsf_blend blend, uint32_t splats) {
     const gsf_header header = {.blend = blend,
                                .layout = GSF_RGB,
                                .has_chroma = true,
@@ -191,10 +193,10 @@ static test_scene *photo(uint32_t width, uint32_t height, gsf_blend blend, uint3
                                .width = width,
                                .height = height,
                                .splat_count = splats};
-    test_scene *s = test_scene_new(&header);
+    synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
-    test_random_state = 31 * width + splats;
-    test_any_background(&s->picture);
+    synthetic_random_state = 31 * width + splats;
+    synthetic_background(&s->picture);
     return s;
 }
 
@@ -204,10 +206,10 @@ static void test_needles(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         for (uint8_t scale = 0; scale < 16; scale += 5) {
-            test_scene *s = photo(90, 70, blends[b], 40);
+            synthetic_scene *s = photo(90, 70, blends[b], 40);
             s->picture.steps = (gsf_steps){.scale = scale, .luma = 10, .chroma = 8, .opacity = 15};
             for (uint32_t i = 0; i < 40; i++)
-                test_any_splat(&s->picture, &s->picture.splats[i], test_pick(4), 40 + test_pick(24));
+                synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(4), 40 + synthetic_random(24));
             check_scene("needles", s);
         }
     }
@@ -216,13 +218,13 @@ static void test_needles(void **state) {
 static void test_needles_along_the_axes(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
-        test_scene *s = photo(65, 65, blends[b], 32);
+        synthetic_scene *s = photo(65, 65, blends[b], 32);
         s->picture.steps = (gsf_steps){.scale = 12, .luma = 10, .chroma = 8};
         for (uint32_t i = 0; i < 32; i++) {
             gsf_splat *splat = &s->picture.splats[i];
-            test_any_splat(&s->picture, splat, 0, 63);
+            synthetic_splat(&s->picture, splat, 0, 63);
             splat->angle = (uint16_t)(i % 2 ? 256 : i % 4 ? 1 : 0);
-            test_place_splat(&s->picture, splat, 2.0 * i + 0.5, 64.0 - 2.0 * i);
+            synthetic_place_splat(&s->picture, splat, 2.0 * i + 0.5, 64.0 - 2.0 * i);
         }
         check_scene("needles along the axes", s);
     }
@@ -231,10 +233,10 @@ static void test_needles_along_the_axes(void **state) {
 static void test_sub_pixel_axes(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
-        test_scene *s = photo(50, 40, blends[b], 300);
+        synthetic_scene *s = photo(50, 40, blends[b], 300);
         s->picture.steps = (gsf_steps){.scale = 1, .luma = 15, .chroma = 15};
         for (uint32_t i = 0; i < 300; i++)
-            test_any_splat(&s->picture, &s->picture.splats[i], test_pick(3), test_pick(4));
+            synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(3), synthetic_random(4));
         check_scene("sub-pixel axes", s);
     }
 }
@@ -244,10 +246,10 @@ static void test_giants(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         for (uint8_t scale = 2; scale < 16; scale = (uint8_t)(scale + 13)) {
-            test_scene *s = photo(80, 60, blends[b], 60);
+            synthetic_scene *s = photo(80, 60, blends[b], 60);
             s->picture.steps = (gsf_steps){.scale = scale, .position = 15, .angle = 2, .luma = 13, .chroma = 9};
             for (uint32_t i = 0; i < 60; i++)
-                test_any_splat(&s->picture, &s->picture.splats[i], 40 + test_pick(24), test_pick(64));
+                synthetic_splat(&s->picture, &s->picture.splats[i], 40 + synthetic_random(24), synthetic_random(64));
             snprintf(name, sizeof name, "giants of scale step %u, blend %d", scale, (int)blends[b]);
             check_scene(name, s);
         }
@@ -257,13 +259,14 @@ static void test_giants(void **state) {
 static void test_corners_and_tile_borders(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
-        test_scene *s = photo(64, 49, blends[b], 5 * 5 * 3 * 2);
+        synthetic_scene *s = photo(64, 49, blends[b], 5 * 5 * 3 * 2);
         s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8};
         gsf_splat *splat = s->picture.splats;
         for (int i = 0; i < 5 * 5 * 3; i++) {
             for (int nudge = 0; nudge < 2; nudge++, splat++) {
-                test_any_splat(&s->picture, splat, i % 3 * 2u, test_pick(6));
-                test_place_splat(&s->picture, splat, 16.0 * (i / 15) - nudge * 0.01, 16.0 * (i / 3 % 5) - nudge * 0.01);
+                synthetic_splat(&s->picture, splat, i % 3 * 2u, synthetic_random(6));
+                synthetic_place_splat(&s->picture, splat, 16.0 * (i / 15) - nudge * 0.01,
+                                      16.0 * (i / 3 % 5) - nudge * 0.01);
             }
         }
         check_scene("corners and tile borders", s);
@@ -274,13 +277,13 @@ static void test_stacks(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         for (int opaque = 0; opaque < 2; opaque++) {
-            test_scene *s = photo(48, 48, blends[b], 500);
+            synthetic_scene *s = photo(48, 48, blends[b], 500);
             s->picture.header.has_opacity = !opaque;
             s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = 15};
             for (uint32_t i = 0; i < 500; i++) {
                 gsf_splat *splat = &s->picture.splats[i];
-                test_any_splat(&s->picture, splat, 8 + test_pick(4), test_pick(8));
-                test_place_splat(&s->picture, splat, 20.0 + test_pick(8), 20.0 + test_pick(8));
+                synthetic_splat(&s->picture, splat, 8 + synthetic_random(4), synthetic_random(8));
+                synthetic_place_splat(&s->picture, splat, 20.0 + synthetic_random(8), 20.0 + synthetic_random(8));
             }
             check_scene(opaque ? "opaque stack" : "stack", s);
         }
@@ -291,11 +294,11 @@ static void test_opacity_extremes(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         for (uint8_t step = 0; step < 16; step += 5) {
-            test_scene *s = photo(40, 40, blends[b], 80);
+            synthetic_scene *s = photo(40, 40, blends[b], 80);
             s->picture.header.has_opacity = true;
             s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = step};
             for (uint32_t i = 0; i < 80; i++) {
-                test_any_splat(&s->picture, &s->picture.splats[i], test_pick(14), test_pick(20));
+                synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(14), synthetic_random(20));
                 s->picture.splats[i].opacity = i % 2 ? step : 0;
             }
             check_scene("opacity extremes", s);
@@ -307,46 +310,47 @@ static void test_opacity_extremes(void **state) {
 static void test_colours_out_of_range(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
-        test_scene *s = photo(40, 40, blends[b], 200);
+        synthetic_scene *s = photo(40, 40, blends[b], 200);
         s->picture.steps = (gsf_steps){.scale = 4, .luma = 15, .chroma = 15};
         for (uint32_t i = 0; i < 200; i++) {
             gsf_splat *splat = &s->picture.splats[i];
             int min, max;
-            test_any_splat(&s->picture, splat, 2 + test_pick(16), test_pick(10));
+            synthetic_splat(&s->picture, splat, 2 + synthetic_random(16), synthetic_random(10));
             gsf_luma_range(blends[b], 15, &min, &max);
             splat->luma = (int16_t)(i % 2 ? min : max);
-            splat->co = (int16_t)(test_pick(2) ? 255 : -255);
-            splat->cg = (int16_t)(test_pick(2) ? 255 : -255);
+            splat->co = (int16_t)(synthetic_random(2) ? 255 : -255);
+            splat->cg = (int16_t)(synthetic_random(2) ? 255 : -255);
         }
         check_scene("colours out of range", s);
     }
 }
 
-static test_scene *any_scalar_scene(int number) {
-    const gsf_header header = test_any_header(number, GSF_CODING_SCALAR);
-    test_scene *s = test_scene_new(&header);
+static synthetic_scene *any_scalar_scene(int number) {
+    const gsf_header header = synthetic_header(number, GSF_CODING_SCALAR);
+    synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
-    test_any_background(&s->picture);
-    test_any_steps(&s->picture);
+    synthetic_background(&s->picture);
+    synthetic_steps(&s->picture);
     for (uint32_t i = 0; i < header.splat_count; i++)
-        test_any_splat(&s->picture, &s->picture.splats[i], test_pick(20), header.has_anisotropy ? test_pick(24) : 0);
+        synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(20),
+                        header.has_anisotropy ? synthetic_random(24) : 0);
     return s;
 }
 
-static test_scene *any_codebook_scene(int number) {
+static synthetic_scene *any_codebook_scene(int number) {
     static const int32_t longest[] = {128, 210, 310, 640};
-    const gsf_header header = test_any_header(number, GSF_CODING_CODEBOOK);
-    test_scene *s = test_scene_new(&header);
+    const gsf_header header = synthetic_header(number, GSF_CODING_CODEBOOK);
+    synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
-    test_any_background(&s->picture);
+    synthetic_background(&s->picture);
     if (header.splat_count > 0)
-        test_any_codebooks(&s->picture, longest[test_pick(4)]);
+        synthetic_codebooks(&s->picture, longest[synthetic_random(4)]);
     return s;
 }
 
 static void test_any_scene(void **state) {
     (void)state;
-    test_random_state = 2024;
+    synthetic_random_state = 2024;
     for (int number = 0; number < 48; number++) {
         check_scene("any scalar scene", any_scalar_scene(number));
         check_scene("any codebook scene", any_codebook_scene(number));
@@ -391,12 +395,12 @@ static void check_splat(const oracle_header *header, const oracle_splat *truth, 
     assert_true(close_to(splat->colour[3], header->has_alpha ? truth->colour[header->colours] : 1.0));
 }
 
-static void check_splats(test_scene *s) {
+static void check_splats(synthetic_scene *s) {
     uint8_t *bytes = NULL;
     size_t size = 0, count = 0;
     gscl_splat *splats = NULL;
     oracle_picture truth;
-    assert_int_equal(test_scene_write(s, &bytes, &size), GSF_OK);
+    assert_int_equal(synthetic_scene_write(s, &bytes, &size), GSF_OK);
     assert_int_equal(oracle_read(bytes, size, &truth), ORACLE_OK);
     assert_int_equal(gscl_read_splats(bytes, size, &splats, &count), GSCL_OK);
     assert_int_equal(count, truth.header.splats);
@@ -405,12 +409,12 @@ static void check_splats(test_scene *s) {
     gscl_free(splats);
     oracle_free(&truth);
     free(bytes);
-    test_scene_free(s);
+    synthetic_scene_free(s);
 }
 
 static void test_splats(void **state) {
     (void)state;
-    test_random_state = 7;
+    synthetic_random_state = 7;
     for (int number = 0; number < 48; number++) {
         check_splats(any_scalar_scene(number));
         check_splats(any_codebook_scene(number));
@@ -453,10 +457,10 @@ static void mend_checksum(uint8_t *bytes, size_t size) {
         bytes[header.bytes - 3 + i] = (uint8_t)(crc >> (16 - 8 * i));
 }
 
-static void check_verdicts(test_scene *s) {
+static void check_verdicts(synthetic_scene *s) {
     uint8_t *bytes = NULL;
     size_t size = 0;
-    assert_int_equal(test_scene_write(s, &bytes, &size), GSF_OK);
+    assert_int_equal(synthetic_scene_write(s, &bytes, &size), GSF_OK);
     uint8_t *changed = malloc(size);
     assert_non_null(changed);
     for (size_t i = 0; i < size; i++) {
@@ -474,12 +478,12 @@ static void check_verdicts(test_scene *s) {
     }
     free(changed);
     free(bytes);
-    test_scene_free(s);
+    synthetic_scene_free(s);
 }
 
 static void test_verdicts_on_bad_files(void **state) {
     (void)state;
-    test_random_state = 55;
+    synthetic_random_state = 55;
     for (int number = 0; number < 4; number++) {
         check_verdicts(any_scalar_scene(number));
         check_verdicts(any_codebook_scene(number));

@@ -22,7 +22,7 @@ typedef struct {
 } outcome;
 
 static void encode(gscl_profile profile, gscl_target target, double value, bool trace, outcome *o) {
-    gscl_image image = test_image(TEST_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
     settings.profile = profile;
@@ -33,7 +33,7 @@ static void encode(gscl_profile profile, gscl_target target, double value, bool 
     memset(&o->report, 0x55, sizeof o->report);
     o->report.struct_size = sizeof o->report;
     assert_int_equal(gscl_encode(context, &image, &settings, &o->bytes, &o->size, &o->report), GSCL_OK);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 /* Measuring trace is no part of the time, nor of a stage. */

@@ -51,14 +51,14 @@ static bool is_used(const fit_case *c, size_t param) {
 }
 
 static void ordinary_splat(float *p) {
-    p[GSCL_X] = test_uniform(0.0, WIDTH);
-    p[GSCL_Y] = test_uniform(0.0, HEIGHT);
-    p[GSCL_LOG_S1] = test_uniform(log(0.7), log(15.0));
-    p[GSCL_LOG_S2] = test_uniform(log(0.7), log(15.0));
-    p[GSCL_THETA] = test_uniform(-4.0, 4.0);
-    p[GSCL_OPACITY] = test_uniform(-3.0, 3.0);
+    p[GSCL_X] = synthetic_uniform(0.0, WIDTH);
+    p[GSCL_Y] = synthetic_uniform(0.0, HEIGHT);
+    p[GSCL_LOG_S1] = synthetic_uniform(log(0.7), log(15.0));
+    p[GSCL_LOG_S2] = synthetic_uniform(log(0.7), log(15.0));
+    p[GSCL_THETA] = synthetic_uniform(-4.0, 4.0);
+    p[GSCL_OPACITY] = synthetic_uniform(-3.0, 3.0);
     for (int k = GSCL_COLOUR; k < GSCL_COLOUR + 4; k++)
-        p[k] = test_uniform(-0.2, 1.2);
+        p[k] = synthetic_uniform(-0.2, 1.2);
 }
 
 static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int opacity, int loss, int level) {
@@ -71,14 +71,14 @@ static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int op
         .blend = blend, .colours = colours, .alpha_channel = alpha_channel, .opacity = opacity, .loss = loss};
     c->level = level;
     c->count = SPLATS;
-    test_random_state = (uint32_t)(blend + 3 * colours + 17 * alpha_channel + 31 * opacity + 101 * level);
+    synthetic_random_state = (uint32_t)(blend + 3 * colours + 17 * alpha_channel + 31 * opacity + 101 * level);
     for (size_t i = 0; i < c->count; i++)
         ordinary_splat(c->params + i * GSCL_PARAMS);
     /* An opaque splat's weight must stay off the clamp of the alpha blend, where there is no derivative. */
     for (size_t i = 0; i < c->count && blend == GSCL_ALPHA && !opacity; i++)
         c->params[i * GSCL_PARAMS + GSCL_LOG_S1] = fminf(c->params[i * GSCL_PARAMS + GSCL_LOG_S1], logf(3.0f));
     for (int i = 0; i < SAMPLES; i++)
-        c->target[i] = test_uniform(0.0, 1.0);
+        c->target[i] = synthetic_uniform(0.0, 1.0);
     return c;
 }
 
@@ -271,7 +271,7 @@ static void test_tiles_without_error_are_skipped(void **state) {
                                           {80.0f, 30.0f, 2.0f, 2.0f, 0.0f, 0.0f, 0.5f}};
     cl_int skip_until[TILES];
     for (int i = 0; i < PLANE; i++)
-        target[i] = i % W < 48 ? test_uniform(0.0, 1.0) : 0.5f;
+        target[i] = i % W < 48 ? synthetic_uniform(0.0, 1.0) : 0.5f;
     for (int m = 0; m < 2; m++) {
         gscl_fit fit;
         const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
@@ -297,10 +297,10 @@ static void test_tiles_without_error_are_skipped(void **state) {
 }
 
 static void add_wave(float *p) {
-    p[GSCL_WAVE_X] = test_uniform(-0.3, 0.3);
-    p[GSCL_WAVE_Y] = test_uniform(-0.3, 0.3);
-    p[GSCL_WAVE_PHASE] = test_uniform(0.0, 1.0);
-    p[GSCL_WAVE_AMPLITUDE] = test_pick(3) ? test_uniform(0.0, 0.5) : 0.0f;
+    p[GSCL_WAVE_X] = synthetic_uniform(-0.3, 0.3);
+    p[GSCL_WAVE_Y] = synthetic_uniform(-0.3, 0.3);
+    p[GSCL_WAVE_PHASE] = synthetic_uniform(0.0, 1.0);
+    p[GSCL_WAVE_AMPLITUDE] = synthetic_random(3) ? synthetic_uniform(0.0, 0.5) : 0.0f;
 }
 
 static void test_textures(void **state) {
@@ -336,7 +336,7 @@ static void test_ssim_weights(void **state) {
     static float planes[3 * PLANE], found[4 * PLANE];
     static double wanted_planes[3 * PLANE], wanted[PLANE];
     for (int i = 0; i < 3 * PLANE; i++)
-        planes[i] = i % W < W / 2 ? 0.004f * (float)(i % W) : test_uniform(0.2, i % PLANE < PLANE / 2 ? 0.3 : 0.9);
+        planes[i] = i % W < W / 2 ? 0.004f * (float)(i % W) : synthetic_uniform(0.2, i % PLANE < PLANE / 2 ? 0.3 : 0.9);
     for (int i = 0; i < 3 * PLANE; i++)
         wanted_planes[i] = planes[i];
     oracle_ssim_weights(wanted_planes, 3, W, H, 2, wanted);
@@ -366,14 +366,14 @@ static void test_ssim_adaptation(void **state) {
     enum { W = 149, H = 131, PLANE = W * H };
     static float planes[3 * PLANE], projected[3 * PLANE], found[4 * PLANE], params[SPLATS * GSCL_PARAMS];
     static double wanted_planes[3 * PLANE], picture[3 * PLANE], wanted[4 * PLANE];
-    test_random_state = 3;
+    synthetic_random_state = 3;
     for (int i = 0; i < 3 * PLANE; i++)
         planes[i] =
-            0.5f + 0.2f * sinf(0.1f * (float)(i % W)) * cosf(0.12f * (float)(i / W % H)) + test_uniform(-0.1, 0.1);
+            0.5f + 0.2f * sinf(0.1f * (float)(i % W)) * cosf(0.12f * (float)(i / W % H)) + synthetic_uniform(-0.1, 0.1);
     for (int i = 0; i < SPLATS; i++) {
         ordinary_splat(params + i * GSCL_PARAMS);
-        params[i * GSCL_PARAMS + GSCL_X] = test_uniform(0, W);
-        params[i * GSCL_PARAMS + GSCL_Y] = test_uniform(0, H);
+        params[i * GSCL_PARAMS + GSCL_X] = synthetic_uniform(0, W);
+        params[i * GSCL_PARAMS + GSCL_Y] = synthetic_uniform(0, H);
     }
     for (int m = 0; m < 2; m++) {
         gscl_fit fit;
@@ -474,13 +474,13 @@ static void test_hard_scenes_are_finite(void **state) {
         for (size_t i = 0; i < c->count; i++) {
             float *p = c->params + i * GSCL_PARAMS;
             ordinary_splat(p);
-            p[GSCL_X] = test_uniform(-WIDTH, 2.0 * WIDTH);
-            p[GSCL_Y] = test_uniform(-HEIGHT, 2.0 * HEIGHT);
-            p[GSCL_LOG_S1] = test_uniform(log(0.05), log(30000.0));
-            p[GSCL_LOG_S2] = test_uniform(log(0.05), log(30000.0));
-            p[GSCL_OPACITY] = test_uniform(-40.0, 40.0);
+            p[GSCL_X] = synthetic_uniform(-WIDTH, 2.0 * WIDTH);
+            p[GSCL_Y] = synthetic_uniform(-HEIGHT, 2.0 * HEIGHT);
+            p[GSCL_LOG_S1] = synthetic_uniform(log(0.05), log(30000.0));
+            p[GSCL_LOG_S2] = synthetic_uniform(log(0.05), log(30000.0));
+            p[GSCL_OPACITY] = synthetic_uniform(-40.0, 40.0);
             for (int k = GSCL_COLOUR; k < GSCL_COLOUR + 4; k++)
-                p[k] = test_uniform(-2.0, 3.0);
+                p[k] = synthetic_uniform(-2.0, 3.0);
         }
         check_hard(c);
     }

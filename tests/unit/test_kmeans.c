@@ -16,25 +16,25 @@
 static void test_cloud_in_every_dimension(void **state) {
     (void)state;
     static float values[POINTS * GSCL_KMEANS_MAX_DIMS], weights[POINTS];
-    test_cloud(weights, POINTS, 1, 9);
+    synthetic_points(weights, POINTS, 1, 9);
     const float metric[GSCL_KMEANS_MAX_DIMS] = {1.0f, 3.0f, 0.5f, 0.0f, 2.0f};
     for (uint32_t dims = 1; dims <= GSCL_KMEANS_MAX_DIMS; dims++) {
         float centroids[CLUSTERS * GSCL_KMEANS_MAX_DIMS];
         uint32_t assignment[POINTS];
         gscl_kmeans_result result;
-        test_cloud(values, POINTS, dims, dims);
+        synthetic_points(values, POINTS, dims, dims);
         const gscl_kmeans_points points = {values, weights, metric, POINTS, dims};
         const gscl_kmeans_options options = {.clusters = CLUSTERS, .iterations = 10, .seed = 5};
         assert_int_equal(gscl_kmeans_cluster(&points, &options, centroids, assignment, &result), GSCL_KMEANS_OK);
         assert_int_equal(result.clusters, CLUSTERS);
-        assert_true(test_clusters_consistent(&points, centroids, assignment, &result));
+        assert_true(clusters_are_consistent(&points, centroids, assignment, &result));
     }
 }
 
 static void test_distortion_never_grows(void **state) {
     (void)state;
     static float values[POINTS * 3];
-    test_cloud(values, POINTS, 3, 1);
+    synthetic_points(values, POINTS, 3, 1);
     const gscl_kmeans_points points = {.values = values, .count = POINTS, .dims = 3};
     for (uint64_t seed = 0; seed < 5; seed++) {
         double before = INFINITY;
@@ -53,7 +53,7 @@ static void test_distortion_never_grows(void **state) {
 static void test_same_twice(void **state) {
     (void)state;
     static float values[POINTS * 4];
-    test_cloud(values, POINTS, 4, 3);
+    synthetic_points(values, POINTS, 4, 3);
     const gscl_kmeans_points points = {.values = values, .count = POINTS, .dims = 4};
     const gscl_kmeans_options options = {.clusters = CLUSTERS, .iterations = 10, .seed = 77};
     float centroids[2][CLUSTERS * 4] = {{0}};
@@ -71,7 +71,7 @@ static void test_same_twice(void **state) {
 static void test_seed_matters(void **state) {
     (void)state;
     static float values[POINTS * 2];
-    test_cloud(values, POINTS, 2, 3);
+    synthetic_points(values, POINTS, 2, 3);
     const gscl_kmeans_points points = {.values = values, .count = POINTS, .dims = 2};
     float centroids[2][CLUSTERS * 2];
     uint32_t assignment[POINTS];
@@ -111,7 +111,7 @@ static void test_one_cluster_is_the_weighted_mean(void **state) {
     assert_int_equal(gscl_kmeans_cluster(&points, &options, centroid, assignment, &result), GSCL_KMEANS_OK);
     assert_int_equal(result.clusters, 1);
     assert_true(centroid[0] == 1.0f && centroid[1] == 2.0f);
-    assert_true(test_clusters_consistent(&points, centroid, assignment, &result));
+    assert_true(clusters_are_consistent(&points, centroid, assignment, &result));
 }
 
 static void test_fewer_points_than_clusters(void **state) {

@@ -44,11 +44,11 @@ static file encode(const gscl_image *image, const gscl_encode_settings *settings
 }
 
 /* Encodes a synthetic picture into some splats. */
-static file encode_some(test_image_kind kind, uint32_t width, uint32_t height, uint32_t channels, double splats) {
-    gscl_image image = test_image(kind, width, height, channels, GSCL_SAMPLE_U8);
+static file encode_some(synthetic_image_kind kind, uint32_t width, uint32_t height, uint32_t channels, double splats) {
+    gscl_image image = synthetic_image(kind, width, height, channels, GSCL_SAMPLE_U8);
     const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, splats);
     const file f = encode(&image, &settings);
-    test_image_free(&image);
+    synthetic_image_free(&image);
     return f;
 }
 
@@ -194,8 +194,8 @@ static void test_bad_images(void **state) {
 
 static void test_null_arguments(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
-    const file f = encode_some(TEST_SHAPES, 16, 16, 3, 4);
+    gscl_image image = synthetic_image(SYNTHETIC_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
+    const file f = encode_some(SYNTHETIC_SHAPES, 16, 16, 3, 4);
     uint8_t *bytes = NULL;
     size_t size = 0, count = 0;
     gscl_info info = {.struct_size = sizeof info};
@@ -212,12 +212,12 @@ static void test_null_arguments(void **state) {
     assert_int_equal(gscl_read_splats(f.bytes, f.size, NULL, &count), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_read_splats(f.bytes, f.size, &splats, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     gscl_free(f.bytes);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 static void test_bad_settings(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
     const double values[] = {-1.0, NAN, INFINITY};
     for (int i = 0; i < 3; i++) {
         for (int target = GSCL_TARGET_BPP; target <= GSCL_TARGET_SPLATS; target++) {
@@ -256,7 +256,7 @@ static void test_bad_settings(void **state) {
     conflict.loss = GSCL_LOSS_AUTO;
     conflict.profile = GSCL_PROFILE_PAPER;
     refuse_encode(&image, &conflict, GSCL_ERROR_CONFLICT);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 /* ---- Bad files ---- */
@@ -264,7 +264,7 @@ static void test_bad_settings(void **state) {
 static void test_not_gscl(void **state) {
     (void)state;
     static const uint8_t png[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
-    const file f = encode_some(TEST_SHAPES, 16, 16, 3, 4);
+    const file f = encode_some(SYNTHETIC_SHAPES, 16, 16, 3, 4);
     assert_result(try_decode(png, sizeof png), GSCL_ERROR_NOT_GSCL);
     assert_result(try_decode(png, 0), GSCL_ERROR_NOT_GSCL);
     f.bytes[3] = 2;
@@ -276,7 +276,7 @@ static void test_not_gscl(void **state) {
 
 static void test_every_truncation(void **state) {
     (void)state;
-    const file f = encode_some(TEST_SHAPES, 40, 30, 3, 25);
+    const file f = encode_some(SYNTHETIC_SHAPES, 40, 30, 3, 25);
     size_t damaged = 0;
     for (size_t size = 0; size < f.size; size++) {
         /* An exact copy, so that tools see every read behind its end. */
@@ -296,7 +296,7 @@ static void test_every_truncation(void **state) {
 
 static void test_every_flipped_byte(void **state) {
     (void)state;
-    const file f = encode_some(TEST_SHAPES, 40, 30, 4, 20);
+    const file f = encode_some(SYNTHETIC_SHAPES, 40, 30, 4, 20);
     for (size_t i = 0; i < f.size; i++) {
         for (int change = 1; change < 256; change += i < 12 ? 1 : 23) {
             f.bytes[i] ^= (uint8_t)change;
@@ -328,8 +328,8 @@ static size_t number_in_message(void) {
     return last;
 }
 
-static void check_smallest_budget(test_image_kind kind, uint32_t channels, gscl_sample sample) {
-    gscl_image image = test_image(kind, 30, 20, channels, sample);
+static void check_smallest_budget(synthetic_image_kind kind, uint32_t channels, gscl_sample sample) {
+    gscl_image image = synthetic_image(kind, 30, 20, channels, sample);
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 1);
     refuse_encode(&image, &settings, GSCL_ERROR_BUDGET_TOO_SMALL);
     const size_t smallest = number_in_message();
@@ -341,15 +341,15 @@ static void check_smallest_budget(test_image_kind kind, uint32_t channels, gscl_
     assert_true(f.size <= smallest);
     assert_result(try_decode(f.bytes, f.size), GSCL_OK);
     gscl_free(f.bytes);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 static void test_smallest_budget(void **state) {
     (void)state;
     for (uint32_t channels = 1; channels <= 4; channels++) {
-        check_smallest_budget(TEST_SHAPES, channels, GSCL_SAMPLE_U8);
-        check_smallest_budget(TEST_NOISE, channels, GSCL_SAMPLE_U16);
-        check_smallest_budget(TEST_FLAT, channels, GSCL_SAMPLE_U8);
+        check_smallest_budget(SYNTHETIC_SHAPES, channels, GSCL_SAMPLE_U8);
+        check_smallest_budget(SYNTHETIC_NOISE, channels, GSCL_SAMPLE_U16);
+        check_smallest_budget(SYNTHETIC_FLAT, channels, GSCL_SAMPLE_U8);
     }
 }
 
@@ -369,40 +369,40 @@ static size_t encode_within(const gscl_image *image, size_t budget) {
 
 static void test_tiny_budgets(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_SHAPES, 33, 29, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_SHAPES, 33, 29, 3, GSCL_SAMPLE_U8);
     for (size_t budget = 20; budget < 80; budget += 4)
         (void)encode_within(&image, budget);
-    test_image_free(&image);
-    gscl_image icon = test_image(TEST_SHAPES, 64, 64, 3, GSCL_SAMPLE_U8);
+    synthetic_image_free(&image);
+    gscl_image icon = synthetic_image(SYNTHETIC_SHAPES, 64, 64, 3, GSCL_SAMPLE_U8);
     (void)encode_within(&icon, 48);
-    test_image_free(&icon);
+    synthetic_image_free(&icon);
 }
 
 static void test_budgets_are_used(void **state) {
     (void)state;
     static const size_t budgets[] = {150, 300, 777, 1500};
-    gscl_image image = test_image(TEST_BUSY, 120, 100, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 120, 100, 3, GSCL_SAMPLE_U8);
     for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
         const size_t size = encode_within(&image, budgets[i]);
         if ((double)size < 0.97 * (double)budgets[i])
             fail_msg("only %zu bytes of a budget of %zu", size, budgets[i]);
     }
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 static void test_bits_per_pixel(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_BUSY, 80, 70, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 80, 70, 3, GSCL_SAMPLE_U8);
     const gscl_encode_settings settings = quick(GSCL_TARGET_BPP, 0.6);
     const file f = encode(&image, &settings);
     assert_in_range(f.size, 0.97 * 0.6 * 80 * 70 / 8, 0.6 * 80 * 70 / 8);
     gscl_free(f.bytes);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 static void test_psnr(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_BUSY, 160, 90, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 160, 90, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings = quick(GSCL_TARGET_PSNR, 22.0);
     gscl_encode_report report = {.struct_size = sizeof report};
     file f = {NULL, 0};
@@ -415,11 +415,11 @@ static void test_psnr(void **state) {
     assert_true(fabs(comparison.psnr - report.psnr) < 1e-6);
     gscl_free(decoded.pixels);
     gscl_free(f.bytes);
-    test_image_free(&image);
-    image = test_image(TEST_NOISE, 16, 16, 3, GSCL_SAMPLE_U8);
+    synthetic_image_free(&image);
+    image = synthetic_image(SYNTHETIC_NOISE, 16, 16, 3, GSCL_SAMPLE_U8);
     settings.target_value = 90.0;
     refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 /* The default target has room for an icon. */
@@ -427,11 +427,11 @@ static void test_default_target(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1}, {2, 1}, {96, 64}, {192, 128}};
     for (int i = 0; i < 4; i++) {
-        gscl_image image = test_image(TEST_SHAPES, sizes[i][0], sizes[i][1], 3, GSCL_SAMPLE_U8);
+        gscl_image image = synthetic_image(SYNTHETIC_SHAPES, sizes[i][0], sizes[i][1], 3, GSCL_SAMPLE_U8);
         const file f = encode(&image, NULL);
         assert_in_range(f.size, 1, i < 3 ? 256 : 384);
         gscl_free(f.bytes);
-        test_image_free(&image);
+        synthetic_image_free(&image);
     }
 }
 
@@ -439,7 +439,7 @@ static void test_default_target(void **state) {
 
 /* A wave of 3 pixels across a round window, which no few plain splats can show. */
 static gscl_image striped_image(void) {
-    gscl_image image = test_image(TEST_FLAT, 96, 64, 1, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_FLAT, 96, 64, 1, GSCL_SAMPLE_U8);
     uint8_t *pixels = image.pixels;
     for (int y = 0; y < 64; y++) {
         for (int x = 0; x < 96; x++) {
@@ -482,7 +482,7 @@ static void test_textures(void **state) {
     }
     if (!(with > without + 3.0))
         fail_msg("%.2f dB with textures, %.2f dB without", with, without);
-    test_image_free(&stripes);
+    synthetic_image_free(&stripes);
 }
 
 /* ---- Flat and long pictures ---- */
@@ -492,7 +492,8 @@ static void test_flat_pictures(void **state) {
     static const uint32_t sizes[][2] = {{1, 1}, {50, 40}, {16384, 2}};
     for (int i = 0; i < 24; i++) {
         const gscl_sample sample = i / 12 ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
-        gscl_image image = test_image(TEST_FLAT, sizes[i % 3][0], sizes[i % 3][1], 1 + (uint32_t)(i / 3 % 4), sample);
+        gscl_image image =
+            synthetic_image(SYNTHETIC_FLAT, sizes[i % 3][0], sizes[i % 3][1], 1 + (uint32_t)(i / 3 % 4), sample);
         const gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 24);
         const file f = encode(&image, &settings);
         assert_in_range(f.size, 1, 24);
@@ -501,13 +502,13 @@ static void test_flat_pictures(void **state) {
         assert_int_equal(decoded.sample, image.sample);
         /* Colours are kept multiplied by alpha: where that is below 1 they may be a step away. */
         const double step = image.channels % 2 ? 0.0 : 1.01 / (i / 12 ? 65535.0 : 255.0);
-        for (size_t s = 0; s < test_sample_count(&image); s++) {
+        for (size_t s = 0; s < synthetic_sample_count(&image); s++) {
             const bool is_alpha = s % image.channels == image.channels - 1;
-            assert_true(fabs(test_sample(&decoded, s) - test_sample(&image, s)) <= (is_alpha ? 0.0 : step));
+            assert_true(fabs(synthetic_sample(&decoded, s) - synthetic_sample(&image, s)) <= (is_alpha ? 0.0 : step));
         }
         gscl_free(decoded.pixels);
         gscl_free(f.bytes);
-        test_image_free(&image);
+        synthetic_image_free(&image);
     }
 }
 
@@ -515,15 +516,16 @@ static void test_long_pictures(void **state) {
     (void)state;
     for (int tall = 0; tall < 2; tall++) {
         const uint32_t width = tall ? 1 : GSCL_MAX_DIMENSION, height = tall ? GSCL_MAX_DIMENSION : 1;
-        const file f = encode_some(TEST_GRADIENT, width, height, 3, 20);
-        gscl_image image = test_image(TEST_GRADIENT, width, height, 3, GSCL_SAMPLE_U8), decoded = decode(&f, NULL);
+        const file f = encode_some(SYNTHETIC_GRADIENT, width, height, 3, 20);
+        gscl_image image = synthetic_image(SYNTHETIC_GRADIENT, width, height, 3, GSCL_SAMPLE_U8),
+                   decoded = decode(&f, NULL);
         gscl_comparison comparison = {.struct_size = sizeof comparison};
         assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
         if (!(comparison.psnr > 18.0))
             fail_msg("%ux%u: %g dB", width, height, comparison.psnr);
         gscl_free(decoded.pixels);
         gscl_free(f.bytes);
-        test_image_free(&image);
+        synthetic_image_free(&image);
     }
 }
 
@@ -544,7 +546,7 @@ static bool on_progress(void *opaque, const gscl_progress *progress) {
 
 static void test_progress_and_cancel(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_BUSY, 64, 64, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 64, 64, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 300);
     watch w = {0, 1000000, 0.0};
     settings.progress = on_progress;
@@ -561,18 +563,18 @@ static void test_progress_and_cancel(void **state) {
     settings.progress = NULL;
     f = encode(&image, &settings);
     gscl_free(f.bytes);
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 static void test_same_bytes_every_time(void **state) {
     (void)state;
-    gscl_image image = test_image(TEST_BUSY, 70, 50, 3, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 70, 50, 3, GSCL_SAMPLE_U8);
     gscl_context *fresh = NULL, *shared = context;
     for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
         gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 400);
         settings.blend = blend;
         const file first = encode(&image, &settings);
-        const file other = encode_some(TEST_SHAPES, 40, 90, 3, 40);
+        const file other = encode_some(SYNTHETIC_SHAPES, 40, 90, 3, 40);
         const file second = encode(&image, &settings);
         assert_int_equal(gscl_context_create(&fresh, NULL), GSCL_OK);
         context = fresh;
@@ -586,7 +588,7 @@ static void test_same_bytes_every_time(void **state) {
         gscl_free(second.bytes);
         gscl_free(third.bytes);
     }
-    test_image_free(&image);
+    synthetic_image_free(&image);
 }
 
 /* ---- Decoding ---- */
@@ -594,7 +596,7 @@ static void test_same_bytes_every_time(void **state) {
 static void test_decode_into_callers_memory(void **state) {
     (void)state;
     enum { STRIDE = 37 * 3 + 11 };
-    const file f = encode_some(TEST_SHAPES, 37, 21, 3, 12);
+    const file f = encode_some(SYNTHETIC_SHAPES, 37, 21, 3, 12);
     gscl_image whole = decode(&f, NULL);
     uint8_t memory[STRIDE * 21];
     memset(memory, 0xA7, sizeof memory);
@@ -623,7 +625,7 @@ static void test_decode_into_callers_memory(void **state) {
 static void test_decode_into_rows_that_are_too_short(void **state) {
     (void)state;
     uint8_t memory[8 * 3 * 8];
-    const file f = encode_some(TEST_SHAPES, 8, 8, 3, 2);
+    const file f = encode_some(SYNTHETIC_SHAPES, 8, 8, 3, 2);
     gscl_image mine = {
         .width = 8, .height = 8, .channels = 3, .sample = GSCL_SAMPLE_U8, .stride = 8 * 3 - 1, .pixels = memory};
     assert_result(gscl_decode(context, f.bytes, f.size, NULL, &mine), GSCL_ERROR_INVALID_ARGUMENT);
@@ -655,7 +657,7 @@ static void check_crops(const file *f, gscl_decode_settings settings) {
 
 static void test_crops(void **state) {
     (void)state;
-    const file f = encode_some(TEST_BUSY, 50, 40, 3, 60);
+    const file f = encode_some(SYNTHETIC_TEXTURE, 50, 40, 3, 60);
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     check_crops(&f, settings);
@@ -675,15 +677,15 @@ static void test_crops(void **state) {
 
 static double mean_of(const gscl_image *image) {
     double sum = 0.0;
-    for (size_t i = 0; i < test_sample_count(image); i++)
-        sum += test_sample(image, i);
-    return sum / (double)test_sample_count(image);
+    for (size_t i = 0; i < synthetic_sample_count(image); i++)
+        sum += synthetic_sample(image, i);
+    return sum / (double)synthetic_sample_count(image);
 }
 
 static void test_sizes(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1}, {25, 20}, {100, 80}, {50, 40}, {7, 200}, {16384, 1}};
-    const file f = encode_some(TEST_GRADIENT, 50, 40, 3, 20);
+    const file f = encode_some(SYNTHETIC_GRADIENT, 50, 40, 3, 20);
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     gscl_image whole = decode(&f, NULL), image = {0};
@@ -707,7 +709,7 @@ static void test_sizes(void **state) {
 static void test_sample_types(void **state) {
     (void)state;
     static const gscl_sample samples[] = {GSCL_SAMPLE_U8, GSCL_SAMPLE_U16, GSCL_SAMPLE_F32};
-    const file f = encode_some(TEST_SHAPES, 33, 22, 4, 20);
+    const file f = encode_some(SYNTHETIC_SHAPES, 33, 22, 4, 20);
     for (int premultiplied = 0; premultiplied < 2; premultiplied++) {
         gscl_image images[3];
         for (int i = 0; i < 3; i++) {
@@ -718,13 +720,13 @@ static void test_sample_types(void **state) {
             images[i] = decode(&f, &settings);
             assert_true(images[i].sample == samples[i] && images[i].premultiplied == premultiplied);
         }
-        for (size_t i = 0; i < test_sample_count(&images[0]); i++) {
-            const double exact = test_sample(&images[2], i);
+        for (size_t i = 0; i < synthetic_sample_count(&images[0]); i++) {
+            const double exact = synthetic_sample(&images[2], i);
             assert_true(exact >= 0.0 && exact <= 1.0);
-            assert_true(fabs(test_sample(&images[0], i) - exact) <= 0.501 / 255.0);
-            assert_true(fabs(test_sample(&images[1], i) - exact) <= 0.51 / 65535.0);
+            assert_true(fabs(synthetic_sample(&images[0], i) - exact) <= 0.501 / 255.0);
+            assert_true(fabs(synthetic_sample(&images[1], i) - exact) <= 0.51 / 65535.0);
             if (premultiplied)
-                assert_true(exact <= test_sample(&images[2], i / 4 * 4 + 3));
+                assert_true(exact <= synthetic_sample(&images[2], i / 4 * 4 + 3));
         }
         for (int i = 0; i < 3; i++)
             gscl_free(images[i].pixels);
@@ -772,7 +774,7 @@ static void test_looking_into_files(void **state) {
     (void)state;
     for (uint32_t channels = 1; channels <= 4; channels++) {
         for (uint32_t splats = 0; splats <= 30; splats += 15) {
-            const file f = encode_some(TEST_SHAPES, 41, 26, channels, splats);
+            const file f = encode_some(SYNTHETIC_SHAPES, 41, 26, channels, splats);
             if (splats > 0)
                 check_info(&f, channels, splats);
             assert_result(try_decode(f.bytes, f.size), GSCL_OK);

@@ -42,18 +42,18 @@ static void check(const scene *s, gscl_result result) {
 static void make_target(float *planes) {
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
         const int x = i % WIDTH, y = i / WIDTH % HEIGHT;
-        const float wave = 0.3f * sinf(0.7f * (float)x + 0.3f * (float)y) + test_uniform(-0.15, 0.15);
+        const float wave = 0.3f * sinf(0.7f * (float)x + 0.3f * (float)y) + synthetic_uniform(-0.15, 0.15);
         planes[i] = 0.4f + 0.003f * (float)y + (x < WIDTH / 2 ? 0.02f * sinf(0.2f * (float)x) : wave);
     }
 }
 
 static void make_splat(scene *s, gsf_splat *splat) {
-    float p[GSCL_PARAMS] = {test_uniform(0, WIDTH), test_uniform(0, HEIGHT), test_uniform(0.5, 2.5),
-                            test_uniform(0.5, 2.5), test_uniform(0, 3)};
+    float p[GSCL_PARAMS] = {synthetic_uniform(0, WIDTH), synthetic_uniform(0, HEIGHT), synthetic_uniform(0.5, 2.5),
+                            synthetic_uniform(0.5, 2.5), synthetic_uniform(0, 3)};
     if (s->picture.file.header.has_opacity)
-        p[GSCL_OPACITY] = test_uniform(-2, 2);
+        p[GSCL_OPACITY] = synthetic_uniform(-2, 2);
     for (int k = 0; k < 3; k++)
-        p[GSCL_COLOUR + k] = test_uniform(0.2, 0.7);
+        p[GSCL_COLOUR + k] = synthetic_uniform(0.2, 0.7);
     gscl_quantise(&s->picture.file, p, splat);
 }
 
@@ -75,7 +75,7 @@ static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool we
                                           .height = HEIGHT,
                                           .splat_count = SPLATS};
     s->picture.file.steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .opacity = 3};
-    test_random_state = 7;
+    synthetic_random_state = 7;
     make_target(planes);
     gscl_kernel_options options = gscl_coded_image_options(&s->picture.file.header);
     options.weighted = weighted;
