@@ -128,6 +128,11 @@
 
 /* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
+/* Squared error in place of MS-SSIM (cl/ssim.cl), found by trying: the largest increase of contrast (1: doubled), the
+ * least contrast-structure factor of a window that counts, and the exponent on weights without a rendering. */
+#define GSCL_SSIM_MAX_CONTRAST_GAIN 0.5f
+#define GSCL_SSIM_MIN_SIMILARITY 0.1f
+#define GSCL_SSIM_WEIGHT_EXPONENT 0.8f
 
 /* A slot of the fit holds a splat's sums over one tile (cl/fit.cl).  Sums that the effects leave without use have no
  * place in it, so that the later places follow from the shape of splats (GSCL_SHAPE_...) and from what they have. */

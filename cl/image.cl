@@ -60,7 +60,7 @@ __kernel void add_enlarged(__global const float *restrict from, int from_width, 
     to[to_at + i] = fma(share, from[(size_t)y * from_width + x], to[to_at + i]);
 }
 
-/* Raises the contrast of `channels` planes: by gains, around means, that are of half the size (ssim_gains). */
+/* Raises the contrast of `channels` planes: by gains, around means, that are of half the size (ssim_contrast_gains). */
 __kernel void raise_contrast(__global const float *restrict from, __global const float *restrict gains, int channels,
                              int width, int height, __global float *restrict to) {
     int i = (int)get_global_id(0);

@@ -50,6 +50,12 @@ typedef struct gscl_limits {
     cl_float colour_min, colour_max;
 } gscl_limits;
 
+/* The planes of an image in cl/ssim.cl. */
+typedef struct gscl_ssim_shape {
+    cl_int width, height, channels;
+    cl_int stride; /* floats from row to row of a padded plane */
+} gscl_ssim_shape;
+
 /* ---- Rate-distortion optimisation of scalar codes ---- */
 
 /* A splat's codes. */
