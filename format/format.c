@@ -108,9 +108,10 @@ void gsf_sort(gsf_coded_image *image, void *scratch) {
     gsf_put_in_order(image, (gsf_workspace *)scratch + 1); /* records need the alignment of the workspace */
 }
 
+/* The coder counts the bytes that do not fit, so that a capacity of 0 gives the size alone, without bits by stream. */
 static gsf_result write_payload(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
     gsf_coder coder;
-    gsf_coder_write_to(&coder, bytes, capacity, image->stream_bits256);
+    gsf_coder_write_to(&coder, bytes, capacity, capacity > 0 ? image->stream_bits256 : NULL);
     if (!gsf_code_payload(&coder, image, workspace_in(&image->header, scratch)))
         return GSF_INVALID;
     gsf_range_encoder_finish(&coder.encoder);
@@ -136,5 +137,19 @@ gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, si
         return result;
     *size = start + payload_size;
     gsf_store_checksum(bytes, *size, start);
+    return GSF_OK;
+}
+
+gsf_result gsf_size(gsf_coded_image *image, size_t *size, void *scratch) {
+    uint8_t header[GSF_MAX_HEADER_SIZE];
+    size_t payload_size;
+    *size = 0;
+    image->header.version = GSF_VERSION;
+    if (!gsf_coded_image_is_valid(image))
+        return GSF_INVALID;
+    const gsf_result result = write_payload(image, NULL, 0, &payload_size, scratch);
+    if (result == GSF_INVALID)
+        return result;
+    *size = gsf_put_header(&image->header, header) + payload_size;
     return GSF_OK;
 }

@@ -48,6 +48,10 @@ size_t gsf_write_bound(const gsf_coded_image *image);
  * The file is a function of the image alone. */
 gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch);
 
+/* The size of the file that gsf_write would give, exactly, without writing it.  The splats must be in the stored order
+ * (gsf_sort) and the codes of effects that are off must be zero. */
+gsf_result gsf_size(gsf_coded_image *image, size_t *size, void *scratch);
+
 /* Sorts the splats into the stored order without writing: `alpha` depends on it.  Zeroes the codes of
  * effects that are off.  The codes must be within their limits. */
 void gsf_sort(gsf_coded_image *image, void *scratch);

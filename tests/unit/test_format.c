@@ -210,6 +210,9 @@ static void assert_same_picture(const gsf_coded_image *a, const gsf_coded_image 
 static void check_round_trip(fixture *f) {
     fixture back;
     assert_int_equal(write_fixture(f), GSF_OK);
+    size_t counted;
+    assert_int_equal(gsf_size(&f->picture, &counted, f->scratch), GSF_OK);
+    assert_int_equal(counted, f->size);
     read_fixture(f, &back);
     assert_same_picture(&f->picture, &back.picture);
     assert_int_equal(write_fixture(&back), GSF_OK);

@@ -14,6 +14,7 @@
 static gscl_result quantise_and_size(gscl_codebook_state *s, size_t *size) {
     GSCL_TRY(gscl_codebook_read_back(&s->codebook));
     GSCL_TRY(gscl_codebook_quantise(&s->codebook, &s->encoder->coded));
+    GSCL_TRY(gscl_coded_image_sort(&s->encoder->coded, NULL));
     return gscl_encoder_size(s->encoder, size);
 }
 

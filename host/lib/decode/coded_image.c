@@ -79,10 +79,8 @@ gscl_result gscl_coded_image_write(gscl_coded_image *p, uint8_t **bytes, size_t 
 }
 
 gscl_result gscl_coded_image_size(gscl_coded_image *p, size_t *size) {
-    uint8_t *bytes = NULL;
-    GSCL_TRY(gscl_coded_image_write(p, &bytes, size));
-    free(bytes);
-    return GSCL_OK;
+    GSCL_TRY(gscl_coded_image_reserve(p, p->file.header.splat_count));
+    return gscl_result_of_format(gsf_size(&p->file, size, p->scratch));
 }
 
 /* A splat's codes as bytes, and its place. */
@@ -109,18 +107,26 @@ static void tag(const gsf_coded_image *file, tagged *tags) {
     qsort(tags, file->header.splat_count, sizeof *tags, compare_tagged);
 }
 
-gscl_result gscl_coded_image_sort(gscl_coded_image *p, size_t *order) {
+/* Pairs codes before and after sorting: both are listed in the order of their bytes, so that equals keep their order. */
+static gscl_result sort_with_order(gscl_coded_image *p, size_t *order) {
     size_t count = p->file.header.splat_count;
-    GSCL_TRY(gscl_coded_image_reserve(p, count));
     tagged *before = calloc(2 * count + 1, sizeof *before), *after = before + count;
     if (!before)
         return GSCL_ERROR_OUT_OF_MEMORY;
     tag(&p->file, before);
     gsf_sort(&p->file, p->scratch);
-    tag(&p->file, after); /* the same codes, sorted the same way: pairs up equals in their old order */
+    tag(&p->file, after);
     for (size_t i = 0; i < count; i++)
         order[after[i].place] = before[i].place;
     free(before);
+    return GSCL_OK;
+}
+
+gscl_result gscl_coded_image_sort(gscl_coded_image *p, size_t *order) {
+    GSCL_TRY(gscl_coded_image_reserve(p, p->file.header.splat_count));
+    if (order)
+        return sort_with_order(p, order);
+    gsf_sort(&p->file, p->scratch);
     return GSCL_OK;
 }
 

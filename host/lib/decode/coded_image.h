@@ -26,10 +26,11 @@ gscl_result gscl_coded_image_read_counted(gscl_coded_image *picture, const uint8
                                           uint64_t *stream_bits256);
 /* Writes the picture into a new buffer (gscl_free); sorts its splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *picture, uint8_t **bytes, size_t *size);
-/* The size that gscl_coded_image_write would give. */
+/* The exact size that gscl_coded_image_write would give, without writing.  The splats must be in the stored order. */
 gscl_result gscl_coded_image_size(gscl_coded_image *picture, size_t *size);
 
-/* Sorts the splats into the stored order and tells where they came from: place i holds what was splat order[i]. */
+/* Sorts the splats into the stored order.  `order`: NULL, or receives where they came from: place i holds what was splat
+ * order[i]. */
 gscl_result gscl_coded_image_sort(gscl_coded_image *picture, size_t *order);
 
 /* The library's result for a format result. */

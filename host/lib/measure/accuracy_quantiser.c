@@ -64,6 +64,7 @@ static gscl_result measure_steps(sweep *w, double factor) {
     p->file.steps = gscl_scale_steps(&w->subject->picture.file.steps, factor);
     for (size_t i = 0; i < count; i++)
         gscl_quantise(&p->file, w->loose + i * GSCL_PARAMS, &p->file.splats[i]);
+    GSCL_TRY(gscl_coded_image_sort(p, NULL));
     GSCL_TRY(gscl_coded_image_size(p, &size));
     gscl_coded_image_params(p, w->params, w->subject->background);
     GSCL_TRY(draw(w, w->params, w->planes));

@@ -34,6 +34,7 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
     gscl_scalar_rdo_settings settings = {
         .pressure = s->pressure, .keep_all = s->keep_all, .scan_textures = scan_textures};
     GSCL_TRY(gscl_scalar_rdo_pass(&s->fit, picture, &settings));
+    GSCL_TRY(gscl_coded_image_sort(&s->encoder->coded, NULL));
     GSCL_TRY(gscl_encoder_size(s->encoder, size));
     gscl_log(s->encoder->context, GSCL_LOG_DEBUG, "%.2f s, pass: %u splats, %zu bytes, pressure %.2f%s",
              gscl_now() - s->encoder->progress.start_s, picture->file.header.splat_count, *size, s->pressure,
@@ -196,6 +197,7 @@ static void drop_smallest(gsf_coded_image *file) {
 gscl_result gscl_scalar_trim(schedule *s) {
     gsf_coded_image *file = &s->encoder->coded.file;
     size_t size;
+    GSCL_TRY(gscl_coded_image_sort(&s->encoder->coded, NULL));
     GSCL_TRY(gscl_encoder_size(s->encoder, &size));
     while (size > s->bytes && file->header.splat_count > 0) {
         for (size_t excess = (size - s->bytes) / 5 + 1; excess > 0 && file->header.splat_count > 0; excess--)

@@ -91,6 +91,7 @@ gscl_result gscl_scalar_quantise(schedule *s) {
 static gscl_result measure_target(schedule *s) {
     size_t size;
     GSCL_TRY(gscl_scalar_quantise(s));
+    GSCL_TRY(gscl_coded_image_sort(&s->encoder->coded, NULL));
     GSCL_TRY(gscl_encoder_size(s->encoder, &size));
     double count = s->fit.renderer.count, side = 20;
     double bits = fmax(((double)size - side) * 8 / count, LEAST_BITS_PER_SPLAT);

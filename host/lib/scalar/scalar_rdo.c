@@ -356,7 +356,8 @@ static gscl_result run(pass *p, double pressure) {
     double error;
     float background[4];
     GSCL_TRY(allocate(p));
-    GSCL_TRY(gscl_coded_image_size(picture, &size)); /* sorts: the order of visits is a function of the codes alone */
+    GSCL_TRY(gscl_coded_image_sort(picture, NULL)); /* the order of visits is a function of the codes alone */
+    GSCL_TRY(gscl_coded_image_size(picture, &size));
     gscl_coded_image_params(picture, p->params, background);
     for (size_t i = 0; i < p->count; i++)
         codes_of(&picture->file.splats[i], &p->codes[i]);
