@@ -1,12 +1,15 @@
-/* The paper's codebooks while fitting: shapes (ln s1, ln s2, theta) and colours (channels, opacity logit) of all
- * splats are words of two codebooks.
+/* Codebooks while fitting (the paper's P5): the shapes (ln s1, ln s2, theta) and the colours (channels, opacity logit)
+ * of all splats are words of two codebooks.
  *
- * Two ways to learn: straight through (the parameters of each splat are learnt as if they were drawn, its words
- * follow by clustering), and directly (a word's gradient is the sum over the splats that use it). */
+ * There are two ways to learn.  With the straight-through estimator the gradient at the splats that the words describe
+ * is applied to each splat's own parameters, and clustering makes words of these.  Directly, the gradient of a word is
+ * the sum over the splats that use it. */
 #define COLOUR_DIMS (CHANNELS + 1)
+#define MAX_OPACITY_LOGIT 4.5f /* of a word: opacities 0.011 to 0.989 */
 
+/* A dimension of a word in the unit that the file quantises uniformly: angles as 0..pi, opacities as 0..1. */
 inline float to_stored(int book, int dim, float value) {
-    if (book == GSCL_BOOK_SHAPE && dim == 2) return value - M_PI_F * floor(value / M_PI_F); /* half a turn */
+    if (book == GSCL_BOOK_SHAPE && dim == 2) return value - M_PI_F * floor(value / M_PI_F);
     if (book == GSCL_BOOK_COLOUR && dim == CHANNELS) return 1.0f / (1.0f + exp(-value));
     return value;
 }
@@ -19,8 +22,8 @@ inline float from_stored(int book, int dim, float value) {
     return value;
 }
 
-/* Words as the file stores them: uniform `levels` + 1 values between each dimension's ends (paper eq. 7-8).
- * One work-item for each dimension of each book; `ends` receives min and max. */
+/* Rounds words to what the file can hold: `levels` + 1 uniform values from the least to the largest of each dimension
+ * (paper eq. 7-8).  One work-item for each dimension of the book. */
 __kernel void book_quantise(__global const float *restrict words, int book, int count, int levels,
                             __global float *restrict stored) {
     int dim = (int)get_global_id(0);
@@ -38,7 +41,7 @@ __kernel void book_quantise(__global const float *restrict words, int book, int 
     }
 }
 
-/* What is drawn: positions on their grid, everything else from the words. */
+/* The parameters to draw: positions on their grid, shapes and colours from the words. */
 __kernel void book_apply(__global const float *restrict learnt, __global const int2 *restrict indices,
                          __global const float *restrict shapes, __global const float *restrict colours, int count,
                          float2 cell, int2 last_cell, __global float *restrict params) {
@@ -55,21 +58,17 @@ __kernel void book_apply(__global const float *restrict learnt, __global const i
     to[GSCL_OPACITY] = colour[CHANNELS];
 }
 
-/* Words and the places of their members learn more slowly than free splats. */
-#define RATE_WORD_SHAPE 0.03f
-#define RATE_MEMBER_POSITION 0.04f /* of the geometric mean axis */
-
-/* One step of Adam for each word, from the gradients of its members added in their order. */
+/* One step of Adam for each word of a book, from the gradients of its members, added in their order. */
 __kernel void book_step(__global float *restrict words, __global float *restrict first_moment,
-                        __global float *restrict second_moment, int book, int count, int age,
-                        __global const int2 *restrict indices, int splats, __global const float *restrict gradients,
-                        gscl_limits bounds) {
-    int w = (int)get_global_id(0);
-    if (w >= count) return;
+                        __global float *restrict second_moment, __global const int2 *restrict indices,
+                        __global const float *restrict gradients, gscl_word_step_settings settings,
+                        gscl_limits limits) {
+    const int book = settings.book, w = (int)get_global_id(0);
+    if (w >= settings.words) return;
     int dims = book == GSCL_BOOK_SHAPE ? GSCL_BOOK_SHAPE_DIMS : COLOUR_DIMS;
     float sums[GSCL_BOOK_DIMS];
     for (int k = 0; k < GSCL_BOOK_DIMS; k++) sums[k] = 0.0f;
-    for (int i = 0; i < splats; i++) {
+    for (int i = 0; i < settings.splats; i++) {
         if ((book == GSCL_BOOK_SHAPE ? indices[i].x : indices[i].y) != w) continue;
         __global const float *g = gradients + (size_t)i * GSCL_PARAMS;
         for (int k = 0; k < dims; k++)
@@ -77,27 +76,29 @@ __kernel void book_step(__global float *restrict words, __global float *restrict
                        : k < CHANNELS          ? g[GSCL_COLOUR + k]
                                                : g[GSCL_OPACITY];
     }
-    float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
+    float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, settings.age));
+    float correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, settings.age));
     for (int k = 0; k < dims; k++) {
         int at = w * GSCL_BOOK_DIMS + k;
-        float rate = book == GSCL_BOOK_SHAPE ? RATE_WORD_SHAPE : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
+        float rate = book == GSCL_BOOK_SHAPE ? settings.shape_rate : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
         float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * sums[k]);
         float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * sums[k] * sums[k]);
-        float value = words[at] - bounds.rate * rate * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
-        if (book == GSCL_BOOK_SHAPE && k < 2) value = clamp(value, bounds.log_min, bounds.log_max);
+        float value = words[at] - limits.rate * rate * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
+        if (book == GSCL_BOOK_SHAPE && k < 2) value = clamp(value, limits.log_min, limits.log_max);
         if (book == GSCL_BOOK_COLOUR)
-            value = k < CHANNELS ? clamp(value, bounds.colour_min, bounds.colour_max) : clamp(value, -4.5f, 4.5f);
+            value = k < CHANNELS ? clamp(value, limits.colour_min, limits.colour_max)
+                                 : clamp(value, -MAX_OPACITY_LOGIT, MAX_OPACITY_LOGIT);
         words[at] = value;
     }
 }
 
 /* One step of Adam for the positions alone. */
 __kernel void position_step(__global float *restrict learnt, __global float *restrict first_moment,
-                            __global float *restrict second_moment, __global int *restrict ages, int count,
+                            __global float *restrict second_moment, __global int *restrict ages,
                             __global const float *restrict params, __global const float *restrict gradients,
-                            gscl_limits bounds) {
+                            gscl_word_step_settings settings, gscl_limits limits) {
     int i = (int)get_global_id(0);
-    if (i >= count) return;
+    if (i >= settings.splats) return;
     int age = ++ages[i];
     float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
     float size =
@@ -107,8 +108,8 @@ __kernel void position_step(__global float *restrict learnt, __global float *res
         float g = gradients[at];
         float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * g);
         float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * g * g);
-        float value = learnt[at] -
-                      bounds.rate * RATE_MEMBER_POSITION * size * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
-        learnt[at] = clamp(value, 0.0f, k == GSCL_X ? bounds.width : bounds.height);
+        float value = learnt[at] - limits.rate * settings.position_rate * size * (m * correct1) /
+                                       (sqrt(v * correct2) + ADAM_EPSILON);
+        learnt[at] = clamp(value, 0.0f, k == GSCL_X ? limits.width : limits.height);
     }
 }

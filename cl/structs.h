@@ -93,15 +93,28 @@ typedef struct gscl_move_outcome {
     cl_int colour[4]; /* the best codes luma, co, cg, alpha */
 } gscl_move_outcome;
 
-/* ---- Rate-distortion optimisation of codebook indices ---- */
+/* ---- Codebooks ---- */
 
+/* A step of Adam for the words of a codebook, or for the positions of the splats that use them. */
+typedef struct gscl_word_step_settings {
+    cl_int book;  /* GSCL_BOOK_... */
+    cl_int words; /* of this book */
+    cl_int splats;
+    cl_int age;             /* steps since the optimiser's restart, this one included */
+    cl_float shape_rate;    /* learning rate of ln s1, ln s2 and theta of a word */
+    cl_float position_rate; /* learning rate of a position, in geometric means of the splat's axes */
+} gscl_word_step_settings;
+
+/* Rate-distortion optimisation of colour words and positions. */
 typedef struct gscl_word_rdo_settings {
-    cl_float lambda;         /* squared error per bit */
-    cl_float existence;      /* bits of a position, less the bits that the order of all splats saves */
-    cl_float leave_out;      /* cost of dropping a splat: 0, or more than any other cost where none may be dropped */
-    cl_float cell_x, cell_y; /* of the position grid, pixels */
-    cl_int last_x, last_y;   /* largest cells */
-    cl_int colours;          /* words of the colour codebook */
+    gscl_view view;
+    gscl_image_shape image;
+    cl_float lambda;           /* squared error per bit */
+    cl_float position_bits;    /* bits of a position, less the bits that the order of all splats saves */
+    cl_float cost_of_dropping; /* 0, or more than any other cost where no splat may be dropped */
+    cl_float cell_x, cell_y;   /* of the position grid, pixels */
+    cl_int last_x, last_y;     /* largest cells */
+    cl_int colours;            /* words of the colour codebook */
 } gscl_word_rdo_settings;
 
 #endif

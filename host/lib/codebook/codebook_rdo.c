@@ -81,9 +81,11 @@ static void rdo_set_settings(gscl_codebook_rdo *rdo, double lambda, bool keep_al
     const gscl_codebook *c = rdo->codebook;
     const int last = (1 << c->position_bits) - 1;
     rdo->settings =
-        (gscl_word_rdo_settings){.lambda = (cl_float)lambda,
-                                 .existence = (float)(2 * c->position_bits) - log2f((float)gscl_codebook_splats(c)),
-                                 .leave_out = keep_all ? FLT_MAX : 0.0f,
+        (gscl_word_rdo_settings){.view = c->fit->renderer.view,
+                                 .image = gscl_renderer_shape(&c->fit->renderer),
+                                 .lambda = (cl_float)lambda,
+                                 .position_bits = (float)(2 * c->position_bits) - log2f((float)gscl_codebook_splats(c)),
+                                 .cost_of_dropping = keep_all ? FLT_MAX : 0.0f,
                                  .cell_x = (cl_float)c->fit->pyramid.width / (cl_float)(last + 1),
                                  .cell_y = (cl_float)c->fit->pyramid.height / (cl_float)(last + 1),
                                  .last_x = last,
@@ -193,27 +195,25 @@ static gscl_result rdo_render(gscl_codebook_rdo *rdo) {
     return GSCL_OK;
 }
 
-static gscl_result run_batch(gscl_codebook_rdo *rdo, cl_int count) {
+static gscl_result run_batch(gscl_codebook_rdo *rdo, size_t count) {
     gscl_codebook *c = rdo->codebook;
     gscl_renderer *r = &c->fit->renderer;
-    const cl_ulong plane = gscl_renderer_plane(r);
     cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_write(r->context, &rdo->device_batch, 0, rdo->batch, (size_t)count * sizeof *rdo->batch));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "choose_visit", &kernel));
+    GSCL_TRY(gscl_buffer_write(r->context, &rdo->device_batch, 0, rdo->batch, count * sizeof *rdo->batch));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "word_rdo", &kernel));
     return GSCL_LAUNCH(
-        r->context, kernel, (size_t)count, 1, GSCL_ARG_BUFFER(rdo->device_batch), GSCL_ARG(count),
-        GSCL_ARG_BUFFER(rdo->device_cells), GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(rdo->device_boxes),
+        r->context, kernel, count, 1, GSCL_ARG_BUFFER(rdo->device_batch), GSCL_ARG_BUFFER(rdo->device_cells),
+        GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(rdo->device_boxes),
         GSCL_ARG_BUFFER(c->books[GSCL_BOOK_SHAPE].stored), GSCL_ARG_BUFFER(c->books[GSCL_BOOK_COLOUR].stored),
         GSCL_ARG_BUFFER(rdo->device_bits[GSCL_BOOK_SHAPE]), GSCL_ARG_BUFFER(rdo->device_bits[GSCL_BOOK_COLOUR]),
-        GSCL_ARG(rdo->settings), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->front),
-        GSCL_ARG_BUFFER(rdo->transmittance), GSCL_ARG_BUFFER(c->fit->pyramid.levels[c->fit->level]), GSCL_ARG(r->width),
-        GSCL_ARG(r->height), GSCL_ARG(plane));
+        GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->front), GSCL_ARG_BUFFER(rdo->transmittance),
+        GSCL_ARG_BUFFER(c->fit->pyramid.levels[c->fit->level]), GSCL_ARG(rdo->settings));
 }
 
 static gscl_result run_batches(gscl_codebook_rdo *rdo, int batches) {
     const size_t splats = gscl_codebook_splats(rdo->codebook);
     for (int batch = 0; batch < batches; batch++) {
-        cl_int count = 0;
+        size_t count = 0;
         for (size_t i = 0; i < splats; i++)
             if (rdo->batch_of[i] == batch)
                 rdo->batch[count++] = (cl_int)i;

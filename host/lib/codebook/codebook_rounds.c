@@ -37,7 +37,7 @@ static gscl_result run_pass(gscl_codebook_state *s, double factor, size_t *size)
     GSCL_TRY(quantise_and_size(s, size));
     const double bits = 8.0 * (double)(budget ? budget : *size);
     const bool keep_all = budget == 0 || *size < budget;
-    gscl_stage(s->encoder->context, GSCL_STAGE_CHOOSE_WORDS);
+    gscl_stage(s->encoder->context, GSCL_STAGE_RDO);
     GSCL_TRY(gscl_codebook_rdo_run(&s->rdo, factor * s->lambda_scale * s->fit_error / bits, keep_all));
     GSCL_TRY(quantise_and_size(s, size));
     log_pass(s, error, factor * s->lambda_scale, *size);

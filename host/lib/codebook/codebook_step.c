@@ -1,6 +1,7 @@
 #include "codebook/codebook_step.h"
 
-#include "cl/constants.h"
+#include "cl/structs.h"
+#include "codebook/tunables.h"
 
 static gscl_result round_book(gscl_codebook *c, int which) {
     gscl_book *book = &c->books[which];
@@ -34,26 +35,36 @@ gscl_result gscl_codebook_step_straight_through(gscl_codebook *c, float rate) {
     return gscl_fit_adam(c->fit, &c->learnt, rate);
 }
 
+static gscl_word_step_settings step_settings(const gscl_codebook *c, int which) {
+    return (gscl_word_step_settings){.book = which,
+                                     .words = c->books[which].count,
+                                     .splats = c->fit->renderer.count,
+                                     .age = c->age,
+                                     .shape_rate = gscl_codebook_tunables.shape_rate,
+                                     .position_rate = gscl_codebook_tunables.position_rate};
+}
+
 static gscl_result step_book(gscl_codebook *c, int which) {
     gscl_book *book = &c->books[which];
     gscl_fit *f = c->fit;
+    const gscl_word_step_settings settings = step_settings(c, which);
     cl_kernel kernel;
-    cl_int number = which, count = book->count, age = c->age;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "book_step", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, (size_t)count, 1, GSCL_ARG_BUFFER(book->learnt),
-                       GSCL_ARG_BUFFER(book->first_moment), GSCL_ARG_BUFFER(book->second_moment), GSCL_ARG(number),
-                       GSCL_ARG(count), GSCL_ARG(age), GSCL_ARG_BUFFER(c->indices), GSCL_ARG(f->renderer.count),
-                       GSCL_ARG_BUFFER(f->gradients), GSCL_ARG(f->limits));
+    return GSCL_LAUNCH(f->context, kernel, (size_t)book->count, 1, GSCL_ARG_BUFFER(book->learnt),
+                       GSCL_ARG_BUFFER(book->first_moment), GSCL_ARG_BUFFER(book->second_moment),
+                       GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(f->gradients), GSCL_ARG(settings),
+                       GSCL_ARG(f->limits));
 }
 
 static gscl_result step_positions(gscl_codebook *c) {
     gscl_fit *f = c->fit;
+    const gscl_word_step_settings settings = step_settings(c, GSCL_BOOK_SHAPE);
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "position_step", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(gscl_codebook_splats(c), GSCL_SPLATS_PER_GROUP),
                        GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(c->learnt), GSCL_ARG_BUFFER(f->first_moment),
-                       GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages), GSCL_ARG(f->renderer.count),
-                       GSCL_ARG_BUFFER(f->renderer.params), GSCL_ARG_BUFFER(f->gradients), GSCL_ARG(f->limits));
+                       GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages), GSCL_ARG_BUFFER(f->renderer.params),
+                       GSCL_ARG_BUFFER(f->gradients), GSCL_ARG(settings), GSCL_ARG(f->limits));
 }
 
 gscl_result gscl_codebook_step(gscl_codebook *c, float rate) {

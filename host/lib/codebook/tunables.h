@@ -55,6 +55,8 @@ struct gscl_codebook_tunables {
     double round_rate_fall;               /* share of round_rate that is lost by the last round */
     double step_rate_fall;                /* share of the rate that is lost by the last step of a round */
     double last_rate;                     /* factor on round_rate in the steps after the last pass */
+    float shape_rate;                     /* learning rate of ln s1, ln s2 and theta of a word */
+    float position_rate;                  /* learning rate of a position, in geometric means of the splat's axes */
     double lambda_scale;                  /* of the first round: squared error per bit, as a share of the mean */
     double lambda_gain;                   /* exponent of (size / target size) in the update of lambda */
     double min_lambda_change;             /* factor on lambda after a round, at least */
