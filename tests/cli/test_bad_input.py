@@ -210,7 +210,7 @@ class Files(ToolTest):
 
     def test_areas_outside(self):
         self.encode(scene(30, 20))
-        self.refused("in.gscl", "has no area 20,0,11,5; the picture is 30 x 20", "decode", "in.gscl", "-o", "out.png",
+        self.refused("in.gscl", "has no area 20,0,11,5; the image is 30 x 20", "decode", "in.gscl", "-o", "out.png",
                      "--crop", "20,0,11,5")
         self.refused("in.gscl", "wider or higher than 16384", "decode", "in.gscl", "-o", "out.png", "--scale", "1000")
         self.encode(scene(300, 20))
@@ -310,8 +310,8 @@ class Usage(ToolTest):
         self.wrong("-o names one file but there are 2 inputs", "encode", "a.png", "b.png", "-o", "a.gscl")
         self.wrong("--codebook .* --profile paper", "encode", "in.png", "--codebook", "16")
         self.wrong("-q and -v exclude", "encode", "in.png", "-q", "-v")
-        self.wrong("both want standard output", "encode", "in.png", "--json", "-o", "-")
-        self.wrong("--trace is told by --json only", "encode", "in.png", "--trace")
+        self.wrong("both write to standard output", "encode", "in.png", "--json", "-o", "-")
+        self.wrong("--trace is part of the JSON report", "encode", "in.png", "--trace")
         self.wrong("with standard input, give -o", "encode", "-")
         self.wrong("--scale and --size exclude", "decode", "a.gscl", "-o", "a.png", "--scale", "2", "--size", "3x3")
 

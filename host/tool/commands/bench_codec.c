@@ -59,8 +59,8 @@ static void write_json(const bench_codec *codec, const char *operation, double b
     json_close_object(codec->json);
 }
 
-/* Timings are means over the runs, which a context adds up. */
-static void report(const bench_codec *codec, const char *operation, double bpp, double *seconds, unsigned runs) {
+/* Timings are means over the runs, whose sums the context keeps. */
+static void report_runs(const bench_codec *codec, const char *operation, double bpp, double *seconds, unsigned runs) {
     const spread s = spread_of(seconds, runs);
     if (codec->json)
         write_json(codec, operation, bpp, runs, s);
@@ -68,7 +68,7 @@ static void report(const bench_codec *codec, const char *operation, double bpp, 
         print_text(codec, operation, bpp, runs, s);
 }
 
-/* Leaves the last file in *bytes. */
+/* Leaves the file of the last run in *bytes. */
 static gscl_result bench_encode(const bench_codec *codec, double bpp, double *seconds, uint8_t **bytes, size_t *size) {
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
@@ -87,7 +87,7 @@ static gscl_result bench_encode(const bench_codec *codec, double bpp, double *se
         gscl_free(*bytes);
         *bytes = written;
     }
-    report(codec, "encode", bpp, seconds, codec->encodes);
+    report_runs(codec, "encode", bpp, seconds, codec->encodes);
     return GSCL_OK;
 }
 
@@ -105,7 +105,7 @@ static gscl_result bench_decode(const bench_codec *codec, double bpp, double *se
     }
     gscl_free(image.pixels);
     if (result == GSCL_OK)
-        report(codec, "decode", bpp, seconds, codec->decodes);
+        report_runs(codec, "decode", bpp, seconds, codec->decodes);
     return result;
 }
 

@@ -1,4 +1,4 @@
-/* The part of 'gscl bench' that encodes and decodes a picture, stage by stage. */
+/* The part of 'gscl bench' that times the stages of encodes and decodes of one image. */
 #ifndef GSCL_TOOL_BENCH_CODEC_H
 #define GSCL_TOOL_BENCH_CODEC_H
 
@@ -9,10 +9,11 @@
 typedef struct bench_codec {
     gscl_context *context; /* with timing */
     const gscl_image *image;
-    unsigned encodes, decodes; /* how often each is measured */
+    unsigned encodes, decodes; /* runs of each that are measured */
     json_writer *json;         /* NULL: a table on standard output */
 } bench_codec;
 
+/* Measures all rates and reports each of them. */
 gscl_result bench_codec_run(const bench_codec *codec);
 
 #endif

@@ -1,4 +1,4 @@
-/* The subcommands of gscl.  Each takes its own name as argv[0] and returns the exit code of the program. */
+/* The commands of gscl.  argv[0] is the name of the command.  Each returns the exit code of the program. */
 #ifndef GSCL_TOOL_COMMAND_H
 #define GSCL_TOOL_COMMAND_H
 

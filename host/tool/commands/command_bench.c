@@ -1,5 +1,4 @@
-/* gscl bench: what the device can do, how near to it the kernels come, and where the time of an encode and of a decode
- * goes. */
+/* gscl bench: peak rates of the device, rates of the kernels, and the time of each stage of an encode and a decode. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,24 +16,24 @@
 #include "image/image_file.h"
 #include "image/synthetic_image.h"
 
-#define WIDTH 768 /* pixels, of the picture that is made up where none is given */
+#define WIDTH 768 /* pixels, of the scenes and of the synthetic image */
 #define HEIGHT 512
 
 typedef struct bench_options {
     device_choice choice;
     uint64_t repetitions, encodes;
     bool as_json;
-    const char *picture; /* NULL: a made-up one */
+    const char *image_name; /* NULL: the synthetic image */
 } bench_options;
 
-/* Where results go. */
+/* The output of all measurements. */
 typedef struct bench_output {
     json_writer json;
     bool as_json;
-    double peak; /* flop a second, once it is known */
+    double peak; /* flop per second of multiply-adds; 0: not yet measured */
 } bench_output;
 
-/* Each scene that kernels are measured on, at WIDTH x HEIGHT. */
+/* Splats of each scene that the kernels are measured on. */
 static const uint32_t scenes[] = {500, 2500};
 #define SCENE_COUNT (sizeof scenes / sizeof *scenes)
 
@@ -70,7 +69,7 @@ static void write_measurement(bench_output *output, const gscl_measurement *m) {
     json_close_object(json);
 }
 
-static void take_measurement(void *opaque, const gscl_measurement *m) {
+static void report_measurement(void *opaque, const gscl_measurement *m) {
     bench_output *output = opaque;
     if (strcmp(m->name, "multiply_add") == 0)
         output->peak = m->work / m->median_s;
@@ -86,10 +85,10 @@ static gscl_result measure_kernels(gscl_context *context, const bench_options *b
     settings.width = WIDTH;
     settings.height = HEIGHT;
     settings.repetitions = (uint32_t)bench->repetitions;
-    gscl_result result = gscl_benchmark_device(context, &settings, take_measurement, output);
+    gscl_result result = gscl_benchmark_device(context, &settings, report_measurement, output);
     for (size_t i = 0; i < SCENE_COUNT && result == GSCL_OK; i++) {
         settings.splats = scenes[i];
-        result = gscl_benchmark_kernels(context, &settings, take_measurement, output);
+        result = gscl_benchmark_kernels(context, &settings, report_measurement, output);
     }
     return result;
 }
@@ -132,15 +131,16 @@ static int bench_kernels(const bench_options *bench, bench_output *output) {
     return status;
 }
 
-static int bench_picture(const bench_options *bench, const gscl_image *image, gscl_context *context,
-                         bench_output *output) {
+static int bench_image(const bench_options *bench, const gscl_image *image, gscl_context *context,
+                       bench_output *output) {
     const bench_codec codec = {.context = context,
                                .image = image,
                                .encodes = (unsigned)bench->encodes,
                                .decodes = (unsigned)bench->repetitions,
                                .json = output->as_json ? &output->json : NULL};
     const gscl_result result = bench_codec_run(&codec);
-    return result == GSCL_OK ? EXIT_SUCCESS : report_result(context, bench->picture ? bench->picture : "bench", result);
+    return result == GSCL_OK ? EXIT_SUCCESS
+                             : report_result(context, bench->image_name ? bench->image_name : "bench", result);
 }
 
 static void print_device(const gscl_context *context, bench_output *output) {
@@ -155,7 +155,7 @@ static void print_device(const gscl_context *context, bench_output *output) {
     json_integer(&output->json, "compute_units", device->compute_units);
 }
 
-static int run(const bench_options *bench, const gscl_image *image) {
+static int run_bench(const bench_options *bench, const gscl_image *image) {
     gscl_context *context;
     bench_output output = {.as_json = bench->as_json};
     int status = open_device(&bench->choice, &context);
@@ -167,7 +167,7 @@ static int run(const bench_options *bench, const gscl_image *image) {
     print_device(context, &output);
     status = bench_kernels(bench, &output);
     if (status == EXIT_SUCCESS)
-        status = bench_picture(bench, image, context, &output);
+        status = bench_image(bench, image, context, &output);
     if (output.as_json)
         json_close_object(&output.json);
     gscl_context_free(&context);
@@ -183,22 +183,23 @@ int command_bench(int argc, char **argv) {
          .argument = "N",
          .min_integer = 1,
          .max_integer = 1000,
-         .help = "runs of each kernel and of the decoder; a few more warm up (default 20)"},
+         .help = "measured runs of each kernel and of the decoder (default 20)"},
         {.name = "encodes",
          .kind = OPTION_INTEGER,
          .value = &bench.encodes,
          .argument = "N",
          .min_integer = 1,
          .max_integer = 100,
-         .help = "runs of the encoder at each rate; one more warms up (default 3)"},
+         .help = "measured runs of the encoder at each rate (default 3)"},
         DEVICE_OPTIONS(bench.choice),
         {.name = "json", .kind = OPTION_FLAG, .value = &bench.as_json, .help = "write JSON"},
     };
     const option_command command = {
         .name = "bench",
         .usage = "[IMAGE] [options]",
-        .about = "Measures this machine: what the device can do, how near to it the kernels come in each mapping, and\n"
-                 "where the time of an encode and a decode of IMAGE goes, or of a made-up picture of 768x512.",
+        .about = "Measures this machine: peak rates of the device, rates of the kernels in each mapping, and the time "
+                 "of each\n"
+                 "stage of an encode and a decode of IMAGE (default: a synthetic image of 768x512 pixels).",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .max_operands = 1,
@@ -208,15 +209,15 @@ int command_bench(int argc, char **argv) {
     if (outcome != OPTIONS_RUN)
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (first < argc)
-        bench.picture = argv[first];
+        bench.image_name = argv[first];
     gscl_image image;
-    if (bench.picture && !image_read(bench.picture, &image))
+    if (bench.image_name && !image_read(bench.image_name, &image))
         return EXIT_FAILURE;
-    if (!bench.picture && !synthetic_image_make(&image, WIDTH, HEIGHT)) {
+    if (!bench.image_name && !synthetic_image_make(&image, WIDTH, HEIGHT)) {
         report_error("bench", "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
         return EXIT_FAILURE;
     }
-    const int status = run(&bench, &image);
+    const int status = run_bench(&bench, &image);
     free(image.pixels);
     return status;
 }

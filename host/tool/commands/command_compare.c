@@ -1,4 +1,4 @@
-/* gscl compare: how far two images are apart. */
+/* gscl compare: measures of the difference between two images. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "commands/command.h"
 #include "image/image_file.h"
 
-/* NaN: the image is too small for this measure. */
+/* A value of NaN means that the image is too small for the measure. */
 static void print_measure(const char *name, double value, int decimals, const char *unit) {
     if (isnan(value))
         printf("%-16s%10s\n", name, "too small");
@@ -56,7 +56,8 @@ static bool are_comparable(const char *name_a, const gscl_image *a, const char *
     return true;
 }
 
-static int compare(const char *name_a, const gscl_image *a, const char *name_b, const gscl_image *b, bool as_json) {
+static int compare_images(const char *name_a, const gscl_image *a, const char *name_b, const gscl_image *b,
+                          bool as_json) {
     gscl_comparison comparison = {.struct_size = sizeof comparison};
     if (!are_comparable(name_a, a, name_b, b))
         return EXIT_FAILURE;
@@ -74,7 +75,7 @@ static int compare_files(const char *name_a, const char *name_b, bool as_json) {
     gscl_image a = {0}, b = {0};
     int status = EXIT_FAILURE;
     if (image_read(name_a, &a) && image_read(name_b, &b))
-        status = compare(input_label(name_a), &a, input_label(name_b), &b, as_json);
+        status = compare_images(input_label(name_a), &a, input_label(name_b), &b, as_json);
     free(a.pixels);
     free(b.pixels);
     return status;
@@ -86,13 +87,14 @@ int command_compare(int argc, char **argv) {
         {.name = "json",
          .kind = OPTION_FLAG,
          .value = &as_json,
-         .help = "write JSON; null stands for an infinite PSNR and for what a small image does not have"},
+         .help = "write JSON; null stands for an infinite PSNR and for measures that need a larger image"},
     };
     const option_command command = {
         .name = "compare",
         .usage = "A B [--json]",
-        .about = "Measures how far two images of the same size and channels are apart: PSNR over all channels, SSIM\n"
-                 "and MS-SSIM as means over the channels.  Colours count multiplied by alpha where there is alpha.",
+        .about =
+            "Measures the difference between two images of the same size and channels: PSNR over all channels, SSIM\n"
+            "and MS-SSIM as means over the channels.  Colours are multiplied by alpha first.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 2,

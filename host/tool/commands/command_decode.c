@@ -1,4 +1,4 @@
-/* gscl decode: a gscl file into an image. */
+/* gscl decode: decodes a gscl file to an image. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,19 +31,20 @@ static uint32_t scaled(uint32_t length, double scale) {
     return value < 1.0 ? 1 : value > GSCL_MAX_DIMENSION ? GSCL_MAX_DIMENSION + 1 : (uint32_t)value;
 }
 
-/* The size to draw at and the part to keep; reports errors. */
+/* Chooses the size to draw at and the crop.  Reports errors. */
 static bool choose_area(const decode_options *options, const gscl_info *info, gscl_decode_settings *settings) {
     settings->width = options->has_size ? options->size.width : scaled(info->width, options->scale);
     settings->height = options->has_size ? options->size.height : scaled(info->height, options->scale);
     if (settings->width > GSCL_MAX_DIMENSION || settings->height > GSCL_MAX_DIMENSION)
-        return report_error(input_label(options->input),
-                            "would be wider or higher than %d pixels at that scale; its size is %u x %u",
-                            GSCL_MAX_DIMENSION, info->width, info->height);
+        return report_error(
+            input_label(options->input),
+            "would be wider or higher than %d pixels at this scale; its size is %u x %u, choose a smaller scale",
+            GSCL_MAX_DIMENSION, info->width, info->height);
     if (!options->has_crop)
         return true;
     const option_rectangle *crop = &options->crop;
     if (crop->x + crop->width > settings->width || crop->y + crop->height > settings->height)
-        return report_error(input_label(options->input), "has no area %u,%u,%u,%u; the picture is %u x %u pixels",
+        return report_error(input_label(options->input), "has no area %u,%u,%u,%u; the image is %u x %u pixels",
                             crop->x, crop->y, crop->width, crop->height, settings->width, settings->height);
     settings->crop_x = crop->x;
     settings->crop_y = crop->y;
@@ -52,7 +53,7 @@ static bool choose_area(const decode_options *options, const gscl_info *info, gs
     return true;
 }
 
-/* The samples to ask for: as the format wants them, else as the user does, else as the file has them. */
+/* The sample type: that of the output format if it has only one, else that of --depth, else that of the file. */
 static gscl_sample choose_sample(const decode_options *options, const image_format *format, const gscl_info *info) {
     if (format->bits == 32)
         return GSCL_SAMPLE_F32;
@@ -61,9 +62,9 @@ static gscl_sample choose_sample(const decode_options *options, const image_form
     return info->sample;
 }
 
-/* Draws the picture and writes it to `output`, which is closed in any case. */
-static int draw_picture(const decode_options *options, const uint8_t *bytes, size_t size,
-                        const gscl_decode_settings *settings, output_file *output) {
+/* Decodes the file and writes the image to `output`, which is closed in any case. */
+static int decode_to(const decode_options *options, const uint8_t *bytes, size_t size,
+                     const gscl_decode_settings *settings, output_file *output) {
     gscl_context *context;
     gscl_image image = {0};
     int status = open_device(&options->choice, &context);
@@ -94,15 +95,15 @@ static int decode_bytes(const decode_options *options, const image_format *forma
         !image_format_holds(format, options->output, info.channels, settings.sample) ||
         !output_open(&output, options->output))
         return EXIT_FAILURE;
-    return draw_picture(options, bytes, size, &settings, &output);
+    return decode_to(options, bytes, size, &settings, &output);
 }
 
-static int decode(const decode_options *options) {
+static int decode_file(const decode_options *options) {
     const image_format *format = image_format_of("decode", options->output);
     if (!format || !output_is_separate("decode", options->input, options->output))
         return EXIT_USAGE;
     if (format->bits == 32 && options->has_depth)
-        return report_usage("decode", "--depth means nothing for %s, which holds floating-point samples; leave it out",
+        return report_usage("decode", "--depth does not apply to %s, which holds floating-point samples; leave it out",
                             format->suffix);
     uint8_t *bytes;
     size_t size;
@@ -113,7 +114,7 @@ static int decode(const decode_options *options) {
     return status;
 }
 
-static option_outcome parse(decode_options *decode, int argc, char **argv) {
+static option_outcome parse_decode(decode_options *decode, int argc, char **argv) {
     const option_spec options[] = {
         {.name = "output",
          .letter = 'o',
@@ -142,26 +143,26 @@ static option_outcome parse(decode_options *decode, int argc, char **argv) {
          .given = &decode->has_crop,
          .argument = "X,Y,W,H",
          .max_integer = GSCL_MAX_DIMENSION,
-         .help = "write only this part of the drawn picture"},
+         .help = "write only this part of the drawn image"},
         {.name = "depth",
          .kind = OPTION_WORD,
          .value = &decode->depth,
          .given = &decode->has_depth,
          .argument = "N",
          .words = depth_words,
-         .help = "bits a sample (default: as the encoded image had)"},
+         .help = "bits per sample (default: those of the encoded image)"},
         DEVICE_OPTIONS(decode->choice),
         {.name = "verbose",
          .letter = 'v',
          .kind = OPTION_FLAG,
          .value = &decode->choice.verbose,
-         .help = "say on standard error what is being done"},
+         .help = "print messages of the library on standard error"},
     };
     const option_command command = {
         .name = "decode",
         .usage = "IN.gscl -o OUT.png [options]",
-        .about = "Draws a gscl file and writes it as an image.  Alpha is written straight (OpenEXR: premultiplied),\n"
-                 "and OpenEXR holds linear light.",
+        .about = "Decodes a gscl file to an image.  Alpha is written straight; OpenEXR holds premultiplied alpha and "
+                 "linear light.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -176,12 +177,12 @@ static option_outcome parse(decode_options *decode, int argc, char **argv) {
 
 int command_decode(int argc, char **argv) {
     decode_options options = {.scale = 1.0};
-    const option_outcome outcome = parse(&options, argc, argv);
+    const option_outcome outcome = parse_decode(&options, argc, argv);
     if (outcome != OPTIONS_RUN)
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (!options.output)
         return report_usage("decode", "-o is missing; it names the image to write, or - for standard output");
     if (options.has_scale && options.has_size)
         return report_usage("decode", "--scale and --size exclude each other; give one of them");
-    return decode(&options);
+    return decode_file(&options);
 }

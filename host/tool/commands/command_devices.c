@@ -1,4 +1,4 @@
-/* gscl devices: OpenCL devices, and which one is the default and why. */
+/* gscl devices: lists OpenCL devices, with the default one and the reason. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -60,8 +60,8 @@ int command_devices(int argc, char **argv) {
     const option_command command = {
         .name = "devices",
         .usage = "[--json]",
-        .about = "Lists the OpenCL devices that gscl can use; * marks the default.  The first column is what\n"
-                 "--device takes.",
+        .about = "Lists the OpenCL devices that gscl can use; * marks the default.  The first column is the\n"
+                 "number for --device.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

@@ -1,4 +1,4 @@
-/* gscl draw: the splats themselves, as ellipse outlines over the decoded picture. */
+/* gscl draw: the splats of a file as ellipse outlines over the decoded image. */
 #include <stdlib.h>
 
 #include <gscl/gscl.h>
@@ -19,7 +19,7 @@ typedef struct draw_options {
     device_choice choice;
 } draw_options;
 
-/* Grey becomes RGB, so that outlines can have a colour.  The new pixels are released with free. */
+/* Converts grey to RGB, so that outlines can have a colour.  The new pixels are released with free. */
 static bool make_colour(const gscl_image *from, gscl_image *to) {
     const uint32_t alpha = from->channels % 2 == 0;
     const size_t pixels = (size_t)from->width * from->height;
@@ -30,7 +30,7 @@ static bool make_colour(const gscl_image *from, gscl_image *to) {
     if (!out)
         return false;
     const uint8_t *in = from->pixels;
-    const uint32_t step = from->channels >= 3 ? 1 : 0; /* 0: the grey sample three times */
+    const uint32_t step = from->channels >= 3 ? 1 : 0; /* 0 repeats the grey sample */
     for (size_t i = 0; i < pixels; i++, in += from->channels, out += to->channels) {
         for (uint32_t c = 0; c < 3; c++)
             out[c] = in[c * step];
@@ -53,9 +53,9 @@ static gscl_result draw_outlines(const uint8_t *bytes, size_t size, const gscl_i
     return GSCL_OK;
 }
 
-/* The decoded picture with outlines, in *image; its pixels are released with free.  Returns the exit code. */
-static int make_picture(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
-                        gscl_image *image) {
+/* Decodes the file and draws the outlines into *image, whose pixels are released with free.  Returns the exit code. */
+static int decode_with_outlines(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
+                                gscl_image *image) {
     gscl_context *context;
     gscl_image decoded = {0};
     gscl_decode_settings settings;
@@ -85,14 +85,15 @@ static int draw_bytes(const draw_options *options, const image_format *format, c
     if (result != GSCL_OK)
         return report_result(NULL, label, result);
     if (info.width * options->scale > GSCL_MAX_DIMENSION || info.height * options->scale > GSCL_MAX_DIMENSION) {
-        report_error(label, "would be wider or higher than %d pixels at that scale; its size is %u x %u",
-                     GSCL_MAX_DIMENSION, info.width, info.height);
+        report_error(
+            label, "would be wider or higher than %d pixels at this scale; its size is %u x %u, choose a smaller scale",
+            GSCL_MAX_DIMENSION, info.width, info.height);
         return EXIT_FAILURE;
     }
     if (!image_format_holds(format, options->output, info.channels % 2 ? 3 : 4, GSCL_SAMPLE_U8) ||
         !output_open(&output, options->output))
         return EXIT_FAILURE;
-    int status = make_picture(options, bytes, size, &info, &image);
+    int status = decode_with_outlines(options, bytes, size, &info, &image);
     if (status == EXIT_SUCCESS)
         status = image_write(&output, &image) ? EXIT_SUCCESS : EXIT_FAILURE;
     else
@@ -101,7 +102,7 @@ static int draw_bytes(const draw_options *options, const image_format *format, c
     return status;
 }
 
-static int draw(const draw_options *options) {
+static int draw_file(const draw_options *options) {
     const image_format *format = image_format_of("draw", options->output);
     if (!format || !output_is_separate("draw", options->input, options->output))
         return EXIT_USAGE;
@@ -115,27 +116,27 @@ static int draw(const draw_options *options) {
 }
 
 int command_draw(int argc, char **argv) {
-    draw_options draw_settings = {.scale = 1};
+    draw_options draw = {.scale = 1};
     const option_spec options[] = {
         {.name = "output",
          .letter = 'o',
          .kind = OPTION_TEXT,
-         .value = &draw_settings.output,
+         .value = &draw.output,
          .argument = "FILE",
          .help = "image to write, in the format of its suffix; - is standard output, as PNG (required)"},
         {.name = "scale",
          .kind = OPTION_INTEGER,
-         .value = &draw_settings.scale,
+         .value = &draw.scale,
          .argument = "N",
          .min_integer = 1,
          .max_integer = 64,
-         .help = "enlarge the picture, not the lines (default 1)"},
-        DEVICE_OPTIONS(draw_settings.choice),
+         .help = "scale of the image; the width of the lines stays (default 1)"},
+        DEVICE_OPTIONS(draw.choice),
     };
     const option_command command = {
         .name = "draw",
         .usage = "IN.gscl -o OUT.png [options]",
-        .about = "Draws each splat's outline (one standard deviation from its centre) over the decoded picture.",
+        .about = "Draws the outline of each splat, one standard deviation from its centre, over the decoded image.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -145,8 +146,8 @@ int command_draw(int argc, char **argv) {
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
-    if (!draw_settings.output)
+    if (!draw.output)
         return report_usage("draw", "-o is missing; it names the image to write, or - for standard output");
-    draw_settings.input = argv[first];
-    return draw(&draw_settings);
+    draw.input = argv[first];
+    return draw_file(&draw);
 }

@@ -1,4 +1,4 @@
-/* gscl encode: images into gscl files. */
+/* gscl encode: encodes images as gscl files. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,7 +26,7 @@ typedef struct encode_options {
 #define MIN_CODEBOOK 2
 #define MAX_CODEBOOK 1024
 
-static option_outcome parse(encode_options *encode, int argc, char **argv) {
+static option_outcome parse_encode(encode_options *encode, int argc, char **argv) {
     encode_batch *batch = &encode->batch;
     const option_spec options[] = {
         {.name = "output",
@@ -47,7 +47,7 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .argument = "N",
          .min_integer = 1,
          .max_integer = MAX_FILE_BYTES,
-         .help = "size of the file, never exceeded"},
+         .help = "maximum size of the file"},
         {.name = "bpp",
          .kind = OPTION_REAL,
          .value = &encode->bpp,
@@ -55,7 +55,7 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .argument = "R",
          .min_real = 0.0001,
          .max_real = 64.0,
-         .help = "size of the file in bits per pixel, never exceeded (default 0.125, or 256 bytes if that is more)"},
+         .help = "maximum size of the file in bits per pixel (default 0.125, or 256 bytes if that is more)"},
         {.name = "psnr",
          .kind = OPTION_REAL,
          .value = &encode->psnr,
@@ -63,7 +63,7 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .argument = "DB",
          .min_real = 1.0,
          .max_real = 100.0,
-         .help = "quality in dB, met within +0.3"},
+         .help = "PSNR to reach in dB, exceeded by at most 0.3"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
@@ -78,37 +78,37 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .argument = "N",
          .min_integer = 0,
          .max_integer = GSCL_MAX_EFFORT,
-         .help = "from fastest to best (default 5)"},
+         .help = "0 is fastest, 9 has the best quality (default 5)"},
         {.name = "profile",
          .kind = OPTION_WORD,
          .value = &encode->profile,
          .words = profile_words,
          .argument = "P",
-         .help = "how splats are coded (default: default)"},
+         .help = "coding of the splats (default: default)"},
         {.name = "blend",
          .kind = OPTION_WORD,
          .value = &encode->blend,
          .words = blend_words,
          .argument = "B",
-         .help = "how splats make a pixel (default: auto, by the profile)"},
+         .help = "blending of the splats of a pixel (default: auto, by the profile)"},
         {.name = "loss",
          .kind = OPTION_WORD,
          .value = &encode->loss,
          .words = loss_words,
          .argument = "L",
-         .help = "what the fit minimises (default: auto, by the profile)"},
+         .help = "loss that the fit minimises (default: auto, by the profile)"},
         {.name = "tune",
          .kind = OPTION_WORD,
          .value = &encode->tune,
          .words = tune_words,
          .argument = "T",
-         .help = "what bits are spent on: psnr, or ssim for MS-SSIM (default psnr)"},
+         .help = "quality measure to optimise: psnr, or ssim for MS-SSIM (default psnr)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
          .value = &encode->effects,
          .argument = "LIST",
-         .help = "effects to use or to leave, as in +opacity,-chroma: chroma, alpha-channel, opacity, rotation, "
-                 "anisotropy, texture (default: what the image calls for)"},
+         .help = "effects to switch on or off, as in +opacity,-chroma: chroma, alpha-channel, opacity, rotation, "
+                 "anisotropy, texture (default: chosen for the image)"},
         {.name = "codebook",
          .kind = OPTION_INTEGER,
          .value = &encode->codebook,
@@ -123,7 +123,7 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
          .argument = "S",
          .min_integer = 0,
          .max_integer = UINT64_MAX,
-         .help = "start of the random numbers; same seed, same file (default 1)"},
+         .help = "seed of the random numbers; the same seed gives the same file (default 1)"},
         DEVICE_OPTIONS(batch->choice),
         {.name = "json",
          .kind = OPTION_FLAG,
@@ -132,19 +132,20 @@ static option_outcome parse(encode_options *encode, int argc, char **argv) {
         {.name = "trace",
          .kind = OPTION_FLAG,
          .value = &batch->settings.trace,
-         .help = "let --json tell the PSNR after each round of the fit; measuring it takes a little longer"},
-        {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .value = &batch->quiet, .help = "say nothing but errors"},
+         .help = "add the convergence trace to the JSON report: PSNR over time during the fit; takes a little longer"},
+        {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .value = &batch->quiet, .help = "print errors only"},
         {.name = "verbose",
          .letter = 'v',
          .kind = OPTION_FLAG,
          .value = &batch->choice.verbose,
-         .help = "say on standard error what is being done"},
+         .help = "print messages of the library on standard error"},
     };
     const option_command command = {
         .name = "encode",
         .usage = "IN... [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] [options]",
-        .about = "Turns images into gscl files.  Reads PNG, JPEG, TIFF, OpenEXR, PNM and whatever else OpenImageIO\n"
-                 "reads: grey or RGB, with or without alpha.  IN may be -, standard input.",
+        .about =
+            "Encodes images as gscl files.  Reads PNG, JPEG, TIFF, OpenEXR, PNM and the other formats of OpenImageIO,\n"
+            "grey or RGB, with or without alpha.  IN may be -, standard input.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -165,7 +166,7 @@ static bool reads_standard_input(const encode_batch *batch) {
     return false;
 }
 
-/* Refuses what contradicts itself; returns 0 or EXIT_USAGE. */
+/* Refuses options that contradict each other.  Returns 0 or EXIT_USAGE. */
 static int check_options(encode_options *encode) {
     const encode_batch *batch = &encode->batch;
     if (!effect_list_parse(encode->effects, &encode->effects_on, &encode->effects_off))
@@ -173,7 +174,7 @@ static int check_options(encode_options *encode) {
     if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_splats > 1)
         return report_usage("encode", "--bytes, --bpp, --psnr and --splats exclude each other; give one of them");
     if (encode->has_codebook && encode->profile != GSCL_PROFILE_PAPER)
-        return report_usage("encode", "--codebook is of the paper profile only; add --profile paper");
+        return report_usage("encode", "--codebook applies to the paper profile only; add --profile paper");
     if (batch->output && batch->out_dir)
         return report_usage("encode", "-o and --out-dir exclude each other; give one of them");
     if (batch->output && batch->count > 1)
@@ -183,9 +184,9 @@ static int check_options(encode_options *encode) {
     if (batch->quiet && batch->choice.verbose)
         return report_usage("encode", "-q and -v exclude each other; give one of them");
     if (batch->settings.trace && !batch->json)
-        return report_usage("encode", "--trace is told by --json only; add it");
+        return report_usage("encode", "--trace is part of the JSON report; add --json");
     if (batch->json && batch->output && strcmp(batch->output, "-") == 0)
-        return report_usage("encode", "--json and -o - both want standard output; give -o a file");
+        return report_usage("encode", "--json and -o - both write to standard output; name a file with -o");
     return 0;
 }
 
@@ -218,7 +219,7 @@ static void fill_settings(encode_options *encode) {
 int command_encode(int argc, char **argv) {
     encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT};
     gscl_encode_settings_default(&encode.batch.settings);
-    const option_outcome outcome = parse(&encode, argc, argv);
+    const option_outcome outcome = parse_encode(&encode, argc, argv);
     if (outcome != OPTIONS_RUN)
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (check_options(&encode) != 0)

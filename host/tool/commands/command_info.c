@@ -1,4 +1,4 @@
-/* gscl info: what a gscl file is, and where its bits went. */
+/* gscl info: the header of a gscl file, its effects, and the bits of each stream. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "commands/command.h"
 #include "image/image_file.h"
 
-/* What there is to say of a file. */
+/* The contents of the output. */
 typedef struct file_facts {
     const char *name;
     gscl_info info;
@@ -32,11 +32,11 @@ static double bits_per_pixel(const gscl_info *info) {
     return 8.0 * (double)info->bytes / ((double)info->width * info->height);
 }
 
-static double per_splat(const gscl_info *info, double bits) {
+static double bits_per_splat(const gscl_info *info, double bits) {
     return info->splats ? bits / info->splats : 0.0;
 }
 
-/* Bits and gains of the effects, where they are known. */
+/* Prints the effects with their bits and gains where those are known. */
 static void print_effects(const file_facts *facts) {
     printf("effects:%s", facts->use_count ? "" : " none");
     for (size_t i = 0; i < facts->use_count; i++)
@@ -50,7 +50,7 @@ static void print_effects(const file_facts *facts) {
         if (isnan(use->bits))
             printf("%12s%14s", "-", "-");
         else
-            printf("%12.0f%14.2f", use->bits / 8.0, per_splat(&facts->info, use->bits));
+            printf("%12.0f%14.2f", use->bits / 8.0, bits_per_splat(&facts->info, use->bits));
         if (isnan(use->gain_db))
             printf("%10s\n", "-");
         else
@@ -62,11 +62,11 @@ static void print_streams(const gscl_info *info) {
     printf("\n%-16s%12s%14s%9s\n", "stream", "bytes", "bits/splat", "share");
     for (size_t i = 0; i < info->stream_count; i++) {
         const gscl_stream_bits *stream = &info->streams[i];
-        printf("%-16s%12.1f%14.2f%7.1f %%\n", stream->name, stream->bits / 8.0, per_splat(info, stream->bits),
+        printf("%-16s%12.1f%14.2f%7.1f %%\n", stream->name, stream->bits / 8.0, bits_per_splat(info, stream->bits),
                100.0 * stream->bits / (8.0 * (double)info->bytes));
     }
     printf("%-16s%12llu%14.2f%7.1f %%\n", "file", (unsigned long long)info->bytes,
-           per_splat(info, 8.0 * (double)info->bytes), 100.0);
+           bits_per_splat(info, 8.0 * (double)info->bytes), 100.0);
 }
 
 static void print_text(const file_facts *facts) {
@@ -90,7 +90,7 @@ static void write_streams(json_writer *json, const gscl_info *info) {
         json_string(json, "name", info->streams[i].name);
         json_real(json, "bits", info->streams[i].bits);
         json_real(json, "bytes", info->streams[i].bits / 8.0);
-        json_real(json, "bits_per_splat", per_splat(info, info->streams[i].bits));
+        json_real(json, "bits_per_splat", bits_per_splat(info, info->streams[i].bits));
         json_close_object(json);
     }
     json_close_array(json);
@@ -135,7 +135,7 @@ static void write_json(const file_facts *facts) {
     json_close_object(&json);
 }
 
-/* Effects with their gains against the image that was encoded. */
+/* Measures the gains of the effects against the image that was encoded.  Returns the exit code. */
 static int inspect_against(file_facts *facts, const char *reference, const uint8_t *bytes, size_t size,
                            const device_choice *device) {
     gscl_image image = {0};
@@ -189,19 +189,16 @@ int command_info(int argc, char **argv) {
          .kind = OPTION_TEXT,
          .value = &reference,
          .argument = "IMAGE",
-         .help = "the image that was encoded: shows what PSNR the same splats lose without each effect"},
+         .help = "the image that was encoded; adds the loss in PSNR of the same splats without each effect"},
         DEVICE_OPTIONS(device),
-        {.name = "json",
-         .kind = OPTION_FLAG,
-         .value = &as_json,
-         .help = "write JSON; null stands for what is not known"},
+        {.name = "json", .kind = OPTION_FLAG, .value = &as_json, .help = "write JSON; null stands for unknown figures"},
     };
     const option_command command = {
         .name = "info",
         .usage = "IN.gscl [--reference IMAGE] [--json]",
-        .about = "Checks a gscl file and shows its header, the effects that are on with what the same splats take less "
-                 "without\n"
-                 "each, and the bits of each stream.",
+        .about = "Checks a gscl file and shows its header, its effects with the bits that the same splats save without "
+                 "each,\n"
+                 "and the bits of each stream.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,

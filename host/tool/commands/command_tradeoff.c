@@ -1,4 +1,4 @@
-/* gscl tradeoff: what accuracy costs in time, as tables and plots. */
+/* gscl tradeoff: accuracy against time, as tables and plots. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "tradeoff/tradeoff_tables.h"
 
 #define DEFAULT_BPP 0.125
-#define LEAST_BYTES 256.0 /* of the default */
+#define MIN_DEFAULT_BYTES 256.0
 #define MAX_FILE_BYTES UINT32_MAX
 
 typedef struct tradeoff_options {
@@ -27,14 +27,14 @@ typedef struct tradeoff_options {
     bool has_bytes, has_bpp, as_json;
 } tradeoff_options;
 
-static option_outcome parse(tradeoff_options *tradeoff, int argc, char **argv, int *first) {
+static option_outcome parse_tradeoff(tradeoff_options *tradeoff, int argc, char **argv, int *first) {
     const option_spec options[] = {
         {.name = "out",
          .letter = 'o',
          .kind = OPTION_TEXT,
          .value = &tradeoff->folder,
          .argument = "DIR",
-         .help = "folder for the tables (CSV, JSON) and plots (SVG, PNG), made where there is none (default tradeoff)"},
+         .help = "folder for the tables (CSV, JSON) and plots (SVG, PNG), made if it is missing (default tradeoff)"},
         {.name = "bytes",
          .kind = OPTION_INTEGER,
          .value = &tradeoff->bytes,
@@ -42,7 +42,7 @@ static option_outcome parse(tradeoff_options *tradeoff, int argc, char **argv, i
          .argument = "N",
          .min_integer = 1,
          .max_integer = MAX_FILE_BYTES,
-         .help = "size of the files that efforts are compared at"},
+         .help = "file size at which efforts are compared"},
         {.name = "bpp",
          .kind = OPTION_REAL,
          .value = &tradeoff->bpp,
@@ -50,27 +50,28 @@ static option_outcome parse(tradeoff_options *tradeoff, int argc, char **argv, i
          .argument = "R",
          .min_real = 0.0001,
          .max_real = 8.0,
-         .help = "the same in bits per pixel (default 0.125, or 256 bytes if that is more)"},
+         .help = "file size in bits per pixel (default 0.125, or 256 bytes if that is more)"},
         {.name = "effort",
          .kind = OPTION_INTEGER,
          .value = &tradeoff->plan.effort,
          .argument = "N",
          .min_integer = 0,
          .max_integer = GSCL_MAX_EFFORT,
-         .help = "effort that rates are compared at (default 5)"},
+         .help = "effort at which rates are compared (default 5)"},
         {.name = "quick",
          .kind = OPTION_FLAG,
          .value = &tradeoff->plan.quick,
-         .help = "fewer efforts and rates, each measured once: rough figures, soon"},
+         .help = "measure fewer efforts and rates, each once: rough figures in less time"},
         DEVICE_OPTIONS(tradeoff->plan.choice),
         {.name = "json", .kind = OPTION_FLAG, .value = &tradeoff->as_json, .help = "write JSON instead of tables"},
     };
     const option_command command = {
         .name = "tradeoff",
         .usage = "IMAGE [--out DIR] [--bytes N | --bpp R] [--quick] [options]",
-        .about = "Measures on this machine what accuracy costs in time: quality against encode time at every effort,\n"
-                 "quality against rate, the renderer's arithmetic and the fit's gradients against double precision.\n"
-                 "Prints tables, and writes them and plots of them into a folder.  Takes a minute or two.",
+        .about =
+            "Measures accuracy against time on this machine: quality against encode time at every effort, quality\n"
+            "against rate, and the errors of the renderer and of the fit's gradients against double precision.\n"
+            "Prints tables, and writes tables and plots into a folder.  Takes one or two minutes.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -84,32 +85,32 @@ static uint64_t fixed_bytes(const tradeoff_options *tradeoff, const gscl_image *
     if (tradeoff->has_bytes)
         return tradeoff->bytes;
     return (uint64_t)(tradeoff->has_bpp ? fmax(tradeoff->bpp * pixels / 8, 1)
-                                        : fmax(DEFAULT_BPP * pixels / 8, LEAST_BYTES));
+                                        : fmax(DEFAULT_BPP * pixels / 8, MIN_DEFAULT_BYTES));
 }
 
-/* Below the plots' titles. */
-static void describe(const tradeoff_plan *plan, tradeoff_results *results) {
-    const char *slash = strrchr(plan->picture, '/');
+/* Fills in the line below the titles of the plots. */
+static void write_subtitle(const tradeoff_plan *plan, tradeoff_results *results) {
+    const char *slash = strrchr(plan->image_name, '/');
     snprintf(results->subtitle, sizeof results->subtitle,
-             "%.60s, %ux%u pixels; %llu bytes (%.3f bits per pixel) and effort %d where nothing else is said; %.80s",
-             slash ? slash + 1 : plan->picture, plan->image->width, plan->image->height,
+             "%.60s, %ux%u pixels; %llu bytes (%.3f bits per pixel) and effort %d unless stated otherwise; %.80s",
+             slash ? slash + 1 : plan->image_name, plan->image->width, plan->image->height,
              (unsigned long long)plan->bytes, tradeoff_bpp(plan->image, plan->bytes), (int)plan->effort,
              results->device.device_name);
 }
 
-static int measure(const tradeoff_plan *plan, tradeoff_results *results) {
+static int measure_tradeoff(const tradeoff_plan *plan, tradeoff_results *results) {
     const int status = tradeoff_measure_codec(plan, results);
     if (status != EXIT_SUCCESS)
         return status;
-    describe(plan, results);
+    write_subtitle(plan, results);
     return tradeoff_measure_accuracy(plan, results);
 }
 
-static int run(const tradeoff_options *tradeoff, tradeoff_results *results) {
+static int write_tradeoff(const tradeoff_options *tradeoff, tradeoff_results *results) {
     tradeoff_files files;
     if (!tradeoff_files_open(&files, tradeoff->folder))
         return EXIT_FAILURE;
-    const int status = measure(&tradeoff->plan, results);
+    const int status = measure_tradeoff(&tradeoff->plan, results);
     if (status != EXIT_SUCCESS) {
         tradeoff_files_discard(&files);
         return status;
@@ -123,15 +124,15 @@ static int run(const tradeoff_options *tradeoff, tradeoff_results *results) {
     return EXIT_SUCCESS;
 }
 
-static int run_on(tradeoff_options *tradeoff, const gscl_image *image) {
+static int run_tradeoff(tradeoff_options *tradeoff, const gscl_image *image) {
     tradeoff_results *results = calloc(1, sizeof *results);
     if (!results) {
-        report_error(tradeoff->plan.picture, "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
+        report_error(tradeoff->plan.image_name, "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
         return EXIT_FAILURE;
     }
     tradeoff->plan.image = image;
     tradeoff->plan.bytes = fixed_bytes(tradeoff, image);
-    const int status = run(tradeoff, results);
+    const int status = write_tradeoff(tradeoff, results);
     for (int i = 0; i < TRADEOFF_BLENDS; i++)
         gscl_free(results->files[i]);
     free(results);
@@ -142,15 +143,15 @@ int command_tradeoff(int argc, char **argv) {
     tradeoff_options tradeoff = {.folder = "tradeoff", .plan.effort = GSCL_DEFAULT_EFFORT};
     int first;
     gscl_image image;
-    const option_outcome outcome = parse(&tradeoff, argc, argv, &first);
+    const option_outcome outcome = parse_tradeoff(&tradeoff, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
         return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (tradeoff.has_bytes && tradeoff.has_bpp)
         return report_usage("tradeoff", "--bytes and --bpp exclude each other; give one of them");
-    tradeoff.plan.picture = argv[first];
-    if (!image_read(tradeoff.plan.picture, &image))
+    tradeoff.plan.image_name = argv[first];
+    if (!image_read(tradeoff.plan.image_name, &image))
         return EXIT_FAILURE;
-    const int status = run_on(&tradeoff, &image);
+    const int status = run_tradeoff(&tradeoff, &image);
     free(image.pixels);
     return status;
 }

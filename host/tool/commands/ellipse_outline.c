@@ -4,35 +4,35 @@
 #include <stddef.h>
 
 #define HALF_WIDTH 0.5 /* of the line, pixels */
-#define SMOOTHING 0.5  /* pixels on either side over which it fades */
+#define SMOOTHING 0.5  /* pixels on either side over which the line fades */
 #define OPACITY 0.8
 
-/* A splat's contour in the image's pixels: points where a quadratic form of the offset from the centre is 1.
- * Scaling the axes of the picture unequally turns an ellipse into another, so the form is scaled, not the axes. */
+/* The contour of a splat in pixels of the image: points where a quadratic form of the offset from the centre is 1.
+ * Unequal scales of x and y change the axes of an ellipse, so the form is scaled instead of the axes. */
 typedef struct contour {
     double x, y;                    /* centre */
     double a, b, c;                 /* a dx^2 + 2 b dx dy + c dy^2 */
-    double half_width, half_height; /* of the box around it */
+    double half_width, half_height; /* of the bounding box */
 } contour;
 
 static contour make_contour(const gscl_splat *splat, double scale_x, double scale_y) {
     const double cosine = cos(splat->theta), sine = sin(splat->theta);
     const double p = 1.0 / ((double)splat->sigma1 * splat->sigma1), q = 1.0 / ((double)splat->sigma2 * splat->sigma2);
-    const double extent_x = hypot(splat->sigma1 * cosine, splat->sigma2 * sine);
-    const double extent_y = hypot(splat->sigma1 * sine, splat->sigma2 * cosine);
+    const double half_width = hypot(splat->sigma1 * cosine, splat->sigma2 * sine);
+    const double half_height = hypot(splat->sigma1 * sine, splat->sigma2 * cosine);
     return (contour){
         .x = splat->x * scale_x,
         .y = splat->y * scale_y,
         .a = (cosine * cosine * p + sine * sine * q) / (scale_x * scale_x),
         .b = cosine * sine * (p - q) / (scale_x * scale_y),
         .c = (sine * sine * p + cosine * cosine * q) / (scale_y * scale_y),
-        .half_width = extent_x * scale_x,
-        .half_height = extent_y * scale_y,
+        .half_width = half_width * scale_x,
+        .half_height = half_height * scale_y,
     };
 }
 
-/* How much of a pixel the line covers, 0..1.  The distance is that of the first-order expansion of the form's
- * square root, f: |f - 1| / |grad f|. */
+/* The part of a pixel that the line covers, 0..1.  With f, the square root of the form, the distance from the line is
+ * |f - 1| / |grad f| to first order. */
 static double coverage(const contour *line, double dx, double dy) {
     const double gx = line->a * dx + line->b * dy, gy = line->b * dx + line->c * dy; /* f grad f */
     const double f = sqrt(fmax(dx * gx + dy * gy, 0.0));
@@ -46,7 +46,7 @@ static void blend_pixel(uint8_t *pixel, unsigned channels, double amount) {
         pixel[c] = (uint8_t)(pixel[c] + amount * (colour[c] - pixel[c]) + 0.5);
 }
 
-/* Pixels whose centres lie within `reach` of `centre`, of 0..size - 1. */
+/* The pixels of 0..size - 1 whose centres lie within `reach` of `centre`. */
 static void pixel_range(double centre, double reach, uint32_t size, uint32_t *begin, uint32_t *end) {
     *begin = (uint32_t)fmin(fmax(floor(centre - reach), 0.0), size);
     *end = (uint32_t)fmin(fmax(ceil(centre + reach), 0.0), size);

@@ -20,11 +20,11 @@
 
 #define SUFFIX ".gscl"
 
-/* Images that are encoded at a time: what one does on the host alone, the other fills with kernels. */
+/* Images that are encoded at a time: while one occupies the host, the device runs the kernels of the other. */
 #define JOBS 2
-#define LARGE_IMAGE (4u << 20) /* pixels: a larger one takes the memory of both */
+#define LARGE_IMAGE (4u << 20) /* pixels; a larger image is encoded alone, for its memory */
 
-/* An image on its way.  Its thread does nothing but encode: files and messages are the main thread's. */
+/* An image and its encode.  The thread only encodes; the main thread handles files and messages. */
 typedef struct encode_job {
     gscl_context *context; /* opened for the first image that can be read, and kept */
     const char *input;
@@ -33,7 +33,7 @@ typedef struct encode_job {
     gscl_encode_settings settings;
     progress_line line;
     pthread_t thread;
-    int status; /* exit code, where the thread was not started */
+    int status; /* exit code if the thread was not started */
     bool started;
     uint8_t *bytes;
     size_t size;
@@ -41,12 +41,12 @@ typedef struct encode_job {
     gscl_result result;
 } encode_job;
 
-/* What changes while a batch runs. */
+/* State of a running batch. */
 typedef struct batch_state {
     const encode_batch *batch;
     encode_job jobs[JOBS];
     json_writer json;
-    bool stop; /* a failure that all further inputs would share, or a signal */
+    bool stop; /* after a signal, or a failure that all further inputs would share */
 } batch_state;
 
 /* ---- Names of outputs -------------------------------------------------------------------------- */
@@ -112,7 +112,7 @@ static double bits_per_pixel(const gscl_image *image, uint64_t bytes) {
     return 8.0 * (double)bytes / ((double)image->width * image->height);
 }
 
-/* How each effect came to be on or off. */
+/* Writes why each effect is on or off. */
 static void write_decisions(json_writer *json, const gscl_encode_report *report) {
     json_open_array(json, "effects");
     for (size_t i = 0; i < report->effect_count; i++) {
@@ -157,14 +157,14 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_close_object(json);
 }
 
-static void *encode(void *opaque) {
+static void *run_job(void *opaque) {
     encode_job *job = opaque;
     job->report.struct_size = sizeof job->report;
     job->result = gscl_encode(job->context, &job->image, &job->settings, &job->bytes, &job->size, &job->report);
     return NULL;
 }
 
-/* Starts the thread; the signal handler leaves winding up to the library meanwhile. */
+/* Starts the thread.  Signals are deferred until it ends, so that the library cancels the encode. */
 static bool start_thread(batch_state *state, encode_job *job) {
     const encode_batch *batch = state->batch;
     job->settings = batch->settings;
@@ -172,15 +172,16 @@ static bool start_thread(batch_state *state, encode_job *job) {
     job->settings.progress = progress_update;
     job->settings.progress_opaque = &job->line;
     interrupt_set_deferring(true);
-    job->started = pthread_create(&job->thread, NULL, encode, job) == 0;
+    job->started = pthread_create(&job->thread, NULL, run_job, job) == 0;
     if (!job->started) {
         output_discard(&job->output);
-        report_error(input_label(job->input), "cannot be encoded: no thread could be started");
+        report_error(input_label(job->input),
+                     "cannot be encoded: the system starts no thread for it; try fewer processes at a time");
     }
     return job->started;
 }
 
-/* Begins with an image; what goes wrong is reported and left in job->status. */
+/* Reads an image and starts its encode.  A failure is reported and left in job->status. */
 static void start_job(batch_state *state, encode_job *job, const char *input, const char *output_name) {
     job->input = input;
     job->status = EXIT_FAILURE;
@@ -197,7 +198,7 @@ static void start_job(batch_state *state, encode_job *job, const char *input, co
         free(job->image.pixels);
 }
 
-/* Writes what the thread has left.  Returns the exit code. */
+/* Writes the result of the thread.  Returns the exit code. */
 static int write_output(batch_state *state, encode_job *job) {
     if (job->result != GSCL_OK) {
         output_discard(&job->output);
@@ -211,7 +212,7 @@ static int write_output(batch_state *state, encode_job *job) {
     return EXIT_SUCCESS;
 }
 
-/* Waits for the image to be done.  Returns the exit code. */
+/* Waits for the encode and writes its result.  Returns the exit code. */
 static int finish_job(batch_state *state, encode_job *job, bool is_last) {
     if (!job->started)
         return job->status;
@@ -219,7 +220,7 @@ static int finish_job(batch_state *state, encode_job *job, bool is_last) {
     if (is_last)
         interrupt_set_deferring(false);
     progress_finish(&job->line);
-    /* A signal may come too late for the library to see it. */
+    /* The library does not see a signal that comes after its last check. */
     if (job->result == GSCL_OK && interrupt_pending()) {
         gscl_free(job->bytes);
         job->result = GSCL_ERROR_CANCELLED;
@@ -232,7 +233,7 @@ static int finish_job(batch_state *state, encode_job *job, bool is_last) {
 
 /* ---- All images -------------------------------------------------------------------------------- */
 
-/* How many images may be on their way.  The first is alone: it has the kernels built that all others share. */
+/* The number of images to encode at a time.  The first image is encoded alone and compiles the kernels of the others. */
 static int jobs_allowed(const batch_state *state, int started, int finished) {
     const gscl_image *last = &state->jobs[(started + JOBS - 1) % JOBS].image;
     return finished == 0 || (uint64_t)last->width * last->height > LARGE_IMAGE ? 1 : JOBS;
@@ -246,9 +247,9 @@ static int encode_files(batch_state *state, char *const *names) {
             start_job(state, &state->jobs[started % JOBS], batch->inputs[started], names[started]);
             started++;
         }
-        const int one = finish_job(state, &state->jobs[finished % JOBS], started == finished + 1);
+        const int job_status = finish_job(state, &state->jobs[finished % JOBS], started == finished + 1);
         finished++;
-        status = one != EXIT_SUCCESS ? one : status;
+        status = job_status != EXIT_SUCCESS ? job_status : status;
     }
     return status;
 }

@@ -11,14 +11,14 @@
 typedef struct encode_batch {
     char *const *inputs;
     int count;
-    const char *output;            /* of the only input; NULL: the input's name with .gscl, */
-    const char *out_dir;           /* in this folder; NULL: beside the input */
-    gscl_encode_settings settings; /* without the callback */
+    const char *output;            /* for a single input; NULL: the name of the input with .gscl */
+    const char *out_dir;           /* folder of those names; NULL: beside the input */
+    gscl_encode_settings settings; /* without the progress callback */
     device_choice choice;
     bool json, quiet;
 } encode_batch;
 
-/* Encodes all inputs; goes on after a bad one.  Returns the program's exit code. */
+/* Encodes all inputs, and continues after a failed one.  Returns the exit code of the program. */
 int encode_batch_run(const encode_batch *batch);
 
 #endif

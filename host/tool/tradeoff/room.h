@@ -1,4 +1,4 @@
-/* gscl tradeoff: what accuracy and effort cost in time, as tables, CSV, JSON and plots.
+/* gscl tradeoff: accuracy and quality against time, as tables, CSV, JSON and plots.
  *
  * It may use: plot/, image/, cli/.
  *

@@ -1,4 +1,4 @@
-/* The part of 'gscl tradeoff' that measures what exactness costs. */
+/* The part of 'gscl tradeoff' that measures the accuracy of the renderer, the quantiser and the gradients. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,10 +6,10 @@
 #include "cli/progress.h"
 #include "tradeoff/tradeoff.h"
 
-#define REPETITIONS 20 /* of what is timed */
+#define REPETITIONS 20 /* of each timed run */
 #define QUICK_REPETITIONS 5
-#define QUICK_EFFORT 1 /* of encodes with other steps */
-#define QUICK_SPLATS 8 /* whose derivatives are taken */
+#define QUICK_EFFORT 1 /* of encodes with other quantiser steps */
+#define QUICK_SPLATS 8 /* splats whose derivatives are measured */
 
 static void keep_accuracy(void *opaque, const gscl_accuracy *accuracy) {
     tradeoff_results *r = opaque;
@@ -27,7 +27,7 @@ static void keep_gradient(void *opaque, const gscl_gradient_accuracy *accuracy) 
         r->gradients[r->gradient_count++] = *accuracy; /* its texts are static */
 }
 
-/* What the encoder makes of other quantiser steps: finer ones leave room for fewer splats. */
+/* Encodes with the quantiser steps of a row at the fixed size, where finer steps leave room for fewer splats. */
 static gscl_result encode_with_steps(const tradeoff_plan *plan, gscl_context *context, tradeoff_accuracy *a) {
     gscl_encode_settings settings;
     gscl_encode_report report = {.struct_size = sizeof report};
@@ -80,7 +80,7 @@ int tradeoff_measure_accuracy(const tradeoff_plan *plan, tradeoff_results *r) {
     }
     if (result == GSCL_OK)
         result = encode_with_all_steps(plan, context, r);
-    const int failed = result == GSCL_OK ? EXIT_SUCCESS : report_result(context, plan->picture, result);
+    const int failed = result == GSCL_OK ? EXIT_SUCCESS : report_result(context, plan->image_name, result);
     gscl_context_free(&context);
     return failed;
 }

@@ -6,8 +6,8 @@
 #include "cli/stopwatch.h"
 #include "tradeoff/tradeoff.h"
 
-#define ENOUGH_SECONDS 2.0 /* of encoding the same again */
-#define MOST_ENCODES 3
+#define ENCODE_SECONDS 2.0 /* an encode is repeated for about this long, */
+#define MAX_ENCODES 3      /* at most this many times */
 #define DECODES 10
 
 static const double rate_factors[TRADEOFF_RATES] = {0.25, 0.5, 1, 2, 4, 8}; /* of the fixed size */
@@ -34,12 +34,12 @@ static gscl_result encode_once(const codec *c, const gscl_encode_settings *setti
     return result;
 }
 
-/* Encodes until it has taken some time, and keeps the fastest run. */
+/* Encodes repeatedly and keeps the report of the fastest run. */
 static gscl_result encode_repeatedly(const codec *c, const gscl_encode_settings *settings, const char *label,
                                      uint8_t **bytes, size_t *size, gscl_encode_report *fastest) {
     double spent = 0;
     *bytes = NULL;
-    for (int i = 0; i < MOST_ENCODES && spent < ENOUGH_SECONDS; i++) {
+    for (int i = 0; i < MAX_ENCODES && spent < ENCODE_SECONDS; i++) {
         gscl_encode_report report = {.struct_size = sizeof report};
         uint8_t *written;
         const gscl_result result = encode_once(c, settings, label, &written, size, &report);
@@ -49,7 +49,7 @@ static gscl_result encode_repeatedly(const codec *c, const gscl_encode_settings 
         *bytes = written;
         if (i == 0 || report.seconds < fastest->seconds)
             *fastest = report;
-        spent += c->plan->quick ? ENOUGH_SECONDS : report.seconds;
+        spent += c->plan->quick ? ENCODE_SECONDS : report.seconds;
     }
     return GSCL_OK;
 }
@@ -78,21 +78,20 @@ static gscl_result decode_repeatedly(const codec *c, const uint8_t *bytes, size_
     return GSCL_OK;
 }
 
-static gscl_encode_settings settings_for(const codec *c, int effort, double bytes) {
+static gscl_encode_settings settings_for(int effort, double bytes) {
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
     settings.target = GSCL_TARGET_BYTES;
     settings.target_value = bytes;
     settings.effort = effort;
     settings.trace = true;
-    (void)c;
     return settings;
 }
 
 /* Leaves the file in *bytes. */
-static gscl_result measure(const codec *c, int effort, double budget, tradeoff_encode *e, uint8_t **bytes,
-                           size_t *size) {
-    const gscl_encode_settings settings = settings_for(c, effort, budget);
+static gscl_result measure_encode(const codec *c, int effort, double budget, tradeoff_encode *e, uint8_t **bytes,
+                                  size_t *size) {
+    const gscl_encode_settings settings = settings_for(effort, budget);
     char label[64];
     snprintf(label, sizeof label, "effort %d, %.0f bytes", effort, budget);
     gscl_result result = encode_repeatedly(c, &settings, label, bytes, size, &e->report);
@@ -110,7 +109,7 @@ static bool is_measured(const tradeoff_plan *plan, int effort) {
     return !plan->quick || effort <= 1 || effort == (int)plan->effort;
 }
 
-/* The file of the fixed effort is kept. */
+/* Keeps the file of the fixed effort for the accuracy measurements. */
 static gscl_result measure_efforts(codec *c) {
     tradeoff_results *r = c->results;
     for (int effort = 0; effort <= GSCL_MAX_EFFORT; effort++) {
@@ -119,7 +118,7 @@ static gscl_result measure_efforts(codec *c) {
         if (!is_measured(c->plan, effort))
             continue;
         const gscl_result result =
-            measure(c, effort, (double)c->plan->bytes, &r->efforts[r->effort_count], &bytes, &size);
+            measure_encode(c, effort, (double)c->plan->bytes, &r->efforts[r->effort_count], &bytes, &size);
         if (result == GSCL_OK && effort == (int)c->plan->effort) {
             r->files[GSCL_BLEND_NORMALIZED - 1] = bytes;
             r->sizes[GSCL_BLEND_NORMALIZED - 1] = size;
@@ -141,7 +140,7 @@ static const tradeoff_encode *at_fixed_effort(const codec *c) {
     return &r->efforts[i];
 }
 
-/* A rate that the picture cannot have is left out. */
+/* Skips rates that are too low for the image. */
 static gscl_result measure_rates(codec *c) {
     tradeoff_results *r = c->results;
     for (size_t i = 0; i < TRADEOFF_RATES; i++) {
@@ -153,8 +152,8 @@ static gscl_result measure_rates(codec *c) {
         }
         if (c->plan->quick && (rate_factors[i] < 0.5 || rate_factors[i] > 2))
             continue;
-        const gscl_result result = measure(c, (int)c->plan->effort, rate_factors[i] * (double)c->plan->bytes,
-                                           &r->rates[r->rate_count], &bytes, &size);
+        const gscl_result result = measure_encode(c, (int)c->plan->effort, rate_factors[i] * (double)c->plan->bytes,
+                                                  &r->rates[r->rate_count], &bytes, &size);
         gscl_free(bytes);
         if (result == GSCL_OK)
             r->rate_count++;
@@ -164,10 +163,10 @@ static gscl_result measure_rates(codec *c) {
     return GSCL_OK;
 }
 
-/* Files for what is measured on all blends. */
+/* Encodes the files of the other blends for the accuracy measurements. */
 static gscl_result encode_blends(codec *c) {
     for (int blend = GSCL_BLEND_ALPHA; blend <= GSCL_BLEND_SUM; blend++) {
-        gscl_encode_settings settings = settings_for(c, (int)c->plan->effort, (double)c->plan->bytes);
+        gscl_encode_settings settings = settings_for((int)c->plan->effort, (double)c->plan->bytes);
         settings.blend = (gscl_blend)blend;
         settings.trace = false;
         const gscl_result result = encode_once(c, &settings, blend_words[blend], &c->results->files[blend - 1],
@@ -178,9 +177,9 @@ static gscl_result encode_blends(codec *c) {
     return GSCL_OK;
 }
 
-/* The first encode builds the kernels. */
+/* Compiles the kernels by one encode that is not measured. */
 static gscl_result warm_up(const codec *c) {
-    const gscl_encode_settings settings = settings_for(c, 1, (double)c->plan->bytes);
+    const gscl_encode_settings settings = settings_for(1, (double)c->plan->bytes);
     uint8_t *bytes;
     size_t size;
     const gscl_result result = encode_once(c, &settings, "warming up", &bytes, &size, NULL);
@@ -192,7 +191,7 @@ static gscl_result warm_up(const codec *c) {
 int tradeoff_measure_codec(const tradeoff_plan *plan, tradeoff_results *results) {
     codec c = {.plan = plan, .results = results};
     device_choice choice = plan->choice;
-    choice.timing = false; /* which takes a little of it */
+    choice.timing = false; /* timing itself takes a little time */
     const int status = open_device(&choice, &c.context);
     if (status != EXIT_SUCCESS)
         return status;
@@ -204,7 +203,7 @@ int tradeoff_measure_codec(const tradeoff_plan *plan, tradeoff_results *results)
         result = measure_rates(&c);
     if (result == GSCL_OK)
         result = encode_blends(&c);
-    const int failed = result == GSCL_OK ? EXIT_SUCCESS : report_result(c.context, plan->picture, result);
+    const int failed = result == GSCL_OK ? EXIT_SUCCESS : report_result(c.context, plan->image_name, result);
     gscl_context_free(&c.context);
     return failed;
 }

@@ -4,7 +4,7 @@
 
 #include "tradeoff/tradeoff_tables.h"
 
-/* A number, or nothing where it does not apply, and what follows it. */
+/* Writes a number, or nothing where it does not apply, and then `end`. */
 static void write_real(FILE *stream, double value, bool applies, char end) {
     if (applies && isfinite(value))
         fprintf(stream, "%.9g", value);

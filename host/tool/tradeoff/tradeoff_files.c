@@ -25,9 +25,10 @@ static const char *const suffixes[] = {[PLOT_SVG] = ".svg", [PLOT_PNG] = ".png"}
 static const plot_module *load_module(void) {
     const plot_module *module = module_load(PLOT_MODULE_FILE, PLOT_MODULE_SYMBOL);
     if (!module)
-        report_note("gscl: tradeoff: tables only; plots need the module that is built where cairo is (Debian: "
-                    "libcairo2-dev): %s",
-                    dlerror());
+        report_note(
+            "gscl: tradeoff: tables only; plots need the module gscl-plot.so, which is built if cairo is installed "
+            "(Debian: libcairo2-dev): %s",
+            dlerror());
     return module;
 }
 
@@ -35,7 +36,7 @@ static bool make_folder(tradeoff_files *files) {
     if (mkdir(files->folder, 0777) == 0)
         files->made_folder = true;
     else if (errno != EEXIST)
-        return report_error(files->folder, "cannot be made: %s; name a folder in one that exists", strerror(errno));
+        return report_error(files->folder, "cannot be made: %s; name a folder inside an existing one", strerror(errno));
     return true;
 }
 
@@ -74,7 +75,7 @@ static bool draw_plots(tradeoff_files *files, const tradeoff_plan *plan, const t
     for (int i = 0; i < TRADEOFF_PLOTS && ok; i++) {
         tradeoff_plot(plan, results, i, p);
         for (int format = PLOT_SVG; format <= PLOT_PNG && ok; format++, file++)
-            /* what a stream refused is told when its file is finished */
+            /* A failed stream is reported when its file is finished. */
             ok = files->module->draw(p, (plot_format)format, files->outputs[file].stream) ||
                  ferror(files->outputs[file].stream);
     }
@@ -82,7 +83,7 @@ static bool draw_plots(tradeoff_files *files, const tradeoff_plan *plan, const t
     return ok || report_error(files->folder, "the plots cannot be drawn: out of memory");
 }
 
-/* Reports the first file that could not be written whole: before any of them is put in its place. */
+/* Reports the first file that could not be written, before any file is put in place. */
 static bool are_written(tradeoff_files *files) {
     for (size_t i = 0; i < files->count; i++) {
         output_file *output = &files->outputs[i];
@@ -90,7 +91,7 @@ static bool are_written(tradeoff_files *files) {
         if (fflush(output->stream) == 0 && !ferror(output->stream))
             continue;
         output->error = errno ? errno : EIO;
-        return output_commit(output); /* which reports it */
+        return output_commit(output); /* reports the error */
     }
     return true;
 }
@@ -102,7 +103,7 @@ bool tradeoff_files_write(tradeoff_files *files, const tradeoff_plan *plan, cons
     for (size_t i = 0; i < files->count && ok; i++)
         ok = output_commit(&files->outputs[i]);
     if (ok)
-        files->made_folder = false; /* to stay */
+        files->made_folder = false; /* so that it stays */
     tradeoff_files_discard(files);
     return ok;
 }

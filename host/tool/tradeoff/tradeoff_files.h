@@ -1,4 +1,4 @@
-/* The files that 'gscl tradeoff' leaves in its folder: all of them, or none. */
+/* The files of 'gscl tradeoff' in its folder: either all are written or none. */
 #ifndef GSCL_TOOL_TRADEOFF_FILES_H
 #define GSCL_TOOL_TRADEOFF_FILES_H
 
@@ -19,14 +19,14 @@ typedef struct tradeoff_files {
     output_file outputs[TRADEOFF_FILES];
 } tradeoff_files;
 
-/* Makes the folder where there is none, and begins all files; reports errors.  Without the module that draws plots it
- * says so and goes on. */
+/* Makes the folder if it is missing, and opens all files.  Reports errors.  A missing plot module is only noted: the
+ * tables are written without plots. */
 bool tradeoff_files_open(tradeoff_files *files, const char *folder);
 
-/* Writes and finishes all files; reports errors.  The files are closed in any case. */
+/* Writes and finishes all files.  Reports errors.  The files are closed in any case. */
 bool tradeoff_files_write(tradeoff_files *files, const tradeoff_plan *plan, const tradeoff_results *results);
 
-/* Gives up: nothing is left, not even the folder if it is new. */
+/* Removes all unfinished files, and the folder if it is new. */
 void tradeoff_files_discard(tradeoff_files *files);
 
 #endif

@@ -69,7 +69,7 @@ void tradeoff_write_json(const tradeoff_plan *plan, const tradeoff_results *r, F
     json_writer json;
     json_start(&json, stream);
     json_open_object(&json, NULL);
-    json_string(&json, "picture", plan->picture);
+    json_string(&json, "image", plan->image_name);
     json_integer(&json, "width", plan->image->width);
     json_integer(&json, "height", plan->image->height);
     json_string(&json, "device", r->device.device_name);

@@ -9,12 +9,12 @@ static const plot_colour blend_colours[] =
     {[GSCL_BLEND_NORMALIZED] = PLOT_BLUE, [GSCL_BLEND_ALPHA] = PLOT_ORANGE, [GSCL_BLEND_SUM] = PLOT_GREEN};
 
 static const char *ssim_title(const tradeoff_encode *e) {
-    return isnan(e->ms_ssim) ? "MS-SSIM: the picture is too small" : "MS-SSIM";
+    return isnan(e->ms_ssim) ? "MS-SSIM: the image is too small" : "MS-SSIM";
 }
 
 /* ---- Quality against time ---- */
 
-/* The bottom of an axis on which the fits' beginnings would leave no room for their ends. */
+/* The bottom of the PSNR axis.  It cuts off the start of the fits, which would compress the rest of the plot. */
 static double bottom_of(const tradeoff_results *r) {
     double low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < r->effort_count; i++) {
@@ -35,9 +35,9 @@ static double top_of(const tradeoff_results *r) {
 }
 
 static void add_trace(plot_panel *panel, const tradeoff_encode *e, bool named) {
-    const bool usual = e->effort == GSCL_DEFAULT_EFFORT;
-    plot_series *curve = plot_add_series(panel, named ? "its fit, round by round, while still too large" : "",
-                                         PLOT_FAINT, usual ? PLOT_BLUE : PLOT_GREY);
+    const bool is_default = e->effort == GSCL_DEFAULT_EFFORT;
+    plot_series *curve = plot_add_series(panel, named ? "PSNR during its fit, before the size is met" : "", PLOT_FAINT,
+                                         is_default ? PLOT_BLUE : PLOT_GREY);
     for (uint32_t i = 0; i < e->report.trace_count; i++)
         plot_add_point(curve, e->report.trace[i].seconds, e->report.trace[i].psnr, false, " ");
 }
@@ -57,9 +57,9 @@ static void plot_time(const tradeoff_results *r, plot *p) {
     plot_series *others = plot_add_series(ssim, "file of each effort", PLOT_POINTS, PLOT_BLUE);
     for (size_t i = 0; i < r->effort_count; i++) {
         const tradeoff_encode *e = &r->efforts[i];
-        const bool usual = e->effort == GSCL_DEFAULT_EFFORT;
-        plot_add_point(points, e->encode_s, e->psnr, usual, "%d%s", e->effort, usual ? " (default)" : "");
-        plot_add_point(others, e->encode_s, e->ms_ssim, usual, "%d%s", e->effort, usual ? " (default)" : "");
+        const bool is_default = e->effort == GSCL_DEFAULT_EFFORT;
+        plot_add_point(points, e->encode_s, e->psnr, is_default, "%d%s", e->effort, is_default ? " (default)" : "");
+        plot_add_point(others, e->encode_s, e->ms_ssim, is_default, "%d%s", e->effort, is_default ? " (default)" : "");
     }
 }
 
@@ -89,7 +89,8 @@ static bool is_choice(const gscl_accuracy *a, const char *choice, int blend) {
 }
 
 static void plot_support(const tradeoff_results *r, plot *p) {
-    plot_panel *panel = plot_add_panel(p, "Where Gaussians end", "ns per pixel to draw", "mean error, units of 1/255");
+    plot_panel *panel =
+        plot_add_panel(p, "Support of the Gaussian", "ns per pixel to draw", "mean error, units of 1/255");
     panel->y.is_log = true;
     panel->guide = 0.25;
     panel->guide_label = "rounding to 8 bits";
@@ -103,7 +104,7 @@ static void plot_support(const tradeoff_results *r, plot *p) {
     }
 }
 
-/* A name for the axis; the default configuration is measured under each choice, and shown once. */
+/* The name of a bar, or NULL.  The default configuration is measured under each choice, and shown once. */
 static const char *arithmetic_name(const tradeoff_accuracy *a) {
     const char *choice = a->row.choice;
     if (strcmp(choice, "precision") == 0)
@@ -112,7 +113,7 @@ static const char *arithmetic_name(const tradeoff_accuracy *a) {
     return shown ? a->variant : NULL;
 }
 
-/* The default first, then by choice. */
+/* Adds the default first, then the variants by choice. */
 static void add_categories(plot_panel *panel, const tradeoff_results *r) {
     plot_category(panel, "default");
     for (int pass = 0; pass < 3; pass++) {
@@ -123,15 +124,14 @@ static void add_categories(plot_panel *panel, const tradeoff_results *r) {
     }
 }
 
-static const char arithmetic_axis[] = "below 1/n: what lies behind less transmittance than that is not drawn";
+static const char arithmetic_axis[] = "below 1/n: splats behind a transmittance of less than 1/n are skipped";
 
 static void plot_arithmetic(const tradeoff_results *r, plot *p) {
-    plot_panel *error =
-        plot_add_panel(p, "Arithmetic: how far it is off", arithmetic_axis, "largest error, units of 1/255");
-    plot_panel *time = plot_add_panel(p, "Arithmetic: how long it takes", arithmetic_axis, "ns per pixel to draw");
+    plot_panel *error = plot_add_panel(p, "Arithmetic: error", arithmetic_axis, "largest error, units of 1/255");
+    plot_panel *time = plot_add_panel(p, "Arithmetic: time", arithmetic_axis, "ns per pixel to draw");
     error->y.is_log = true;
     error->guide = 1;
-    error->guide_label = "what the format allows";
+    error->guide_label = "limit of the format";
     add_categories(error, r);
     add_categories(time, r);
     for (int blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
@@ -151,20 +151,20 @@ static void plot_arithmetic(const tradeoff_results *r, plot *p) {
 static void plot_quantiser(const tradeoff_results *r, plot *p) {
     plot_panel *panel = plot_add_panel(p, "Quantiser steps", "bits per splat", "PSNR, dB");
     for (int blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
-        plot_series *drawn = NULL, *same = NULL;
+        plot_series *rounded = NULL, *encoded = NULL;
         char name[PLOT_LABEL_SIZE];
         for (size_t i = 0; i < r->accuracy_count; i++) {
             const gscl_accuracy *a = &r->accuracies[i].row;
             if (!is_choice(a, "quantiser", blend) || a->bits_per_splat == 0)
                 continue;
-            if (!drawn) {
+            if (!rounded) {
                 snprintf(name, sizeof name, "%s, the same splats rounded", blend_words[blend]);
-                drawn = plot_add_series(panel, name, PLOT_DASHED, blend_colours[blend]);
+                rounded = plot_add_series(panel, name, PLOT_DASHED, blend_colours[blend]);
                 snprintf(name, sizeof name, "%s, encoded to the same size", blend_words[blend]);
-                same = plot_add_series(panel, name, PLOT_POINTS, blend_colours[blend]);
+                encoded = plot_add_series(panel, name, PLOT_POINTS, blend_colours[blend]);
             }
-            plot_add_point(drawn, a->bits_per_splat, a->psnr, a->is_default, " ");
-            plot_add_point(same, a->bits_per_splat, r->accuracies[i].psnr_same_size, a->is_default, "×%g", a->value);
+            plot_add_point(rounded, a->bits_per_splat, a->psnr, a->is_default, " ");
+            plot_add_point(encoded, a->bits_per_splat, r->accuracies[i].psnr_same_size, a->is_default, "×%g", a->value);
         }
     }
 }
@@ -177,10 +177,10 @@ static const char *exponential_name(const gscl_gradient_accuracy *g) {
 
 static void plot_gradients(const tradeoff_results *r, plot *p) {
     p->title = "Gradients in single precision, against differences in double precision";
-    plot_panel *error = plot_add_panel(p, "How far they are off", "", "relative error, root mean square");
-    plot_panel *time = plot_add_panel(p, "How long they take", "exponential", "ns per pixel of a step");
+    plot_panel *error = plot_add_panel(p, "Error", "", "relative error, root mean square");
+    plot_panel *time = plot_add_panel(p, "Time", "exponential", "ns per pixel of a step");
     error->y.is_log = true;
-    for (size_t i = 0; i < r->gradient_count; i++) { /* the kinds in the order in which most blends have them */
+    for (size_t i = 0; i < r->gradient_count; i++) { /* categories in the order of the rows */
         plot_category(error, r->gradients[i].kind);
         plot_category(time, exponential_name(&r->gradients[i]));
     }
@@ -212,7 +212,7 @@ void tradeoff_plot(const tradeoff_plan *plan, const tradeoff_results *r, int num
         plot_rate(r, p);
         break;
     case 2:
-        p->title = "What the renderer's exactness costs";
+        p->title = "Accuracy of the renderer against time";
         plot_support(r, p);
         plot_quantiser(r, p);
         plot_arithmetic(r, p);

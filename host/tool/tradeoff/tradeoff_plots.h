@@ -7,10 +7,10 @@
 
 #define TRADEOFF_PLOTS 4
 
-/* Names of files, without suffix. */
+/* File names without suffix. */
 extern const char *const tradeoff_plot_names[TRADEOFF_PLOTS];
 
-/* Fills in plot `number`; the plan and the results must outlive it. */
+/* Fills in plot `number`.  The plan and the results must outlive the plot. */
 void tradeoff_plot(const tradeoff_plan *plan, const tradeoff_results *results, int number, plot *p);
 
 #endif

@@ -10,7 +10,7 @@ void tradeoff_print(const tradeoff_plan *plan, const tradeoff_results *results);
 
 void tradeoff_write_json(const tradeoff_plan *plan, const tradeoff_results *results, FILE *stream);
 
-/* Each has a line of column names; what does not apply is empty. */
+/* CSV with a line of column names.  A cell is empty where the column does not apply. */
 void tradeoff_write_efforts(const tradeoff_plan *plan, const tradeoff_results *results, FILE *stream);
 void tradeoff_write_trace(const tradeoff_plan *plan, const tradeoff_results *results, FILE *stream);
 void tradeoff_write_rates(const tradeoff_plan *plan, const tradeoff_results *results, FILE *stream);

@@ -1,4 +1,4 @@
-/* The tables of 'gscl tradeoff' on the terminal.  An asterisk marks what gscl does by default. */
+/* The tables of 'gscl tradeoff' on the terminal.  An asterisk marks the default. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@ static char mark(bool is_default) {
     return is_default ? '*' : ' ';
 }
 
-/* What does not apply is a dash. */
+/* Prints a number, or a dash where it does not apply. */
 static void print_real(int width, int decimals, double value, bool applies) {
     if (applies && isfinite(value))
         printf("%*.*f", width, decimals, value);
@@ -44,7 +44,7 @@ static void print_gradient(const gscl_gradient_accuracy *g) {
 }
 
 void tradeoff_print(const tradeoff_plan *plan, const tradeoff_results *r) {
-    printf("%s: %ux%u pixels; %s\n", plan->picture, plan->image->width, plan->image->height, r->device.device_name);
+    printf("%s: %ux%u pixels; %s\n", plan->image_name, plan->image->width, plan->image->height, r->device.device_name);
     printf("\nQuality against encode time, at most %llu bytes (%.4f bits per pixel)\n", (unsigned long long)plan->bytes,
            tradeoff_bpp(plan->image, plan->bytes));
     print_encodes(r->efforts, r->effort_count, GSCL_DEFAULT_EFFORT);
