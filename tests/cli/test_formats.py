@@ -206,14 +206,14 @@ class Writing(ToolTest):
                 self.assertLess(self.gscl_json("compare", "in.png", f"out.{suffix}")["max_difference"], 0.8)
 
     def test_what_a_format_cannot_hold(self):
-        self.refused("out.pgm", ".pgm cannot hold a colour picture", "decode", "in.gscl", "-o", "out.pgm")
+        self.refused("out.pgm", ".pgm cannot hold a colour image", "decode", "in.gscl", "-o", "out.pgm")
         self.encode(scene(24, 18, 4))
         self.refused("out.jpg", ".jpg cannot hold.*alpha.*.png", "decode", "in.gscl", "-o", "out.jpg")
         self.encode(scene(24, 18, 3, 16))
         self.refused("out.jpg", ".jpg cannot hold.*16 bits.*--depth 8", "decode", "in.gscl", "-o", "out.jpg")
         self.gscl("decode", "in.gscl", "-o", "out.jpg", "--depth", "8")
         self.encode(scene(24, 18, 1))
-        self.refused("out.ppm", ".ppm cannot hold a grey picture", "decode", "in.gscl", "-o", "out.ppm")
+        self.refused("out.ppm", ".ppm cannot hold a grey image", "decode", "in.gscl", "-o", "out.ppm")
 
     def test_unknown_suffix(self):
         for name in ("out.xyz", "out", ".png"):

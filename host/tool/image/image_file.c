@@ -19,11 +19,12 @@
 
 #define SIGNATURE_BYTES 8
 
-/* The module, loaded on the first call and kept; NULL after reporting an error about `label`. */
+/* The module, which is loaded on the first call.  NULL after reporting an error about `label`. */
 static const image_module *load_module(const char *label) {
     const image_module *module = module_load(IMAGE_MODULE_FILE, IMAGE_MODULE_SYMBOL);
     if (!module)
-        report_error(label, "only PNG works without the module for other formats: %s", dlerror());
+        report_error(label, "needs the module gscl-imageio.so, which reads and writes all formats but PNG: %s",
+                     dlerror());
     return module;
 }
 
@@ -33,7 +34,7 @@ static bool read_through_module(const char *label, const char *path, gscl_image 
     return module && (module->read(path, image, message) || report_error(label, "%s", message));
 }
 
-/* The module reads files only: what came through a pipe goes to one without a name. */
+/* The module reads files only, so bytes from a pipe go through a temporary file without a name. */
 static bool read_bytes_through_module(const char *label, const uint8_t *bytes, size_t size, gscl_image *image) {
     FILE *spool = tmpfile();
     if (!spool)
@@ -52,7 +53,7 @@ static bool is_regular_file(const char *name) {
     return stat(name, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Decodes what `name` held. */
+/* Decodes the bytes of the input `name`. */
 static bool read_bytes(const char *name, const uint8_t *bytes, size_t size, gscl_image *image) {
     char message[IMAGE_MESSAGE_SIZE];
     const char *label = input_label(name);
@@ -80,7 +81,7 @@ static bool read_in_memory(const char *name, gscl_image *image) {
 bool image_read(const char *name, gscl_image *image) {
     uint8_t start[SIGNATURE_BYTES];
     size_t count;
-    if (!is_regular_file(name)) /* a pipe can be read only once; what does not exist is reported there */
+    if (!is_regular_file(name)) /* a pipe can be read only once; reading reports a missing file */
         return read_in_memory(name, image);
     if (!read_file_start(name, start, sizeof start, &count))
         return false;
@@ -93,7 +94,7 @@ static bool is_png_output(const output_file *output) {
     return !output->target || strcasecmp(name_suffix(output->label), ".png") == 0;
 }
 
-/* False after reporting an error; true also when the output failed, which output->error tells. */
+/* Returns false after reporting an error.  A failure of the output itself sets output->error and returns true. */
 static bool write_pixels(output_file *output, const gscl_image *image) {
     char message[IMAGE_MESSAGE_SIZE];
     if (is_png_output(output))
@@ -107,7 +108,7 @@ static bool write_pixels(output_file *output, const gscl_image *image) {
 
 bool image_write(output_file *output, const gscl_image *image) {
     if (write_pixels(output, image))
-        return output_commit(output); /* which also reports what output->error holds */
+        return output_commit(output); /* also reports output->error */
     output_discard(output);
     return false;
 }

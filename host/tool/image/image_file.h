@@ -1,4 +1,4 @@
-/* Image files by name: PNG directly, everything else through the image module. */
+/* Image files by name: PNG directly, all other formats through the image module. */
 #ifndef GSCL_TOOL_IMAGE_FILE_H
 #define GSCL_TOOL_IMAGE_FILE_H
 
@@ -8,13 +8,12 @@
 
 #include "cli/output_file.h"
 
-/* Reads an image file, or standard input ("-").  Colours are straight, samples U8, U16 or F32, on the sRGB curve
- * (formats that hold linear light, such as OpenEXR, are converted).  image->pixels is released with free.
- * Reports errors. */
+/* Reads an image file, or standard input ("-").  Colours are straight, on the sRGB curve (formats with linear light, such
+ * as OpenEXR, are converted), with samples of U8, U16 or F32.  image->pixels is released with free.  Reports errors. */
 bool image_read(const char *name, gscl_image *image);
 
-/* Writes an image with packed rows and straight colours in the format of the output's suffix, and finishes the
- * output.  Reports errors; the output is closed in any case. */
+/* Writes an image with packed rows and straight colours in the format of the suffix of the output, and finishes the
+ * output.  Reports errors.  The output is closed in any case. */
 bool image_write(output_file *output, const gscl_image *image);
 
 #endif

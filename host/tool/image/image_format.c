@@ -20,7 +20,8 @@ const image_format *image_format_of(const char *command, const char *name) {
         if (strcasecmp(suffix, formats[i].suffix) == 0)
             return &formats[i];
     }
-    report_usage(command, "%s: no image format is called '%s'; there are .png .jpg .tif .exr .pgm .ppm .pnm .bmp .tga",
+    report_usage(command,
+                 "%s: no image format has the suffix '%s'; choose one of .png .jpg .tif .exr .pgm .ppm .pnm .bmp .tga",
                  name, suffix);
     return NULL;
 }
@@ -28,15 +29,13 @@ const image_format *image_format_of(const char *command, const char *name) {
 bool image_format_holds(const image_format *format, const char *name, unsigned channels, gscl_sample sample) {
     const bool has_alpha = channels == 2 || channels == 4;
     if (has_alpha && !format->alpha)
-        return report_error(name, "%s cannot hold the picture's alpha channel; .png, .tif, .exr and .tga can",
-                            format->suffix);
+        return report_error(name, "%s cannot hold an alpha channel; choose .png, .tif, .exr or .tga", format->suffix);
     if (channels < 3 ? !format->grey : !format->colour)
-        return report_error(name, "%s cannot hold a %s picture; .png can", format->suffix,
+        return report_error(name, "%s cannot hold a %s image; choose .png", format->suffix,
                             channels < 3 ? "grey" : "colour");
     if (sample != GSCL_SAMPLE_F32 && format->bits == 32)
         return report_error(name, "%s holds floating-point samples in linear light; choose .png", format->suffix);
     if (sample == GSCL_SAMPLE_U16 && format->bits < 16)
-        return report_error(name, "%s cannot hold the picture's 16 bits; add --depth 8, or choose .png",
-                            format->suffix);
+        return report_error(name, "%s cannot hold 16 bits per sample; add --depth 8, or choose .png", format->suffix);
     return true;
 }

@@ -1,4 +1,4 @@
-/* What the image library does not tell about JPEG files. */
+/* Checks of JPEG files that OpenImageIO lacks. */
 #ifndef GSCL_TOOL_IMAGE_JPEG_H
 #define GSCL_TOOL_IMAGE_JPEG_H
 
@@ -6,10 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Whether the bytes start as a JPEG file does. */
+/* Whether the bytes start with the signature of a JPEG file. */
 bool image_is_jpeg(const uint8_t *bytes, size_t size);
 
-/* Whether a JPEG goes on to its end-of-image marker.  Decoders fill in grey for what is missing and say nothing. */
+/* Whether a JPEG file has its end-of-image marker.  Decoders fill missing parts with grey and report no error. */
 bool image_jpeg_is_complete(const uint8_t *bytes, size_t size);
 
 #endif

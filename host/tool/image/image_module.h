@@ -1,7 +1,7 @@
-/* Between the tool and its image module: OpenImageIO behind two C functions.
+/* Interface of the image module: OpenImageIO behind two C functions.
  *
- * The module is a shared object of its own, loaded when it is first needed, because OpenImageIO pulls in
- * hundreds of libraries and takes longer to load than a picture takes to decode. */
+ * The module is a shared object that is loaded on first use, because OpenImageIO links hundreds of libraries and takes
+ * longer to load than a file takes to decode. */
 #ifndef GSCL_TOOL_IMAGE_MODULE_H
 #define GSCL_TOOL_IMAGE_MODULE_H
 
@@ -11,9 +11,9 @@
 
 #include <gscl/gscl.h>
 
-#define IMAGE_MESSAGE_SIZE 512 /* bytes for what went wrong, a phrase that follows the file's name */
+#define IMAGE_MESSAGE_SIZE 512 /* bytes of an error message, a phrase that follows the name of the file */
 
-/* What an image outside the library's limits is refused with; takes width and height as unsigned. */
+/* Format of the message about an image outside the limits of the library; takes width and height as unsigned. */
 #define IMAGE_SIZE_MESSAGE "is %u x %u pixels; 1 x 1 to 16384 x 16384 are possible"
 
 typedef struct image_module {
@@ -24,6 +24,6 @@ typedef struct image_module {
 } image_module;
 
 #define IMAGE_MODULE_FILE "gscl-imageio.so"
-#define IMAGE_MODULE_SYMBOL "gscl_image_module" /* an image_module */
+#define IMAGE_MODULE_SYMBOL "gscl_image_module" /* of type image_module */
 
 #endif

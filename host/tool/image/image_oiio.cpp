@@ -20,14 +20,14 @@
 
 namespace {
 
-constexpr int jpeg_quality = 95; // of 100: a decoded picture should not suffer again
+constexpr int jpeg_quality = 95; // of 100; high, because the decoded image should lose little more
 
 bool fail(char *message, const std::string &text) {
     std::snprintf(message, IMAGE_MESSAGE_SIZE, "%s", text.c_str());
     return false;
 }
 
-// What OpenImageIO says, which may be nothing.
+// The error text of OpenImageIO, which may be empty.
 std::string reason(const std::string &text) {
     return text.empty() ? "the file is truncated or damaged" : text;
 }
@@ -48,9 +48,9 @@ bool holds_linear_light(const OIIO::ImageSpec &spec) {
     return OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
 }
 
-// The narrowest of our sample types that holds the file's.
+// The narrowest sample type of gscl that holds the samples of the file.
 gscl_sample sample_for(const OIIO::ImageSpec &spec) {
-    if (holds_linear_light(spec)) // needs the range, and is converted
+    if (holds_linear_light(spec)) // has a larger range, and is converted
         return GSCL_SAMPLE_F32;
     switch (spec.format.basetype) {
     case OIIO::TypeDesc::UINT8:
@@ -68,14 +68,14 @@ bool channel_is(const OIIO::ImageSpec &spec, int channel, const char *name) {
     return OIIO::Strutil::iequals(spec.channelnames[channel], name);
 }
 
-// Not every plug-in marks the alpha channel of its spec.
+// Some plug-ins do not mark the alpha channel of their spec.
 bool is_alpha(const OIIO::ImageSpec &spec, int channel) {
     return spec.alpha_channel == channel || channel_is(spec, channel, "A");
 }
 
-// How many channels from the first on make a picture: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA; 0 when the file's
-// channels mean something else.
-int picture_channels(const OIIO::ImageSpec &spec) {
+// The number of leading channels that form an image: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA; 0 if the channels have
+// other meanings.
+int image_channels(const OIIO::ImageSpec &spec) {
     if (spec.nchannels == 1)
         return 1;
     if (spec.nchannels == 2)
@@ -87,7 +87,7 @@ int picture_channels(const OIIO::ImageSpec &spec) {
     return is_alpha(spec, 3) ? 4 : 0;
 }
 
-// Colours that OpenImageIO converts carelessly or not at all, by name; empty when they are RGB or grey.
+// The name of a colour space that OpenImageIO does not convert correctly; empty for RGB and grey.
 std::string foreign_colours(const OIIO::ImageSpec &spec) {
     for (const char *attribute : {"tiff:ColorSpace", "jpeg:ColorSpace"}) {
         const std::string colours(spec.get_string_attribute(attribute));
@@ -120,7 +120,7 @@ template <typename Change> void change_colours(const gscl_image &image, Change c
     }
 }
 
-// OpenEXR and its like: linear light, multiplied by alpha.
+// From linear light multiplied by alpha, as OpenEXR has it.
 void to_straight_srgb(const gscl_image &image) {
     change_colours(image, [](float v, float a) { return linear_to_srgb(a > 0.0f ? v / a : a == 0.0f ? 0.0f : v); });
 }
@@ -131,7 +131,7 @@ void to_premultiplied_linear(const gscl_image &image) {
 
 // ---- Reading --------------------------------------------------------------------------------------
 
-// Everything that can be refused before pixels are decoded.
+// Checks that need no decoded pixels.
 bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     if (spec.width < 1 || spec.height < 1 || spec.width > GSCL_MAX_DIMENSION || spec.height > GSCL_MAX_DIMENSION) {
         std::snprintf(message, IMAGE_MESSAGE_SIZE, IMAGE_SIZE_MESSAGE, unsigned(spec.width), unsigned(spec.height));
@@ -141,24 +141,24 @@ bool check_spec(const OIIO::ImageSpec &spec, char *message) {
         return fail(message, "is a deep or volume image; a flat one is needed");
     if (!foreign_colours(spec).empty())
         return fail(message, "holds " + foreign_colours(spec) + " colours; convert it to RGB or grey first");
-    if (picture_channels(spec) == 0) {
+    if (image_channels(spec) == 0) {
         std::string names = OIIO::Strutil::join(spec.channelnames, ", ");
         return fail(message, "has the channels " + names + "; grey or RGB, with or without alpha, is needed");
     }
     return true;
 }
 
-// Turns the picture as the camera's note says it was held.
+// Rotates the image as its orientation tag says.
 bool apply_orientation(gscl_image &image, int orientation, char *message) {
     if (orientation <= 1 || orientation > 8)
         return true;
-    OIIO::ImageBuf held(
+    OIIO::ImageBuf stored(
         OIIO::ImageSpec(int(image.width), int(image.height), int(image.channels), type_of(image.sample)), image.pixels);
-    held.set_orientation(orientation);
-    const OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(held);
-    // Turning keeps the number of pixels, so the memory fits.
+    stored.set_orientation(orientation);
+    const OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(stored);
+    // A rotation keeps the number of pixels, so the buffer is large enough.
     if (upright.has_error() || !upright.get_pixels(upright.roi(), type_of(image.sample), image.pixels))
-        return fail(message, "cannot be turned upright: " + upright.geterror());
+        return fail(message, "cannot be rotated upright: " + upright.geterror());
     image.width = uint32_t(upright.spec().width);
     image.height = uint32_t(upright.spec().height);
     return true;
@@ -188,11 +188,11 @@ bool read_file(const char *path, gscl_image *image, char *message) {
     gscl_image read = {};
     read.width = uint32_t(spec.width);
     read.height = uint32_t(spec.height);
-    read.channels = uint32_t(picture_channels(spec));
+    read.channels = uint32_t(image_channels(spec));
     read.sample = sample_for(spec);
     read.pixels = std::malloc(size_t(read.width) * read.height * read.channels * sample_bytes(read.sample));
     if (!read.pixels)
-        return fail(message, "is too large for the memory");
+        return fail(message, "is too large for the available memory");
     if (!read_pixels(*input, read, message)) {
         std::free(read.pixels);
         return false;
@@ -215,7 +215,7 @@ OIIO::ImageSpec output_spec(const gscl_image &image) {
     return spec;
 }
 
-// OpenEXR wants linear light multiplied by alpha; of the others all that have alpha can hold it straight.
+// OpenEXR holds linear light multiplied by alpha; all other formats with alpha can hold it straight.
 void prepare_colours(OIIO::ImageSpec &spec, gscl_image &image, std::vector<float> &pixels) {
     if (image.sample != GSCL_SAMPLE_F32) {
         spec["oiio:UnassociatedAlpha"] = 1;
@@ -228,8 +228,8 @@ void prepare_colours(OIIO::ImageSpec &spec, gscl_image &image, std::vector<float
     spec["oiio:ColorSpace"] = "Linear";
 }
 
-// Writes into the tool's stream and remembers the first failure: what the formats' own libraries make of a full disk
-// ranges from silence to exit().
+// Writes into the stream of the tool and keeps the first error, because the libraries of some formats ignore a full disk
+// or end the program.
 class StreamProxy : public OIIO::Filesystem::IOProxy {
   public:
     explicit StreamProxy(FILE *stream) : IOProxy("", Mode::Write), stream_(stream) {
@@ -265,7 +265,7 @@ class StreamProxy : public OIIO::Filesystem::IOProxy {
 };
 
 bool write_file(FILE *stream, const char *suffix, const gscl_image *image, char *message) {
-    const std::string name = std::string("picture") + suffix;
+    const std::string name = std::string("image") + suffix;
     StreamProxy proxy(stream);
     auto output = OIIO::ImageOutput::create(name, &proxy);
     if (!output)
@@ -281,12 +281,12 @@ bool write_file(FILE *stream, const char *suffix, const gscl_image *image, char 
     return written || fail(message, "cannot be written: " + reason(output->geterror()));
 }
 
-// No exception may pass into the tool, which is C.
+// Catches all exceptions: none may pass into the tool, which is C.
 template <typename Function> bool guarded(char *message, Function function) noexcept {
     try {
         return function();
     } catch (const std::exception &error) {
-        return fail(message, std::string("is too much for the image library: ") + error.what());
+        return fail(message, std::string("cannot be handled by the image library: ") + error.what());
     }
 }
 

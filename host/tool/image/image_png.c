@@ -7,11 +7,11 @@
 
 #include <png.h>
 
-/* Deflate cannot pack more than this many bytes into one, so a file that promises more is lying. */
+/* Upper bound of the compression ratio of deflate.  A file that declares more pixels is truncated or damaged. */
 #define MAX_DEFLATE_RATIO 1032
-#define MAX_CHUNK_BYTES ((png_alloc_size_t)16 << 20) /* of any other chunk: text, profiles */
+#define MAX_CHUNK_BYTES ((png_alloc_size_t)16 << 20) /* of other chunks: text, profiles */
 
-/* Measured on photographs: the fastest setting whose files are not much larger than those of the slow ones. */
+/* On photographs, the fastest setting whose files are not much larger than those of slow settings. */
 #define WRITE_LEVEL 1
 #define WRITE_FILTER PNG_FILTER_AVG
 
@@ -46,7 +46,7 @@ static void on_write(png_structp png, png_bytep bytes, size_t count) {
 }
 
 static void on_flush(png_structp png) {
-    (void)png; /* output_commit does */
+    (void)png; /* output_commit flushes */
 }
 
 /* ---- Reading ----------------------------------------------------------------------------------- */
@@ -61,10 +61,10 @@ static void swap_if_little_endian(png_structp png) {
         png_set_swap(png);
 }
 
-/* Reads everything before the pixels and checks it. */
+/* Reads and checks everything before the pixels. */
 static void read_header(png_structp png, png_infop info, const png_source *source) {
     char text[IMAGE_MESSAGE_SIZE];
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* ours, below, has the better message */
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* the check below has the better message */
     png_set_chunk_malloc_max(png, MAX_CHUNK_BYTES);
     png_read_info(png, info);
     const png_uint_32 width = png_get_image_width(png, info), height = png_get_image_height(png, info);
@@ -76,7 +76,7 @@ static void read_header(png_structp png, png_infop info, const png_source *sourc
         png_error(png, "is too short for its size in pixels; the file is truncated");
 }
 
-/* Asks for grey or RGB, with or without alpha, 8 bits or native 16. */
+/* Sets libpng to convert to grey or RGB, with or without alpha, of 8 bits or native 16. */
 static void expand_pixels(png_structp png, png_infop info) {
     png_set_expand(png);
     swap_if_little_endian(png);
@@ -93,10 +93,10 @@ static void allocate_pixels(png_structp png, png_infop info, gscl_image *image) 
     };
     image->pixels = malloc(png_get_rowbytes(png, info) * image->height);
     if (!image->pixels)
-        png_error(png, "is too large for the memory");
+        png_error(png, "is too large for the available memory");
 }
 
-/* The interlaced passes go over the rows again and again; each fills in more pixels. */
+/* Interlaced passes visit all rows again, and each fills in more pixels. */
 static void read_rows(png_structp png, png_infop info, const gscl_image *image) {
     const size_t row_bytes = png_get_rowbytes(png, info);
     const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : PNG_INTERLACE_ADAM7_PASSES;
@@ -104,10 +104,10 @@ static void read_rows(png_structp png, png_infop info, const gscl_image *image) 
         for (uint32_t y = 0; y < image->height; y++)
             png_read_row(png, (png_bytep)image->pixels + y * row_bytes, NULL);
     }
-    png_read_end(png, NULL); /* sees a file that ends early, and a wrong checksum */
+    png_read_end(png, NULL); /* detects a truncated file and a wrong checksum */
 }
 
-/* Returns false when libpng jumped out; image->pixels may then still be set. */
+/* Returns false after an error of libpng (a longjmp); image->pixels may then be set. */
 static bool read_image(png_structp png, png_infop info, png_source *source, gscl_image *image) {
     if (setjmp(png_jmpbuf(png)))
         return false;
@@ -126,7 +126,7 @@ bool image_is_png(const uint8_t *bytes, size_t size) {
 bool image_read_png(const uint8_t *bytes, size_t size, gscl_image *image, char message[IMAGE_MESSAGE_SIZE]) {
     png_source source = {bytes, size, 0};
     gscl_image read = {0};
-    snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the memory");
+    snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the available memory");
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     const bool ok = info && read_image(png, info, &source, &read);
@@ -166,7 +166,7 @@ static bool write_image(png_structp png, png_infop info, output_file *output, co
 }
 
 bool image_write_png(output_file *output, const gscl_image *image, char message[IMAGE_MESSAGE_SIZE]) {
-    snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the memory");
+    snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the available memory");
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     const bool ok = info && write_image(png, info, output, image);

@@ -1,4 +1,4 @@
-/* PNG in memory and out to a file, with libpng. */
+/* Reads PNG from memory and writes it to an output, with libpng. */
 #ifndef GSCL_TOOL_IMAGE_PNG_H
 #define GSCL_TOOL_IMAGE_PNG_H
 
@@ -9,15 +9,15 @@
 #include "cli/output_file.h"
 #include "image/image_module.h"
 
-/* Whether the bytes start as a PNG file does. */
+/* Whether the bytes start with the signature of a PNG file. */
 bool image_is_png(const uint8_t *bytes, size_t size);
 
 /* Reads a PNG: grey or RGB with or without alpha, 8 or 16 bits; palettes and small depths become 8 bits.
  * image->pixels is released with free. */
 bool image_read_png(const uint8_t *bytes, size_t size, gscl_image *image, char message[IMAGE_MESSAGE_SIZE]);
 
-/* Writes an image of U8 or U16 samples, straight alpha and packed rows.  False with output->error set when the
- * output failed, else with a message. */
+/* Writes an image of U8 or U16 samples, straight alpha and packed rows.  On failure returns false, and sets either
+ * output->error or the message. */
 bool image_write_png(output_file *output, const gscl_image *image, char message[IMAGE_MESSAGE_SIZE]);
 
 #endif

@@ -4,7 +4,7 @@
  *
  * In the order in which to read them:
  *   image_file.h: reading and writing
- *   image_format.h: formats by name and content
+ *   image_format.h: formats by suffix and what they can hold
  *   image_png.h, image_jpeg.h, image_pnm.h: single formats
  *   image_module.h, image_oiio.cpp: the module
  *   synthetic_image.h: an image for benchmarks */

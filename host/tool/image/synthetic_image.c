@@ -4,12 +4,12 @@
 #include <stdlib.h>
 
 #define LEAVES 4000
-#define SMALLEST 3.0 /* radius, pixels; the number of leaves falls with the third power of the radius */
-#define LARGEST 200.0
+#define MIN_RADIUS 3.0 /* pixels; the density of radii falls with their third power */
+#define MAX_RADIUS 200.0
 
 typedef struct leaf {
     double x, y, radius;
-    double colour[3], slope_x[3], slope_y[3]; /* of the colour, over the radius */
+    double colour[3], slope_x[3], slope_y[3]; /* slopes of the colour, per radius */
 } leaf;
 
 static double random_unit(uint64_t *state) {
@@ -18,7 +18,8 @@ static double random_unit(uint64_t *state) {
 }
 
 static leaf random_leaf(uint64_t *random, uint32_t width, uint32_t height) {
-    const double share = random_unit(random), small = 1 / (SMALLEST * SMALLEST), large = 1 / (LARGEST * LARGEST);
+    const double share = random_unit(random), small = 1 / (MIN_RADIUS * MIN_RADIUS),
+                 large = 1 / (MAX_RADIUS * MAX_RADIUS);
     leaf l = {.x = random_unit(random) * width, .y = random_unit(random) * height};
     l.radius = 1 / sqrt(large + share * (small - large));
     const double grey = random_unit(random);

@@ -38,7 +38,7 @@ double plot_category(plot_panel *panel, const char *name) {
         if (strcmp(panel->categories[i], name) == 0)
             return (double)i;
     if (panel->category_count == PLOT_MAX_CATEGORIES)
-        return NAN; /* a point there is left out */
+        return NAN; /* drops the point */
     panel->categories[panel->category_count] = name;
     return (double)panel->category_count++;
 }

@@ -1,5 +1,5 @@
-/* What a plot shows, for the module that draws it: panels with axes and series of points.  Plain data with no pointers
- * into the heap; texts are static or the caller's, and must live as long as the plot. */
+/* The contents of a plot: panels with axes and series of points.  A module draws it.  Texts are not copied and must live as
+ * long as the plot. */
 #ifndef GSCL_TOOL_PLOT_H
 #define GSCL_TOOL_PLOT_H
 
@@ -14,10 +14,10 @@
 #define PLOT_LABEL_SIZE 64 /* bytes */
 
 typedef enum plot_style {
-    PLOT_FAINT,  /* a thin line behind everything, without points */
-    PLOT_POINTS, /* points with their labels, a line through them */
-    PLOT_DASHED, /* the same, smaller, and the line dashed */
-    PLOT_BARS    /* from the bottom of the panel; beside those of other series */
+    PLOT_FAINT,  /* a thin line behind all others, without points */
+    PLOT_POINTS, /* labelled points and a line through them */
+    PLOT_DASHED, /* smaller points without labels, and a dashed line */
+    PLOT_BARS    /* from the bottom of the panel, beside those of other series */
 } plot_style;
 
 typedef enum plot_colour {
@@ -29,13 +29,13 @@ typedef enum plot_colour {
 } plot_colour;
 
 typedef struct plot_point {
-    double x, y; /* x: of categories their number, 0 the first */
+    double x, y; /* x of a category: its number from 0 */
     char label[PLOT_LABEL_SIZE];
-    bool is_default; /* ringed, or framed */
+    bool is_default; /* drawn with a ring */
 } plot_point;
 
 typedef struct plot_series {
-    char name[PLOT_LABEL_SIZE]; /* in the legend; empty: not there */
+    char name[PLOT_LABEL_SIZE]; /* in the legend; empty: not in the legend */
     plot_style style;
     plot_colour colour;
     size_t count;
@@ -45,7 +45,7 @@ typedef struct plot_series {
 typedef struct plot_axis {
     const char *title; /* with the unit */
     bool is_log;
-    double low, high; /* both 0: as the points ask for */
+    double low, high; /* ends; both 0: chosen for the points */
 } plot_axis;
 
 typedef struct plot_panel {
@@ -66,26 +66,26 @@ typedef struct plot {
     plot_panel panels[PLOT_MAX_PANELS];
 } plot;
 
-/* All accept more than there is room for, and leave it out. */
+/* All of these drop what exceeds the capacity. */
 plot_panel *plot_add_panel(plot *p, const char *title, const char *x_title, const char *y_title);
 plot_series *plot_add_series(plot_panel *panel, const char *name, plot_style style, plot_colour colour);
-/* `label` in the manner of printf. Points that are not finite (on a logarithmic axis: not positive) are left out. */
+/* `label` is a format as of printf.  Points that are not finite (on a logarithmic axis: not positive) are dropped. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 5, 6)))
 #endif
 void plot_add_point(plot_series *series, double x, double y, bool is_default, const char *label, ...);
-/* The number of a category, which is added when it is not there yet. */
+/* The number of a category, which is added if it is new. */
 double plot_category(plot_panel *panel, const char *name);
 
 /* ---- The module, which links cairo ---- */
 
 #define PLOT_MODULE_FILE "gscl-plot.so"
-#define PLOT_MODULE_SYMBOL "gscl_plot_module" /* a plot_module */
+#define PLOT_MODULE_SYMBOL "gscl_plot_module" /* of type plot_module */
 
 typedef enum plot_format { PLOT_SVG, PLOT_PNG } plot_format;
 
 typedef struct plot_module {
-    /* Draws into a stream.  False when memory ran out or the stream failed; which of them, the stream knows. */
+    /* Draws into a stream.  Returns false when out of memory, or when the stream failed (see ferror). */
     bool (*draw)(const plot *p, plot_format format, FILE *stream);
 } plot_module;
 

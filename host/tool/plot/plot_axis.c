@@ -3,37 +3,37 @@
 #include <math.h>
 #include <string.h>
 
-#define LINEAR_TICKS 6  /* about */
-#define FEW_DECADES 3.0 /* with so few, numbers between the powers of ten are written, too */
-#define SLACK 0.06      /* of the axis, beyond the points */
+#define LINEAR_TICKS 6  /* approximate number */
+#define FEW_DECADES 3.0 /* below this, 2 and 5 times the powers of ten have ticks too */
+#define SLACK 0.06      /* part of the axis beyond the points */
 
 bool axis_shows(const axis_scale *axis, double value) {
     return !axis->is_log || value > 0;
 }
 
-static double scaled(const axis_scale *axis, double value) {
+static double to_scale(const axis_scale *axis, double value) {
     return axis->is_log ? log10(value) : value;
 }
 
-double axis_place(const axis_scale *axis, double value) {
-    const double low = scaled(axis, axis->low), high = scaled(axis, axis->high);
-    return axis->from + (axis->to - axis->from) * (scaled(axis, value) - low) / (high - low);
+double axis_position(const axis_scale *axis, double value) {
+    const double low = to_scale(axis, axis->low), high = to_scale(axis, axis->high);
+    return axis->from + (axis->to - axis->from) * (to_scale(axis, value) - low) / (high - low);
 }
 
 /* ---- Ends ---- */
 
-static void include(axis_scale *axis, double value) {
+static void include_value(axis_scale *axis, double value) {
     if (!axis_shows(axis, value))
         return;
     axis->low = fmin(axis->low, value);
     axis->high = fmax(axis->high, value);
 }
 
-/* Space around the points; bars stand on the bottom, 0 or a power of ten, and leave room for a legend above. */
-static void widen(axis_scale *axis, bool bars) {
-    if (!(axis->low <= axis->high)) /* no point at all */
+/* Adds space around the points.  Bars start at the bottom, 0 or a power of ten, and leave room for a legend above. */
+static void widen_axis(axis_scale *axis, bool bars) {
+    if (!(axis->low <= axis->high)) /* no points */
         axis->low = axis->is_log ? 0.1 : 0, axis->high = 1;
-    const double low = scaled(axis, axis->low), high = scaled(axis, axis->high);
+    const double low = to_scale(axis, axis->low), high = to_scale(axis, axis->high);
     const double slack = high > low ? SLACK * (high - low) : 0.05 * fabs(high) + 0.05;
     if (axis->is_log) {
         axis->low = bars ? pow(10, floor(low - 0.3)) : pow(10, low - slack);
@@ -53,9 +53,9 @@ static bool has_bars(const plot_panel *panel) {
 
 /* ---- Ticks ---- */
 
-/* Powers of ten that would be long are written with raised digits. */
+/* Large and small powers of ten have superscript digits. */
 static void write_value(char text[24], double value) {
-    static const char *const raised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    static const char *const superscripts[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
     const int power = (int)rint(log10(fabs(value)));
     if (value == 0 || (power >= -3 && power <= 4)) {
         snprintf(text, 24, "%g", value);
@@ -64,15 +64,15 @@ static void write_value(char text[24], double value) {
     snprintf(text, 24, "10%s", power < 0 ? "⁻" : "");
     const int size = power < 0 ? -power : power;
     if (size >= 10)
-        strcat(text, raised[size / 10]);
-    strcat(text, raised[size % 10]);
+        strcat(text, superscripts[size / 10]);
+    strcat(text, superscripts[size % 10]);
 }
 
 static void add_tick(axis_scale *axis, double value) {
-    const double low = scaled(axis, axis->low), high = scaled(axis, axis->high), tolerance = 1e-9 * (high - low);
+    const double low = to_scale(axis, axis->low), high = to_scale(axis, axis->high), tolerance = 1e-9 * (high - low);
     if (!axis->is_log && fabs(value) < tolerance)
-        value = 0; /* a multiple of the step, but for rounding */
-    const double at = scaled(axis, value);
+        value = 0; /* rounding error of a multiple of the step */
+    const double at = to_scale(axis, value);
     if (at < low - tolerance || at > high + tolerance || axis->count == AXIS_MAX_TICKS)
         return;
     axis->ticks[axis->count].value = value;
@@ -97,12 +97,12 @@ static void add_log_ticks(axis_scale *axis) {
     }
 }
 
-static axis_scale finish(axis_scale axis, const plot_axis *wanted, bool bars) {
-    if (wanted->low < wanted->high) {
-        axis.low = wanted->low;
-        axis.high = wanted->high;
+static axis_scale finish_axis(axis_scale axis, const plot_axis *settings, bool bars) {
+    if (settings->low < settings->high) {
+        axis.low = settings->low;
+        axis.high = settings->high;
     } else {
-        widen(&axis, bars);
+        widen_axis(&axis, bars);
     }
     if (axis.is_log)
         add_log_ticks(&axis);
@@ -121,16 +121,16 @@ axis_scale axis_of_x(const plot_panel *panel, double left, double right) {
     for (size_t i = 0; i < panel->count; i++)
         for (size_t k = 0; k < panel->series[i].count; k++)
             if (panel->series[i].style != PLOT_FAINT)
-                include(&axis, panel->series[i].points[k].x);
-    return finish(axis, &panel->x, false);
+                include_value(&axis, panel->series[i].points[k].x);
+    return finish_axis(axis, &panel->x, false);
 }
 
 axis_scale axis_of_y(const plot_panel *panel, double top, double bottom) {
     axis_scale axis = {.is_log = panel->y.is_log, .low = INFINITY, .high = -INFINITY, .from = bottom, .to = top};
     if (panel->guide > 0)
-        include(&axis, panel->guide);
+        include_value(&axis, panel->guide);
     for (size_t i = 0; i < panel->count; i++)
         for (size_t k = 0; k < panel->series[i].count; k++)
-            include(&axis, panel->series[i].points[k].y);
-    return finish(axis, &panel->y, has_bars(panel));
+            include_value(&axis, panel->series[i].points[k].y);
+    return finish_axis(axis, &panel->y, has_bars(panel));
 }

@@ -1,4 +1,4 @@
-/* Axes of a plot: where values lie on the paper, and which of them are written. */
+/* Axes of a plot: positions of values on the page, and ticks. */
 #ifndef GSCL_TOOL_PLOT_AXIS_H
 #define GSCL_TOOL_PLOT_AXIS_H
 
@@ -14,18 +14,18 @@ typedef struct axis_tick {
 typedef struct axis_scale {
     bool is_log;
     double low, high; /* values at the ends */
-    double from, to;  /* where they lie, in points of the paper */
+    double from, to;  /* positions of the ends, in points of the page */
     size_t count;     /* of ticks */
     axis_tick ticks[AXIS_MAX_TICKS];
 } axis_scale;
 
-/* The scales of a panel whose plot area has these edges; y grows upwards on the axis and downwards on the paper. */
+/* The scales of a panel whose plot area has these edges.  y grows upwards on the axis and downwards on the page. */
 axis_scale axis_of_x(const plot_panel *panel, double left, double right);
 axis_scale axis_of_y(const plot_panel *panel, double top, double bottom);
 
-/* A value that the axis cannot show at all: zero on a logarithmic one. */
+/* Whether the axis can show a value; a logarithmic axis shows positive values only. */
 bool axis_shows(const axis_scale *axis, double value);
-/* Where a value lies on the paper, which may be beyond the ends. */
-double axis_place(const axis_scale *axis, double value);
+/* The position of a value on the page, which may be beyond the ends. */
+double axis_position(const axis_scale *axis, double value);
 
 #endif

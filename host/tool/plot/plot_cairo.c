@@ -1,4 +1,4 @@
-/* The module that draws plots, with cairo: the same drawing into SVG and into PNG. */
+/* The module that draws plots with cairo, as SVG or as PNG. */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #include "plot/plot_axis.h"
 #include "plot/plot_labels.h"
 
-/* In points of the paper. */
+/* Lengths in points of the page. */
 #define PANEL_WIDTH 480.0
 #define PANEL_HEIGHT 338.0
 #define LEFT 62.0 /* from a panel's edge to its axes */
@@ -21,14 +21,14 @@
 #define TEXT 11.0
 #define RADIUS 3.6
 #define BAR_SHARE 0.78   /* of a category's width */
-#define FEW_CATEGORIES 5 /* whose names find room side by side */
+#define FEW_CATEGORIES 5 /* their names fit side by side */
 
 static const double colours[][3] = {
     [PLOT_GREY] = {0.72, 0.72, 0.74},  [PLOT_BLUE] = {0.00, 0.37, 0.66},   [PLOT_ORANGE] = {0.86, 0.42, 0.00},
     [PLOT_GREEN] = {0.00, 0.55, 0.40}, [PLOT_PURPLE] = {0.62, 0.28, 0.56},
 };
 
-/* A panel while it is drawn. */
+/* The state of drawing a panel. */
 typedef struct canvas {
     cairo_t *cairo;
     const plot_panel *panel;
@@ -57,7 +57,7 @@ static double text_width(cairo_t *cairo, const char *text) {
     return extents.x_advance;
 }
 
-/* `share` of the text lies left of x; y is its baseline. */
+/* `share` is the part of the text left of x; y is its baseline. */
 static void show_text(cairo_t *cairo, double x, double y, double share, const char *text) {
     cairo_move_to(cairo, x - share * text_width(cairo, text), y);
     cairo_show_text(cairo, text);
@@ -73,7 +73,7 @@ static void draw_segment(cairo_t *cairo, double x0, double y0, double x1, double
 
 static void draw_x_ticks(canvas *c) {
     for (size_t i = 0; i < c->x.count; i++) {
-        const double x = axis_place(&c->x, c->x.ticks[i].value);
+        const double x = axis_position(&c->x, c->x.ticks[i].value);
         set_grey(c->cairo, 0.9);
         draw_segment(c->cairo, x, c->top, x, c->bottom);
         set_grey(c->cairo, 0.25);
@@ -81,19 +81,19 @@ static void draw_x_ticks(canvas *c) {
     }
 }
 
-/* Names of categories; every second one lower where they are many. */
+/* Draws the names of categories, every second one lower where there are many. */
 static void draw_categories(canvas *c) {
     const size_t count = c->panel->category_count;
     set_grey(c->cairo, 0.25);
     for (size_t i = 0; i < count; i++) {
-        const double down = count > FEW_CATEGORIES && i % 2 == 1 ? 13 : 0;
-        show_text(c->cairo, axis_place(&c->x, (double)i), c->bottom + 16 + down, 0.5, c->panel->categories[i]);
+        const double offset = count > FEW_CATEGORIES && i % 2 == 1 ? 13 : 0;
+        show_text(c->cairo, axis_position(&c->x, (double)i), c->bottom + 16 + offset, 0.5, c->panel->categories[i]);
     }
 }
 
 static void draw_y_ticks(canvas *c) {
     for (size_t i = 0; i < c->y.count; i++) {
-        const double y = axis_place(&c->y, c->y.ticks[i].value);
+        const double y = axis_position(&c->y, c->y.ticks[i].value);
         set_grey(c->cairo, 0.9);
         draw_segment(c->cairo, c->left, y, c->right, y);
         set_grey(c->cairo, 0.25);
@@ -132,7 +132,7 @@ static void draw_guide(canvas *c) {
     const double dashes[] = {5, 3};
     if (!(c->panel->guide > 0))
         return;
-    const double y = axis_place(&c->y, c->panel->guide), width = text_width(c->cairo, c->panel->guide_label);
+    const double y = axis_position(&c->y, c->panel->guide), width = text_width(c->cairo, c->panel->guide_label);
     cairo_set_dash(c->cairo, dashes, 2, 0);
     set_grey(c->cairo, 0.45);
     draw_segment(c->cairo, c->left, y, c->right, y);
@@ -153,10 +153,10 @@ static void set_line(cairo_t *cairo, plot_style style) {
     cairo_set_dash(cairo, dashes, style == PLOT_DASHED ? 2 : 0, 0);
 }
 
-/* Lines end where the axes do. */
+/* Draws the line of a series, clipped to the area inside the axes. */
 static void draw_line(canvas *c, const plot_series *s) {
     double x = 0, y = 0;
-    bool begun = false;
+    bool has_start = false;
     cairo_save(c->cairo);
     cairo_rectangle(c->cairo, c->left, c->top, c->right - c->left, c->bottom - c->top);
     cairo_clip(c->cairo);
@@ -165,11 +165,11 @@ static void draw_line(canvas *c, const plot_series *s) {
     for (size_t i = 0; i < s->count; i++) {
         if (!is_shown(c, &s->points[i]))
             continue;
-        const double to_x = axis_place(&c->x, s->points[i].x), to_y = axis_place(&c->y, s->points[i].y);
+        const double to_x = axis_position(&c->x, s->points[i].x), to_y = axis_position(&c->y, s->points[i].y);
         cairo_line_to(c->cairo, to_x, to_y);
-        if (begun)
+        if (has_start)
             labels_add_line(&c->labels, x, y, to_x, to_y, s->style == PLOT_FAINT ? 1 : 4);
-        begun = true;
+        has_start = true;
         x = to_x;
         y = to_y;
     }
@@ -182,7 +182,7 @@ static void draw_dots(canvas *c, const plot_series *s) {
     for (size_t i = 0; i < s->count; i++) {
         if (!is_shown(c, &s->points[i]))
             continue;
-        const double x = axis_place(&c->x, s->points[i].x), y = axis_place(&c->y, s->points[i].y);
+        const double x = axis_position(&c->x, s->points[i].x), y = axis_position(&c->y, s->points[i].y);
         set_colour(c->cairo, s->colour);
         cairo_arc(c->cairo, x, y, radius, 0, 6.283185307179586);
         cairo_fill(c->cairo);
@@ -195,7 +195,7 @@ static void draw_dots(canvas *c, const plot_series *s) {
     }
 }
 
-/* Bars of the same category stand side by side: `at` of `count`. */
+/* Draws the bars of a series, number `at` of `count` bars that stand side by side in each category. */
 static void draw_bars(canvas *c, const plot_series *s, size_t at, size_t count) {
     const double unit = (c->right - c->left) / (double)c->panel->category_count,
                  width = BAR_SHARE * unit / (double)count;
@@ -203,8 +203,8 @@ static void draw_bars(canvas *c, const plot_series *s, size_t at, size_t count) 
     for (size_t i = 0; i < s->count; i++) {
         if (!is_shown(c, &s->points[i]))
             continue;
-        const double x = axis_place(&c->x, s->points[i].x) + ((double)at - 0.5 * (double)count) * width;
-        const double y = axis_place(&c->y, s->points[i].y);
+        const double x = axis_position(&c->x, s->points[i].x) + ((double)at - 0.5 * (double)count) * width;
+        const double y = axis_position(&c->y, s->points[i].y);
         cairo_rectangle(c->cairo, x + 0.5, y, width - 1, c->bottom - y);
         cairo_fill(c->cairo);
         labels_add(&c->labels, (label_box){x, y, width, c->bottom - y}, 30);
@@ -233,8 +233,8 @@ static void draw_series(canvas *c) {
 
 /* ---- Texts over the series ---- */
 
-/* A white ground that lets what lies behind show through a little. */
-static void draw_ground(canvas *c, label_box box) {
+/* Draws a translucent white backdrop for a text. */
+static void draw_backdrop(canvas *c, label_box box) {
     cairo_rectangle(c->cairo, box.x, box.y, box.width, box.height);
     cairo_set_source_rgba(c->cairo, 1, 1, 1, 0.75);
     cairo_fill(c->cairo);
@@ -247,9 +247,9 @@ static void draw_labels(canvas *c, const plot_series *s) {
             continue;
         set_font(c->cairo, 10, point->is_default);
         const double radius = RADIUS + (point->is_default ? 3 : 0);
-        const label_box box = labels_place(&c->labels, axis_place(&c->x, point->x), axis_place(&c->y, point->y), radius,
-                                           text_width(c->cairo, point->label), 12);
-        draw_ground(c, box);
+        const label_box box = labels_place(&c->labels, axis_position(&c->x, point->x), axis_position(&c->y, point->y),
+                                           radius, text_width(c->cairo, point->label), 12);
+        draw_backdrop(c, box);
         set_colour(c->cairo, s->colour);
         show_text(c->cairo, box.x, box.y + box.height - 3, 0, point->label);
     }
@@ -283,9 +283,9 @@ static void draw_legend(canvas *c) {
     if (rows == 0)
         return;
     const label_box box = labels_place_in_corner(&c->labels, width + 36, 15 * rows + 6);
-    draw_ground(c, box);
+    draw_backdrop(c, box);
     double y = box.y + 11;
-    for (int faint = 0; faint < 2; faint++) /* what is behind comes last */
+    for (int faint = 0; faint < 2; faint++) /* faint series come last */
         for (size_t i = 0; i < c->panel->count; i++) {
             const plot_series *s = &c->panel->series[i];
             if (!s->name[0] || s->count == 0 || (s->style == PLOT_FAINT) != faint)
