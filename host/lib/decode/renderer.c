@@ -6,6 +6,7 @@
 
 #include "cl/constants.h"
 #include "image/image.h"
+#include "runtime/mapping.h"
 
 #define SPARE_ENTRIES 8  /* behind the last list: searches load vectors of entries */
 #define FEW_ENTRIES 1024 /* that a row of tiles has room for beside one for each splat: few splats may be wide */

@@ -4,6 +4,7 @@
 #define GSCL_LIB_RENDER_H
 
 #include "cl/structs.h"
+#include "runtime/mapping.h"
 #include "runtime/opencl.h"
 #include "runtime/programs.h"
 

@@ -4,6 +4,7 @@
 
 #include "cl/constants.h"
 #include "cl/structs.h"
+#include "runtime/mapping.h"
 
 #define WINDOW 11 /* pixels */
 #define MOMENTS 5

@@ -9,6 +9,7 @@
 #include "measure/accuracy_quantiser.h"
 #include "measure/reference.h"
 #include "measure/subject.h"
+#include "runtime/mapping.h"
 
 #define MAX_VARIANTS 24
 

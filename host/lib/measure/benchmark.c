@@ -7,6 +7,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/random.h"
+#include "runtime/mapping.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
 

@@ -3,11 +3,17 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "runtime/text.h"
+
+#define MAX_LOG_MESSAGE 4096 /* bytes, the NUL included */
+
 gscl_result gscl_fail(gscl_context *context, gscl_result result, const char *format, ...) {
+    char whole[2 * GSCL_MESSAGE_SIZE];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(context->message, sizeof context->message, format, arguments);
+    vsnprintf(whole, sizeof whole, format, arguments);
     va_end(arguments);
+    gscl_text_shorten(context->message, sizeof context->message, whole);
     return result;
 }
 
@@ -18,7 +24,7 @@ gscl_result gscl_fail_memory(gscl_context *context) {
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...) {
     if (!context->log)
         return;
-    char text[4096];
+    char text[MAX_LOG_MESSAGE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);

@@ -9,8 +9,8 @@
 
 #define GSCL_MESSAGE_SIZE 512
 
-struct gscl_program; /* programs.h */
-struct gscl_timings; /* timing.h */
+struct gscl_program; /* programs.c */
+struct gscl_timings; /* timing.c */
 
 /* Wall-clock time and number of runs of one stage. */
 typedef struct gscl_stage_time_sum {
@@ -33,9 +33,10 @@ struct gscl_context {
     cl_context cl;
     cl_command_queue queue;
     gscl_device_info info;
-    bool gpu_mapping;
+    bool is_cpu;                   /* the device is a CPU */
+    bool gpu_mapping;              /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
     struct gscl_program *programs; /* built so far, a list */
-    bool needs_header;             /* cl/builtins.h was not enough for one of them */
+    bool own_builtins;             /* programs declare built-in functions with cl/builtins.h (programs.c) */
     gscl_stage_clock clock;
     struct gscl_timings *timings; /* NULL unless the caller asked for timings */
     void *decoder;                /* what decodes keep from one to the next (decode/decode.c), or NULL */
@@ -46,7 +47,7 @@ struct gscl_context {
 };
 
 /* Keeps the message (printf-style) of an error and returns `result`, so that a function can end with
- * `return gscl_fail(context, GSCL_ERROR_..., "...")`. */
+ * `return gscl_fail(context, GSCL_ERROR_..., "...")`.  A message beyond GSCL_MESSAGE_SIZE ends with "...". */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif

@@ -1,105 +1,33 @@
 #include "runtime/device.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_PLATFORMS 16
-#define MAX_DEVICES 64
-
-typedef struct device_list {
-    size_t count;
-    cl_platform_id platforms[MAX_DEVICES];
-    cl_device_id devices[MAX_DEVICES];
-    gscl_device_info infos[MAX_DEVICES];
-} device_list;
-
-static void describe(cl_platform_id platform, cl_device_id device, cl_device_type type, gscl_device_info *info) {
-    cl_ulong memory = 0, allocation = 0;
-    cl_uint units = 0;
-    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof info->platform_name, info->platform_name, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_NAME, sizeof info->device_name, info->device_name, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_VERSION, sizeof info->device_version, info->device_version, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof allocation, &allocation, NULL);
-    info->is_gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
-    info->compute_units = units;
-    info->memory_bytes = memory;
-    info->max_allocation_bytes = allocation;
-}
-
-/* 3 for a GPU, 2 for an accelerator, 1 for a CPU. */
-static int preference(cl_device_type type) {
-    return type & CL_DEVICE_TYPE_GPU ? 3 : type & CL_DEVICE_TYPE_ACCELERATOR ? 2 : 1;
-}
-
-static void mark_default(device_list *list, const int *preferences) {
-    static const char *const reasons[] = {"", "the first CPU; there is no GPU or accelerator",
-                                          "the first accelerator; there is no GPU", "the first GPU"};
-    size_t best = 0;
-    for (size_t i = 1; i < list->count; i++)
-        if (preferences[i] > preferences[best])
-            best = i;
-    if (list->count == 0)
-        return;
-    list->infos[best].is_default = true;
-    snprintf(list->infos[best].why_default, sizeof list->infos[best].why_default, "%s", reasons[preferences[best]]);
-}
-
-/* Lists every available device with a compiler. */
-static void list_devices(device_list *list) {
-    cl_platform_id platforms[MAX_PLATFORMS];
-    cl_uint platform_count = 0;
-    int preferences[MAX_DEVICES];
-    memset(list, 0, sizeof *list);
-    if (clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count) != CL_SUCCESS)
-        return;
-    if (platform_count > MAX_PLATFORMS)
-        platform_count = MAX_PLATFORMS;
-    for (cl_uint p = 0; p < platform_count; p++) {
-        cl_device_id devices[MAX_DEVICES];
-        cl_uint device_count = 0;
-        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, devices, &device_count) != CL_SUCCESS)
-            continue;
-        for (cl_uint d = 0; d < device_count && d < MAX_DEVICES && list->count < MAX_DEVICES; d++) {
-            cl_device_type type = CL_DEVICE_TYPE_CPU;
-            cl_bool usable = CL_FALSE;
-            clGetDeviceInfo(devices[d], CL_DEVICE_COMPILER_AVAILABLE, sizeof usable, &usable, NULL);
-            clGetDeviceInfo(devices[d], CL_DEVICE_TYPE, sizeof type, &type, NULL);
-            if (!usable)
-                continue;
-            gscl_device_info *info = &list->infos[list->count];
-            describe(platforms[p], devices[d], type, info);
-            snprintf(info->id, sizeof info->id, "%u.%u", (unsigned)p, (unsigned)d);
-            preferences[list->count] = preference(type);
-            list->platforms[list->count] = platforms[p];
-            list->devices[list->count++] = devices[d];
-        }
-    }
-    mark_default(list, preferences);
-}
+#include "runtime/device_list.h"
+#include "runtime/text.h"
 
 gscl_result gscl_list_devices(gscl_device_info **devices) {
     if (!devices)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    device_list *list = malloc(sizeof *list);
-    if (!list)
+    gscl_device_list list;
+    gscl_result result = gscl_device_list_create(&list);
+    gscl_device_info *infos = result == GSCL_OK ? malloc((list.count + 1) * sizeof *infos) : NULL;
+    size_t usable = 0;
+    for (size_t i = 0; infos && i < list.count; i++)
+        if (!list.devices[i].unusable[0])
+            infos[usable++] = list.devices[i].info;
+    for (size_t i = 0; i + 1 < usable; i++)
+        infos[i].next = &infos[i + 1];
+    gscl_device_list_free(&list);
+    if (!infos)
         return GSCL_ERROR_OUT_OF_MEMORY;
-    list_devices(list);
-    gscl_device_info *infos = malloc((list->count ? list->count : 1) * sizeof *infos);
-    gscl_result result = !infos ? GSCL_ERROR_OUT_OF_MEMORY : list->count == 0 ? GSCL_ERROR_NO_PLATFORM : GSCL_OK;
-    if (result == GSCL_OK) {
-        memcpy(infos, list->infos, list->count * sizeof *infos);
-        for (size_t i = 0; i + 1 < list->count; i++)
-            infos[i].next = &infos[i + 1];
-        *devices = infos;
-    } else {
+    if (usable == 0) {
         free(infos);
+        return GSCL_ERROR_NO_PLATFORM;
     }
-    free(list);
-    return result;
+    *devices = infos;
+    return GSCL_OK;
 }
 
 static bool contains_ignoring_case(const char *text, const char *part) {
@@ -113,7 +41,8 @@ static bool contains_ignoring_case(const char *text, const char *part) {
     return false;
 }
 
-static bool matches(const gscl_device_info *info, const char *selector) {
+/* Devices that the caller may mean.  A NULL selector means the default device. */
+static bool device_matches(const gscl_device_info *info, const char *selector) {
     if (!selector)
         return info->is_default;
     if (isdigit((unsigned char)selector[0]))
@@ -121,50 +50,72 @@ static bool matches(const gscl_device_info *info, const char *selector) {
     return contains_ignoring_case(info->device_name, selector) || contains_ignoring_case(info->platform_name, selector);
 }
 
-/* "0.0 (name), 0.1 (name)" of all devices or of those that match; cut short when it does not fit. */
-static void name_devices(const device_list *list, const char *selector, char *text, size_t size) {
-    size_t length = 0;
-    text[0] = 0;
-    for (size_t i = 0; i < list->count && length < size; i++)
-        if (!selector || matches(&list->infos[i], selector))
-            length += (size_t)snprintf(text + length, size - length, "%s%s (%.40s)", length ? ", " : "",
-                                       list->infos[i].id, list->infos[i].device_name);
+/* "0.0 (name), 0.1 (name)" of the usable devices that match; NULL: of all usable ones.  Ends with "..." where the text
+ * is full. */
+static void device_list_name(const gscl_device_list *list, const char *selector, char *bytes, size_t size) {
+    static const char more[] = ", ...";
+    gscl_text text = gscl_text_begin(bytes, size - (sizeof more - 1));
+    for (size_t i = 0; i < list->count; i++) {
+        const gscl_listed_device *d = &list->devices[i];
+        char name[41];
+        if (d->unusable[0] || (selector && !device_matches(&d->info, selector)))
+            continue;
+        gscl_text_shorten(name, sizeof name, d->info.device_name);
+        gscl_text_append(&text, "%s%s (%s)", text.length ? ", " : "", d->info.id, name);
+    }
+    if (text.overflow)
+        memcpy(bytes + text.length, more, sizeof more);
 }
 
-static gscl_result choose(gscl_context *context, const device_list *list, const char *selector) {
+static gscl_result device_fail_unusable(gscl_context *context, gscl_result result, const gscl_listed_device *d) {
+    return gscl_fail(context, result, "OpenCL device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
+}
+
+/* No usable device matches. */
+static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
     char names[320];
-    size_t found = 0, at = 0;
     if (list->count == 0)
         return gscl_fail(
             context, GSCL_ERROR_NO_PLATFORM,
             "no OpenCL device was found; install an OpenCL implementation, such as the package pocl-opencl-icd");
+    if (!selector) /* no default: none can be used */
+        return device_fail_unusable(context, GSCL_ERROR_NO_PLATFORM, &list->devices[0]);
     for (size_t i = 0; i < list->count; i++)
-        if (matches(&list->infos[i], selector)) {
+        if (device_matches(&list->devices[i].info, selector))
+            return device_fail_unusable(context, GSCL_ERROR_UNKNOWN_DEVICE, &list->devices[i]);
+    device_list_name(list, NULL, names, sizeof names);
+    return gscl_fail(context, GSCL_ERROR_UNKNOWN_DEVICE, "no OpenCL device matches \"%.60s\"; there is %s", selector,
+                     names[0] ? names : "none that can be used");
+}
+
+static gscl_result device_choose(gscl_context *context, const gscl_device_list *list, const char *selector) {
+    size_t found = 0;
+    const gscl_listed_device *chosen = NULL;
+    for (size_t i = 0; i < list->count; i++)
+        if (!list->devices[i].unusable[0] && device_matches(&list->devices[i].info, selector)) {
+            chosen = &list->devices[i];
             found++;
-            at = i;
         }
-    if (found == 0) {
-        name_devices(list, NULL, names, sizeof names);
-        return gscl_fail(context, GSCL_ERROR_UNKNOWN_DEVICE, "no OpenCL device matches \"%.60s\"; there is %s",
-                         selector, names);
-    }
+    if (found == 0)
+        return device_fail_none(context, list, selector);
     if (found > 1) {
-        name_devices(list, selector, names, sizeof names);
+        char names[320];
+        device_list_name(list, selector, names, sizeof names);
         return gscl_fail(context, GSCL_ERROR_AMBIGUOUS_DEVICE, "\"%.60s\" matches more than one OpenCL device: %s",
                          selector, names);
     }
-    context->platform = list->platforms[at];
-    context->device = list->devices[at];
-    context->info = list->infos[at];
+    context->platform = chosen->platform;
+    context->device = chosen->device;
+    context->info = chosen->info;
+    context->is_cpu = (chosen->type & CL_DEVICE_TYPE_CPU) != 0;
+    context->own_builtins = chosen->is_pocl_3;
     return GSCL_OK;
 }
 
 gscl_result gscl_device_choose(gscl_context *context, const char *selector) {
-    device_list *list = malloc(sizeof *list);
-    if (!list)
-        return gscl_fail_memory(context);
-    list_devices(list);
-    gscl_result result = choose(context, list, selector);
-    free(list);
+    gscl_device_list list;
+    gscl_result result = gscl_device_list_create(&list);
+    result = result == GSCL_OK ? device_choose(context, &list, selector) : gscl_fail_memory(context);
+    gscl_device_list_free(&list);
     return result;
 }

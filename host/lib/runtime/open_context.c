@@ -13,14 +13,22 @@ void gscl_context_settings_init(gscl_context_settings *settings, size_t struct_s
     gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
+/* Logs what the OpenCL implementation says of a context on its own account.  The implementation may call it at any time
+ * and from any thread. */
+static void CL_CALLBACK log_notice(const char *text, const void *details, size_t size, void *context) {
+    (void)details;
+    (void)size;
+    gscl_log(context, GSCL_LOG_WARNING, "OpenCL: %s", text ? text : "");
+}
+
 static gscl_result open_device(gscl_context *context) {
     cl_int error;
     const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)context->platform, 0};
-    context->cl = clCreateContext(properties, 1, &context->device, NULL, NULL, &error);
+    context->cl = clCreateContext(properties, 1, &context->device, log_notice, context, &error);
     if (error != CL_SUCCESS)
         return gscl_cl_fail(context, error, "clCreateContext");
-    cl_command_queue_properties measured = context->timings ? CL_QUEUE_PROFILING_ENABLE : 0;
-    context->queue = clCreateCommandQueue(context->cl, context->device, measured, &error);
+    const cl_command_queue_properties queue_properties = context->timings ? CL_QUEUE_PROFILING_ENABLE : 0;
+    context->queue = clCreateCommandQueue(context->cl, context->device, queue_properties, &error);
     if (error != CL_SUCCESS)
         return gscl_cl_fail(context, error, "clCreateCommandQueue");
     return GSCL_OK;
@@ -40,9 +48,7 @@ gscl_result gscl_context_create(gscl_context **context, const gscl_context_setti
     if ((int)s.mapping < GSCL_MAPPING_AUTO || s.mapping > GSCL_MAPPING_GPU)
         return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu", (int)s.mapping);
     GSCL_TRY(gscl_device_choose(c, s.device));
-    cl_device_type type = CL_DEVICE_TYPE_CPU;
-    GSCL_CL(c, clGetDeviceInfo(c->device, CL_DEVICE_TYPE, sizeof type, &type, NULL));
-    c->gpu_mapping = s.mapping == GSCL_MAPPING_AUTO ? !(type & CL_DEVICE_TYPE_CPU) : s.mapping == GSCL_MAPPING_GPU;
+    c->gpu_mapping = s.mapping == GSCL_MAPPING_AUTO ? !c->is_cpu : s.mapping == GSCL_MAPPING_GPU;
     gscl_log(c, GSCL_LOG_INFO, "device %s: %s (%s mapping)", c->info.id, c->info.device_name,
              c->gpu_mapping ? "GPU" : "CPU");
     if (s.timing)

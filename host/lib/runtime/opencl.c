@@ -1,51 +1,29 @@
 #include "runtime/opencl.h"
 
 #include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
 
+#include "runtime/cl_names.h"
 #include "runtime/timing.h"
 
-#define LARGEST_PIXEL_VECTOR 64 /* bytes: 16 floats */
+#define MAX_PIXEL_VECTOR 64 /* bytes: 16 floats */
 
-const char *gscl_cl_error_name(cl_int error) {
-    static const struct {
-        cl_int code;
-        const char *name;
-    } names[] = {
-        {CL_DEVICE_NOT_FOUND, "CL_DEVICE_NOT_FOUND"},
-        {CL_DEVICE_NOT_AVAILABLE, "CL_DEVICE_NOT_AVAILABLE"},
-        {CL_COMPILER_NOT_AVAILABLE, "CL_COMPILER_NOT_AVAILABLE"},
-        {CL_MEM_OBJECT_ALLOCATION_FAILURE, "CL_MEM_OBJECT_ALLOCATION_FAILURE"},
-        {CL_OUT_OF_RESOURCES, "CL_OUT_OF_RESOURCES"},
-        {CL_OUT_OF_HOST_MEMORY, "CL_OUT_OF_HOST_MEMORY"},
-        {CL_BUILD_PROGRAM_FAILURE, "CL_BUILD_PROGRAM_FAILURE"},
-        {CL_INVALID_VALUE, "CL_INVALID_VALUE"},
-        {CL_INVALID_KERNEL_NAME, "CL_INVALID_KERNEL_NAME"},
-        {CL_INVALID_KERNEL_ARGS, "CL_INVALID_KERNEL_ARGS"},
-        {CL_INVALID_ARG_INDEX, "CL_INVALID_ARG_INDEX"},
-        {CL_INVALID_ARG_SIZE, "CL_INVALID_ARG_SIZE"},
-        {CL_INVALID_WORK_GROUP_SIZE, "CL_INVALID_WORK_GROUP_SIZE"},
-        {CL_INVALID_BUFFER_SIZE, "CL_INVALID_BUFFER_SIZE"},
-        {CL_INVALID_PLATFORM, "CL_INVALID_PLATFORM"},
-        {CL_INVALID_DEVICE, "CL_INVALID_DEVICE"},
-        {CL_INVALID_OPERATION, "CL_INVALID_OPERATION"},
-    };
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (names[i].code == error)
-            return names[i].name;
-    return "OpenCL error";
-}
-
-gscl_result gscl_cl_fail(gscl_context *context, cl_int error, const char *call) {
+/* `subject`: what the call was about, such as " of kernel bin", or "". */
+static gscl_result cl_fail(gscl_context *context, cl_int error, const char *call, const char *subject) {
     gscl_result result = GSCL_ERROR_DEVICE_FAILED;
-    if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_OUT_OF_RESOURCES || error == CL_INVALID_BUFFER_SIZE)
+    if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_INVALID_BUFFER_SIZE)
         result = GSCL_ERROR_DEVICE_MEMORY;
     if (error == CL_OUT_OF_HOST_MEMORY)
         result = GSCL_ERROR_OUT_OF_MEMORY;
-    int length = 0; /* the function's name is enough */
-    while (call[length] && call[length] != '(')
-        length++;
-    return gscl_fail(context, result, "%.*s on %s: %s (%d)", length, call, context->info.device_name,
-                     gscl_cl_error_name(error), (int)error);
+    const int length = (int)strcspn(call, "("); /* the function's name is enough */
+    return gscl_fail(context, result, "%.*s%s on %s: %s%s (%d)", length, call, subject, context->info.device_name,
+                     error == CL_OUT_OF_RESOURCES ? "the device ran out of resources, " : "", gscl_cl_error_name(error),
+                     (int)error);
+}
+
+gscl_result gscl_cl_fail(gscl_context *context, cl_int error, const char *call) {
+    return cl_fail(context, error, call, "");
 }
 
 static gscl_result buffer_create(gscl_context *context, size_t size, cl_mem *memory) {
@@ -67,7 +45,7 @@ gscl_result gscl_buffer_reserve(gscl_context *context, gscl_buffer *buffer, size
 
 gscl_result gscl_buffer_reserve_image(gscl_context *context, gscl_buffer *buffer, size_t size) {
     const cl_float one = 1.0f;
-    size += LARGEST_PIXEL_VECTOR;
+    size += MAX_PIXEL_VECTOR;
     if (buffer->memory && size <= buffer->size)
         return GSCL_OK;
     GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
@@ -104,36 +82,37 @@ void gscl_buffer_free(gscl_buffer *buffer) {
     *buffer = (gscl_buffer){NULL, 0};
 }
 
-static gscl_result write_buffer(gscl_context *context, const gscl_buffer *buffer, cl_bool waits, size_t offset,
+static gscl_result buffer_write(gscl_context *context, const gscl_buffer *buffer, cl_bool blocking, size_t offset,
                                 const void *data, size_t size) {
     if (size > 0)
         GSCL_CL(context,
-                clEnqueueWriteBuffer(context->queue, buffer->memory, waits, offset, size, data, 0, NULL, NULL));
+                clEnqueueWriteBuffer(context->queue, buffer->memory, blocking, offset, size, data, 0, NULL, NULL));
     return GSCL_OK;
 }
 
-static gscl_result read_buffer(gscl_context *context, const gscl_buffer *buffer, cl_bool waits, size_t offset,
+static gscl_result buffer_read(gscl_context *context, const gscl_buffer *buffer, cl_bool blocking, size_t offset,
                                void *data, size_t size) {
     if (size > 0)
-        GSCL_CL(context, clEnqueueReadBuffer(context->queue, buffer->memory, waits, offset, size, data, 0, NULL, NULL));
+        GSCL_CL(context,
+                clEnqueueReadBuffer(context->queue, buffer->memory, blocking, offset, size, data, 0, NULL, NULL));
     return GSCL_OK;
 }
 
 gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
                               size_t size) {
-    return write_buffer(context, buffer, CL_TRUE, offset, data, size);
+    return buffer_write(context, buffer, CL_TRUE, offset, data, size);
 }
 
 gscl_result gscl_buffer_write_async(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size) {
-    return write_buffer(context, buffer, CL_FALSE, 0, data, size);
+    return buffer_write(context, buffer, CL_FALSE, 0, data, size);
 }
 
 gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, size_t offset, void *data, size_t size) {
-    return read_buffer(context, buffer, CL_TRUE, offset, data, size);
+    return buffer_read(context, buffer, CL_TRUE, offset, data, size);
 }
 
 gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size) {
-    return read_buffer(context, buffer, CL_FALSE, 0, data, size);
+    return buffer_read(context, buffer, CL_FALSE, 0, data, size);
 }
 
 gscl_result gscl_finish(gscl_context *context) {
@@ -163,14 +142,43 @@ gscl_result gscl_buffer_zero(gscl_context *context, const gscl_buffer *buffer, s
     return GSCL_OK;
 }
 
+static gscl_result launch_fail(gscl_context *context, cl_kernel kernel, cl_int error, const char *call) {
+    char name[GSCL_MAX_KERNEL_NAME], subject[GSCL_MAX_KERNEL_NAME + 16];
+    gscl_kernel_name(kernel, name);
+    snprintf(subject, sizeof subject, " of kernel %s", name);
+    return cl_fail(context, error, call, subject);
+}
+
+#ifndef NDEBUG
+/* OpenCL itself does not notice a missing argument that an earlier launch has set. */
+static gscl_result launch_check_count(gscl_context *context, cl_kernel kernel, size_t count) {
+    cl_uint expected = 0;
+    char name[GSCL_MAX_KERNEL_NAME];
+    const cl_int error = clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof expected, &expected, NULL);
+    if (error != CL_SUCCESS)
+        return launch_fail(context, kernel, error, "clGetKernelInfo");
+    gscl_kernel_name(kernel, name);
+    return count == expected
+               ? GSCL_OK
+               : gscl_fail(context, GSCL_ERROR_DEVICE_FAILED, "kernel %s takes %u arguments, it was launched with %zu",
+                           name, (unsigned)expected, count);
+}
+#endif
+
 gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups, size_t group_size,
                          const gscl_argument *arguments, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        GSCL_CL(context, clSetKernelArg(kernel, (cl_uint)i, arguments[i].size, arguments[i].value));
+    const size_t global_size = groups * group_size;
+    cl_int error = CL_SUCCESS;
+#ifndef NDEBUG
+    GSCL_TRY(launch_check_count(context, kernel, count));
+#endif
+    for (size_t i = 0; i < count && error == CL_SUCCESS; i++)
+        error = clSetKernelArg(kernel, (cl_uint)i, arguments[i].size, arguments[i].value);
+    if (error != CL_SUCCESS)
+        return launch_fail(context, kernel, error, "clSetKernelArg");
     if (groups == 0)
         return GSCL_OK;
-    size_t global = groups * group_size;
-    GSCL_CL(context, clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global, &group_size, 0, NULL,
-                                            gscl_timing_event(context, kernel)));
-    return GSCL_OK;
+    error = clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global_size, &group_size, 0, NULL,
+                                   gscl_timing_event(context, kernel));
+    return error == CL_SUCCESS ? GSCL_OK : launch_fail(context, kernel, error, "clEnqueueNDRangeKernel");
 }

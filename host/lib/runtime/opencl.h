@@ -4,10 +4,7 @@
 
 #include "runtime/context.h"
 
-/* The name of an OpenCL error code; never NULL. */
-const char *gscl_cl_error_name(cl_int error);
-
-/* Keeps "CALL: ERROR" as the message and gives the result that fits the error. */
+/* Keeps "CALL on DEVICE: ERROR" as the message and returns the result that fits the error. */
 gscl_result gscl_cl_fail(gscl_context *context, cl_int error, const char *call);
 
 /* Makes an OpenCL call; returns from the function when it fails. */
@@ -51,9 +48,9 @@ gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, con
 gscl_result gscl_buffer_zero(gscl_context *context, const gscl_buffer *buffer, size_t offset, size_t size);
 
 /* Sets arguments 0, 1, ... of a kernel from (size, pointer) pairs and enqueues `groups` work-groups of
- * `group_size` work-items in one dimension. */
+ * `group_size` work-items in one dimension.  Messages name the kernel.  Debug builds check the number of arguments. */
 typedef struct gscl_argument {
-    size_t size;
+    size_t size; /* bytes */
     const void *value;
 } gscl_argument;
 #define GSCL_ARG(x) ((gscl_argument){sizeof(x), &(x)})

@@ -1,24 +1,24 @@
 #include "runtime/programs.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/constants.h"
+#include "runtime/build_options.h"
+#include "runtime/cl_names.h"
 #include "runtime/kernel_sources.h"
 #include "runtime/opencl.h"
 #include "runtime/timing.h"
 
-#define MAX_FILES 12
-#define MAX_KERNELS 16
-#define MAX_OPTIONS 384
-#define SPARE_HEADER " -D_OPENCL_H_ -DGSCL_BUILTINS" /* cl/builtins.h */
+#define MAX_FILES 12   /* source files of a program */
+#define MAX_KERNELS 16 /* of a program */
+/* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
+#define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
 
 struct gscl_program {
     struct gscl_program *next;
     gscl_program_kind kind;
-    char options[MAX_OPTIONS];
+    char options[GSCL_MAX_BUILD_OPTIONS];
     cl_program program;
     size_t kernel_count;
     struct {
@@ -44,72 +44,6 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_ACCURACY] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "accuracy.cl"},
 };
 
-/* The two mappings of pixels to work-items (cl/pixel.cl). */
-#define CPU_LANES 16
-#define CPU_ROWS 16
-#define CPU_CACHED_ROWS 512 /* 32 KB of a work-item's own memory */
-#define GPU_LANES 4
-#define GPU_ROWS 1
-
-int gscl_mapping_lanes(const gscl_context *context) {
-    return context->gpu_mapping ? GPU_LANES : CPU_LANES;
-}
-static int mapping_rows(const gscl_context *context) {
-    return context->gpu_mapping ? GPU_ROWS : CPU_ROWS;
-}
-
-/* Only a fit has so many steps that the longer build pays. */
-int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind) {
-    return kind == GSCL_PROGRAM_FIT && !context->gpu_mapping ? GSCL_MAX_SPLAT_LANES : 1;
-}
-
-size_t gscl_tile_group_size(const gscl_context *context) {
-    return (size_t)(GSCL_TILE / gscl_mapping_lanes(context)) * (size_t)(GSCL_TILE / mapping_rows(context));
-}
-
-size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {
-    int lanes = gscl_mapping_lanes(context);
-    size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;
-    return (chunks + group_size - 1) / group_size;
-}
-
-/* What only accuracy.c asks for.  Constants of the double kernels are doubles. */
-static void append_exactness(const gscl_kernel_options *options, char text[MAX_OPTIONS]) {
-    size_t length = strlen(text);
-    const char *suffix = options->is_double ? "" : "f";
-    double support = options->support > 0 ? options->support : (double)GSCL_SUPPORT;
-    if (options->support > 0 || options->is_double)
-        length +=
-            (size_t)snprintf(text + length, MAX_OPTIONS - length, " -DGSCL_SUPPORT=%.17e%s -DGSCL_WEIGHT_FLOOR=%.17e%s",
-                             support, suffix, exp(-support), suffix);
-    if (options->is_double)
-        length += (size_t)snprintf(text + length, MAX_OPTIONS - length, " -DDOUBLE -DGSCL_MAX_ALPHA=0.999");
-    if (options->exponential)
-        length += (size_t)snprintf(text + length, MAX_OPTIONS - length, " -DEXPONENTIAL=%d", options->exponential);
-    if (options->early_stop > 0)
-        snprintf(text + length, MAX_OPTIONS - length, " -DEARLY_STOP=%.9ef", options->early_stop);
-}
-
-static void options_text(const gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
-                         char text[MAX_OPTIONS]) {
-    int length = snprintf(text, MAX_OPTIONS, "-cl-std=CL1.2");
-    if (kind == GSCL_PROGRAM_IMAGE)
-        return;
-    bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
-    length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLANES=%d -DROWS=%d -DSPLAT_LANES=%d",
-                       gscl_mapping_lanes(context), mapping_rows(context), gscl_splat_lanes(context, kind));
-    length +=
-        snprintf(text + length, MAX_OPTIONS - (size_t)length,
-                 " -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d -DSHAPE=%d", options->blend,
-                 options->colours, options->alpha_channel, options->opacity, options->texture, options->shape);
-    if (fits || kind == GSCL_PROGRAM_SCALAR_RDO)
-        length += snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DWEIGHTED=%d", options->weighted);
-    if (fits)
-        snprintf(text + length, MAX_OPTIONS - (size_t)length, " -DLOSS=%d -DCACHED_ROWS=%d", options->loss,
-                 context->gpu_mapping ? 0 : CPU_CACHED_ROWS);
-    append_exactness(options, text);
-}
-
 static const struct gscl_kernel_source *find_source(const char *name) {
     for (size_t i = 0; i < gscl_kernel_source_count; i++)
         if (strcmp(gscl_kernel_sources[i].name, name) == 0)
@@ -117,15 +51,25 @@ static const struct gscl_kernel_source *find_source(const char *name) {
     return NULL;
 }
 
-/* Logs what the compiler said, and keeps the first line of it as the message. */
-static gscl_result build_failed(gscl_context *context, struct gscl_program *program, cl_int error) {
+/* What the compiler said, to be freed; NULL when it cannot be read. */
+static char *program_build_log(const gscl_context *context, const struct gscl_program *program) {
     size_t size = 0;
-    clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size);
+    if (clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) != CL_SUCCESS)
+        return NULL;
     char *log = calloc(size + 1, 1);
-    if (log)
-        clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, size, log, NULL);
+    if (log &&
+        clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, size, log, NULL) != CL_SUCCESS) {
+        free(log);
+        log = NULL;
+    }
+    return log;
+}
+
+/* Logs what the compiler said, and keeps its first line as the message. */
+static gscl_result program_build_fail(gscl_context *context, const struct gscl_program *program, cl_int error) {
+    char *log = program_build_log(context, program);
     gscl_log(context, GSCL_LOG_ERROR, "kernel build with %s: %s", program->options, log ? log : "");
-    gscl_result result =
+    const gscl_result result =
         gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "%s could not build the kernels (%s) with %s: %.*s",
                   context->info.device_name, gscl_cl_error_name(error), program->options,
                   log ? (int)strcspn(log, "\n") : 0, log ? log : "");
@@ -133,7 +77,7 @@ static gscl_result build_failed(gscl_context *context, struct gscl_program *prog
     return result;
 }
 
-/* From the source files; takes the place of what was created before. */
+/* Creates the program from its source files, in place of one that was created before. */
 static gscl_result program_create(gscl_context *context, struct gscl_program *program) {
     const char *texts[MAX_FILES];
     size_t lengths[MAX_FILES];
@@ -153,31 +97,30 @@ static gscl_result program_create(gscl_context *context, struct gscl_program *pr
     return error == CL_SUCCESS ? GSCL_OK : gscl_cl_fail(context, error, "clCreateProgramWithSource");
 }
 
-/* Whether cl/builtins.h may stand for the compiler's header; it has no double precision. */
-static bool can_spare_header(const gscl_context *context, gscl_program_kind kind) {
-    char version[256] = "";
-    clGetPlatformInfo(context->platform, CL_PLATFORM_VERSION, sizeof version, version, NULL);
-    return !context->needs_header && kind != GSCL_PROGRAM_ACCURACY && strstr(version, "PoCL 3.");
+/* Creates and builds the program.  `extra`: options beyond its own. */
+static gscl_result program_try_build(gscl_context *context, struct gscl_program *program, const char *extra,
+                                     cl_int *error) {
+    char options[GSCL_MAX_BUILD_OPTIONS + sizeof OWN_BUILTINS];
+    snprintf(options, sizeof options, "%s%s", program->options, extra); /* always fits */
+    GSCL_TRY(program_create(context, program));
+    *error = clBuildProgram(program->program, 1, &context->device, options, NULL, NULL);
+    return GSCL_OK;
 }
 
+/* cl/builtins.h has no double precision. */
 static gscl_result program_build(gscl_context *context, struct gscl_program *program) {
-    char options[MAX_OPTIONS + sizeof SPARE_HEADER];
-    double start = gscl_now();
+    const double start = gscl_now();
     cl_int error = CL_BUILD_PROGRAM_FAILURE;
-    if (can_spare_header(context, program->kind)) {
-        snprintf(options, sizeof options, "%s%s", program->options, SPARE_HEADER);
-        GSCL_TRY(program_create(context, program));
-        error = clBuildProgram(program->program, 1, &context->device, options, NULL, NULL);
-        context->needs_header = error != CL_SUCCESS;
-        if (context->needs_header)
+    if (context->own_builtins && program->kind != GSCL_PROGRAM_ACCURACY) {
+        GSCL_TRY(program_try_build(context, program, OWN_BUILTINS, &error));
+        context->own_builtins = error == CL_SUCCESS;
+        if (error != CL_SUCCESS)
             gscl_log(context, GSCL_LOG_DEBUG, "cl/builtins.h is not enough for %s", program->options);
     }
-    if (error != CL_SUCCESS) {
-        GSCL_TRY(program_create(context, program));
-        error = clBuildProgram(program->program, 1, &context->device, program->options, NULL, NULL);
-    }
+    if (error != CL_SUCCESS)
+        GSCL_TRY(program_try_build(context, program, "", &error));
     gscl_log(context, GSCL_LOG_DEBUG, "loaded a program in %.0f ms: %s", 1e3 * (gscl_now() - start), program->options);
-    return error == CL_SUCCESS ? GSCL_OK : build_failed(context, program, error);
+    return error == CL_SUCCESS ? GSCL_OK : program_build_fail(context, program, error);
 }
 
 static void program_free(struct gscl_program *program) {
@@ -190,8 +133,8 @@ static void program_free(struct gscl_program *program) {
 
 static gscl_result program_get(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                                struct gscl_program **found) {
-    char text[MAX_OPTIONS];
-    options_text(context, kind, options, text);
+    char text[GSCL_MAX_BUILD_OPTIONS];
+    GSCL_TRY(gscl_build_options(context, kind, options, text));
     for (struct gscl_program *p = context->programs; p; p = p->next)
         if (p->kind == kind && strcmp(p->options, text) == 0) {
             *found = p;
@@ -223,7 +166,7 @@ gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gsc
             return GSCL_OK;
         }
     if (program->kernel_count == MAX_KERNELS)
-        return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "too many kernels");
+        return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "a program has more than %d kernels", MAX_KERNELS);
     cl_int error;
     *kernel = clCreateKernel(program->program, name, &error);
     if (error != CL_SUCCESS)

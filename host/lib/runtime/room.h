@@ -5,10 +5,13 @@
  * In the order in which to read them:
  *   context.h: the context and its error message
  *   stages.h: the names of all stages
- *   opencl.h: checked calls, buffers, launches
- *   device.h: choosing a device
- *   programs.h: building kernels
+ *   text.h, cl_names.h: texts of fixed size, names of OpenCL's errors and kernels
  *   timing.h: stages and kernels on the clock
+ *   opencl.h: checked calls, buffers, launches
+ *   device_list.h, device.h: listing and choosing devices
+ *   kernel_options.h, mapping.h, build_options.h: what kernels are specialised for
+ *   programs.h: building kernels and looking them up
+ *   tunables.h: the numbers that were found by trying
  *   open_context.c, result.c: the public functions */
 #ifndef GSCL_ROOM_LIB_RUNTIME_H
 #define GSCL_ROOM_LIB_RUNTIME_H

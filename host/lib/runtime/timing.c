@@ -6,14 +6,15 @@
 #include <string.h>
 #include <time.h>
 
-#define MAX_ROWS 96      /* stages and kernels; there are about 60 */
-#define MAX_PENDING 1024 /* events that wait to be read */
-#define MAX_NAME 32
+#include "runtime/cl_names.h"
+
+#define MAX_ROWS 96      /* kernels with different names; there are about 40 */
+#define MAX_PENDING 1024 /* launches whose times are not added up yet */
 
 struct gscl_timings {
     size_t kernel_count;
     cl_kernel kernels[MAX_ROWS]; /* the first kernel of each name */
-    char names[MAX_ROWS][MAX_NAME];
+    char names[MAX_ROWS][GSCL_MAX_KERNEL_NAME];
     gscl_timing kernel_rows[MAX_ROWS];
     size_t pending_count;
     cl_event pending[MAX_PENDING];
@@ -21,7 +22,7 @@ struct gscl_timings {
     gscl_timing listed[GSCL_STAGE_COUNT + MAX_ROWS]; /* what gscl_context_timings returned last */
 };
 
-/* Waits for the device; a failure shows at the next checked call. */
+/* Waits for the device.  The next checked call reports a failure. */
 static void wait_for_device(const gscl_context *context) {
     if (context->queue)
         clFinish(context->queue);
@@ -41,18 +42,25 @@ gscl_result gscl_timing_create(gscl_context *context) {
     return GSCL_OK;
 }
 
-/* Reads the times of kernels that have ended, once all have. */
-static void collect(gscl_context *context) {
+/* Time that a kernel ran; 0 when the device does not say, as after a failure. */
+static double event_seconds(cl_event event) {
+    cl_ulong start = 0, end = 0; /* nanoseconds */
+    const cl_int error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);
+    if (error != CL_SUCCESS ||
+        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS)
+        return 0;
+    return 1e-9 * (double)(end - start);
+}
+
+/* Waits until all kernels have ended and adds up their times. */
+static void timing_collect(gscl_context *context) {
     struct gscl_timings *t = context->timings;
     wait_for_device(context);
     for (size_t i = 0; i < t->pending_count; i++) {
         if (!t->pending[i])
-            continue;                /* the launch failed */
-        cl_ulong start = 0, end = 0; /* nanoseconds */
-        clGetEventProfilingInfo(t->pending[i], CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);
-        clGetEventProfilingInfo(t->pending[i], CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
+            continue; /* the launch failed */
+        const double seconds = event_seconds(t->pending[i]);
         clReleaseEvent(t->pending[i]);
-        double seconds = 1e-9 * (double)(end - start);
         t->pending_rows[i]->seconds += seconds;
         t->pending_rows[i]->count++;
         context->clock.sums[context->clock.current].kernel_seconds += seconds;
@@ -63,30 +71,30 @@ static void collect(gscl_context *context) {
 void gscl_timing_free(gscl_context *context) {
     if (!context->timings)
         return;
-    collect(context);
+    timing_collect(context);
     free(context->timings);
     context->timings = NULL;
 }
 
-static gscl_timing *row_of_name(struct gscl_timings *t, const char *name) {
+static gscl_timing *timing_row_of_name(struct gscl_timings *t, const char *name) {
     for (size_t i = 0; i < t->kernel_count; i++)
         if (strcmp(t->names[i], name) == 0)
             return &t->kernel_rows[i];
     if (t->kernel_count == MAX_ROWS)
         return NULL;
     char *kept = t->names[t->kernel_count];
-    snprintf(kept, MAX_NAME, "%s", name);
+    snprintf(kept, GSCL_MAX_KERNEL_NAME, "%s", name);
     t->kernel_rows[t->kernel_count] = (gscl_timing){.name = kept, .is_kernel = true};
     return &t->kernel_rows[t->kernel_count++];
 }
 
-static gscl_timing *row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
+static gscl_timing *timing_row_of_kernel(struct gscl_timings *t, cl_kernel kernel) {
     for (size_t i = 0; i < t->kernel_count; i++)
         if (t->kernels[i] == kernel)
             return &t->kernel_rows[i];
-    char name[MAX_NAME] = "";
-    clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
-    gscl_timing *row = row_of_name(t, name);
+    char name[GSCL_MAX_KERNEL_NAME];
+    gscl_kernel_name(kernel, name);
+    gscl_timing *row = timing_row_of_name(t, name);
     if (row)
         t->kernels[row - t->kernel_rows] = kernel;
     return row;
@@ -97,7 +105,7 @@ gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
     if (clock->users == 0 || clock->frozen)
         return GSCL_STAGE_NONE;
     if (context->timings)
-        collect(context);
+        timing_collect(context);
     else
         wait_for_device(context);
     double now = gscl_now();
@@ -118,8 +126,8 @@ cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
     if (!t)
         return NULL;
     if (t->pending_count == MAX_PENDING)
-        collect(context);
-    gscl_timing *row = row_of_kernel(t, kernel);
+        timing_collect(context);
+    gscl_timing *row = timing_row_of_kernel(t, kernel);
     if (!row)
         return NULL;
     t->pending[t->pending_count] = NULL;
@@ -166,7 +174,7 @@ void gscl_sort_samples(double *samples, size_t count) {
 void gscl_context_reset_timings(gscl_context *context) {
     if (!context || !context->timings)
         return;
-    collect(context);
+    timing_collect(context);
     memset(context->clock.sums, 0, sizeof context->clock.sums);
     for (size_t i = 0; i < context->timings->kernel_count; i++) {
         gscl_timing *row = &context->timings->kernel_rows[i];

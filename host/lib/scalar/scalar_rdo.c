@@ -8,6 +8,7 @@
 #include "cl/constants.h"
 #include "cl/structs.h"
 #include "decode/quantise.h"
+#include "runtime/mapping.h"
 #include "runtime/timing.h"
 
 #define CELL 16   /* pixels of the map that keeps visits apart */

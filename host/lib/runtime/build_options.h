@@ -1,0 +1,14 @@
+/* The compiler's options for a program: what its kernels are specialised for, as -D macros. */
+#ifndef GSCL_LIB_BUILD_OPTIONS_H
+#define GSCL_LIB_BUILD_OPTIONS_H
+
+#include "runtime/context.h"
+#include "runtime/kernel_options.h"
+
+#define GSCL_MAX_BUILD_OPTIONS 384 /* bytes, the NUL included */
+
+/* Fails with GSCL_ERROR_KERNEL_BUILD when the text would be longer. */
+gscl_result gscl_build_options(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                               char text[GSCL_MAX_BUILD_OPTIONS]);
+
+#endif

@@ -1,0 +1,182 @@
+#include "runtime/device_list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "runtime/cl_names.h"
+#include "runtime/text.h"
+
+/* The question that clGetPlatformInfo or clGetDeviceInfo is asked of a device. */
+typedef struct device_query {
+    bool of_platform;
+    cl_uint parameter;
+} device_query;
+
+static cl_int device_query_run(const gscl_listed_device *d, device_query query, size_t size, void *value,
+                               size_t *needed) {
+    return query.of_platform ? clGetPlatformInfo(d->platform, query.parameter, size, value, needed)
+                             : clGetDeviceInfo(d->device, query.parameter, size, value, needed);
+}
+
+/* A text of any length, to be freed; NULL in *text on failure. */
+static cl_int device_query_text(const gscl_listed_device *d, device_query query, char **text) {
+    size_t size = 0;
+    *text = NULL;
+    cl_int error = device_query_run(d, query, 0, NULL, &size);
+    if (error != CL_SUCCESS)
+        return error;
+    char *bytes = calloc(size + 1, 1);
+    if (!bytes)
+        return CL_OUT_OF_HOST_MEMORY;
+    error = device_query_run(d, query, size, bytes, NULL);
+    if (error != CL_SUCCESS) {
+        free(bytes);
+        return error;
+    }
+    *text = bytes;
+    return CL_SUCCESS;
+}
+
+static cl_int device_query_short_text(const gscl_listed_device *d, device_query query, size_t capacity, char *text) {
+    char *whole;
+    const cl_int error = device_query_text(d, query, &whole);
+    if (error == CL_SUCCESS)
+        gscl_text_shorten(text, capacity, whole);
+    free(whole);
+    return error;
+}
+
+static cl_int device_describe_platform(gscl_listed_device *d) {
+    char *version;
+    const cl_int error = device_query_text(d, (device_query){true, CL_PLATFORM_VERSION}, &version);
+    if (error != CL_SUCCESS)
+        return error;
+    d->is_pocl_3 = strstr(version, "PoCL 3.") != NULL;
+    free(version);
+    return device_query_short_text(d, (device_query){true, CL_PLATFORM_NAME}, sizeof d->info.platform_name,
+                                   d->info.platform_name);
+}
+
+static cl_int device_describe_texts(gscl_listed_device *d) {
+    const cl_int error = device_query_short_text(d, (device_query){false, CL_DEVICE_NAME}, sizeof d->info.device_name,
+                                                 d->info.device_name);
+    return error != CL_SUCCESS ? error
+                               : device_query_short_text(d, (device_query){false, CL_DEVICE_VERSION},
+                                                         sizeof d->info.device_version, d->info.device_version);
+}
+
+/* Reads the numbers that decide how a device is used, and whether it can be. */
+static cl_int device_describe_numbers(gscl_listed_device *d) {
+    cl_bool available = CL_FALSE, has_compiler = CL_FALSE;
+    cl_ulong memory = 0, allocation = 0;
+    cl_uint units = 0;
+    const struct {
+        cl_device_info parameter;
+        size_t size;
+        void *value;
+    } queries[] = {
+        {CL_DEVICE_TYPE, sizeof d->type, &d->type},
+        {CL_DEVICE_AVAILABLE, sizeof available, &available},
+        {CL_DEVICE_COMPILER_AVAILABLE, sizeof has_compiler, &has_compiler},
+        {CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units},
+        {CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory},
+        {CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof allocation, &allocation},
+    };
+    for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
+        const cl_int error = clGetDeviceInfo(d->device, queries[i].parameter, queries[i].size, queries[i].value, NULL);
+        if (error != CL_SUCCESS)
+            return error;
+    }
+    d->info.is_gpu = (d->type & CL_DEVICE_TYPE_GPU) != 0;
+    d->info.compute_units = units;
+    d->info.memory_bytes = memory;
+    d->info.max_allocation_bytes = allocation;
+    if (!available)
+        snprintf(d->unusable, sizeof d->unusable, "is not available");
+    else if (!has_compiler)
+        snprintf(d->unusable, sizeof d->unusable, "has no compiler");
+    return CL_SUCCESS;
+}
+
+/* Fills all but the handles and the id.  A device that does not answer is listed as unusable. */
+static void device_describe(gscl_listed_device *d) {
+    cl_int error = device_describe_texts(d);
+    if (error == CL_SUCCESS)
+        error = device_describe_platform(d);
+    if (error == CL_SUCCESS)
+        error = device_describe_numbers(d);
+    if (error != CL_SUCCESS)
+        snprintf(d->unusable, sizeof d->unusable, "does not describe itself: %s", gscl_cl_error_name(error));
+}
+
+/* Appends the devices of one platform. */
+static gscl_result device_list_append(gscl_device_list *list, cl_platform_id platform, cl_uint platform_number) {
+    cl_uint count = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count) != CL_SUCCESS || count == 0)
+        return GSCL_OK; /* a platform without devices */
+    cl_device_id *ids = malloc(count * sizeof *ids);
+    gscl_listed_device *grown = realloc(list->devices, (list->count + count) * sizeof *grown);
+    if (grown)
+        list->devices = grown;
+    gscl_result result = ids && grown ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
+    if (result == GSCL_OK && clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids, NULL) != CL_SUCCESS)
+        count = 0;
+    for (cl_uint i = 0; i < count && result == GSCL_OK; i++) {
+        gscl_listed_device *d = &list->devices[list->count++];
+        *d = (gscl_listed_device){.platform = platform, .device = ids[i], .type = CL_DEVICE_TYPE_CPU};
+        gscl_text id = gscl_text_begin(d->info.id, sizeof d->info.id);
+        gscl_text_append(&id, "%u.%u", (unsigned)platform_number, (unsigned)i);
+        device_describe(d);
+    }
+    free(ids);
+    return result;
+}
+
+/* 3 for a GPU, 2 for an accelerator, 1 for any other device, 0 for one that cannot be used. */
+static int device_preference(const gscl_listed_device *d) {
+    if (d->unusable[0])
+        return 0;
+    return d->type & CL_DEVICE_TYPE_GPU ? 3 : d->type & CL_DEVICE_TYPE_ACCELERATOR ? 2 : 1;
+}
+
+static void device_list_mark_default(gscl_device_list *list) {
+    static const char *const reasons[] = {"", "the first CPU; there is no GPU or accelerator",
+                                          "the first accelerator; there is no GPU", "the first GPU"};
+    int best_preference = 0;
+    gscl_listed_device *best = NULL;
+    for (size_t i = 0; i < list->count; i++) {
+        const int preference = device_preference(&list->devices[i]);
+        if (preference > best_preference) {
+            best = &list->devices[i];
+            best_preference = preference;
+        }
+    }
+    if (!best)
+        return;
+    best->info.is_default = true;
+    snprintf(best->info.why_default, sizeof best->info.why_default, "%s", reasons[best_preference]);
+}
+
+gscl_result gscl_device_list_create(gscl_device_list *list) {
+    cl_uint count = 0;
+    *list = (gscl_device_list){0};
+    if (clGetPlatformIDs(0, NULL, &count) != CL_SUCCESS || count == 0)
+        return GSCL_OK; /* no platform: CL_PLATFORM_NOT_FOUND_KHR */
+    cl_platform_id *platforms = malloc(count * sizeof *platforms);
+    if (!platforms)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    if (clGetPlatformIDs(count, platforms, NULL) != CL_SUCCESS)
+        count = 0;
+    gscl_result result = GSCL_OK;
+    for (cl_uint p = 0; p < count && result == GSCL_OK; p++)
+        result = device_list_append(list, platforms[p], p);
+    free(platforms);
+    device_list_mark_default(list);
+    return result;
+}
+
+void gscl_device_list_free(gscl_device_list *list) {
+    free(list->devices);
+    *list = (gscl_device_list){0};
+}

@@ -1,0 +1,24 @@
+/* How kernels map pixels and splats to work-items (cl/pixel.cl, cl/splat_lanes.cl). */
+#ifndef GSCL_LIB_MAPPING_H
+#define GSCL_LIB_MAPPING_H
+
+#include "runtime/context.h"
+#include "runtime/kernel_options.h"
+
+#define GSCL_MAX_SPLAT_LANES 16
+
+/* Pixels of a row that a work-item of this context's mapping handles at once. */
+int gscl_mapping_lanes(const gscl_context *context);
+/* Rows of such pixels that a work-item handles, one after the other. */
+int gscl_mapping_rows(const gscl_context *context);
+/* Gaussians of a tile that a work-item of `fit_tiles` keeps from its forward to its backward pass (cl/raster.cl). */
+int gscl_mapping_cached_rows(const gscl_context *context);
+/* Splats that a work-item of `project`, `gather_gradients` or `adam_step` handles at once; at most
+ * GSCL_MAX_SPLAT_LANES. */
+int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind);
+/* Work-items of a group that draws one tile. */
+size_t gscl_tile_group_size(const gscl_context *context);
+/* Groups of `group_size` work-items in which each takes one pixel vector of `rows` rows of `width` pixels. */
+size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size);
+
+#endif

@@ -1,0 +1,10 @@
+#include "runtime/tunables.h"
+
+const struct gscl_runtime_tunables gscl_runtime_tunables = {
+    .cpu_lanes = 16,
+    .cpu_rows = 16,
+    .cpu_cached_rows = 512,
+    .cpu_splat_lanes = 16,
+    .gpu_lanes = 4,
+    .gpu_rows = 1,
+};
