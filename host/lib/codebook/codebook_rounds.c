@@ -76,7 +76,9 @@ gscl_result gscl_codebook_run_rounds(gscl_codebook_state *s) {
     const struct gscl_codebook_tunables *t = &gscl_codebook_tunables;
     const int rounds = s->plan.rounds;
     size_t size;
-    s->fit.renderer.options.loss = GSCL_LOSS_KIND_L2; /* lambda is in squared error */
+    gscl_kernel_options options = s->fit.renderer.options;
+    options.loss = GSCL_LOSS_KIND_L2; /* lambda is in squared error */
+    gscl_renderer_set_options(&s->fit.renderer, GSCL_PROGRAM_FIT, &options);
     GSCL_TRY(gscl_codebook_rdo_create(&s->rdo, &s->codebook));
     GSCL_TRY(quantise_and_size(s, &size));
     const double first = (double)size;

@@ -87,8 +87,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
         context->decoder_free = free_renderer;
     }
     r->row_capacity = 0; /* the capacity of another image may be too large for this number of rows */
-    r->options = *options;
-    r->channels = options->colours + options->alpha_channel;
+    gscl_renderer_set_options(r, GSCL_PROGRAM_RENDER, options);
     *renderer = r;
     return GSCL_OK;
 }

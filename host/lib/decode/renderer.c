@@ -16,11 +16,15 @@
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
     r->context = context;
-    r->program = GSCL_PROGRAM_RENDER;
-    r->options = *options;
-    r->channels = options->colours + options->alpha_channel;
+    gscl_renderer_set_options(r, GSCL_PROGRAM_RENDER, options);
     GSCL_TRY(gscl_buffer_reserve(context, &r->background, 4 * sizeof(float)));
     return gscl_renderer_set_steps(r, NULL);
+}
+
+void gscl_renderer_set_options(gscl_renderer *r, gscl_program_kind program, const gscl_kernel_options *options) {
+    r->program = program;
+    r->options = *options;
+    r->channels = options->colours + options->alpha_channel;
 }
 
 void gscl_renderer_free(gscl_renderer *r) {

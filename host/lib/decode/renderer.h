@@ -10,8 +10,8 @@
 
 typedef struct gscl_renderer {
     gscl_context *context;
-    gscl_kernel_options options;
-    gscl_program_kind program; /* whose kernels draw: RENDER at first, or one that is needed besides */
+    gscl_kernel_options options; /* gscl_renderer_set_options sets these three */
+    gscl_program_kind program;   /* its kernels draw: RENDER, or a program that has other kernels as well */
     int channels;
     gscl_view view;
     cl_int width, height; /* of the view, pixels */
@@ -24,8 +24,10 @@ typedef struct gscl_renderer {
     gscl_buffer samples;
 } gscl_renderer;
 
-/* `renderer` may hold anything before. */
+/* A renderer with the kernels of GSCL_PROGRAM_RENDER.  `renderer` may hold anything before. */
 gscl_result gscl_renderer_create(gscl_renderer *renderer, gscl_context *context, const gscl_kernel_options *options);
+/* Sets the program whose kernels draw and the options that they are built with.  This alone changes them. */
+void gscl_renderer_set_options(gscl_renderer *renderer, gscl_program_kind program, const gscl_kernel_options *options);
 /* Accepts a renderer that was zeroed and never created. */
 void gscl_renderer_free(gscl_renderer *renderer);
 

@@ -40,7 +40,7 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     f->ssim_weight = SSIM_WEIGHT;
     f->limits = first_limits(width, height, options->blend);
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
-    f->renderer.program = GSCL_PROGRAM_FIT;
+    gscl_renderer_set_options(&f->renderer, GSCL_PROGRAM_FIT, options);
     GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
     GSCL_TRY(gscl_pyramid_create(&f->pyramid, context, width, height, first_level, f->renderer.channels,
                                  options->weighted, planes));

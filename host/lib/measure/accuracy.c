@@ -70,8 +70,9 @@ static gscl_result draw_double(bench *b) {
 
 static gscl_result draw(void *opaque, size_t which) {
     bench *b = opaque;
-    b->renderer.options = b->variants[which].options;
-    b->renderer.options.is_double = 0; /* of what comes before drawing */
+    gscl_kernel_options options = b->variants[which].options;
+    options.is_double = 0; /* of what comes before drawing */
+    gscl_renderer_set_options(&b->renderer, GSCL_PROGRAM_RENDER, &options);
     return b->variants[which].options.is_double ? draw_double(b) : gscl_renderer_render(&b->renderer);
 }
 

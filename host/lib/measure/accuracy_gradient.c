@@ -142,9 +142,15 @@ static void differentiate(bench *b) {
 
 /* ---- The device ---- */
 
+static void set_exponential(bench *b, int exponential) {
+    gscl_kernel_options options = b->fit.renderer.options;
+    options.exponential = exponential;
+    gscl_renderer_set_options(&b->fit.renderer, GSCL_PROGRAM_FIT, &options);
+}
+
 static gscl_result run(void *opaque, size_t exponential) {
     bench *b = opaque;
-    b->fit.renderer.options.exponential = (int)exponential;
+    set_exponential(b, (int)exponential);
     return gscl_fit_gradients(&b->fit, b->gradients); /* of all tiles, also those without error */
 }
 
@@ -185,7 +191,7 @@ static gscl_result measure_variant(bench *b, int exponential, double seconds, gs
                                 .is_default = exponential == GSCL_EXPONENTIAL_POLYNOMIAL,
                                 .blend = gscl_subject_blend(s),
                                 .ns_per_pixel = 1e9 * seconds / ((double)part_width(b) * part_height(b))};
-    b->fit.renderer.options.exponential = exponential;
+    set_exponential(b, exponential);
     GSCL_TRY(gscl_fit_gradients(&b->fit, b->gradients));
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         if (!is_compared(s, &kinds[i]))

@@ -49,8 +49,9 @@ static gscl_result refine_once(schedule *s, bool scan_textures, size_t *size) {
 
 /* Fits all splats for a while, `more` of them new where the picture is worst. */
 static gscl_result refit(schedule *s, size_t more, int steps) {
-    s->fit.renderer.options.texture = s->encoder->coded.file.header.has_texture;
-    s->fit.renderer.program = GSCL_PROGRAM_FIT;
+    gscl_kernel_options options = s->fit.renderer.options;
+    options.texture = s->encoder->coded.file.header.has_texture;
+    gscl_renderer_set_options(&s->fit.renderer, GSCL_PROGRAM_FIT, &options);
     gscl_stage(s->encoder->context, GSCL_STAGE_REFIT);
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));

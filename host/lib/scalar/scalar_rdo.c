@@ -391,8 +391,9 @@ gscl_result gscl_scalar_rdo_pass(gscl_fit *fit, gscl_coded_image *picture, const
               .settings.scan = how->scan_textures};
     if (p.count == 0)
         return GSCL_OK;
-    fit->renderer.options.texture = picture->file.header.has_texture;
-    fit->renderer.program = GSCL_PROGRAM_SCALAR_RDO;
+    gscl_kernel_options options = fit->renderer.options;
+    options.texture = picture->file.header.has_texture;
+    gscl_renderer_set_options(&fit->renderer, GSCL_PROGRAM_SCALAR_RDO, &options);
     gscl_stage(fit->context, GSCL_STAGE_RDO);
     gscl_result result = run(&p, how->pressure);
     pass_free(&p);
