@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""What half and twice the value of each tunable cost: builds the tool with the changed value and encodes.
+
+    sh tests/bench/bench.sh tunables FOLDER [--only NAME,NAME] [--rooms fit,scalar] [--rate 0.066] [--jobs 2] [--document]
+
+FOLDER holds PNG photographs; the drawings on which effects depend come from scenes.py and scenes_held_out.py.  Tunables are the
+fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers to the nearest, 0 is left out)
+in a copy of the sources; PSNR and the encoder's seconds are compared with those of the defaults.  The table also says how far
+the seed alone moves the mean PSNR: a smaller difference means nothing.
+"""
+import argparse
+import concurrent.futures
+import pathlib
+import queue
+import re
+import shutil
+import statistics
+import subprocess
+import tempfile
+
+import codec
+import document
+import scenes
+import scenes_held_out
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FIELD = re.compile(r"\.(\w+)\s*=\s*(-?\d+(?:\.\d*)?(?:e-?\d+)?)(f?)(?=\s*[,}])")
+DRAWINGS = {scenes: ("dots", "sepia", "windows"), scenes_held_out: ("photo_framed", "line_chart")}
+PAPER_ROOM = "codebook"
+SEEDS = (1, 2, 3)
+FACTORS = (0.5, 2)
+
+
+def fields_of(room):
+    """(name, value, text of the number) of each tunable of a room."""
+    path = ROOT / "host/lib" / room / "tunables.c"
+    return [(match[1], float(match[2]), match[0]) for match in FIELD.finditer(path.read_text(encoding="utf-8"))]
+
+
+def changed(name, value, text, factor):
+    """The field with another value, or None where nothing changes."""
+    number = text.split("=", 1)[1].strip()
+    if re.fullmatch(r"-?\d+", number):
+        other = str(round(value * factor) or 1)
+        return None if other == number else f".{name} = {other}"
+    other = repr(value * factor) + ("f" if number.endswith("f") else "")
+    return None if value == 0 else f".{name} = {other}"
+
+
+class Tree:
+    """A copy of the sources with a build folder of its own."""
+
+    def __init__(self, folder):
+        self.sources, self.build = folder / "sources", folder / "build"
+        shutil.copytree(ROOT, self.sources, ignore=shutil.ignore_patterns("build*", ".git", "out"))
+        subprocess.run(["meson", "setup", self.build, self.sources, "-Dtests=disabled"], check=True, stdout=subprocess.DEVNULL)
+
+    def gscl(self, room=None, old="", new=""):
+        """Builds with one text of the room's tunables replaced; returns the tool, or None where it does not build."""
+        path = self.sources / "host/lib" / (room or "fit") / "tunables.c"
+        original = path.read_text(encoding="utf-8")
+        path.write_text(original.replace(old, new, 1) if old else original, encoding="utf-8")
+        try:
+            done = subprocess.run(["ninja", "-C", self.build, "gscl", "gscl-imageio.so"], capture_output=True, text=True)
+        finally:
+            path.write_text(original, encoding="utf-8")
+        return self.build / "gscl" if done.returncode == 0 else None
+
+
+def measure(gscl, images, rate, options, seed, work):
+    """(mean PSNR, mean seconds) or a word that says what went wrong."""
+    psnrs, seconds = [], []
+    for image in images:
+        words = [gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed, "-q", "--json", *options]
+        done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300)
+        if done.returncode:
+            return None
+        report = codec.json.loads(done.stdout)
+        psnrs.append(report["psnr"] if report["psnr"] is not None else 99.0)
+        seconds.append(report["seconds"])
+    return statistics.mean(psnrs), statistics.mean(seconds)
+
+
+def variants_of(rooms):
+    for room in rooms:
+        for name, value, text in fields_of(room):
+            for factor in FACTORS:
+                new = changed(name, value, text, factor)
+                if new:
+                    yield room, name, text, factor, new
+
+
+def cell(result, default):
+    if result is None:
+        return "refused"
+    return f"{result[0] - default[0]:+.2f} dB, x{result[1] / default[1]:.2f}"
+
+
+def main():
+    parser = codec.parser(__doc__)
+    parser.add_argument("--rooms", help="separated by commas (default: all that have tunables)")
+    parser.add_argument("--rate", type=float, default=0.066, help="bits per pixel (default %(default)s)")
+    parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")
+    document.add_option(parser, "TUNABLES.md", "tunables")
+    arguments = parser.parse_args()
+    section = document.section_of(arguments)
+    rooms = arguments.rooms.split(",") if arguments.rooms else sorted(
+        path.parent.name for path in (ROOT / "host/lib").glob("*/tunables.c"))
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        images = codec.images_of(arguments.folder, arguments.only)
+        for module, names in DRAWINGS.items():
+            module.draw_all(folder / module.__name__)
+            images += [folder / module.__name__ / f"{name}.png" for name in names]
+        trees = queue.Queue()
+        for job in range(arguments.jobs):
+            (folder / str(job)).mkdir()
+            trees.put(Tree(folder / str(job)))
+
+        def run(task):
+            room, name, text, _, new, seed = task
+            tree = trees.get()
+            try:
+                gscl = tree.gscl(room, text, new) if name else tree.gscl()
+                options = ["--profile", "paper", "--effort", "2"] if room == PAPER_ROOM else []
+                return measure(gscl, images, arguments.rate, options, seed, tree.build) if gscl else None
+            except subprocess.TimeoutExpired:
+                return None
+            finally:
+                trees.put(tree)
+
+        defaults = [(room, "", "", 1, "", seed) for room in ("", PAPER_ROOM) for seed in SEEDS]
+        tasks = defaults + [(*variant, SEEDS[0]) for variant in variants_of(rooms)]
+        with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+            results = dict(zip(tasks, pool.map(run, tasks)))
+    lines = [document.origin("sh tests/bench/bench.sh tunables FOLDER", len(images))]
+    for room in ("", PAPER_ROOM):
+        psnrs = [results[task][0] for task in defaults if task[0] == room]
+        profile = "paper profile (effort 2)" if room else "default profile"
+        lines.append(f"{profile}: {psnrs[0]:.2f} dB; standard deviation over seeds {statistics.stdev(psnrs):.2f} dB.  \n")
+    for room in rooms:
+        default = results[defaults[len(SEEDS) if room == PAPER_ROOM else 0]]
+        rows = []
+        for name, value, text in fields_of(room):
+            cells = [cell(results[task], default) if task in results else "-"
+                     for factor in FACTORS for task in [next((t for t in tasks if t[:2] == (room, name) and t[3] == factor), None)]]
+            rows.append([f"`{name}`", text.split("=")[1].strip(), *cells])
+        lines.append(f"\n`host/lib/{room}/tunables.c`\n\n" + document.table(["tunable", "default", "half", "twice"], rows))
+    document.publish(section, *lines)
+
+
+if __name__ == "__main__":
+    main()
