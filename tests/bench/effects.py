@@ -3,9 +3,10 @@
 
     sh tests/bench/bench.sh effects [FOLDER] [--gscl build/gscl] [--bpp 0.125] [--seeds 4] [--document [EFFECTS.md]]
 
-FOLDER holds PNG images; without it, the pictures that scenes.py draws.  One picture's PSNR depends on the seed by 0.1 to
-1 dB, more than many an effect gains: means over seeds are compared.  Prints a Markdown table, and with --document writes it
-into the section `effects` of that document.
+FOLDER holds PNG images.  Without it two sets are measured: the pictures of scenes.py, on which the encoder's thresholds
+were found, and those of scenes_held_out.py, on which none was tuned.  The PSNR of one picture depends on the seed by 0.1 to
+1 dB, more than many an effect gains, so that means over seeds are compared.  Prints a Markdown table for each set, and with
+--document writes them into the sections `effects` and `effects-held-out` of that document.
 """
 import argparse
 import pathlib
@@ -15,7 +16,9 @@ import tempfile
 import codec
 import document
 import scenes
+import scenes_held_out
 
+SETS = {"effects": scenes, "effects-held-out": scenes_held_out}  # section of the document: the script that draws the set
 ELLIPSES = "+rotation,+anisotropy"
 CIRCLES = "-rotation,-anisotropy"
 FIXED = {
@@ -73,34 +76,38 @@ def row_of(arguments, image, work):
                 all_psnr=mean(reports["all on"], "psnr"), all_seconds=seconds["all on"], best=best, best_psnr=mean(reports[best], "psnr"))
 
 
-def table_of(rows, arguments):
-    yield (f"Pictures drawn by `tests/bench/scenes.py`, {arguments.bpp} bits a pixel, means of {arguments.seeds} seeds (and their"
-           " standard deviation); `sh tests/bench/bench.sh effects`:\n")
+def table_of(rows, arguments, source):
+    yield (f"{source}, {arguments.bpp} bits a pixel, means of {arguments.seeds} seeds (and their standard deviation);"
+           " `sh tests/bench/bench.sh effects`:\n")
     yield "| picture | effects called for (tried gain) | auto dB | s | all on dB | s | best fixed choice | dB | auto less best |"
     yield "|---|---|---|---|---|---|---|---|---|"
     for r in rows:
         yield (f"| {r['name']} | {r['text']} | {r['psnr']:.2f} ({r['spread']:.2f}) | {r['seconds']:.2f} | {r['all_psnr']:.2f} |"
                f" {r['all_seconds']:.2f} | {r['best']} | {r['best_psnr']:.2f} | {r['psnr'] - r['best_psnr']:+.2f} |")
     ratio = statistics.geometric_mean(max(r["seconds"], 1e-3) / max(r["all_seconds"], 1e-3) for r in rows)
-    yield f"\nTime of auto against all on: {ratio:.2f} (geometric mean)."
+    loss = statistics.mean(r["psnr"] - r["best_psnr"] for r in rows)
+    yield f"\nAuto less best: {loss:+.2f} dB (mean). Time of auto against all on: {ratio:.2f} (geometric mean)."
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", help="of PNG images (default: those of scenes.py)")
+    parser.add_argument("folder", nargs="?", help="of PNG images (default: both sets of scenes)")
     parser.add_argument("--gscl", default="build/gscl")
     parser.add_argument("--bpp", type=float, default=0.125)
     parser.add_argument("--seeds", type=int, default=4, help="encodes of each choice (default %(default)s)")
     document.add_option(parser, "EFFECTS.md", "effects")
     arguments = parser.parse_args()
-    section = document.section_of(arguments)
+    names = [arguments.section] if arguments.folder else list(SETS)
+    sections = {name: document.Section(arguments.document, name) if arguments.document else None for name in names}
     with tempfile.TemporaryDirectory() as work:
         work = pathlib.Path(work)
-        folder = arguments.folder or work / "scenes"
-        if not arguments.folder:
-            scenes.draw_all(folder)
-        rows = [row_of(arguments, image, work) for image in codec.images_of(folder)]
-    document.publish(section, "\n".join(table_of(rows, arguments)) + "\n")
+        for name, section in sections.items():
+            folder, source = arguments.folder, f"Pictures of `{arguments.folder}`"
+            if not folder:
+                folder, source = work / name, f"Pictures of `tests/bench/{SETS[name].__name__}.py`"
+                SETS[name].draw_all(folder)
+            rows = [row_of(arguments, image, work) for image in codec.images_of(folder)]
+            document.publish(section, "\n".join(table_of(rows, arguments, source)) + "\n")
 
 
 if __name__ == "__main__":
