@@ -15,7 +15,7 @@ static int utf8_length(const unsigned char *text) {
         if ((text[i] & 0xC0) != 0x80)
             return 0;
     }
-    /* The second byte tells overlong forms, surrogates and codes beyond U+10FFFF from valid ones. */
+    /* The second byte distinguishes overlong forms, surrogates and codes beyond U+10FFFF from valid ones. */
     if ((c == 0xE0 && text[1] < 0xA0) || (c == 0xED && text[1] > 0x9F) || (c == 0xF0 && text[1] < 0x90) ||
         (c == 0xF4 && text[1] > 0x8F))
         return 0;

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/exit_code.h"
 #include "cli/message.h"
 
 #define MAX_OPTIONS 32
@@ -255,4 +256,8 @@ option_outcome options_parse(const option_command *command, int argc, char **arg
     }
     *first = optind;
     return check_operand_count(command, argc - optind) ? OPTIONS_RUN : OPTIONS_WRONG;
+}
+
+int options_exit_code(option_outcome outcome) {
+    return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
 }

@@ -54,4 +54,7 @@ typedef enum option_outcome { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_WRONG } option_
  * within the limits of the command.  OPTIONS_HELP: the help text has been printed.  OPTIONS_WRONG: an error has. */
 option_outcome options_parse(const option_command *command, int argc, char **argv, int *first);
 
+/* The exit code of the program after OPTIONS_HELP or OPTIONS_WRONG. */
+int options_exit_code(option_outcome outcome);
+
 #endif

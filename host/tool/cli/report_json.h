@@ -6,7 +6,8 @@
 
 #include "cli/json.h"
 
-/* Write the arrays "stages" and "trace" into the open object. */
+/* Write arrays into the open object: "effects" (why each is on or off), "stages" and "trace". */
+void report_write_decisions(json_writer *json, const gscl_encode_report *report);
 void report_write_stages(json_writer *json, const gscl_encode_report *report);
 void report_write_trace(json_writer *json, const gscl_encode_report *report);
 

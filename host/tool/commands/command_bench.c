@@ -7,7 +7,6 @@
 #include <gscl/measure.h>
 
 #include "cli/device_choice.h"
-#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/options.h"
@@ -174,25 +173,24 @@ static int run_bench(const bench_options *bench, const gscl_image *image) {
     return status;
 }
 
-int command_bench(int argc, char **argv) {
-    bench_options bench = {.choice.timing = true, .repetitions = 20, .encodes = 3};
+static option_outcome parse_bench(bench_options *bench, int argc, char **argv) {
     const option_spec options[] = {
         {.name = "repetitions",
          .kind = OPTION_INTEGER,
-         .value = &bench.repetitions,
+         .value = &bench->repetitions,
          .argument = "N",
          .min_integer = 1,
          .max_integer = 1000,
          .help = "measured runs of each kernel and of the decoder (default 20)"},
         {.name = "encodes",
          .kind = OPTION_INTEGER,
-         .value = &bench.encodes,
+         .value = &bench->encodes,
          .argument = "N",
          .min_integer = 1,
          .max_integer = 100,
          .help = "measured runs of the encoder at each rate (default 3)"},
-        DEVICE_OPTIONS(bench.choice),
-        {.name = "json", .kind = OPTION_FLAG, .value = &bench.as_json, .help = "write JSON"},
+        DEVICE_OPTIONS(bench->choice),
+        {.name = "json", .kind = OPTION_FLAG, .value = &bench->as_json, .help = "write JSON"},
     };
     const option_command command = {
         .name = "bench",
@@ -206,10 +204,16 @@ int command_bench(int argc, char **argv) {
     };
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
+    if (outcome == OPTIONS_RUN && first < argc)
+        bench->image_name = argv[first];
+    return outcome;
+}
+
+int command_bench(int argc, char **argv) {
+    bench_options bench = {.choice.timing = true, .repetitions = 20, .encodes = 3};
+    const option_outcome outcome = parse_bench(&bench, argc, argv);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
-    if (first < argc)
-        bench.image_name = argv[first];
+        return options_exit_code(outcome);
     gscl_image image;
     if (bench.image_name && !image_read(bench.image_name, &image))
         return EXIT_FAILURE;

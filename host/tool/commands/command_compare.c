@@ -7,7 +7,6 @@
 #include <gscl/measure.h>
 
 #include "cli/device_choice.h"
-#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/names.h"
@@ -103,6 +102,6 @@ int command_compare(int argc, char **argv) {
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
     return compare_files(argv[first], argv[first + 1], as_json);
 }

@@ -179,7 +179,7 @@ int command_decode(int argc, char **argv) {
     decode_options options = {.scale = 1.0};
     const option_outcome outcome = parse_decode(&options, argc, argv);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
     if (!options.output)
         return report_usage("decode", "-o is missing; it names the image to write, or - for standard output");
     if (options.has_scale && options.has_size)

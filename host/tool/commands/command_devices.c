@@ -5,7 +5,6 @@
 #include <gscl/gscl.h>
 
 #include "cli/device_choice.h"
-#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/options.h"
 #include "commands/command.h"
@@ -68,7 +67,7 @@ int command_devices(int argc, char **argv) {
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
 
     gscl_device_info *devices;
     const gscl_result result = gscl_list_devices(&devices);

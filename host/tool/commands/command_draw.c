@@ -145,7 +145,7 @@ int command_draw(int argc, char **argv) {
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
     if (!draw.output)
         return report_usage("draw", "-o is missing; it names the image to write, or - for standard output");
     draw.input = argv[first];

@@ -221,7 +221,7 @@ int command_encode(int argc, char **argv) {
     gscl_encode_settings_default(&encode.batch.settings);
     const option_outcome outcome = parse_encode(&encode, argc, argv);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
     if (check_options(&encode) != 0)
         return EXIT_USAGE;
     fill_settings(&encode);

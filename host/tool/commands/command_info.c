@@ -7,11 +7,11 @@
 #include <gscl/measure.h>
 
 #include "cli/device_choice.h"
-#include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
+#include "cli/rate.h"
 #include "cli/read_file.h"
 #include "commands/command.h"
 #include "image/image_file.h"
@@ -26,10 +26,6 @@ typedef struct file_facts {
 
 static unsigned depth_of(const gscl_info *info) {
     return info->sample == GSCL_SAMPLE_U16 ? 16 : 8;
-}
-
-static double bits_per_pixel(const gscl_info *info) {
-    return 8.0 * (double)info->bytes / ((double)info->width * info->height);
 }
 
 static double bits_per_splat(const gscl_info *info, double bits) {
@@ -74,7 +70,7 @@ static void print_text(const file_facts *facts) {
     printf("%s: %u x %u %s, %u bits, format version %u\n", facts->name, info->width, info->height,
            channels_name(info->channels), depth_of(info), info->format_version);
     printf("%u splats, %llu bytes, %.4f bits per pixel\n", info->splats, (unsigned long long)info->bytes,
-           bits_per_pixel(info));
+           bits_per_pixel(info->bytes, info->width, info->height));
     printf("profile %s, blend %s", profile_words[info->profile], blend_words[info->blend]);
     if (info->shape_words || info->colour_words)
         printf(", code words: %u shapes, %u colours", info->shape_words, info->colour_words);
@@ -130,7 +126,7 @@ static void write_json(const file_facts *facts) {
     json_integer(&json, "shape_words", info->shape_words);
     json_integer(&json, "colour_words", info->colour_words);
     json_integer(&json, "bytes", info->bytes);
-    json_real(&json, "bpp", bits_per_pixel(info));
+    json_real(&json, "bpp", bits_per_pixel(info->bytes, info->width, info->height));
     write_streams(&json, info);
     json_close_object(&json);
 }
@@ -207,6 +203,6 @@ int command_info(int argc, char **argv) {
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
     return inspect(argv[first], reference, &device, as_json);
 }

@@ -6,9 +6,9 @@
 
 #include <gscl/gscl.h>
 
-#include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/options.h"
+#include "cli/rate.h"
 #include "commands/command.h"
 #include "image/image_file.h"
 #include "tradeoff/tradeoff.h"
@@ -94,8 +94,8 @@ static void write_subtitle(const tradeoff_plan *plan, tradeoff_results *results)
     snprintf(results->subtitle, sizeof results->subtitle,
              "%.60s, %ux%u pixels; %llu bytes (%.3f bits per pixel) and effort %d unless stated otherwise; %.80s",
              slash ? slash + 1 : plan->image_name, plan->image->width, plan->image->height,
-             (unsigned long long)plan->bytes, tradeoff_bpp(plan->image, plan->bytes), (int)plan->effort,
-             results->device.device_name);
+             (unsigned long long)plan->bytes, bits_per_pixel(plan->bytes, plan->image->width, plan->image->height),
+             (int)plan->effort, results->device.device_name);
 }
 
 static int measure_tradeoff(const tradeoff_plan *plan, tradeoff_results *results) {
@@ -145,7 +145,7 @@ int command_tradeoff(int argc, char **argv) {
     gscl_image image;
     const option_outcome outcome = parse_tradeoff(&tradeoff, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
-        return outcome == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+        return options_exit_code(outcome);
     if (tradeoff.has_bytes && tradeoff.has_bpp)
         return report_usage("tradeoff", "--bytes and --bpp exclude each other; give one of them");
     tradeoff.plan.image_name = argv[first];

@@ -1,11 +1,8 @@
-#define _DEFAULT_SOURCE /* strdup, access */
 #include "commands/encode_batch.h"
 
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
@@ -15,10 +12,10 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/read_file.h"
+#include "cli/rate.h"
 #include "cli/report_json.h"
+#include "commands/output_names.h"
 #include "image/image_file.h"
-
-#define SUFFIX ".gscl"
 
 /* Images that are encoded at a time: while one occupies the host, the device runs the kernels of the other. */
 #define JOBS 2
@@ -49,87 +46,11 @@ typedef struct batch_state {
     bool stop; /* after a signal, or a failure that all further inputs would share */
 } batch_state;
 
-/* ---- Names of outputs -------------------------------------------------------------------------- */
-
-/* DIR/NAME.gscl for PATH/NAME.png; without DIR, PATH/NAME.gscl.  NULL when out of memory. */
-static char *make_output_name(const char *input, const char *out_dir) {
-    const char *slash = strrchr(input, '/');
-    const char *start = out_dir && slash ? slash + 1 : input;
-    const int stem = (int)(name_suffix(input) - start);
-    const size_t capacity = (out_dir ? strlen(out_dir) + 1 : 0) + (size_t)stem + sizeof SUFFIX;
-    char *name = malloc(capacity);
-    if (name)
-        snprintf(name, capacity, "%s%s%.*s" SUFFIX, out_dir ? out_dir : "", out_dir ? "/" : "", stem, start);
-    return name;
-}
-
-static void free_names(char **names, int count) {
-    for (int i = 0; names && i < count; i++)
-        free(names[i]);
-    free(names);
-}
-
-/* One name for each input; NULL when out of memory. */
-static char **make_output_names(const encode_batch *batch) {
-    char **names = calloc((size_t)batch->count, sizeof *names);
-    for (int i = 0; names && i < batch->count; i++) {
-        names[i] = batch->output ? strdup(batch->output) : make_output_name(batch->inputs[i], batch->out_dir);
-        if (!names[i]) {
-            free_names(names, batch->count);
-            return NULL;
-        }
-    }
-    return names;
-}
-
-static bool overwrites_input(const encode_batch *batch, const char *name) {
-    for (int i = 0; access(name, F_OK) == 0 && i < batch->count; i++) {
-        if (!output_is_separate("encode", batch->inputs[i], name))
-            return true;
-    }
-    return false;
-}
-
-/* Refuses outputs that would overwrite an input or each other. */
-static bool check_output_names(const encode_batch *batch, char *const *names) {
-    for (int i = 0; i < batch->count; i++) {
-        if (overwrites_input(batch, names[i]))
-            return false;
-        for (int j = 0; j < i; j++) {
-            if (strcmp(names[i], names[j]) == 0) {
-                report_usage("encode", "%s and %s would both be written to %s; encode them into different folders",
-                             batch->inputs[j], batch->inputs[i], names[i]);
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 /* ---- One image --------------------------------------------------------------------------------- */
-
-static double bits_per_pixel(const gscl_image *image, uint64_t bytes) {
-    return 8.0 * (double)bytes / ((double)image->width * image->height);
-}
-
-/* Writes why each effect is on or off. */
-static void write_decisions(json_writer *json, const gscl_encode_report *report) {
-    json_open_array(json, "effects");
-    for (size_t i = 0; i < report->effect_count; i++) {
-        const gscl_effect_decision *decision = &report->effects[i];
-        json_open_object(json, NULL);
-        json_string(json, "name", gscl_effect_name(decision->effect));
-        json_bool(json, "on", decision->on);
-        json_string(json, "reason", gscl_effect_reason_name(decision->reason));
-        json_real(json, "gain_db", decision->gain_db);
-        json_close_object(json);
-    }
-    json_close_array(json);
-}
 
 static void print_report(batch_state *state, const char *input, const char *output, const gscl_image *image,
                          const gscl_encode_report *report) {
-    const double bpp = bits_per_pixel(image, report->bytes);
+    const double bpp = bits_per_pixel(report->bytes, image->width, image->height);
     json_writer *json = &state->json;
     if (!state->batch->json) {
         if (!state->batch->quiet)
@@ -150,7 +71,7 @@ static void print_report(batch_state *state, const char *input, const char *outp
     json_real(json, "seconds", report->seconds);
     json_integer(json, "trials", report->trials);
     json_string(json, "blend", blend_words[report->blend]);
-    write_decisions(json, report);
+    report_write_decisions(json, report);
     report_write_stages(json, report);
     if (state->batch->settings.trace)
         report_write_trace(json, report);
@@ -256,13 +177,13 @@ static int encode_files(batch_state *state, char *const *names) {
 
 int encode_batch_run(const encode_batch *batch) {
     batch_state state = {.batch = batch};
-    char **names = make_output_names(batch);
+    char **names = output_names_make(batch->inputs, batch->count, batch->output, batch->out_dir);
     if (!names) {
         report_error(batch->inputs[0], "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
         return EXIT_FAILURE;
     }
     int status = EXIT_USAGE;
-    if (check_output_names(batch, names)) {
+    if (output_names_check(batch->inputs, names, batch->count)) {
         const bool as_array = batch->json && batch->count > 1;
         json_start(&state.json, stdout);
         if (as_array)
@@ -273,6 +194,6 @@ int encode_batch_run(const encode_batch *batch) {
     }
     for (int i = 0; i < JOBS; i++)
         gscl_context_free(&state.jobs[i].context);
-    free_names(names, batch->count);
+    output_names_free(names, batch->count);
     return status;
 }

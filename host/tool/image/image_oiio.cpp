@@ -148,7 +148,7 @@ bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     return true;
 }
 
-// Rotates the image as its orientation tag says.
+// Rotates the image upright according to its orientation tag.
 bool apply_orientation(gscl_image &image, int orientation, char *message) {
     if (orientation <= 1 || orientation > 8)
         return true;

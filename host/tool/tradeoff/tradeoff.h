@@ -54,9 +54,6 @@ typedef struct tradeoff_results {
     char subtitle[320]; /* of the plots: image, size, effort, device */
 } tradeoff_results;
 
-/* Bits per pixel of a file of this image. */
-double tradeoff_bpp(const gscl_image *image, uint64_t bytes);
-
 /* Measures efforts and rates, and leaves a file of each blend.  Reports errors and returns an exit code. */
 int tradeoff_measure_codec(const tradeoff_plan *plan, tradeoff_results *results);
 /* Measures the accuracy of the renderer and of the gradients on those files.  Reports errors and returns an exit code. */

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "cli/progress.h"
+#include "cli/rate.h"
 #include "cli/stopwatch.h"
 #include "tradeoff/tradeoff.h"
 
@@ -17,10 +18,6 @@ typedef struct codec {
     tradeoff_results *results;
     gscl_context *context;
 } codec;
-
-double tradeoff_bpp(const gscl_image *image, uint64_t bytes) {
-    return 8.0 * (double)bytes / ((double)image->width * image->height);
-}
 
 static gscl_result encode_once(const codec *c, const gscl_encode_settings *settings, const char *label, uint8_t **bytes,
                                size_t *size, gscl_encode_report *report) {
@@ -98,7 +95,7 @@ static gscl_result measure_encode(const codec *c, int effort, double budget, tra
     if (result != GSCL_OK)
         return result;
     e->effort = effort;
-    e->bpp = tradeoff_bpp(c->plan->image, *size);
+    e->bpp = bits_per_pixel(*size, c->plan->image->width, c->plan->image->height);
     e->encode_s = e->report.seconds;
     return decode_repeatedly(c, *bytes, *size, e);
 }

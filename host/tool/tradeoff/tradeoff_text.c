@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "cli/rate.h"
 #include "tradeoff/tradeoff_tables.h"
 
 static char mark(bool is_default) {
@@ -46,7 +47,7 @@ static void print_gradient(const gscl_gradient_accuracy *g) {
 void tradeoff_print(const tradeoff_plan *plan, const tradeoff_results *r) {
     printf("%s: %ux%u pixels; %s\n", plan->image_name, plan->image->width, plan->image->height, r->device.device_name);
     printf("\nQuality against encode time, at most %llu bytes (%.4f bits per pixel)\n", (unsigned long long)plan->bytes,
-           tradeoff_bpp(plan->image, plan->bytes));
+           bits_per_pixel(plan->bytes, plan->image->width, plan->image->height));
     print_encodes(r->efforts, r->effort_count, GSCL_DEFAULT_EFFORT);
     printf("\nQuality against rate, effort %d\n", (int)plan->effort);
     print_encodes(r->rates, r->rate_count, GSCL_DEFAULT_EFFORT);
