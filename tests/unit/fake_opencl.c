@@ -1,0 +1,88 @@
+#include "fake_opencl.h"
+
+#include <string.h>
+
+fake_opencl fake;
+
+/* The handle of the second device; never given to the real implementation. */
+static char second_device;
+#define SECOND_DEVICE ((cl_device_id)(void *)&second_device)
+static cl_device_id first_device;
+
+cl_int __real_clGetDeviceIDs(cl_platform_id, cl_device_type, cl_uint, cl_device_id *, cl_uint *);
+cl_int __real_clGetDeviceInfo(cl_device_id, cl_device_info, size_t, void *, size_t *);
+cl_int __real_clGetPlatformInfo(cl_platform_id, cl_platform_info, size_t, void *, size_t *);
+cl_context __real_clCreateContext(const cl_context_properties *, cl_uint, const cl_device_id *, fake_notice, void *,
+                                  cl_int *);
+cl_int __real_clEnqueueNDRangeKernel(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *,
+                                     const size_t *, cl_uint, const cl_event *, cl_event *);
+cl_int __wrap_clGetDeviceIDs(cl_platform_id, cl_device_type, cl_uint, cl_device_id *, cl_uint *);
+cl_int __wrap_clGetDeviceInfo(cl_device_id, cl_device_info, size_t, void *, size_t *);
+cl_int __wrap_clGetPlatformInfo(cl_platform_id, cl_platform_info, size_t, void *, size_t *);
+cl_context __wrap_clCreateContext(const cl_context_properties *, cl_uint, const cl_device_id *, fake_notice, void *,
+                                  cl_int *);
+cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *,
+                                     const size_t *, cl_uint, const cl_event *, cl_event *);
+
+/* Answers as OpenCL does: fails when there is too little room. */
+static cl_int answer(const void *from, size_t length, size_t size, void *to, size_t *needed) {
+    if (needed)
+        *needed = length;
+    if (to && size < length)
+        return CL_INVALID_VALUE;
+    if (to)
+        memcpy(to, from, length);
+    return CL_SUCCESS;
+}
+
+cl_int __wrap_clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *devices,
+                             cl_uint *count) {
+    cl_uint real = 0;
+    cl_device_id all[64];
+    const cl_int error = __real_clGetDeviceIDs(platform, type, 64, all, &real);
+    if (error != CL_SUCCESS)
+        return error;
+    first_device = all[0];
+    if (fake.second_device)
+        all[real++] = SECOND_DEVICE;
+    if (count)
+        *count = real;
+    if (devices)
+        memcpy(devices, all, (room < real ? room : real) * sizeof *devices);
+    return CL_SUCCESS;
+}
+
+cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info parameter, size_t size, void *value, size_t *needed) {
+    const bool unavailable = device == SECOND_DEVICE ? fake.second_unavailable : fake.first_unavailable;
+    const cl_bool no = CL_FALSE;
+    if (fake.failing_info && parameter == fake.failing_info)
+        return CL_OUT_OF_RESOURCES;
+    if (parameter == CL_DEVICE_AVAILABLE && unavailable)
+        return answer(&no, sizeof no, size, value, needed);
+    if (parameter == CL_DEVICE_NAME && fake.device_name)
+        return answer(fake.device_name, strlen(fake.device_name) + 1, size, value, needed);
+    return __real_clGetDeviceInfo(device == SECOND_DEVICE ? first_device : device, parameter, size, value, needed);
+}
+
+cl_int __wrap_clGetPlatformInfo(cl_platform_id platform, cl_platform_info parameter, size_t size, void *value,
+                                size_t *needed) {
+    if (parameter == CL_PLATFORM_NAME && fake.platform_name)
+        return answer(fake.platform_name, strlen(fake.platform_name) + 1, size, value, needed);
+    return __real_clGetPlatformInfo(platform, parameter, size, value, needed);
+}
+
+cl_context __wrap_clCreateContext(const cl_context_properties *properties, cl_uint count, const cl_device_id *devices,
+                                  fake_notice notice, void *data, cl_int *error) {
+    fake.notice = notice;
+    fake.notice_data = data;
+    return __real_clCreateContext(properties, count, devices, notice, data, error);
+}
+
+cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                                     const size_t *global_size, const size_t *group_size, cl_uint wait_count,
+                                     const cl_event *waits, cl_event *event) {
+    if (fake.launch_error != CL_SUCCESS)
+        return fake.launch_error;
+    return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global_size, group_size, wait_count, waits,
+                                         event);
+}

@@ -1,0 +1,24 @@
+/* Stands between the library and OpenCL (linked with --wrap), and answers for devices that this machine does not have.
+ * All else goes to the real implementation. */
+#ifndef GSCL_TESTS_FAKE_OPENCL_H
+#define GSCL_TESTS_FAKE_OPENCL_H
+
+#include <CL/cl.h>
+#include <stdbool.h>
+
+typedef void(CL_CALLBACK *fake_notice)(const char *text, const void *details, size_t size, void *data);
+
+/* All zero: nothing is faked. */
+typedef struct fake_opencl {
+    const char *device_name, *platform_name; /* NULL: the real ones */
+    bool second_device;                      /* each platform has one more device, a copy of its first */
+    bool first_unavailable, second_unavailable;
+    cl_device_info failing_info; /* clGetDeviceInfo fails for this parameter; 0: for none */
+    cl_int launch_error;         /* what clEnqueueNDRangeKernel returns instead of launching; 0: it launches */
+    fake_notice notice;          /* what the last clCreateContext was given */
+    void *notice_data;
+} fake_opencl;
+
+extern fake_opencl fake;
+
+#endif

@@ -1,0 +1,224 @@
+/* Devices that this machine does not have: long names, unavailable ones, ones that fail to describe themselves. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+
+#include "fake_opencl.h"
+#include "runtime/text.h"
+
+#define LONG_NAME 300 /* bytes */
+
+static int fake_nothing(void **state) {
+    (void)state;
+    fake = (fake_opencl){0};
+    return 0;
+}
+
+static gscl_result open_device(const char *selector, gscl_context **context) {
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = selector;
+    return gscl_context_create(context, &settings);
+}
+
+/* Opens the device and frees the context; keeps its message. */
+static gscl_result try_device(const char *selector, char message[512]) {
+    gscl_context *context;
+    const gscl_result result = open_device(selector, &context);
+    snprintf(message, 512, "%s", gscl_context_message(context));
+    gscl_context_free(&context);
+    return result;
+}
+
+static int count_devices(void) {
+    gscl_device_info *devices;
+    int count = 0;
+    if (gscl_list_devices(&devices) != GSCL_OK)
+        return 0;
+    for (const gscl_device_info *d = devices; d; d = d->next)
+        count++;
+    gscl_free(devices);
+    return count;
+}
+
+/* "Fast accelerator " and letters that take two bytes in UTF-8. */
+static void make_long_name(char name[LONG_NAME + 1]) {
+    const size_t start = (size_t)snprintf(name, LONG_NAME, "Fast accelerator ");
+    for (size_t i = start; i < LONG_NAME; i += 2)
+        memcpy(name + i, "\xC3\xA9", 2);
+    name[LONG_NAME] = 0;
+}
+
+static bool ends_with(const char *text, const char *end) {
+    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
+}
+
+static void test_long_names_are_shortened(void **state) {
+    (void)state;
+    char name[LONG_NAME + 1];
+    gscl_context *context;
+    make_long_name(name);
+    fake.device_name = fake.platform_name = name;
+    assert_int_equal(open_device("fast accelerator", &context), GSCL_OK);
+    const gscl_device_info *device = gscl_context_device(context);
+    const char *const texts[] = {device->device_name, device->platform_name};
+    for (size_t i = 0; i < 2; i++) {
+        const size_t kept = strlen(texts[i]) - 3;
+        assert_true(strlen(texts[i]) > 100 && ends_with(texts[i], "..."));
+        assert_memory_equal(texts[i], name, kept);
+        assert_true(kept % 2 == 1); /* characters of two bytes are whole */
+    }
+    gscl_context_free(&context);
+}
+
+static void test_short_names_are_kept(void **state) {
+    (void)state;
+    gscl_context *context;
+    fake.device_name = "Name";
+    assert_int_equal(open_device(NULL, &context), GSCL_OK);
+    assert_string_equal(gscl_context_device(context)->device_name, "Name");
+    gscl_context_free(&context);
+}
+
+static void test_unavailable_device_is_not_listed(void **state) {
+    (void)state;
+    const int count = count_devices();
+    fake.second_device = true;
+    assert_true(count_devices() > count);
+    fake.second_unavailable = true;
+    assert_int_equal(count_devices(), count);
+}
+
+static void test_unavailable_device_is_not_the_default(void **state) {
+    (void)state;
+    gscl_device_info *devices;
+    fake.second_device = fake.first_unavailable = true;
+    assert_int_equal(gscl_list_devices(&devices), GSCL_OK);
+    int defaults = 0;
+    for (const gscl_device_info *d = devices; d; d = d->next) {
+        assert_string_not_equal(d->id, "0.0");
+        defaults += d->is_default;
+    }
+    assert_int_equal(defaults, 1);
+    gscl_free(devices);
+}
+
+static void test_unavailable_device_is_refused(void **state) {
+    (void)state;
+    char message[512];
+    fake.device_name = "Rare";
+    fake.first_unavailable = true;
+    assert_int_equal(try_device("0.0", message), GSCL_ERROR_UNKNOWN_DEVICE);
+    assert_string_equal(message, "OpenCL device 0.0 (Rare) is not available");
+    assert_int_equal(try_device("rare", message), GSCL_ERROR_UNKNOWN_DEVICE);
+    assert_string_equal(message, "OpenCL device 0.0 (Rare) is not available");
+    assert_int_equal(try_device("other", message), GSCL_ERROR_UNKNOWN_DEVICE);
+    assert_non_null(strstr(message, "none that can be used"));
+}
+
+static void test_no_available_device(void **state) {
+    (void)state;
+    char message[512];
+    gscl_device_info *devices;
+    fake.first_unavailable = true;
+    assert_int_equal(gscl_list_devices(&devices), GSCL_ERROR_NO_PLATFORM);
+    assert_int_equal(try_device(NULL, message), GSCL_ERROR_NO_PLATFORM);
+    assert_non_null(strstr(message, "is not available"));
+}
+
+static void test_every_description_is_checked(void **state) {
+    (void)state;
+    static const cl_device_info parameters[] = {
+        CL_DEVICE_NAME,
+        CL_DEVICE_VERSION,
+        CL_DEVICE_TYPE,
+        CL_DEVICE_AVAILABLE,
+        CL_DEVICE_MAX_COMPUTE_UNITS,
+        CL_DEVICE_COMPILER_AVAILABLE,
+        CL_DEVICE_GLOBAL_MEM_SIZE,
+        CL_DEVICE_MAX_MEM_ALLOC_SIZE,
+    };
+    for (size_t i = 0; i < sizeof parameters / sizeof *parameters; i++) {
+        char message[512];
+        fake.failing_info = parameters[i];
+        assert_int_equal(try_device("0.0", message), GSCL_ERROR_UNKNOWN_DEVICE);
+        assert_non_null(strstr(message, "does not describe itself: CL_OUT_OF_RESOURCES"));
+    }
+}
+
+/* A list of devices that does not fit ends readably. */
+static void test_ambiguous_devices_are_named(void **state) {
+    (void)state;
+    char name[LONG_NAME + 1], message[512];
+    make_long_name(name);
+    fake.device_name = name;
+    fake.second_device = true;
+    assert_int_equal(try_device("accelerator", message), GSCL_ERROR_AMBIGUOUS_DEVICE);
+    assert_non_null(strstr(message, "0.0 (Fast accelerator"));
+    assert_non_null(strstr(message, "...), 0.1 (Fast accelerator"));
+}
+
+typedef struct last_log {
+    gscl_log_level level;
+    char text[128];
+} last_log;
+
+static void keep_log(void *opaque, gscl_log_level level, const char *message) {
+    last_log *log = opaque;
+    log->level = level;
+    snprintf(log->text, sizeof log->text, "%s", message);
+}
+
+static void test_notices_are_logged(void **state) {
+    (void)state;
+    last_log log;
+    gscl_context *context;
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.log = keep_log;
+    settings.log_opaque = &log;
+    assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
+    assert_true(fake.notice != NULL);
+    fake.notice("a page fault", NULL, 0, fake.notice_data);
+    assert_int_equal(log.level, GSCL_LOG_WARNING);
+    assert_string_equal(log.text, "OpenCL: a page fault");
+    gscl_context_free(&context);
+}
+
+static void test_appended_text_is_whole(void **state) {
+    (void)state;
+    char bytes[8];
+    gscl_text text = gscl_text_begin(bytes, sizeof bytes);
+    gscl_text_append(&text, "%s", "abcd");
+    gscl_text_append(&text, "-%d", 56);
+    assert_false(text.overflow);
+    assert_string_equal(bytes, "abcd-56");
+    text = gscl_text_begin(bytes, sizeof bytes);
+    gscl_text_append(&text, "%s", "abcd");
+    gscl_text_append(&text, "-%d", 567);
+    gscl_text_append(&text, "x");
+    assert_true(text.overflow);
+    assert_string_equal(bytes, "abcd");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_long_names_are_shortened, fake_nothing),
+        cmocka_unit_test_setup(test_short_names_are_kept, fake_nothing),
+        cmocka_unit_test_setup(test_unavailable_device_is_not_listed, fake_nothing),
+        cmocka_unit_test_setup(test_unavailable_device_is_not_the_default, fake_nothing),
+        cmocka_unit_test_setup(test_unavailable_device_is_refused, fake_nothing),
+        cmocka_unit_test_setup(test_no_available_device, fake_nothing),
+        cmocka_unit_test_setup(test_every_description_is_checked, fake_nothing),
+        cmocka_unit_test_setup(test_ambiguous_devices_are_named, fake_nothing),
+        cmocka_unit_test_setup(test_notices_are_logged, fake_nothing),
+        cmocka_unit_test_setup(test_appended_text_is_whole, fake_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,116 @@
+/* Launches that fail, in a library whose runtime/opencl.c is compiled with its debug checks. */
+#include <limits.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+
+#include "fake_opencl.h"
+#include "runtime/build_options.h"
+#include "runtime/cl_names.h"
+#include "runtime/opencl.h"
+#include "runtime/programs.h"
+
+static int open_context(void **state) {
+    gscl_context *context;
+    const gscl_result result = gscl_context_create(&context, NULL);
+    *state = context;
+    return result == GSCL_OK ? 0 : -1;
+}
+
+static int fake_nothing(void **state) {
+    (void)state;
+    fake = (fake_opencl){0};
+    return 0;
+}
+
+static int close_context(void **state) {
+    gscl_context *context = *state;
+    gscl_context_free(&context);
+    return 0;
+}
+
+static const gscl_kernel_options plain = {.colours = 1};
+
+/* Launches `multiply_add`, which takes a factor and a buffer, with the first `count` arguments. */
+static gscl_result launch(gscl_context *context, size_t count) {
+    cl_kernel kernel;
+    gscl_buffer sums = {0};
+    cl_float factor = 1;
+    assert_int_equal(gscl_kernel(context, GSCL_PROGRAM_BENCHMARK, &plain, "multiply_add", &kernel), GSCL_OK);
+    assert_int_equal(gscl_buffer_reserve(context, &sums, 65536), GSCL_OK);
+    const gscl_argument arguments[] = {GSCL_ARG(factor), GSCL_ARG_BUFFER(sums), GSCL_ARG(factor)};
+    const gscl_result result = gscl_launch_(context, kernel, 1, 64, arguments, count);
+    assert_int_equal(gscl_finish(context), GSCL_OK);
+    gscl_buffer_free(&sums);
+    return result;
+}
+
+static void test_right_arguments(void **state) {
+    assert_int_equal(launch(*state, 2), GSCL_OK);
+}
+
+/* OpenCL does not notice a missing argument when an earlier launch has set it. */
+static void test_wrong_number_of_arguments(void **state) {
+    gscl_context *context = *state;
+    assert_int_equal(launch(context, 2), GSCL_OK);
+    assert_int_equal(launch(context, 1), GSCL_ERROR_DEVICE_FAILED);
+    assert_string_equal(gscl_context_message(context), "kernel multiply_add takes 2 arguments, it was launched with 1");
+    assert_int_equal(launch(context, 3), GSCL_ERROR_DEVICE_FAILED);
+}
+
+static void test_failed_launch_names_its_kernel(void **state) {
+    gscl_context *context = *state;
+    fake.launch_error = CL_INVALID_WORK_GROUP_SIZE;
+    assert_int_equal(launch(context, 2), GSCL_ERROR_DEVICE_FAILED);
+    assert_non_null(strstr(gscl_context_message(context), "kernel multiply_add on "));
+    assert_non_null(strstr(gscl_context_message(context), "CL_INVALID_WORK_GROUP_SIZE (-54)"));
+}
+
+static void test_resources_are_not_memory(void **state) {
+    gscl_context *context = *state;
+    fake.launch_error = CL_OUT_OF_RESOURCES;
+    assert_int_equal(launch(context, 2), GSCL_ERROR_DEVICE_FAILED);
+    assert_non_null(strstr(gscl_context_message(context), "ran out of resources"));
+    assert_null(strstr(gscl_context_message(context), "memory"));
+    fake.launch_error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    assert_int_equal(launch(context, 2), GSCL_ERROR_DEVICE_MEMORY);
+}
+
+/* The codes of OpenCL 1.2 are -1..-19 and -30..-68. */
+static void test_every_error_has_a_name(void **state) {
+    (void)state;
+    for (cl_int error = -1; error >= -68; error--) {
+        const bool defined = error >= -19 || error <= -30;
+        assert_int_equal(strncmp(gscl_cl_error_name(error), "CL_", 3) == 0, defined);
+        for (cl_int other = -1; defined && other > error; other--)
+            assert_string_not_equal(gscl_cl_error_name(error), gscl_cl_error_name(other));
+    }
+}
+
+static void test_long_build_options_are_refused(void **state) {
+    gscl_context *context = *state;
+    char text[GSCL_MAX_BUILD_OPTIONS];
+    const gscl_kernel_options longest = {INT_MIN, INT_MIN, INT_MIN, INT_MIN, INT_MIN, INT_MIN,
+                                         INT_MIN, INT_MIN, 1e300,   INT_MIN, 1e300,   1};
+    assert_int_equal(gscl_build_options(context, GSCL_PROGRAM_FIT, &plain, text), GSCL_OK);
+    assert_non_null(strstr(text, " -DCOLOURS=1 "));
+    assert_int_equal(gscl_build_options(context, GSCL_PROGRAM_FIT, &longest, text), GSCL_ERROR_KERNEL_BUILD);
+    assert_non_null(strstr(gscl_context_message(context), "build options"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_right_arguments, fake_nothing),
+        cmocka_unit_test_setup(test_wrong_number_of_arguments, fake_nothing),
+        cmocka_unit_test_setup(test_failed_launch_names_its_kernel, fake_nothing),
+        cmocka_unit_test_setup(test_resources_are_not_memory, fake_nothing),
+        cmocka_unit_test_setup(test_every_error_has_a_name, fake_nothing),
+        cmocka_unit_test_setup(test_long_build_options_are_refused, fake_nothing),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
