@@ -76,14 +76,15 @@ __kernel void book_step(__global float *restrict words, __global float *restrict
                        : k < CHANNELS          ? g[GSCL_COLOUR + k]
                                                : g[GSCL_OPACITY];
     }
-    float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, settings.age));
-    float correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, settings.age));
+    float correct1 = 1.0f / (1.0f - pown(GSCL_ADAM_BETA1, settings.age));
+    float correct2 = 1.0f / (1.0f - pown(GSCL_ADAM_BETA2, settings.age));
     for (int k = 0; k < dims; k++) {
         int at = w * GSCL_BOOK_DIMS + k;
-        float rate = book == GSCL_BOOK_SHAPE ? settings.shape_rate : k < CHANNELS ? RATE_COLOUR : RATE_OPACITY;
-        float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * sums[k]);
-        float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * sums[k] * sums[k]);
-        float value = words[at] - limits.rate * rate * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
+        float rate = book == GSCL_BOOK_SHAPE ? settings.shape_rate
+                     : k < CHANNELS          ? GSCL_RATE_COLOUR
+                                             : GSCL_RATE_OPACITY;
+        float value = words[at] - adam_update(sums[k], limits.rate * rate, correct1, correct2, first_moment + at,
+                                              second_moment + at);
         if (book == GSCL_BOOK_SHAPE && k < 2) value = clamp(value, limits.log_min, limits.log_max);
         if (book == GSCL_BOOK_COLOUR)
             value = k < CHANNELS ? clamp(value, limits.colour_min, limits.colour_max)
@@ -100,16 +101,13 @@ __kernel void position_step(__global float *restrict learnt, __global float *res
     int i = (int)get_global_id(0);
     if (i >= settings.splats) return;
     int age = ++ages[i];
-    float correct1 = 1.0f / (1.0f - pown(ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(ADAM_BETA2, age));
+    float correct1 = 1.0f / (1.0f - pown(GSCL_ADAM_BETA1, age)), correct2 = 1.0f / (1.0f - pown(GSCL_ADAM_BETA2, age));
     float size =
         exp(0.5f * (params[(size_t)i * GSCL_PARAMS + GSCL_LOG_S1] + params[(size_t)i * GSCL_PARAMS + GSCL_LOG_S2]));
     for (int k = GSCL_X; k <= GSCL_Y; k++) {
         size_t at = (size_t)i * GSCL_PARAMS + k;
-        float g = gradients[at];
-        float m = first_moment[at] = fma(ADAM_BETA1, first_moment[at], (1.0f - ADAM_BETA1) * g);
-        float v = second_moment[at] = fma(ADAM_BETA2, second_moment[at], (1.0f - ADAM_BETA2) * g * g);
-        float value = learnt[at] - limits.rate * settings.position_rate * size * (m * correct1) /
-                                       (sqrt(v * correct2) + ADAM_EPSILON);
+        float value = learnt[at] - adam_update(gradients[at], limits.rate * settings.position_rate * size, correct1,
+                                               correct2, first_moment + at, second_moment + at);
         learnt[at] = clamp(value, 0.0f, k == GSCL_X ? limits.width : limits.height);
     }
 }

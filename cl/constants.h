@@ -103,8 +103,24 @@
 #define GSCL_LOSS_KIND_L1 1
 #define GSCL_LOSS_KIND_EXTERNAL 2
 
-/* Steps that a tile without error sits out (cl/fit.cl). */
-#define GSCL_REST 7
+/* Steps for which a tile without error is skipped (cl/fit.cl), found by trying. */
+#define GSCL_SKIP_STEPS 7
+
+/* Adam (cl/update.cl, cl/codebook.cl). */
+#define GSCL_ADAM_BETA1 0.9f
+#define GSCL_ADAM_BETA2 0.99f
+#define GSCL_ADAM_LOG2_BETA1 -0.152003093f
+#define GSCL_ADAM_LOG2_BETA2 -0.0144995697f
+#define GSCL_ADAM_EPSILON 1e-10f
+
+/* Learning rates, found by trying: the change of a parameter in one step at a rate factor of 1, where its gradient is
+ * constant. */
+#define GSCL_RATE_POSITION 0.06f /* in lengths of an axis, along it */
+#define GSCL_RATE_SHAPE 0.08f    /* ln sigma */
+#define GSCL_RATE_ANGLE 0.06f    /* radians, of a round splat; less for elongated ones */
+#define GSCL_RATE_COLOUR 0.012f  /* of the range 0..1 */
+#define GSCL_RATE_OPACITY 0.04f  /* logit */
+#define GSCL_MAX_LOGIT 8.0f      /* bound on a fitted opacity, positive and negative */
 
 /* What stands between a parameter and what is drawn while fitting. */
 #define GSCL_QUANTISER_NONE 0

@@ -1,10 +1,11 @@
-/* One step of the fit over a tile: draw, compare, and pass the loss back to every splat of the tile.
+/* Gradients of one step of the fit over a tile: a forward pass that renders it, the loss, and a backward pass from the
+ * loss to every splat of the tile.
  *
- * Each entry of a tile's list has a slot of its own for its sums over the tile's pixels, so no two
- * work-groups write the same place and no float atomics are needed (update.cl adds a splat's slots in a
- * fixed order).  With h = dL/dweight and t = h * opacity * gauss, a slot holds
- *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, [and w dL/dwave times the wave a
- * quarter of a turn on, whose phase moves with the splat].
+ * Each entry of a tile's list has its own gradient slot for its sums over the tile's pixels, so no two work-groups write
+ * to the same place and no float atomics are needed (update.cl adds a splat's slots in a fixed order).  With
+ * h = dL/dweight and t = h * opacity * gauss, a slot holds
+ *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, and [w dL/dwave times the wave a
+ *     quarter of a turn on, whose phase moves with the splat].
  * A circle has one sum instead of t u^2 and t v^2. */
 #define SLOT_VV GSCL_SLOT_VV(SHAPE)
 #define SLOT_OPACITY GSCL_SLOT_OPACITY(SHAPE)
@@ -14,28 +15,28 @@
 
 /* Per-pixel state of the backward pass. */
 typedef struct {
-    pix slope[CHANNELS][ROWS]; /* dL/dcolour of the picture; `normalized`: by the sum of weights */
-    pix mean[ROWS];            /* dot(picture, slope); `alpha`: of the part that lies behind */
+    pix slope[CHANNELS][ROWS]; /* dL/dcolour of the rendering; `normalized`: divided by the sum of weights */
+    pix dot[ROWS];             /* dot(rendering, slope); `alpha`: of the part behind the current splat */
     pix transmittance[ROWS];   /* `alpha`: of the splats in front */
-} chain;
+} backward;
 
-/* Turns the canvas into the chain; returns this work-item's part of the loss. `picture` is the target (WEIGHTED: with
- * a plane of weights behind it), or with an external loss its derivative. */
-inline pix chain_begin(chain *b, const canvas *c, pixel_block p, __global const float *restrict picture, int width,
-                       ulong plane, float gain) {
+/* Starts the backward pass from the rendering on the canvas; returns this work-item's part of the loss.  `target` is as
+ * in fit_tiles. */
+inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const float *restrict target, int width,
+                          size_t plane, float derivative_scale) {
     pix loss = (pix)(0.0f);
     for (int r = 0; r < ROWS; r++) {
-        b->mean[r] = (pix)(0.0f);
+        b->dot[r] = (pix)(0.0f);
 #if WEIGHTED
         pix weight = (pix)(0.0f);
         if (r < p.rows && p.lanes > 0)
-            weight = pix_load_clipped(picture + CHANNELS * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+            weight = pix_load_clipped(target + CHANNELS * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
 #endif
         UNROLL
         for (int k = 0; k < CHANNELS; k++) {
             pix d = (pix)(0.0f);
             if (r < p.rows && p.lanes > 0) {
-                pix value = pix_load_clipped(picture + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+                pix value = pix_load_clipped(target + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
 #if LOSS == GSCL_LOSS_KIND_EXTERNAL
                 d = value;
 #else
@@ -52,21 +53,21 @@ inline pix chain_begin(chain *b, const canvas *c, pixel_block p, __global const 
 #endif
 #endif
             }
-            d *= gain;
+            d *= derivative_scale;
 #if BLEND == GSCL_NORMALIZED
             d *= c->weight_sum[r]; /* the reciprocal, after canvas_end */
 #endif
             b->slope[k][r] = d;
-            b->mean[r] = fma(c->colour[k][r], d, b->mean[r]);
+            b->dot[r] = fma(c->colour[k][r], d, b->dot[r]);
         }
         b->transmittance[r] = (pix)(1.0f);
     }
     return loss;
 }
 
-/* Adds up the sums over the work-items of the tile and stores them. */
+/* SLOT_STORE adds the sums of the work-items of the tile and stores them in a slot. */
 #if ITEMS == 1
-/* Eight sums over their lanes at once take a third of the instructions of one after the other. */
+/* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
 inline float8 pix_sum_8(const pix *restrict s) {
     float16 a[4], b[2];
     UNROLL
@@ -84,7 +85,7 @@ inline void slot_store(__global float *restrict slot, const pix *restrict sums) 
     UNROLL
     for (int k = 0; k < SLOT; k++) slot[k] = k < 8 ? first[k] : pix_sum(sums[k]);
 }
-#define SUMS LARGER(SLOT, 8) /* no fewer than are added up at once */
+#define SUMS LARGER(SLOT, 8) /* no fewer than pix_sum_8 reads */
 #define SLOT_STORE(slot, sums) slot_store(slot, sums)
 #else
 #define SUMS SLOT
@@ -104,30 +105,31 @@ inline void slot_store(__global float *restrict slot, const pix *restrict sums) 
 #endif
 
 /* Adds one row of one splat to its sums. */
-ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix dx, float dy,
+ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, pix dx, float dy,
                                 __global const float *projected) {
     pix w = WITH_OPACITY(s.weight, projected);
-    pix paint = (pix)(0.0f);
+    pix by_share = (pix)(0.0f); /* dL/dshare: the derivative by this splat's part of the blend */
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) paint = fma((pix)(projected[GSCL_PROJECTED_COLOUR + k]), b->slope[k][r], paint);
+    for (int k = 0; k < CHANNELS; k++)
+        by_share = fma((pix)(projected[GSCL_PROJECTED_COLOUR + k]), b->slope[k][r], by_share);
 #if TEXTURE
-    pix waved = (pix)(0.0f); /* dL/dwave */
+    pix by_wave = (pix)(0.0f); /* dL/dwave */
     UNROLL
-    for (int k = 0; k < COLOURS; k++) waved += b->slope[k][r];
-    paint = fma(wave_at(dx, dy, 0.0f, projected), waved, paint);
+    for (int k = 0; k < COLOURS; k++) by_wave += b->slope[k][r];
+    by_share = fma(wave_at(dx, dy, 0.0f, projected), by_wave, by_share);
 #endif
 #if BLEND == GSCL_NORMALIZED
     pix share = w;
-    pix h = paint - b->mean[r];
+    pix h = by_share - b->dot[r];
 #elif BLEND == GSCL_SUM
     pix share = w;
-    pix h = paint;
+    pix h = by_share;
 #else
-    pix_mask free = w < (pix)(GSCL_MAX_ALPHA);
+    pix_mask not_clamped = w < (pix)(GSCL_MAX_ALPHA);
     w = fmin(w, (pix)(GSCL_MAX_ALPHA));
     pix share = w * b->transmittance[r];
-    b->mean[r] = fma(-share, paint, b->mean[r]); /* what lies behind this splat */
-    pix h = select((pix)(0.0f), fma(b->transmittance[r], paint, -b->mean[r] / (1.0f - w)), free);
+    b->dot[r] = fma(-share, by_share, b->dot[r]); /* of the part behind this splat */
+    pix h = select((pix)(0.0f), fma(b->transmittance[r], by_share, -b->dot[r] / (1.0f - w)), not_clamped);
     b->transmittance[r] -= share;
 #endif
     pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, projected), s.weight > (pix)(0.0f));
@@ -138,7 +140,7 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
     sums[GSCL_SLOT_UU] = fma(tu, s.u, sums[GSCL_SLOT_UU]);
     sums[GSCL_SLOT_UV] = fma(tu, s.v, sums[GSCL_SLOT_UV]);
 #else
-    sums[GSCL_SLOT_U] += t; /* u is the same in all rows: slot_end */
+    sums[GSCL_SLOT_U] += t; /* u is the same in all rows, slot_end multiplies by it */
 #endif
     sums[GSCL_SLOT_V] += tv;
     sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
@@ -148,11 +150,11 @@ ALWAYS_INLINE void slot_add_row(pix *sums, chain *b, int r, splat_weight s, pix 
     UNROLL
     for (int k = 0; k < CHANNELS; k++) sums[SLOT_COLOUR + k] = fma(share, b->slope[k][r], sums[SLOT_COLOUR + k]);
 #if TEXTURE
-    sums[SLOT_WAVE] = fma(share * waved, wave_at(dx, dy, 0.25f, projected), sums[SLOT_WAVE]);
+    sums[SLOT_WAVE] = fma(share * by_wave, wave_at(dx, dy, 0.25f, projected), sums[SLOT_WAVE]);
 #endif
 }
 
-/* After the last row. */
+/* Finishes the sums after the last row. */
 inline void slot_end(pix *restrict sums, splat_weight s) {
 #if !ROTATION
     sums[GSCL_SLOT_U] *= s.u;
@@ -160,29 +162,34 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
 #endif
 }
 
-/* `picture`: CHANNELS planes to fit (or, LOSS external, dL/dpicture).  `gain` scales the derivative so that
- * levels of the pyramid agree.  Writes a slot per entry and the loss per tile.
- * A tile whose loss is below `quiet` a pixel has nothing to teach: it sits out the next GSCL_REST steps, with slots of
- * 0 and the loss that it had.  `wakes`: the step with which it works again. */
+/* The step until which a tile with this loss is skipped, or 0. */
+inline int skip_until_step(float loss, int pixels, float threshold, int step) {
+    return loss < threshold * (float)pixels ? step + 1 + GSCL_SKIP_STEPS : 0;
+}
+
+/* Writes a gradient slot for each entry and the loss of each tile.  `target`: CHANNELS planes and, where WEIGHTED, a
+ * plane of weights; where the loss is EXTERNAL, planes of its derivative by the rendering.
+ * A tile whose loss per pixel is below the threshold is skipped for the next GSCL_SKIP_STEPS steps, in which its slots
+ * are 0 and its loss stays the same.  `skip_until`: for each tile the step with which it is computed again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
-                        __global const float *restrict picture, gscl_image_shape shape, float gain, float quiet,
+                        __global const float *restrict target, gscl_fit_settings settings,
                         __global float *restrict slots, __global float *restrict tile_loss,
-                        __global int *restrict wakes, int step) {
+                        __global int *restrict skip_until) {
 #if ITEMS > 1
     __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
 #endif
-    pixel_block p = pixel_block_of(shape);
+    const int width = settings.shape.width, height = settings.shape.height, step = settings.step;
+    pixel_block p = pixel_block_of(settings.shape);
     int2 range = tile_ranges[p.tile];
-    bool rests = wakes[p.tile] > step;
-    int tile_pixels =
-        min(GSCL_TILE, shape.width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, shape.height - (p.y & -GSCL_TILE));
-    if (rests) {
+    bool is_skipped = skip_until[p.tile] > step;
+    int pixels = min(GSCL_TILE, width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, height - (p.y & -GSCL_TILE));
+    if (is_skipped) {
         for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
 #if ITEMS == 1
         return;
 #else
-        range.y = range.x;  /* no return where others wait at barriers */
+        range.y = range.x;  /* no return, because of the barriers below */
 #endif
     }
     pix px = pix_offsets() + ((float)p.x + 0.5f);
@@ -197,8 +204,8 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     int row = 0;
     canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, cached);
     canvas_end(&c, background);
-    chain b;
-    pix loss = chain_begin(&b, &c, p, picture, shape.width, plane_size(shape), gain);
+    backward b;
+    pix loss = backward_begin(&b, &c, p, target, width, plane_size(settings.shape), settings.derivative_scale);
 
     for (int i = range.x; i < range.y; i++) {
         int j = BLEND == GSCL_ALPHA ? range.y - 1 - (i - range.x) : i;
@@ -225,22 +232,22 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #if ITEMS == 1
     float total = pix_sum(loss);
     tile_loss[p.tile] = total;
-    wakes[p.tile] = total < quiet * (float)tile_pixels ? step + 1 + GSCL_REST : 0;
+    skip_until[p.tile] = skip_until_step(total, pixels, settings.skip_threshold, step);
 #else
     shared[get_local_id(0)] = pix_sum(loss);
-    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* and all have read when the tile wakes */
-    if (get_local_id(0) == 0 && !rests) {
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* also: all have read skip_until */
+    if (get_local_id(0) == 0 && !is_skipped) {
         float total = 0.0f;
         for (int j = 0; j < ITEMS; j++) total += shared[j];
         tile_loss[p.tile] = total;
-        wakes[p.tile] = total < quiet * (float)tile_pixels ? step + 1 + GSCL_REST : 0;
+        skip_until[p.tile] = skip_until_step(total, pixels, settings.skip_threshold, step);
     }
 #endif
 }
 
-/* Adds the losses of all tiles into one float, in a fixed order: one work-item. */
+/* Adds the losses of all tiles in a fixed order, with one work-item. */
 __kernel void sum_loss(__global const float *restrict tile_loss, int count, __global float *restrict total) {
-    float sum = 0.0f, lost = 0.0f; /* Kahan: a large image has 10^6 tiles */
+    float sum = 0.0f, lost = 0.0f; /* Kahan summation: a large image has 10^6 tiles */
     for (int i = 0; i < count; i++) {
         float y = tile_loss[i] - lost;
         float t = sum + y;

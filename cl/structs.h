@@ -50,6 +50,27 @@ typedef struct gscl_limits {
     cl_float colour_min, colour_max;
 } gscl_limits;
 
+/* One step of the fit over the tiles of a level (cl/fit.cl). */
+typedef struct gscl_fit_settings {
+    gscl_image_shape shape;
+    cl_float derivative_scale; /* of the loss: makes the levels of the pyramid agree */
+    cl_float skip_threshold;   /* loss per pixel below which a tile is skipped; 0: none is */
+    cl_int step;               /* since the last reset of skipped tiles */
+} gscl_fit_settings;
+
+/* The fitted splats, as gradients are summed for them (cl/update.cl). */
+typedef struct gscl_gather_settings {
+    cl_int splats;
+    gscl_view view;
+} gscl_gather_settings;
+
+/* One step of Adam (cl/update.cl). */
+typedef struct gscl_adam_settings {
+    cl_int splats;
+    gscl_view view; /* of the projection that follows */
+    gscl_limits limits;
+} gscl_adam_settings;
+
 /* The planes of an image in cl/ssim.cl. */
 typedef struct gscl_ssim_shape {
     cl_int width, height, channels;

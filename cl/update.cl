@@ -1,21 +1,21 @@
-/* From slots to parameters: gradients, Adam, and the projection for the next step. */
+/* From gradient slots to parameters: gradients, Adam, and the projection for the next step. */
 
 #if LANES == 16
-#define COUNTED 32 /* entries that are counted rather than searched: no branch to be guessed wrong */
+#define LINEAR_SEARCH 32 /* entries that are compared all at once, without a branch that could be mispredicted */
 #else
-#define COUNTED 1
+#define LINEAR_SEARCH 1
 #endif
 
-/* The slot of splat `i` in a tile's sorted list, or -1.  May load up to 7 entries behind the list's. */
+/* The slot of splat `i` in a tile's sorted list, or -1.  May load up to 7 entries behind the list. */
 inline int slot_find(__global const uint *restrict entries, int2 range, uint i) {
     int low = range.x, n = range.y - range.x;
-    while (n > COUNTED) {
+    while (n > LINEAR_SEARCH) {
         int step = n >> 1;
         if (GSCL_ENTRY_SPLAT(entries[low + step]) <= i) low += step;
         n -= step;
     }
-#if COUNTED > 1
-    int8 before = (int8)(0); /* as negative numbers */
+#if LINEAR_SEARCH > 1
+    int8 before = (int8)(0); /* entries before splat i, as negative numbers */
     for (int k = 0; k < n; k += 8) {
         int8 splats = as_int8(GSCL_ENTRY_SPLAT(vload8(0, entries + low + k)));
         before += (splats < (int)i) & ((int8)(0, 1, 2, 3, 4, 5, 6, 7) < n - k);
@@ -26,19 +26,18 @@ inline int slot_find(__global const uint *restrict entries, int2 range, uint i) 
     return low < range.y && GSCL_ENTRY_SPLAT(entries[low]) == i ? low : -1;
 }
 
-/* Slots are looked for first and added after: what other cores have written takes its time to come, and is waited
- * for all at once. */
+/* Slots are first found and then added: the loads of what other cores have written then overlap. */
 #if SPLAT_LANES > 1
-#define FOUND 128
+#define MAX_FOUND 128
 #else
-#define FOUND 1
+#define MAX_FOUND 1
 #endif
 typedef struct {
-    int slot[FOUND], owner[FOUND];
+    int slot[MAX_FOUND], owner[MAX_FOUND];
     int count;
 } found_slots;
 
-/* `sums`: SLOT floats for each splat.  Empties the list. */
+/* Adds the slots that were found to `sums`, SLOT floats for each splat, and empties the list. */
 inline void slots_add(float *restrict sums, found_slots *found, __global const float *restrict slots) {
     for (int j = 0; j < found->count; j++) {
         float *sum = sums + found->owner[j] * SLOT;
@@ -49,8 +48,8 @@ inline void slots_add(float *restrict sums, found_slots *found, __global const f
     found->count = 0;
 }
 
-/* Adds the slots of splats `first` to `first + lanes_used` over the tiles of their boxes, row by row: always the same
- * order. */
+/* Adds the slots of splats `first` to `first + lanes_used` over the tiles of their boxes, row by row and so always in
+ * the same order. */
 inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __global const int4 *restrict boxes,
                          int tiles_x, __global const float *restrict projected,
                          __global const float *restrict ellipse_bounds, __global const uint *restrict entries,
@@ -62,14 +61,14 @@ inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __g
         size_t i = first + (size_t)owner;
         int4 box = boxes[i];
         for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
-            /* no tighter than the lists were made */
+            /* at least the tiles whose lists the splat is in */
             int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 2.0f);
             for (int tx = tiles.x; tx <= tiles.y; tx++) {
                 int slot = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], (uint)i);
                 if (slot < 0) continue;
                 found.slot[found.count] = slot;
                 found.owner[found.count++] = owner;
-                if (found.count == FOUND) slots_add(sums, &found, slots);
+                if (found.count == MAX_FOUND) slots_add(sums, &found, slots);
             }
         }
     }
@@ -79,7 +78,8 @@ inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __g
 /* Sum `k` of each splat. */
 #define LANE_SUM(k) LOAD_LANES(sums + (k), SLOT)
 
-/* Chain rule from the frame's sums to the parameters.  `s`, `projected`: the splats as they were drawn. */
+/* Chain rule from the sums, which are in the splats' own frames, to the parameters.  `s`, `projected`: the splats as they
+ * were drawn. */
 inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict sums, splat s,
                                __global const float *restrict projected, gscl_view view) {
     vfloat e1 = axis_at_level(s.s1, view.blur), e2 = axis_at_level(s.s2, view.blur);
@@ -104,69 +104,68 @@ inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict 
     for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = LANE_SUM(SLOT_COLOUR + k);
 }
 
-#define ADAM_BETA1 0.9f
-#define ADAM_BETA2 0.99f
-#define LOG2_BETA1 -0.152003093f
-#define LOG2_BETA2 -0.0144995697f
-#define ADAM_EPSILON 1e-10f
-#define RATE_POSITION 0.06f /* of an axis, along it */
-#define RATE_SHAPE 0.08f
-#define RATE_TURN 0.06f /* of a round splat; less for long ones */
-#define RATE_COLOUR 0.012f
-#define RATE_OPACITY 0.04f
-
-/* Parameters that are fitted, and those of them that the picture's effects leave something to do. */
+/* Parameters that are fitted, and which of them have an effect with these build options. */
 #define FITTED (GSCL_COLOUR + CHANNELS)
 #define IS_FITTED(k) (((k) != GSCL_THETA || ROTATION) && ((k) != GSCL_OPACITY || OPACITY))
 
-/* Turns (x, y) by the angle whose cosine and sine are given. */
-inline void turn(vfloat *restrict x, vfloat *restrict y, vfloat c, vfloat s) {
-    vfloat turned = c * *x - s * *y;
+/* Rotates (x, y) by the angle whose cosine and sine are given. */
+inline void rotate_by(vfloat *restrict x, vfloat *restrict y, vfloat c, vfloat s) {
+    vfloat rotated = c * *x - s * *y;
     *y = fma(c, *y, s * *x);
-    *x = turned;
+    *x = rotated;
 }
 
-/* The learning rate of each parameter.  The centre moves along the axes in units of each, and needles turn slowly, by
- * the power 3/4: both keep a step's effect on the picture alike for all shapes. */
+/* The learning rate of each parameter.  That of the centre is in lengths of the axes.  That of the angle falls with the
+ * aspect ratio, about by its power 3/4.  Both keep the effect of a step on the rendering alike for all shapes. */
 inline void learning_rates(vfloat *restrict rates, const vfloat *restrict p) {
     vfloat s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
     vfloat roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
-    rates[GSCL_X] = RATE_POSITION * s1;
-    rates[GSCL_Y] = RATE_POSITION * s2;
-    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = (vfloat)(RATE_SHAPE);
-    rates[GSCL_THETA] = RATE_TURN * roundness * sqrt(roundness);
-    rates[GSCL_OPACITY] = (vfloat)(RATE_OPACITY);
+    rates[GSCL_X] = GSCL_RATE_POSITION * s1;
+    rates[GSCL_Y] = GSCL_RATE_POSITION * s2;
+    rates[GSCL_LOG_S1] = rates[GSCL_LOG_S2] = (vfloat)(GSCL_RATE_SHAPE);
+    rates[GSCL_THETA] = GSCL_RATE_ANGLE * roundness * sqrt(roundness);
+    rates[GSCL_OPACITY] = (vfloat)(GSCL_RATE_OPACITY);
     UNROLL
-    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = (vfloat)(RATE_COLOUR);
+    for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = (vfloat)(GSCL_RATE_COLOUR);
 }
 
-/* Adam with the bias correction of each splat's own age; moments of the centre are in the splat's own frame. */
+/* Adam for one parameter of each splat: updates its moments, which are GSCL_PARAMS floats apart, and returns the step to
+ * subtract.  `correct1`, `correct2`: corrections of the bias of the moments. */
+ALWAYS_INLINE vfloat adam_update(vfloat gradient, vfloat rate, vfloat correct1, vfloat correct2,
+                                 __global float *first_moment, __global float *second_moment) {
+    vfloat m =
+        fma((vfloat)(GSCL_ADAM_BETA1), LOAD_LANES(first_moment, GSCL_PARAMS), (1.0f - GSCL_ADAM_BETA1) * gradient);
+    vfloat v = fma((vfloat)(GSCL_ADAM_BETA2), LOAD_LANES(second_moment, GSCL_PARAMS),
+                   (1.0f - GSCL_ADAM_BETA2) * gradient * gradient);
+    store_lanes(m, first_moment, GSCL_PARAMS);
+    store_lanes(v, second_moment, GSCL_PARAMS);
+    return rate * (m * correct1) / (sqrt(v * correct2) + GSCL_ADAM_EPSILON);
+}
+
+/* One step of Adam on the parameters `p`, with the bias correction of each splat's own age.  Moments of the centre are
+ * in the splat's own frame. */
 inline void adam(vfloat *restrict p, __global float *restrict first_moment, __global float *restrict second_moment,
                  vfloat age, __global const float *restrict gradient, float rate) {
-    vfloat correct1 = rate / (1.0f - exp2(LOG2_BETA1 * age)), correct2 = 1.0f / (1.0f - exp2(LOG2_BETA2 * age));
-    vfloat c = ROTATION ? cos(p[GSCL_THETA]) : (vfloat)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (vfloat)(0.0f),
-           steps[FITTED], rates[FITTED];
+    vfloat correct1 = rate / (1.0f - exp2(GSCL_ADAM_LOG2_BETA1 * age)),
+           correct2 = 1.0f / (1.0f - exp2(GSCL_ADAM_LOG2_BETA2 * age));
+    vfloat c = ROTATION ? cos(p[GSCL_THETA]) : (vfloat)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (vfloat)(0.0f);
+    vfloat steps[FITTED], rates[FITTED];
     learning_rates(rates, p);
     UNROLL
     for (int k = 0; k < FITTED; k++) steps[k] = LOAD_LANES(gradient + k, GSCL_PARAMS);
-    turn(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
+    rotate_by(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
     UNROLL
-    for (int k = 0; k < FITTED; k++) {
-        if (!IS_FITTED(k)) continue;
-        vfloat m = fma((vfloat)(ADAM_BETA1), LOAD_LANES(first_moment + k, GSCL_PARAMS), (1.0f - ADAM_BETA1) * steps[k]);
-        vfloat v = fma((vfloat)(ADAM_BETA2), LOAD_LANES(second_moment + k, GSCL_PARAMS),
-                       (1.0f - ADAM_BETA2) * steps[k] * steps[k]);
-        store_lanes(m, first_moment + k, GSCL_PARAMS);
-        store_lanes(v, second_moment + k, GSCL_PARAMS);
-        steps[k] = rates[k] * (m * correct1) / (sqrt(v * correct2) + ADAM_EPSILON);
-    }
-    turn(&steps[GSCL_X], &steps[GSCL_Y], c, s);
+    for (int k = 0; k < FITTED; k++)
+        if (IS_FITTED(k))
+            steps[k] = adam_update(steps[k], rates[k], correct1, correct2, first_moment + k, second_moment + k);
+    rotate_by(&steps[GSCL_X], &steps[GSCL_Y], c, s);
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) p[k] -= steps[k];
 }
 
-inline void keep_within(vfloat *restrict p, gscl_limits b) {
+/* Clamps the parameters to their bounds.  An excess of the aspect ratio is shared by the two axes. */
+inline void clamp_params(vfloat *restrict p, gscl_limits b) {
     p[GSCL_X] = clamp(p[GSCL_X], (vfloat)(0.0f), (vfloat)(b.width));
     p[GSCL_Y] = clamp(p[GSCL_Y], (vfloat)(0.0f), (vfloat)(b.height));
     vfloat difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
@@ -174,24 +173,25 @@ inline void keep_within(vfloat *restrict p, gscl_limits b) {
     excess = difference < 0.0f ? -excess : excess;
     p[GSCL_LOG_S1] = clamp(p[GSCL_LOG_S1] - excess, (vfloat)(b.log_min), (vfloat)(b.log_max));
     p[GSCL_LOG_S2] = clamp(p[GSCL_LOG_S2] + excess, (vfloat)(b.log_min), (vfloat)(b.log_max));
-    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], (vfloat)(-8.0f), (vfloat)(8.0f));
+    p[GSCL_OPACITY] = clamp(p[GSCL_OPACITY], (vfloat)(-GSCL_MAX_LOGIT), (vfloat)(GSCL_MAX_LOGIT));
     UNROLL
     for (int k = 0; k < CHANNELS; k++)
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
-/* Writes the gradients of SPLAT_LANES splats (GSCL_PARAMS floats each, of which those that are never fitted stay as
- * they are). */
-__kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps, int count,
-                               gscl_view view, __global const int4 *restrict boxes,
+/* Writes the gradients of SPLAT_LANES splats, GSCL_PARAMS floats each.  Those of parameters that are not fitted are left
+ * as they are. */
+__kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps,
+                               gscl_gather_settings settings, __global const int4 *restrict boxes,
                                __global const float *restrict projected, __global const float *restrict ellipse_bounds,
                                __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
                                __global const float *restrict slots, __global float *restrict gradients) {
     size_t i = get_global_id(0) * SPLAT_LANES;
-    if (i >= (size_t)count) return;
+    if (i >= (size_t)settings.splats) return;
+    const gscl_view view = settings.view;
     float sums[SPLAT_LANES * SLOT];
     vfloat gradient[FITTED];
-    int lanes_used = min(count - (int)i, SPLAT_LANES);
+    int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);
     slots_gather(sums, i, lanes_used, boxes, view.tiles_x, projected, ellipse_bounds, entries, tile_ranges, slots);
     splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps);
     gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, view);
@@ -202,22 +202,23 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
 /* One step of Adam from the gradients, then the projection of the (quantised) result. */
 __kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
-                        __global const float *restrict gradients, __global const float *restrict steps, int count,
-                        gscl_limits bounds, gscl_view view, __global float *restrict projected,
+                        __global const float *restrict gradients, __global const float *restrict steps,
+                        gscl_adam_settings settings, __global float *restrict projected,
                         __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
-    if (i >= (size_t)count) return;
+    if (i >= (size_t)settings.splats) return;
     vfloat p[FITTED];
-    int lanes_used = min(count - (int)i, SPLAT_LANES);
+    int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);
     UNROLL
     for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, lanes_used);
     vint age = LOAD_LANES_INT(ages + i) + 1;
     store_lanes_int(age, ages + i, 1);
-    adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradients + at, bounds.rate);
-    keep_within(p, bounds);
+    adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradients + at,
+         settings.limits.rate);
+    clamp_params(p, settings.limits);
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) store_lanes(p[k], params + at + k, GSCL_PARAMS);
-    splat_store_projected(splat_quantise(splat_load(params + at, lanes_used), steps), view, i, projected,
+    splat_store_projected(splat_quantise(splat_load(params + at, lanes_used), steps), settings.view, i, projected,
                           ellipse_bounds, boxes);
 }

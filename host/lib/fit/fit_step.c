@@ -18,22 +18,27 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot));
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, o, "fit_tiles", &kernel));
-    const gscl_image_shape shape = gscl_renderer_shape(r);
-    cl_float scale = ldexpf(1.0f, 2 * f->level); /* a level has 4^level fewer pixels to add up */
+    const gscl_fit_settings settings = {.shape = gscl_renderer_shape(r),
+                                        .derivative_scale =
+                                            ldexpf(1.0f, 2 * f->level), /* a level has 4^level fewer pixels to add up */
+                                        .skip_threshold = f->skip.threshold,
+                                        .step = f->skip.step};
     return GSCL_LAUNCH(f->context, kernel, tile_count(f), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
-                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(shape), GSCL_ARG(scale),
-                       GSCL_ARG(f->skip.threshold), GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
-                       GSCL_ARG_BUFFER(f->skip.skip_until), GSCL_ARG(f->skip.step));
+                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG_BUFFER(f->skip.skip_until));
 }
 
+/* Sums the gradient slots of each splat into its gradients. */
 static gscl_result launch_gather(gscl_fit *f) {
     gscl_renderer *r = &f->renderer;
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "gather_gradients", &kernel));
+    const gscl_gather_settings settings = {.splats = r->count, .view = r->view};
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                        gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(r->params),
-                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->boxes),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->entries),
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->gradient_slots),
                        GSCL_ARG_BUFFER(f->gradients));
@@ -44,12 +49,12 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "adam_step", &kernel));
     f->limits.rate = rate;
+    const gscl_adam_settings settings = {.splats = r->count, .view = r->view, .limits = f->limits};
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                        gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(*params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
-                       GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count),
-                       GSCL_ARG(f->limits), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->projected),
-                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
+                       GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }
 
 /* The part of the tiles that is not flat background. */
