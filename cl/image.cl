@@ -51,13 +51,13 @@ __kernel void squared_error(__global const float *restrict picture, __global con
     error[i] = weighted ? sum * target[(size_t)channels * count + i] : sum;
 }
 
-/* Adds `share` times a plane that is 2^shift times smaller. */
-__kernel void add_enlarged(__global const float *restrict from, int from_width, int from_height, int shift, float share,
-                           __global float *restrict to, ulong to_at, int width, int height) {
+/* Adds `share` times a plane that is 2^shift times smaller to the plane at to[to_at]. */
+__kernel void add_enlarged(__global const float *restrict from, gscl_enlargement t, __global float *restrict to,
+                           ulong to_at) {
     int i = (int)get_global_id(0);
-    if (i >= width * height) return;
-    int x = min((i % width) >> shift, from_width - 1), y = min((i / width) >> shift, from_height - 1);
-    to[to_at + i] = fma(share, from[(size_t)y * from_width + x], to[to_at + i]);
+    if (i >= t.width * t.height) return;
+    int x = min((i % t.width) >> t.shift, t.from_width - 1), y = min((i / t.width) >> t.shift, t.from_height - 1);
+    to[to_at + i] = fma(t.share, from[(size_t)y * t.from_width + x], to[to_at + i]);
 }
 
 /* Raises the contrast of `channels` planes: by gains, around means, that are of half the size (ssim_contrast_gains). */

@@ -166,6 +166,15 @@ inline void splat_store_projected(splat s, gscl_view view, size_t i, __global fl
     store_lanes_int(b.last_y, box + 3, 4);
 }
 
+#if COLOURS == 3
+/* Red, green and blue from YCoCg (FORMAT.md, "Dequantisation"). */
+inline void colour_from_ycocg(vfloat y, vfloat co, vfloat cg, vfloat *restrict colour) {
+    colour[1] = y + 0.5f * cg;
+    colour[2] = y - 0.5f * cg - 0.5f * co;
+    colour[0] = colour[2] + co;
+}
+#endif
+
 /* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit looks
  * through the quantiser so that it learns to live with it.  steps[GSCL_STEP_SCALE] = 0 switches it off. */
 inline splat splat_quantise(splat s, __global const float *restrict steps) {
@@ -192,9 +201,7 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
     vfloat y = rint((s.colour[0] + 2.0f * s.colour[1] + s.colour[2]) * 0.25f / luma) * luma;
     vfloat co = rint((s.colour[0] - s.colour[2]) / chroma) * chroma;
     vfloat cg = rint((s.colour[1] - 0.5f * (s.colour[0] + s.colour[2])) / chroma) * chroma;
-    s.colour[1] = y + 0.5f * cg;
-    s.colour[2] = y - 0.5f * cg - 0.5f * co;
-    s.colour[0] = s.colour[2] + co;
+    colour_from_ycocg(y, co, cg, s.colour);
 #else
     s.colour[0] = rint(s.colour[0] / luma) * luma;
 #endif

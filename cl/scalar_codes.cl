@@ -10,9 +10,7 @@ inline void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restri
     float y = (float)c->code[GSCL_CODE_LUMA] * t.luma_step;
 #if COLOURS == 3
     float co = (float)c->code[GSCL_CODE_CO] * t.chroma_step, cg = (float)c->code[GSCL_CODE_CG] * t.chroma_step;
-    colour[1] = y + 0.5f * cg;
-    colour[2] = y - 0.5f * cg - 0.5f * co;
-    colour[0] = colour[2] + co;
+    colour_from_ycocg(y, co, cg, colour);
 #else
     colour[0] = y;
 #endif

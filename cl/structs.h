@@ -26,6 +26,13 @@ typedef struct gscl_image_shape {
     cl_int tiles_x, tiles_y;
 } gscl_image_shape;
 
+/* Adding a small plane to one that is 2^shift times as large. */
+typedef struct gscl_enlargement {
+    cl_int from_width, from_height, width, height; /* pixels */
+    cl_int shift;
+    cl_float share; /* factor on the values of the small plane */
+} gscl_enlargement;
+
 /* Binning splats into the lists of tiles (cl/bin.cl). */
 typedef struct gscl_bin_settings {
     cl_int splats;

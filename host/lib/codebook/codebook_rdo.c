@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "codebook/tunables.h"
+#include "decode/ellipse.h"
 
 static gscl_context *context_of(const gscl_codebook_rdo *rdo) {
     return rdo->codebook->fit->context;
@@ -114,22 +115,15 @@ static void find_cell(gscl_codebook_rdo *rdo, size_t i) {
     rdo->cells[i][1] = (cl_int)fmin(fmax(floor(p[GSCL_Y] / rdo->settings.cell_y), 0), rdo->settings.last_y);
 }
 
-static void outline_half_size(const float *shape, double *width, double *height) {
-    const double s1 = exp(2.0 * shape[0]), s2 = exp(2.0 * shape[1]), c = cos(shape[2]), s = sin(shape[2]);
-    *width = sqrt(2 * GSCL_SUPPORT * (c * c * s1 + s * s * s2));
-    *height = sqrt(2 * GSCL_SUPPORT * (s * s * s1 + c * c * s2));
-}
-
 /* The pixels that the pass may change for a splat: its outline with a margin for a move by a cell, within the image. */
 static void find_box(gscl_codebook_rdo *rdo, size_t i) {
     const gscl_renderer *r = &rdo->codebook->fit->renderer;
     const double margin = gscl_codebook_tunables.box_margin;
     const gscl_word_rdo_settings *s = &rdo->settings;
     const double x = (rdo->cells[i][0] + 0.5) * s->cell_x, y = (rdo->cells[i][1] + 0.5) * s->cell_y;
-    double width, height;
-    outline_half_size(rdo->shapes + rdo->codebook->pairs[i][GSCL_BOOK_SHAPE] * GSCL_BOOK_DIMS, &width, &height);
-    width += margin + s->cell_x;
-    height += margin + s->cell_y;
+    const float *shape = rdo->shapes + rdo->codebook->pairs[i][GSCL_BOOK_SHAPE] * GSCL_BOOK_DIMS;
+    const gscl_half_size half = gscl_ellipse_half_size(shape[0], shape[1], shape[2], 0, sqrt(2 * GSCL_SUPPORT));
+    const double width = half.width + (margin + s->cell_x), height = half.height + (margin + s->cell_y);
     rdo->boxes[i][0] = (cl_int)fmax(floor(x - width), 0);
     rdo->boxes[i][1] = (cl_int)fmin(ceil(x + width), r->width - 1);
     rdo->boxes[i][2] = (cl_int)fmax(floor(y - height), 0);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/blend.h"
 #include "decode/quantise.h"
 
 void gscl_coded_image_free(gscl_coded_image *p) {
@@ -162,9 +163,7 @@ gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, con
 }
 
 gscl_kernel_options gscl_coded_image_options(const gsf_header *header) {
-    static const int blends[] = {
-        [GSF_BLEND_NORMALIZED] = GSCL_NORMALIZED, [GSF_BLEND_ALPHA] = GSCL_ALPHA, [GSF_BLEND_SUM] = GSCL_SUM};
-    return (gscl_kernel_options){.blend = blends[header->blend],
+    return (gscl_kernel_options){.blend = gscl_blend_to_kernels(gscl_blend_from_format(header->blend)),
                                  .colours = header->has_chroma ? 3 : 1,
                                  .alpha_channel = header->has_alpha,
                                  .opacity = header->has_opacity,

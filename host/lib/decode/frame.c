@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "cl/constants.h"
+#include "decode/ellipse.h"
 #include "decode/resize.h"
 #include "runtime/context.h"
 
@@ -62,11 +63,9 @@ static double overlap(double centre, double half, double first, double length) {
 
 /* Area of the rectangle around a splat's outline inside the frame; the kernel `project` computes the same half sizes. */
 static double outline_area(const float *p, const gscl_frame *f) {
-    const double v1 = exp(2.0 * p[GSCL_LOG_S1]), v2 = exp(2.0 * p[GSCL_LOG_S2]);
-    const double c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]);
-    const double half_width = sqrt(2 * GSCL_SUPPORT * (c * c * v1 + s * s * v2));
-    const double half_height = sqrt(2 * GSCL_SUPPORT * (s * s * v1 + c * c * v2));
-    return overlap(p[GSCL_X], half_width, f->x, f->width) * overlap(p[GSCL_Y], half_height, f->y, f->height);
+    const gscl_half_size half =
+        gscl_ellipse_half_size(p[GSCL_LOG_S1], p[GSCL_LOG_S2], p[GSCL_THETA], 0, sqrt(2 * GSCL_SUPPORT));
+    return overlap(p[GSCL_X], half.width, f->x, f->width) * overlap(p[GSCL_Y], half.height, f->y, f->height);
 }
 
 uint64_t gscl_frame_work(const gscl_coded_image *picture, const gscl_frame *f) {

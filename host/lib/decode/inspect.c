@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/blend.h"
 #include "decode/coded_image.h"
 #include "decode/frame.h"
 #include "runtime/struct_size.h"
@@ -48,9 +49,6 @@ static const char *const stream_names[GSF_STREAM_COUNT] = {
 };
 
 static void describe(const gsf_header *header, size_t size, gscl_info *info) {
-    static const gscl_blend blends[] = {[GSF_BLEND_NORMALIZED] = GSCL_BLEND_NORMALIZED,
-                                        [GSF_BLEND_ALPHA] = GSCL_BLEND_ALPHA,
-                                        [GSF_BLEND_SUM] = GSCL_BLEND_SUM};
     *info = (gscl_info){.struct_size = sizeof *info};
     info->format_version = header->version;
     info->width = header->width;
@@ -58,7 +56,7 @@ static void describe(const gsf_header *header, size_t size, gscl_info *info) {
     info->channels = gscl_coded_image_channels(header);
     info->sample = header->high_bit_depth ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
     info->profile = header->coding == GSF_CODING_CODEBOOK ? GSCL_PROFILE_PAPER : GSCL_PROFILE_DEFAULT;
-    info->blend = blends[header->blend];
+    info->blend = gscl_blend_from_format(header->blend);
     info->splats = header->splat_count;
     info->bytes = size;
     info->pixels = (uint64_t)header->width * header->height;

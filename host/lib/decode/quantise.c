@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/ycocg.h"
 
 #define COLOUR_STEPS 16 /* that the format has */
 
@@ -79,11 +80,12 @@ static void quantise_colour(const gsf_coded_image *p, const float *colour, gsf_s
     double y = colour[0];
     gsf_luma_range(p->header.blend, p->steps.luma, &min, &max);
     if (p->header.has_chroma) {
-        y = (colour[0] + 2.0 * colour[1] + colour[2]) / 4;
+        const gscl_ycocg c = gscl_ycocg_from_rgb(colour);
         int chroma_min, chroma_max;
         gsf_chroma_range(p->steps.chroma, &chroma_min, &chroma_max);
-        s->co = (int16_t)nearest_code((colour[0] - colour[2]) * chroma, chroma_min, chroma_max);
-        s->cg = (int16_t)nearest_code((colour[1] - (colour[0] + colour[2]) / 2.0) * chroma, chroma_min, chroma_max);
+        s->co = (int16_t)nearest_code(c.co * chroma, chroma_min, chroma_max);
+        s->cg = (int16_t)nearest_code(c.cg * chroma, chroma_min, chroma_max);
+        y = c.y;
     }
     s->luma = (int16_t)nearest_code(y * luma, min, max);
     if (p->header.has_alpha) {
@@ -147,10 +149,8 @@ static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, floa
     double y = (double)s->luma / gsf_colour_levels(p->steps.luma);
     colour[0] = (float)y;
     if (p->header.has_chroma) {
-        double levels = gsf_colour_levels(p->steps.chroma), co = s->co / levels, cg = s->cg / levels;
-        colour[1] = (float)(y + cg / 2);
-        colour[2] = (float)(y - cg / 2 - co / 2);
-        colour[0] = (float)(y - cg / 2 + co / 2);
+        double levels = gsf_colour_levels(p->steps.chroma);
+        gscl_ycocg_to_rgb((gscl_ycocg){y, s->co / levels, s->cg / levels}, colour);
     }
     if (p->header.has_alpha)
         colour[p->header.has_chroma ? 3 : 1] = (float)((double)s->alpha / gsf_colour_levels(p->steps.alpha));

@@ -103,7 +103,7 @@ static gscl_result read_totals_async(gscl_renderer *r) {
     return gscl_buffer_read_async(r->context, &r->row_totals, totals, size);
 }
 
-/* The largest number of entries that a row of tiles wanted; counts the crowd, too. */
+/* The largest number of entries that a row of tiles wanted; measures the occupancy, too. */
 static cl_int measure_rows(gscl_renderer *r) {
     double total = 0;
     cl_int largest = 0;
@@ -112,7 +112,7 @@ static cl_int measure_rows(gscl_renderer *r) {
         if (r->totals[i] > largest)
             largest = r->totals[i];
     }
-    r->crowd = total / ((double)r->view.tiles_y * r->view.tiles_x);
+    r->occupancy = total / ((double)r->view.tiles_y * r->view.tiles_x);
     return largest;
 }
 

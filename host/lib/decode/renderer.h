@@ -17,7 +17,7 @@ typedef struct gscl_renderer {
     cl_int width, height; /* of the view, pixels */
     cl_int count;         /* splats */
     cl_int row_capacity;  /* list entries that each row of tiles owns */
-    double crowd;         /* mean entries of a tile at the last exact binning */
+    double occupancy;     /* mean entries of a tile at the last exact binning */
     cl_int *totals;       /* entries that each row of tiles wanted, as last read from row_totals */
     gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */

@@ -5,6 +5,7 @@
  * In the order in which to read them:
  *   coded_image.h: bytes to integers and back
  *   quantise.h: integers to splat parameters and back
+ *   blend.h, ycocg.h, ellipse.h: the numbers of blend modes, colours, sizes of splats
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
  *   frame.h: the rectangle that a decode returns, and its limits

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/blend.h"
 #include "session/effects.h"
 #include "encode/effect_search.h"
 #include "encode/profile.h"
@@ -67,13 +68,10 @@ static void resolve_auto(gscl_encode_settings *s) {
 
 /* The header says what the image is and which effects it calls for, as far as that is known before the fit. */
 static void fill_header(gscl_encoder *e) {
-    static const gsf_blend blends[] = {[GSCL_BLEND_NORMALIZED] = GSF_BLEND_NORMALIZED,
-                                       [GSCL_BLEND_ALPHA] = GSF_BLEND_ALPHA,
-                                       [GSCL_BLEND_SUM] = GSF_BLEND_SUM};
     static const gsf_layout layouts[] = {GSF_GREY, GSF_GREY, GSF_GREY_ALPHA, GSF_RGB, GSF_RGBA};
     bool paper = e->settings.profile == GSCL_PROFILE_PAPER;
     e->coded.file.header = (gsf_header){.version = GSF_VERSION,
-                                        .blend = blends[e->settings.blend],
+                                        .blend = gscl_blend_to_format(e->settings.blend),
                                         .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
                                         .layout = layouts[e->image->channels],
                                         .high_bit_depth = e->content.high_bit_depth,

@@ -75,7 +75,7 @@ static double max_occupancy(const gscl_fit *f) {
 /* After an exact binning: bounds the tile occupancy, and sets the threshold of skipped tiles from the losses of the last
  * step, which an external loss does not have. */
 static gscl_result check_tiles(gscl_fit *f) {
-    if (f->renderer.crowd > max_occupancy(f))
+    if (f->renderer.occupancy > max_occupancy(f))
         f->limits.log_max = fmaxf(f->limits.log_max - gscl_fit_tunables.axis_reduction, f->limits.log_min);
     if (f->skip.step == 0 || f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL)
         return GSCL_OK;

@@ -1,11 +1,12 @@
 #include "fit/ssim_weights.h"
 
 #include "decode/renderer.h"
+#include "image/metrics.h"
 
-/* The scales of MS-SSIM with the largest exponents (Wang et al. 2003).  The finest is left out: in smooth places its
- * small windows measure only noise. */
+/* The scales of MS-SSIM with the largest exponents.  The finest is left out: in smooth places its small windows measure
+ * only noise. */
 #define SCALES 3
-static const float exponents[SCALES] = {0.2856f, 0.3001f, 0.2363f};
+#define FIRST_SCALE 1
 
 /* Adds a level's weights, from the source alone or from a rendering of that level's size, to those behind the first
  * level's planes. */
@@ -13,21 +14,21 @@ static gscl_result weights_add(const gscl_pyramid *p, gscl_ssim *ssim, const gsc
                                const gscl_buffer *rendering, float share, const gscl_buffer *planes) {
     gscl_buffer part = {0};
     cl_kernel kernel;
-    cl_int from_width = (cl_int)gscl_pyramid_width(p, level), from_height = (cl_int)gscl_pyramid_height(p, level);
-    cl_int width = (cl_int)gscl_pyramid_width(p, p->first_level),
-           height = (cl_int)gscl_pyramid_height(p, p->first_level);
-    cl_int shift = level - p->first_level;
+    const gscl_enlargement enlargement = {.from_width = (cl_int)gscl_pyramid_width(p, level),
+                                          .from_height = (cl_int)gscl_pyramid_height(p, level),
+                                          .width = (cl_int)gscl_pyramid_width(p, p->first_level),
+                                          .height = (cl_int)gscl_pyramid_height(p, p->first_level),
+                                          .shift = level - p->first_level,
+                                          .share = share};
     size_t pixels = gscl_pyramid_pixels(p, p->first_level);
     cl_ulong to_at = pixels * (size_t)p->channels;
-    gscl_result result =
-        gscl_ssim_weights(ssim, p->context, options, from_width, from_height, rendering, &p->levels[level], &part);
+    gscl_result result = gscl_ssim_weights(ssim, p->context, options, enlargement.from_width, enlargement.from_height,
+                                           rendering, &p->levels[level], &part);
     if (result == GSCL_OK)
         result = gscl_image_kernel(p->context, "add_enlarged", &kernel);
     if (result == GSCL_OK)
-        result =
-            GSCL_LAUNCH(p->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
-                        GSCL_ARG_BUFFER(part), GSCL_ARG(from_width), GSCL_ARG(from_height), GSCL_ARG(shift),
-                        GSCL_ARG(share), GSCL_ARG_BUFFER(*planes), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
+        result = GSCL_LAUNCH(p->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                             GSCL_ARG_BUFFER(part), GSCL_ARG(enlargement), GSCL_ARG_BUFFER(*planes), GSCL_ARG(to_at));
     gscl_buffer_free(&part);
     return result;
 }
@@ -38,7 +39,8 @@ gscl_result gscl_weights_build(const gscl_pyramid *p, gscl_ssim *ssim, const gsc
     GSCL_TRY(gscl_buffer_zero(p->context, first, channels * plane, plane));
     for (int i = 0; i < SCALES; i++) {
         int level = i + 1 < p->first_level ? p->first_level : i + 1 > p->last_level ? p->last_level : i + 1;
-        GSCL_TRY(weights_add(p, ssim, options, level, NULL, exponents[i], first));
+        float exponent = (float)gscl_ms_ssim_exponents[FIRST_SCALE + i];
+        GSCL_TRY(weights_add(p, ssim, options, level, NULL, exponent, first));
     }
     for (int level = p->first_level; level < p->last_level; level++)
         GSCL_TRY(gscl_pyramid_halve(p, level, channels, &p->levels[level], &p->levels[level + 1]));

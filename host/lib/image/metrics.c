@@ -10,12 +10,10 @@
 #define PEAK 255.0
 #define WINDOW 11 /* taps of the Gaussian window, along each axis */
 #define WINDOW_SIGMA 1.5
-#define SCALES 5
 #define C1 (0.01 * PEAK * 0.01 * PEAK) /* keep the quotients of SSIM away from 0 / 0 */
 #define C2 (0.03 * PEAK * 0.03 * PEAK)
 
-/* Wang et al. 2003, "Multi-scale structural similarity": the exponent of each scale, finest first. */
-static const double scale_weights[SCALES] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
+const double gscl_ms_ssim_exponents[GSCL_MS_SSIM_SCALES] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
 
 /* ---- Samples ----------------------------------------------------------------------------------- */
 
@@ -173,13 +171,14 @@ static void measure_channel(float *a, float *b, uint32_t width, uint32_t height,
                             double *ms_ssim) {
     double product = 1.0;
     *ssim = *ms_ssim = NAN;
-    for (int scale = 0; scale < SCALES; scale++) {
+    for (int scale = 0; scale < GSCL_MS_SSIM_SCALES; scale++) {
         if (width < WINDOW || height < WINDOW)
             return;
         const similarity here = plane_similarity(a, b, width, height, rows);
         if (scale == 0)
             *ssim = here.ssim;
-        product *= pow(fmax(scale < SCALES - 1 ? here.contrast : here.ssim, 0.0), scale_weights[scale]);
+        product *=
+            pow(fmax(scale < GSCL_MS_SSIM_SCALES - 1 ? here.contrast : here.ssim, 0.0), gscl_ms_ssim_exponents[scale]);
         halve_plane(a, width, height);
         halve_plane(b, width, height);
         width = (width + 1) / 2;

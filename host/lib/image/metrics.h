@@ -9,4 +9,8 @@
  * the others are NaN. */
 gscl_result gscl_compare_samples(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison);
 
+#define GSCL_MS_SSIM_SCALES 5
+/* The exponent of each scale of MS-SSIM, the finest first (Wang et al. 2003, "Multi-scale structural similarity"). */
+extern const double gscl_ms_ssim_exponents[GSCL_MS_SSIM_SCALES];
+
 #endif

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/blend.h"
+#include "decode/ellipse.h"
 #include "fit/fit.h"
 #include "fit/random.h"
 #include "runtime/mapping.h"
@@ -165,7 +167,9 @@ static double pixels_inside(const gscl_benchmark_settings *s, const float *param
     double inside = 0;
     for (uint32_t i = 0; i < s->splats; i++, params += GSCL_PARAMS) {
         double c = cos(params[GSCL_THETA]), n = sin(params[GSCL_THETA]), reach = sqrt(2.0 * GSCL_SUPPORT);
-        double s1 = exp(params[GSCL_LOG_S1]), s2 = exp(params[GSCL_LOG_S2]), half = reach * hypot(n * s1, c * s2);
+        double s1 = exp(params[GSCL_LOG_S1]), s2 = exp(params[GSCL_LOG_S2]);
+        double half =
+            gscl_ellipse_half_size(params[GSCL_LOG_S1], params[GSCL_LOG_S2], params[GSCL_THETA], 0, reach).height;
         double x = params[GSCL_X], y = params[GSCL_Y], to = fmin(y + half, s->height);
         for (double row = fmax(ceil(y - half - 0.5), 0); row + 0.5 < to; row++) {
             /* the chord of the ellipse at this row */
@@ -229,10 +233,10 @@ static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
 }
 
 static gscl_result measure_blend(bench *b, gscl_blend blend, const float *params, const float *planes) {
-    static const int kernels_of[] = {
-        [GSCL_BLEND_NORMALIZED] = GSCL_NORMALIZED, [GSCL_BLEND_ALPHA] = GSCL_ALPHA, [GSCL_BLEND_SUM] = GSCL_SUM};
-    const gscl_kernel_options options = {
-        .blend = kernels_of[blend], .colours = 3, .opacity = blend == GSCL_BLEND_ALPHA, .loss = GSCL_LOSS_KIND_L2};
+    const gscl_kernel_options options = {.blend = gscl_blend_to_kernels(blend),
+                                         .colours = 3,
+                                         .opacity = blend == GSCL_BLEND_ALPHA,
+                                         .loss = GSCL_LOSS_KIND_L2};
     gscl_fit fit;
     b->about.blend = blend;
     gscl_result result = gscl_fit_create(&fit, b->context, &options, b->settings.width, b->settings.height, 0, planes);

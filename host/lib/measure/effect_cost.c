@@ -9,6 +9,7 @@
 #include "session/encoder.h"
 #include "decode/coded_image.h"
 #include "decode/quantise.h"
+#include "decode/ycocg.h"
 
 /* The header without an effect; what needs it goes too. */
 static gsf_header header_without(gsf_header h, gscl_effect effect) {
@@ -41,7 +42,7 @@ static gsf_header header_without(gsf_header h, gscl_effect effect) {
 static void drop_channels(const gsf_header *from, const gsf_header *to, float colour[4]) {
     float alpha = colour[from->has_chroma ? 3 : 1];
     if (from->has_chroma && !to->has_chroma) {
-        colour[0] = (colour[0] + 2 * colour[1] + colour[2]) / 4;
+        colour[0] = (float)gscl_ycocg_from_rgb(colour).y;
         colour[1] = alpha;
     }
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/ellipse.h"
 
 #define MAX_ALPHA 0.999 /* GSCL_MAX_ALPHA is a float */
 
@@ -41,7 +42,8 @@ void gscl_reference_free(gscl_reference *r) {
 
 void gscl_reference_replace(gscl_reference *r, size_t i, const double *p) {
     double c = cos(p[GSCL_THETA]), n = sin(p[GSCL_THETA]), s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
-    double reach = sqrt(2 * r->support);
+    const gscl_half_size half =
+        gscl_ellipse_half_size(p[GSCL_LOG_S1], p[GSCL_LOG_S2], p[GSCL_THETA], 0, sqrt(2 * r->support));
     gscl_reference_splat *s = &r->splats[i];
     *s = (gscl_reference_splat){.x = p[GSCL_X],
                                 .y = p[GSCL_Y],
@@ -49,8 +51,8 @@ void gscl_reference_replace(gscl_reference *r, size_t i, const double *p) {
                                 .uy = n / s1 * sqrt(0.5),
                                 .vx = -n / s2 * sqrt(0.5),
                                 .vy = c / s2 * sqrt(0.5),
-                                .half_width = reach * hypot(c * s1, n * s2),
-                                .half_height = reach * hypot(n * s1, c * s2),
+                                .half_width = half.width,
+                                .half_height = half.height,
                                 .opacity = r->opacity ? 1 / (1 + exp(-p[GSCL_OPACITY])) : 1};
     for (int k = 0; k < r->channels; k++)
         s->colour[k] = p[GSCL_COLOUR + k];

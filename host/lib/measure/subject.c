@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/blend.h"
 #include "image/image.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
@@ -74,9 +75,7 @@ void gscl_subject_close(gscl_subject *s) {
 }
 
 gscl_blend gscl_subject_blend(const gscl_subject *s) {
-    static const gscl_blend blends[] = {
-        [GSCL_NORMALIZED] = GSCL_BLEND_NORMALIZED, [GSCL_ALPHA] = GSCL_BLEND_ALPHA, [GSCL_SUM] = GSCL_BLEND_SUM};
-    return blends[s->options.blend];
+    return gscl_blend_from_kernels(s->options.blend);
 }
 
 const char *gscl_exponential_name(int exponential) {

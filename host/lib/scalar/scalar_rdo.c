@@ -7,6 +7,7 @@
 
 #include "cl/constants.h"
 #include "cl/structs.h"
+#include "decode/ellipse.h"
 #include "decode/quantise.h"
 #include "runtime/mapping.h"
 #include "runtime/timing.h"
@@ -185,11 +186,10 @@ static void make_settings(pass *p) {
 /* The pixels of the level that a visit may touch: the outline's box with room to grow, clipped. */
 static void own_box(const pass *p, const float *params, cl_int box[4]) {
     const gscl_renderer *r = &p->fit->renderer;
-    double c = cos(params[GSCL_THETA]), s = sin(params[GSCL_THETA]), blur = r->view.blur;
-    double v1 = exp(2.0 * params[GSCL_LOG_S1]), v2 = exp(2.0 * params[GSCL_LOG_S2]),
-           k = sqrt(2.0 * GSCL_SUPPORT) * ROOM;
-    double half_width = k * sqrt(c * c * v1 + s * s * v2 + blur) * r->view.inv_scale + ROOM_PIXELS;
-    double half_height = k * sqrt(s * s * v1 + c * c * v2 + blur) * r->view.inv_scale + ROOM_PIXELS;
+    const gscl_half_size half = gscl_ellipse_half_size(params[GSCL_LOG_S1], params[GSCL_LOG_S2], params[GSCL_THETA],
+                                                       r->view.blur, sqrt(2.0 * GSCL_SUPPORT) * ROOM);
+    double half_width = half.width * r->view.inv_scale + ROOM_PIXELS;
+    double half_height = half.height * r->view.inv_scale + ROOM_PIXELS;
     double x = params[GSCL_X] * r->view.inv_scale, y = params[GSCL_Y] * r->view.inv_scale;
     box[0] = (cl_int)floor(x - half_width);
     box[1] = (cl_int)ceil(x + half_width);

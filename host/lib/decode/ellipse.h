@@ -1,0 +1,21 @@
+/* The size of a splat on the host; cl/project.cl computes the same in single precision. */
+#ifndef GSCL_LIB_ELLIPSE_H
+#define GSCL_LIB_ELLIPSE_H
+
+#include <math.h>
+
+typedef struct gscl_half_size {
+    double width, height;
+} gscl_half_size;
+
+/* Half width and half height of the ellipse at `reach` standard deviations of a Gaussian with the axes exp(log_s1) and
+ * exp(log_s2), the first of them in the direction `theta`, after adding `variance` (square pixels) in all directions.
+ * The outline of a splat has the reach sqrt(2 * GSCL_SUPPORT). */
+static inline gscl_half_size gscl_ellipse_half_size(double log_s1, double log_s2, double theta, double variance,
+                                                    double reach) {
+    const double c = cos(theta), s = sin(theta), v1 = exp(2.0 * log_s1), v2 = exp(2.0 * log_s2);
+    return (gscl_half_size){reach * sqrt(c * c * v1 + s * s * v2 + variance),
+                            reach * sqrt(s * s * v1 + c * c * v2 + variance)};
+}
+
+#endif
