@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Prints "PASSED FAILED" of a run of meson test: count_results.py BUILD/meson-logs/testlog.json
 
-Every line of TAP counts.  A program without TAP counts as one test; so does one that failed after its last
-line, by a crash or for want of time.  Skipped tests count as neither.
+Each TAP line counts as one test.  A program without TAP counts as one test, and so does a program that crashed or ran
+into its time limit after its last line.  Skipped tests are not counted.
 """
 import json
 import re

@@ -1,13 +1,13 @@
 #!/bin/sh
-# From nothing to a picture: sh tests/quickstart.sh [IMAGE]
+# Builds gscl and encodes an image: sh tests/quickstart.sh [IMAGE]
 #
-# Installs what is missing (Debian), builds in build/, encodes and decodes IMAGE (the project's own sample when none
-# is given) and says how small and how good the file is.  Results lie in out/.
+# Installs missing packages (Debian), builds in build/, encodes and decodes IMAGE (default: the project's sample image),
+# and prints the size and the quality of the file.  The results are in out/.
 set -eu
 
 image=${1:-}
 if [ -n "$image" ]; then
-    [ -r "$image" ] || { echo "quickstart: $image: cannot be read" >&2; exit 1; }
+    [ -r "$image" ] || { echo "quickstart: $image: cannot be read; name an image file" >&2; exit 1; }
     image=$(cd "$(dirname "$image")" && pwd)/$(basename "$image")
 fi
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs a benchmark script that needs packages from PyPI, in a Python environment of its own:
+# Runs a benchmark script in a Python environment with the packages of requirements.txt:
 #     sh tests/bench/bench.sh compare_codecs FOLDER [OPTIONS]
 set -eu
 here=$(dirname "$0")

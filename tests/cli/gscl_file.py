@@ -1,4 +1,4 @@
-"""Just enough of the file format (format/FORMAT.md) to forge headers."""
+"""The parts of the file format (format/FORMAT.md) that forged headers need."""
 import struct
 
 
@@ -22,6 +22,6 @@ def varint(value):
 
 
 def forged(width, height, splats, payload=b"", flags=0, version=1):
-    """A file with a right checksum."""
+    """A file with a valid checksum and any header."""
     header = b"gsc" + struct.pack("<BH", version, flags) + varint(width - 1) + varint(height - 1) + varint(splats)
     return header + crc24(header + payload).to_bytes(3, "big") + payload

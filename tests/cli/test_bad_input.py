@@ -1,23 +1,23 @@
-"""Everything that can be wrong with what gscl is given: one line, the right exit code, nothing left behind."""
+"""Wrong inputs: gscl prints one line, returns the documented exit code, and leaves no files."""
 import os
 import resource
 import subprocess
 import unittest
 
 from gscl_file import forged
-from pictures import (PNG_SIGNATURE, Picture, exr_bytes, png_bytes, png_chunk, png_header, pnm_bytes, scene, tiff_bytes)
+from images import (PNG_SIGNATURE, Image, exr_bytes, png_bytes, png_chunk, png_header, pnm_bytes, scene, tiff_bytes)
 from tool import FAST, GSCL, ToolTest, main
 
 NO_OPENCL = {"OCL_ICD_VENDORS": "/nonexistent"}
 
 
 class Images(ToolTest):
-    def bad(self, name, data, says):
+    def bad(self, name, data, message):
         self.write(name, data)
-        self.refused(name, says, "encode", name, "-o", "out.gscl", *FAST)
+        self.refused(name, message, "encode", name, "-o", "out.gscl", *FAST)
 
     def test_not_an_image(self):
-        self.bad("text.png", b"no picture at all, only text\n", "is not an image")
+        self.bad("text.png", b"no image at all, only text\n", "is not an image")
         self.bad("zeros.jpg", bytes(1000), "is not an image")
         self.bad("file.gscl", forged(4, 4, 0), "is not an image")
 
@@ -56,10 +56,10 @@ class Images(ToolTest):
         rows = png_chunk(b"IDAT", b"") + png_chunk(b"IEND", b"")
         self.bad("in.png", PNG_SIGNATURE + png_header(0, 5, 8, 2) + rows, "zero|invalid|Invalid")
         self.bad("in.ppm", b"P6\n0 5\n255\n", "0 x 5 pixels|is not an image")
-        self.bad("in.tif", tiff_bytes(Picture(0, 4, 3, 8, [])), "0 x 4 pixels|is not an image")
+        self.bad("in.tif", tiff_bytes(Image(0, 4, 3, 8, [])), "0 x 4 pixels|is not an image")
 
     def test_too_large_is_refused_before_pixels_are_read(self):
-        """Both files promise gigabytes and hold nothing."""
+        """Both files declare gigabytes and contain no pixels."""
         self.bad("in.png", PNG_SIGNATURE + png_header(20000, 3, 8, 2) + png_chunk(b"IDAT", b""),
                  "is 20000 x 3 pixels; 1 x 1 to 16384 x 16384")
         self.bad("in.ppm", b"P6\n3 16385\n255\n", "is 3 x 16385 pixels; 1 x 1 to 16384 x 16384")
@@ -70,19 +70,19 @@ class Images(ToolTest):
         self.refused("in.png", "truncated", "encode", "in.png", preexec_fn=limit_memory(512 << 20))
 
     def test_not_finite(self):
-        for value, says in ((float("nan"), "NaN"), (float("inf"), "infinite")):
+        for value, message in ((float("nan"), "NaN"), (float("inf"), "infinite")):
             for name in ("R", "A"):
                 with self.subTest(value=value, name=name):
                     planes = {channel: [0.5] * 100 for channel in "RGBA"}
                     planes[name][55] = value
-                    self.bad("in.exr", exr_bytes(10, 10, planes), f"{says}.*finite")
+                    self.bad("in.exr", exr_bytes(10, 10, planes), f"{message}.*finite")
 
 
 def limit_memory(size):
     return lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size))
 
 
-# A command in front of gscl: mounts a small file system on disk/ that only gscl sees, and lists what gscl leaves there.
+# A prefix of gscl: mounts a small file system on disk/ in a namespace of its own, and lists the files left there.
 NAMESPACE = ("unshare", "--mount", "--user", "--map-root-user", "sh", "-c")
 SMALL_DISK = (*NAMESPACE, 'mount -t tmpfs -o size=64k tmpfs disk && "$@"; code=$?; ls -A disk; exit $code', "sh")
 FULL_DISK = (*NAMESPACE, 'mount -t tmpfs -o size=64k tmpfs disk && head -c 65536 /dev/zero >disk/.zeros && "$@"; code=$?;'
@@ -113,7 +113,7 @@ class Outputs(ToolTest):
         os.mkdir(self.path("out.png"))
         self.refused("out.png", "cannot be written: Is a directory", "decode", "in.gscl", "-o", "out.png")
 
-    @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
+    @unittest.skipIf(os.geteuid() == 0, "root has all permissions")
     def test_no_permission(self):
         os.mkdir(self.path("closed"), 0o555)
         self.refused("closed/out.gscl", "cannot be written: Permission denied", "encode", "in.png", "-o",
@@ -127,12 +127,12 @@ class Outputs(ToolTest):
         self.refused("decode", "soft.png would overwrite the input", "decode", "in.gscl", "-o", "soft.png", code=2)
 
     def test_full_disk(self):
-        """/dev/full takes nothing, whoever opens it, under whatever name."""
-        says = "cannot be written: No space left on device"
+        """Every write to /dev/full fails, also through a symbolic link."""
+        message = "cannot be written: No space left on device"
         self.path("full.png").symlink_to("/dev/full")
-        self.refused("/dev/full", says, "encode", "in.png", "-o", "/dev/full", *FAST)
-        self.refused("full.png", says, "decode", "in.gscl", "-o", "full.png")
-        self.refused("full.png", says, "draw", "in.gscl", "-o", "full.png")
+        self.refused("/dev/full", message, "encode", "in.png", "-o", "/dev/full", *FAST)
+        self.refused("full.png", message, "decode", "in.gscl", "-o", "full.png")
+        self.refused("full.png", message, "draw", "in.gscl", "-o", "full.png")
 
     def test_standard_output_on_a_full_disk(self):
         for arguments in (("encode", "in.png", "-o", "-", *FAST), ("decode", "in.gscl", "-o", "-"), ("info", "in.gscl"),
@@ -141,9 +141,9 @@ class Outputs(ToolTest):
                 self.refused("standard output", "cannot be written: No space left on device", *arguments, stdout=full,
                              stderr=subprocess.PIPE)
 
-    @unittest.skipUnless(may_mount(), "no file system can be mounted here")
+    @unittest.skipUnless(may_mount(), "this process cannot mount a file system")
     def test_disk_that_fills_up(self):
-        """A write that fails half-way, for every kind of writer; what is left would be listed."""
+        """A write that fails half-way, for every writer.  The prefix lists files that are left."""
         os.mkdir(self.path("disk"))
         for suffix in ("png", "ppm", "tif", "exr", "bmp", "tga", "jpg"):
             with self.subTest(suffix=suffix):
@@ -163,13 +163,13 @@ class Outputs(ToolTest):
 
 
 class Files(ToolTest):
-    """gscl files that are not what they should be."""
+    """Invalid gscl files."""
 
-    def bad(self, data, says):
+    def bad(self, data, message):
         self.write("bad.gscl", data)
-        self.refused("bad.gscl", says, "info", "bad.gscl")
-        self.refused("bad.gscl", says, "decode", "bad.gscl", "-o", "out.png")
-        self.refused("bad.gscl", says, "draw", "bad.gscl", "-o", "out.png")
+        self.refused("bad.gscl", message, "info", "bad.gscl")
+        self.refused("bad.gscl", message, "decode", "bad.gscl", "-o", "out.png")
+        self.refused("bad.gscl", message, "draw", "bad.gscl", "-o", "out.png")
 
     def test_not_gscl(self):
         for data in (b"", b"gs", b"hello, world", png_bytes(scene(5, 5)), bytes(100)):
@@ -198,7 +198,7 @@ class Files(ToolTest):
                 self.bad(data[:at] + bytes([data[at] ^ 0x55]) + data[at + 1:], "damaged|limits|corrupt|incomplete")
 
     def test_absurd_headers(self):
-        """Right checksums and wrong promises: refused at once, without the memory that they ask for."""
+        """Headers with valid checksums and impossible sizes are refused before any memory is allocated for them."""
         cases = {"largest": forged(16384, 16384, 1 << 20, bytes(20)), "too wide": forged(16385, 1, 0, bytes(9)),
                  "too many": forged(9, 9, (1 << 20) + 1, bytes(9)), "blend 3": forged(9, 9, 1, bytes(9), 3),
                  "reserved": forged(9, 9, 0, bytes(9), 0x8000), "codebooks": forged(9, 9, 1 << 20, bytes(9), 4)}
@@ -254,10 +254,10 @@ class OpenCL(ToolTest):
 
 
 class Usage(ToolTest):
-    """Command lines that make no sense: exit code 2."""
+    """Wrong command lines: exit code 2."""
 
-    def wrong(self, says, command, *arguments):
-        self.refused(command, says, command, *arguments, code=2)
+    def wrong(self, message, command, *arguments):
+        self.refused(command, message, command, *arguments, code=2)
 
     def test_commands(self):
         self.wrong("is not a command; 'gscl help' lists", "encoed", "in.png")
@@ -278,7 +278,7 @@ class Usage(ToolTest):
         self.wrong("-o is missing", "draw", "a.gscl")
 
     def test_values(self):
-        for option, value, says in (
+        for option, value, message in (
                 ("bytes", "0", "a whole number from 1 to 4294967295"), ("bytes", "-5", "a whole number from 1"),
                 ("bytes", "12x", "a whole number"), ("bytes", " 12", "a whole number"), ("bytes", "", "a whole number"),
                 ("bytes", "99999999999999999999", "a whole number"), ("effort", "10", "from 0 to 9"),
@@ -290,7 +290,7 @@ class Usage(ToolTest):
                 ("mapping", "fpga", "one of auto, cpu, gpu"),
                 ("codebook", "1", "from 2 to 1024"), ("out-dir", "", "cannot be ''")):
             with self.subTest(option=option, value=value):
-                self.wrong(f"--{option} cannot be '{value}'; it takes.*{says}|cannot be ''", "encode", "in.png",
+                self.wrong(f"--{option} cannot be '{value}'; it takes.*{message}|cannot be ''", "encode", "in.png",
                            f"--{option}", value)
 
     def test_sizes_and_areas(self):

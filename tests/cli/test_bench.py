@@ -47,7 +47,7 @@ class Bench(ToolTest):
                 self.assertTrue(0 <= stage["kernel_seconds"] <= stage["seconds"], stage)
 
     def test_refuses_a_file_that_is_no_image(self):
-        self.write("text.png", b"no picture")
+        self.write("text.png", b"no image")
         self.refused("text.png", ".", "bench", "text.png", "--encodes", "1", "--repetitions", "1")
 
 

@@ -4,7 +4,7 @@ import subprocess
 import sys
 import unittest
 
-from pictures import scene
+from images import scene
 from tool import GSCL, ToolTest, main
 
 BENCH = pathlib.Path(__file__).parent.parent / "bench"

@@ -1,22 +1,22 @@
-"""gscl decode: sizes, parts, mappings; gscl draw."""
+"""gscl decode: sizes, crops and mappings; gscl draw."""
 import unittest
 
-from pictures import Picture, max_difference, psnr, read_png, scene
+from images import Image, max_difference, psnr, read_png, scene
 from tool import ToolTest, main
 
-ROOMY = ("--bpp", "3")
+HIGH_RATE = ("--bpp", "3")
 
 
 class Areas(ToolTest):
     def setUp(self):
         super().setUp()
-        self.picture = scene(61, 43)
-        self.encode(self.picture, *ROOMY)
+        self.image = scene(61, 43)
+        self.encode(self.image, *HIGH_RATE)
         self.whole = self.decode()
 
-    def same(self, wanted, decoded):
-        """Up to the last bit of a float: how pixels fall into tiles may differ."""
-        self.assertLessEqual(max_difference(wanted, decoded), 1)
+    def same(self, expected, decoded):
+        """Equal up to a rounding difference: pixels may fall into tiles differently."""
+        self.assertLessEqual(max_difference(expected, decoded), 1)
 
     def test_crop_is_a_part_of_the_whole(self):
         for area in ((0, 0, 61, 43), (0, 0, 1, 1), (60, 42, 1, 1), (17, 5, 30, 31), (16, 16, 16, 16), (3, 40, 58, 3)):
@@ -30,14 +30,14 @@ class Areas(ToolTest):
                 self.assertEqual((scaled.width, scaled.height), size)
                 self.assertEqual(scaled, self.decode("--size", f"{size[0]}x{size[1]}"))
 
-    def test_crop_counts_in_drawn_pixels(self):
+    def test_crop_is_in_pixels_of_the_scaled_image(self):
         twice = self.decode("--scale", "2")
         self.same(twice.crop(50, 20, 41, 33), self.decode("--scale", "2", "--crop", "50,20,41,33"))
 
-    def test_enlarged_picture_is_the_same_picture(self):
+    def test_enlarged_image_matches_the_image(self):
         large = self.decode("--scale", "3")
         middles = [large.row(3 * y + 1)[3 * (3 * x + 1) + c] for y in range(43) for x in range(61) for c in range(3)]
-        self.assertGreater(psnr(self.whole, Picture(61, 43, 3, 8, middles)), 30)
+        self.assertGreater(psnr(self.whole, Image(61, 43, 3, 8, middles)), 30)
 
     def test_other_aspect(self):
         self.assertEqual(self.decode("--size", "10x200").kind(), (10, 200, 3, 8))
@@ -48,18 +48,18 @@ class Mappings(ToolTest):
         for channels, profile, blend in ((3, "default", "normalized"), (4, "default", "alpha"), (1, "default", "sum"),
                                          (2, "default", "normalized"), (3, "paper", "alpha")):
             with self.subTest(channels=channels, profile=profile, blend=blend):
-                self.encode(scene(50, 38, channels), *ROOMY, "--profile", profile, "--blend", blend)
+                self.encode(scene(50, 38, channels), *HIGH_RATE, "--profile", profile, "--blend", blend)
                 self.assertLessEqual(max_difference(self.decode("--mapping", "cpu"), self.decode("--mapping", "gpu")), 1)
 
     def test_encoding_with_the_gpu_mapping(self):
-        picture = scene(50, 38)
-        self.encode(picture, *ROOMY, "--mapping", "gpu")
-        self.assertGreater(psnr(picture, self.decode()), 24)
+        image = scene(50, 38)
+        self.encode(image, *HIGH_RATE, "--mapping", "gpu")
+        self.assertGreater(psnr(image, self.decode()), 24)
 
     def test_device_by_number_and_by_name(self):
-        picture = scene(20, 20)
+        image = scene(20, 20)
         device = self.gscl_json("devices")[0]
-        self.encode(picture, "--device", device["id"])
+        self.encode(image, "--device", device["id"])
         whole = self.decode("--device", device["id"])
         self.assertEqual(whole, self.decode("--device", device["device"]))
 
@@ -69,7 +69,7 @@ class Draw(ToolTest):
         self.gscl("draw", "in.gscl", "-o", "drawn.png", *arguments)
         return read_png(self.path("drawn.png").read_bytes())
 
-    def test_outlines_over_the_picture(self):
+    def test_outlines_over_the_image(self):
         self.encode(scene(64, 48), "--splats", "12")
         decoded, drawn = self.decode(), self.draw()
         self.assertEqual(drawn.kind(), decoded.kind())
@@ -77,8 +77,8 @@ class Draw(ToolTest):
         self.assertGreater(changed, 60)
         self.assertLess(changed, 64 * 48 / 2)
 
-    def test_flat_picture_has_no_outlines(self):
-        self.encode(Picture(20, 20, 3, 8, [9, 99, 199] * 400))
+    def test_flat_image_has_no_outlines(self):
+        self.encode(Image(20, 20, 3, 8, [9, 99, 199] * 400))
         self.assertEqual(self.draw(), self.decode())
 
     def test_scale(self):

@@ -1,43 +1,43 @@
-"""Effects: what pictures call for, what is asked for, and what they cost and give."""
+"""Effects: automatic decisions, options, and the bits and gains of each effect."""
 import unittest
 
-from pictures import Picture, flat, scene
+from images import Image, flat, scene
 from tool import FAST, ToolTest, main
 
 
 def dots(width, height):
-    """Round dots of several colours, evenly spaced on a light ground."""
+    """Discs of several colours, evenly spaced on a light background."""
     colours = ((200, 40, 30), (30, 60, 190), (20, 130, 60))
     samples = []
     for y in range(height):
         for x in range(width):
             inside = (x % 16 - 7.5) ** 2 + (y % 16 - 7.5) ** 2 < 14
             samples += colours[(x // 16 + y // 16) % 3] if inside else (240, 236, 220)
-    return Picture(width, height, 3, 8, samples)
+    return Image(width, height, 3, 8, samples)
 
 
-def grey_of(picture):
+def grey_of(image):
     """The same size and channels, R = G = B."""
-    samples = list(picture.samples)
-    for at in range(0, len(samples), picture.channels):
+    samples = list(image.samples)
+    for at in range(0, len(samples), image.channels):
         samples[at + 1] = samples[at + 2] = samples[at]
-    return Picture(picture.width, picture.height, picture.channels, picture.depth, samples)
+    return Image(image.width, image.height, image.channels, image.depth, samples)
 
 
 class Automatic(ToolTest):
-    def effects(self, picture, *arguments):
-        self.encode(picture, *arguments)
+    def effects(self, image, *arguments):
+        self.encode(image, *arguments)
         return set(self.gscl_json("info", "in.gscl")["effects"])
 
     def test_content(self):
         opaque, opaque_grey = scene(64, 48, 4), scene(64, 48, 2)
         opaque.samples[3::4] = opaque_grey.samples[1::2] = [255] * (64 * 48)
-        for name, picture, chroma, alpha in (("colour", scene(64, 48), True, False), ("grey", scene(64, 48, 1), False, False),
+        for name, image, chroma, alpha in (("colour", scene(64, 48), True, False), ("grey", scene(64, 48, 1), False, False),
                                              ("colour without colours", grey_of(scene(64, 48)), False, False),
                                              ("transparent", scene(64, 48, 4), True, True), ("opaque", opaque, True, False),
                                              ("opaque grey", opaque_grey, False, False)):
             with self.subTest(name):
-                effects = self.effects(picture, "--bytes", "300")
+                effects = self.effects(image, "--bytes", "300")
                 self.assertEqual("chroma" in effects, chroma)
                 self.assertEqual("alpha-channel" in effects, alpha)
                 self.assertIn("rotation", effects)
@@ -46,7 +46,7 @@ class Automatic(ToolTest):
                 self.assertEqual("alpha" in streams, alpha)
                 self.assertNotIn("opacity", streams)
 
-    def test_flat_picture_has_none_but_its_colour(self):
+    def test_flat_image_has_none_but_its_colour(self):
         self.assertEqual(self.effects(flat(64, 48, (9, 9, 9))), set())
         self.assertEqual(self.effects(flat(64, 48, (9, 10, 9))), {"chroma"})
 
@@ -57,7 +57,7 @@ class Automatic(ToolTest):
         for name in ("rotation", "anisotropy"):
             self.assertEqual((decisions[name]["on"], decisions[name]["reason"]), (False, "trial"))
             self.assertLess(decisions[name]["gain_db"], 0)
-        self.assertEqual((decisions["opacity"]["on"], decisions["opacity"]["reason"]), (True, "content"))  # a plain ground
+        self.assertEqual((decisions["opacity"]["on"], decisions["opacity"]["reason"]), (True, "content"))  # flat background
         streams = {stream["name"] for stream in self.gscl_json("info", "dots.gscl")["streams"]}
         self.assertNotIn("angle", streams)
         # The effect search is one stage; the stages after it are reported as without it.
@@ -67,35 +67,35 @@ class Automatic(ToolTest):
         self.assertIn("rate-distortion passes", stages)
         self.assertIn("write", stages)
 
-    def test_no_opacity_beside_a_plain_ground(self):
+    def test_no_opacity_beside_a_flat_area(self):
         samples = []
         for y in range(64):
             for x in range(96):
                 samples += (240, 240, 240) if x < 48 else ((x * y) % 251, (x * 7 + y * y) % 256, 90)
-        self.write_png("half.png", Picture(96, 64, 3, 8, samples))
+        self.write_png("half.png", Image(96, 64, 3, 8, samples))
         report = self.gscl_json("encode", "half.png", "-o", "half.gscl", "--bytes", "400", "--effort", "1")
         opacity = next(decision for decision in report["effects"] if decision["name"] == "opacity")
         self.assertEqual((opacity["on"], opacity["reason"]), (False, "profile"))
 
-    def test_a_decision_leads_where_asking_leads(self):
+    def test_a_decision_gives_the_same_file_as_the_option(self):
         self.write_png("dots.png", dots(256, 192))
         automatic = self.gscl_json("encode", "dots.png", "-o", "a.gscl", "--bytes", "900", "--effort", "1")
-        asked = ",".join(("+" if decision["on"] else "-") + decision["name"] for decision in automatic["effects"]
+        options = ",".join(("+" if decision["on"] else "-") + decision["name"] for decision in automatic["effects"]
                          if decision["reason"] == "trial")
-        self.assertTrue(asked)
-        self.gscl("encode", "dots.png", "-o", "b.gscl", "--bytes", "900", "--effort", "1", "-q", "--effects", asked)
+        self.assertTrue(options)
+        self.gscl("encode", "dots.png", "-o", "b.gscl", "--bytes", "900", "--effort", "1", "-q", "--effects", options)
         self.assertEqual(self.path("a.gscl").read_bytes(), self.path("b.gscl").read_bytes())
 
 
-class Asked(ToolTest):
+class Options(ToolTest):
     def test_every_effect_on_and_off(self):
-        picture = scene(80, 60, 4)
+        image = scene(80, 60, 4)
         for effects, on, off in (("+opacity", {"opacity"}, set()), ("-chroma", set(), {"chroma"}),
                                  ("-alpha-channel", set(), {"alpha-channel"}),
                                  ("-rotation", set(), {"rotation", "anisotropy"}),
                                  ("-anisotropy,+opacity,-texture", {"opacity"}, {"rotation", "anisotropy", "texture"})):
             with self.subTest(effects):
-                self.encode(picture, "--bytes", "500", "--effects", effects)
+                self.encode(image, "--bytes", "500", "--effects", effects)
                 found = set(self.gscl_json("info", "in.gscl")["effects"])
                 self.assertTrue(on <= found and not off & found, found)
                 decoded = self.decode()
@@ -121,7 +121,7 @@ class Asked(ToolTest):
             with self.subTest(effects):
                 self.refused("encode", "is not \\+ or - with one of", "encode", "in.png", "-o", "x.gscl", "--effects", effects,
                              code=2)
-        for effects, says, name, more in (("+chroma", "no chroma", "grey.png", ()),
+        for effects, message, name, more in (("+chroma", "no chroma", "grey.png", ()),
                                           ("+alpha-channel", "no alpha channel", "in.png", ()),
                                           ("+rotation,-anisotropy", "circles have no rotation", "in.png", ()),
                                           ("+anisotropy,-rotation", "need rotation", "in.png", ()),
@@ -130,7 +130,7 @@ class Asked(ToolTest):
                                           ("+texture", "another blend", "in.png", ("--blend", "alpha")),
                                           ("+opacity,-opacity", "both", "in.png", ())):
             with self.subTest(effects):
-                self.refused(name, says, "encode", name, "-o", "x.gscl", "--effects", effects, *more, code=2)
+                self.refused(name, message, "encode", name, "-o", "x.gscl", "--effects", effects, *more, code=2)
 
 
 class Costs(ToolTest):

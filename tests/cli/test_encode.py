@@ -1,4 +1,4 @@
-"""gscl encode: targets, determinism, names of outputs, batches, pipes, reports."""
+"""gscl encode: targets, determinism, output names, batches, pipes and reports."""
 import json
 import os
 import pty
@@ -8,50 +8,50 @@ import subprocess
 import time
 import unittest
 
-from pictures import (Picture, checkerboard, document, faint_and_strong, flat, noise, png_bytes, psnr, sawtooth, scene,
+from images import (Image, checkerboard, document, faint_and_strong, flat, noise, png_bytes, psnr, sawtooth, scene,
                       textured)
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
 
 class Kernels(ToolTest):
-    def test_declarations_of_our_own_are_enough(self):
-        """Where the compiler's header of built-in functions is spared (cl/builtins.h), no program needs it after all."""
+    def test_own_declarations_of_builtins_suffice(self):
+        """No program falls back to the header of the compiler where cl/builtins.h replaces it."""
         self.write_png("rgb.png", textured(48, 40))
         self.write_png("rgba.png", scene(48, 40, 4))
         for name, arguments in (("rgb", ()), ("rgba", ("--blend", "alpha")), ("rgb", ("--tune", "ssim")),
                                 ("rgb", ("--profile", "paper", "--loss", "l1+ssim")), ("rgb", ("--mapping", "gpu"))):
             with self.subTest(name, arguments=arguments):
                 done = self.start("encode", f"{name}.png", "-o", "x.gscl", "-v", *FAST, "--bytes", "400", *arguments)
-                said = done.stderr.decode()
-                self.assertEqual(done.returncode, 0, said)
-                self.assertIn("loaded a program", said)
-                self.assertNotIn("is not enough", said)
+                log = done.stderr.decode()
+                self.assertEqual(done.returncode, 0, log)
+                self.assertIn("loaded a program", log)
+                self.assertNotIn("is not enough", log)
 
 
 class Targets(ToolTest):
     def test_bytes_are_used_but_never_exceeded(self):
-        picture = png_bytes(textured(96, 64))
+        image = png_bytes(textured(96, 64))
         for budget in (200, 701, 1500):
             for profile in ("default", "paper"):
                 with self.subTest(budget=budget, profile=profile):
-                    size = len(self.encode(picture, "--bytes", budget, "--profile", profile))
+                    size = len(self.encode(image, "--bytes", budget, "--profile", profile))
                     self.assertLessEqual(size, budget)
                     self.assertGreaterEqual(size, 0.97 * budget)
 
     def test_noise_never_exceeds_its_bytes(self):
         self.assertLessEqual(len(self.encode(noise(96, 64), "--bytes", "700")), 700)
 
-    def test_bpp_is_bytes_by_another_name(self):
+    def test_bpp_limits_the_bytes(self):
         data = self.encode(textured(80, 60), "--bpp", "1.0")
         self.assertLessEqual(len(data), 600)
         self.assertGreaterEqual(len(data), 582)
 
     def test_psnr_is_met_within_a_third_of_a_decibel(self):
-        picture = textured(128, 96)  # a splat more or less must not make more than the tolerance
+        image = textured(128, 96)  # one splat changes its PSNR by less than the tolerance
         for target in (21.5, 22.5):
             with self.subTest(target=target):
-                self.encode(picture, "--psnr", target)
-                reached = psnr(picture, self.decode())
+                self.encode(image, "--psnr", target)
+                reached = psnr(image, self.decode())
                 self.assertGreaterEqual(reached, target - 0.005)
                 self.assertLessEqual(reached, target + 0.3)
 
@@ -59,37 +59,37 @@ class Targets(ToolTest):
         self.encode(textured(64, 64), "--splats", "40")
         self.assertIn(self.gscl_json("info", "in.gscl")["splats"], range(36, 41))
 
-    def test_more_bytes_than_the_picture_can_use(self):
+    def test_more_bytes_than_the_image_can_use(self):
         self.assertLess(len(self.encode(scene(16, 16), "--bytes", "20000")), 20000)
 
     def test_default_target_suits_an_icon(self):
-        picture = scene(32, 32)
-        self.assertLessEqual(len(self.encode(picture)), 256)
-        self.assertGreater(psnr(picture, self.decode()), 22)
+        image = scene(32, 32)
+        self.assertLessEqual(len(self.encode(image)), 256)
+        self.assertGreater(psnr(image, self.decode()), 22)
 
-    def test_effort_pays(self):
-        picture = scene(96, 64)
+    def test_effort_improves_quality(self):
+        image = scene(96, 64)
         reached = []
         for effort in ("0", "5"):
-            self.encode(picture, "--bytes", "500", "--effort", effort)
-            reached.append(psnr(picture, self.decode()))
+            self.encode(image, "--bytes", "500", "--effort", effort)
+            reached.append(psnr(image, self.decode()))
         self.assertGreater(reached[1], reached[0])
 
 
 class Kinds(ToolTest):
     def test_quality_grows_with_the_file(self):
-        """Pictures that are no photographs, at three sizes."""
-        two_pixels = Picture(2, 1, 3, 8, [255, 0, 0, 0, 0, 255])
-        for name, picture, budgets in (
+        """Images that are no photographs, at three sizes."""
+        two_pixels = Image(2, 1, 3, 8, [255, 0, 0, 0, 0, 255])
+        for name, image, budgets in (
                 ("noise", noise(96, 64), (150, 500, 1500)), ("checkerboard", checkerboard(96, 64, 4), (150, 500, 1500)),
                 ("sawtooth", sawtooth(96, 64), (150, 500, 1500)), ("document", document(128, 64), (150, 500, 1500)),
                 ("column", noise(1, 300), (60, 200, 600)), ("two pixels", two_pixels, (20, 24, 40))):
             reached = 0
             for budget in budgets:
-                with self.subTest(picture=name, budget=budget):
-                    size = len(self.encode(png_bytes(picture), "--bytes", budget, "--effort", "2"))
+                with self.subTest(image=name, budget=budget):
+                    size = len(self.encode(png_bytes(image), "--bytes", budget, "--effort", "2"))
                     self.assertLessEqual(size, budget)
-                    quality = psnr(picture, self.decode())
+                    quality = psnr(image, self.decode())
                     self.assertGreaterEqual(quality, reached - 0.05)
                     reached = quality
 
@@ -97,31 +97,31 @@ class Kinds(ToolTest):
         self.assertLessEqual(len(self.encode(flat(640, 480, (12, 200, 99)))), 24)
 
     def test_icon_from_48_bytes(self):
-        picture = scene(64, 64)
-        self.assertLessEqual(len(self.encode(picture, "--bytes", "48", "--effort", "5")), 48)
-        self.assertGreater(psnr(picture, self.decode()), 15)
+        image = scene(64, 64)
+        self.assertLessEqual(len(self.encode(image, "--bytes", "48", "--effort", "5")), 48)
+        self.assertGreater(psnr(image, self.decode()), 15)
 
 
 class Settings(ToolTest):
     def test_same_settings_same_bytes(self):
-        picture = png_bytes(scene(64, 48))
+        image = png_bytes(scene(64, 48))
         for profile in ("default", "paper"):
             with self.subTest(profile=profile):
                 arguments = ("--bytes", "400", "--profile", profile, "--seed", "7")
-                self.assertEqual(self.encode(picture, *arguments), self.encode(picture, *arguments))
+                self.assertEqual(self.encode(image, *arguments), self.encode(image, *arguments))
 
     def test_seed_matters(self):
-        picture = png_bytes(scene(64, 48))
-        self.assertNotEqual(self.encode(picture, "--seed", "1"), self.encode(picture, "--seed", "18446744073709551615"))
+        image = png_bytes(scene(64, 48))
+        self.assertNotEqual(self.encode(image, "--seed", "1"), self.encode(image, "--seed", "18446744073709551615"))
 
-    def test_blends_and_profiles_are_what_info_says(self):
-        picture = scene(48, 48)
+    def test_info_reports_blend_and_profile(self):
+        image = scene(48, 48)
         for profile, blend in (("default", "normalized"), ("default", "alpha"), ("default", "sum"), ("paper", "alpha")):
             with self.subTest(profile=profile, blend=blend):
-                self.encode(picture, "--bytes", "600", "--profile", profile, "--blend", blend)
+                self.encode(image, "--bytes", "600", "--profile", profile, "--blend", blend)
                 info = self.gscl_json("info", "in.gscl")
                 self.assertEqual((info["profile"], info["blend"]), (profile, blend))
-                self.assertGreater(psnr(picture, self.decode()), 18)
+                self.assertGreater(psnr(image, self.decode()), 18)
 
     def test_codebook_size_is_kept(self):
         self.encode(scene(64, 64), "--bytes", "900", "--profile", "paper", "--codebook", "16")
@@ -130,24 +130,24 @@ class Settings(ToolTest):
         self.assertGreater(info["colour_words"], 1)
 
     def test_losses(self):
-        picture = scene(48, 48)
+        image = scene(48, 48)
         for loss in ("l1", "l1+ssim", "l2"):
             with self.subTest(loss=loss):
-                self.encode(picture, "--bytes", "500", "--loss", loss)
-                self.assertGreater(psnr(picture, self.decode()), 20)
+                self.encode(image, "--bytes", "500", "--loss", loss)
+                self.assertGreater(psnr(image, self.decode()), 20)
 
     def test_tuning_for_ssim(self):
-        """It wins MS-SSIM and pays in PSNR, at the same size."""
-        picture = faint_and_strong(192, 192)
+        """--tune ssim has a higher MS-SSIM and a lower PSNR at the same size."""
+        image = faint_and_strong(192, 192)
         figures = {}
         for tune in ("psnr", "ssim"):
-            self.encode(picture, "--bytes", "700", "--effort", "2", "--tune", tune)
+            self.encode(image, "--bytes", "700", "--effort", "2", "--tune", tune)
             self.decode()
             figures[tune] = self.gscl_json("compare", "in.image", "in.png")
         self.assertGreater(figures["ssim"]["ms_ssim"], figures["psnr"]["ms_ssim"] + 0.02)
         self.assertLess(figures["ssim"]["psnr"], figures["psnr"]["psnr"])
 
-    def test_tuning_for_ssim_weighs_squared_errors(self):
+    def test_tuning_for_ssim_needs_the_default_profile_and_l2(self):
         self.write_png("in.png", scene(16, 16))
         for setting in (("--profile", "paper"), ("--loss", "l1")):
             with self.subTest(setting=setting):
@@ -158,12 +158,12 @@ class Settings(ToolTest):
 class Names(ToolTest):
     def test_default_output_replaces_the_suffix(self):
         os.mkdir(self.path("some.dir"))
-        for name, wanted in (("a.png", "a.gscl"), ("some.dir/b", "some.dir/b.gscl"), ("c.tar.png", "c.tar.gscl"),
+        for name, expected in (("a.png", "a.gscl"), ("some.dir/b", "some.dir/b.gscl"), ("c.tar.png", "c.tar.gscl"),
                              (".hidden", ".hidden.gscl")):
             with self.subTest(name=name):
                 self.write_png(name, scene(16, 16))
                 self.gscl("encode", name, "-q", *FAST)
-                self.assertTrue(self.path(wanted).is_file())
+                self.assertTrue(self.path(expected).is_file())
 
     def test_existing_output_is_replaced_with_its_permissions(self):
         self.write("out.gscl", b"old")
@@ -187,7 +187,7 @@ class Names(ToolTest):
         self.assertTrue(self.path("out.gscl").is_symlink())
         self.assertEqual(self.path("elsewhere/out.gscl").read_bytes()[:3], b"gsc")
 
-    def test_nothing_else_is_left(self):
+    def test_leaves_no_other_files(self):
         self.write_png("in.png", scene(16, 16))
         self.gscl("encode", "in.png", *FAST)
         self.assertEqual(self.files(), ["in.gscl", "in.png"])
@@ -205,13 +205,13 @@ class Batch(ToolTest):
         self.assertEqual([name for name in self.files() if name.startswith("out/")],
                          ["out/a.gscl", "out/b.gscl", "out/c.gscl"])
 
-    def test_one_of_a_batch_is_as_if_alone(self):
+    def test_batch_and_single_encode_give_the_same_file(self):
         self.gscl("encode", "a.png", "b.png", "c.png", "--out-dir", "out", *FAST)
         self.gscl("encode", "c.png", *FAST)
         self.assertEqual(self.path("out/c.gscl").read_bytes(), self.path("c.gscl").read_bytes())
 
     def test_goes_on_after_a_bad_input(self):
-        self.write("b.png", b"no picture")
+        self.write("b.png", b"no image")
         done = self.start("encode", "a.png", "b.png", "missing.png", "c.png", "--out-dir", "out", "-q", *FAST)
         self.assertEqual(done.returncode, 1)
         errors = done.stderr.decode().splitlines()
@@ -220,7 +220,7 @@ class Batch(ToolTest):
         self.assertRegex(errors[1], "^gscl: missing.png: cannot be opened: No such file")
         self.assertEqual([name for name in self.files() if name.startswith("out/")], ["out/a.gscl", "out/c.gscl"])
 
-    def test_two_outputs_of_one_name(self):
+    def test_two_inputs_with_the_same_output(self):
         os.mkdir(self.path("more"))
         self.write_png("more/a.jpg", scene(8, 8))
         self.refused("encode", "a.png and more/a.jpg would both be written to out/a.gscl", "encode", "a.png",
@@ -234,8 +234,8 @@ class Batch(ToolTest):
 
 class Reports(ToolTest):
     def test_json(self):
-        picture = scene(40, 30)
-        self.write_png("in.png", picture)
+        image = scene(40, 30)
+        self.write_png("in.png", image)
         report = self.gscl_json("encode", "in.png", "--bytes", "300", *FAST)
         size = self.path("in.gscl").stat().st_size
         self.assertEqual(report["output"], "in.gscl")
@@ -243,7 +243,7 @@ class Reports(ToolTest):
         self.assertEqual(report["bytes"], size)
         self.assertAlmostEqual(report["bpp"], 8 * size / 1200)
         self.assertEqual(report["splats"], self.gscl_json("info", "in.gscl")["splats"])
-        self.assertAlmostEqual(report["psnr"], psnr(picture, self.decode()), delta=0.01)
+        self.assertAlmostEqual(report["psnr"], psnr(image, self.decode()), delta=0.01)
         self.assertGreater(report["seconds"], 0)
         self.assertIn("entropy coding", [stage["name"] for stage in report["stages"]])
         self.assertLessEqual(sum(stage["seconds"] for stage in report["stages"]), report["seconds"])
@@ -266,7 +266,7 @@ class Reports(ToolTest):
         self.write_png(broken, scene(8, 8))
         self.assertEqual(self.gscl_json("encode", broken, *FAST)["input"], "bad\ufffd\ufffd.png")
 
-    def test_talk_is_on_standard_error_only(self):
+    def test_notes_go_to_standard_error_only(self):
         self.write_png("in.png", scene(16, 16))
         done = self.start("encode", "in.png", *FAST)
         self.assertEqual(done.stdout, b"")
@@ -274,7 +274,7 @@ class Reports(ToolTest):
         done = self.start("encode", "in.png", "-q", *FAST)
         self.assertEqual((done.stdout, done.stderr), (b"", b""))
 
-    def test_compiling_kernels_says_nothing(self):
+    def test_compiling_kernels_prints_nothing(self):
         self.write_png("in.png", scene(16, 16))
         self.path("cache").mkdir()
         for profile in "default", "paper":
@@ -282,22 +282,22 @@ class Reports(ToolTest):
                               env={"POCL_CACHE_DIR": str(self.path("cache"))})
             self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"", b""))
 
-    def test_verbose_says_more(self):
+    def test_verbose_prints_more(self):
         self.write_png("in.png", scene(16, 16))
         self.assertGreater(len(self.start("encode", "in.png", "-v", *FAST).stderr.splitlines()), 1)
 
     def run_on_terminal(self, *arguments, code=0):
-        """What gscl writes on a terminal."""
-        ours, theirs = pty.openpty()
-        process = subprocess.Popen([GSCL, *arguments], cwd=self.folder, stdout=theirs, stderr=theirs)
-        os.close(theirs)
+        """Runs gscl on a terminal and returns its output."""
+        terminal, program_end = pty.openpty()
+        process = subprocess.Popen([GSCL, *arguments], cwd=self.folder, stdout=program_end, stderr=program_end)
+        os.close(program_end)
         text, deadline = b"", time.monotonic() + TIMEOUT
-        while time.monotonic() < deadline and select.select([ours], [], [], TIMEOUT)[0]:
+        while time.monotonic() < deadline and select.select([terminal], [], [], TIMEOUT)[0]:
             try:
-                text += os.read(ours, 4096)
+                text += os.read(terminal, 4096)
             except OSError:  # the other end is closed
                 break
-        os.close(ours)
+        os.close(terminal)
         self.assertEqual(process.wait(timeout=TIMEOUT), code)
         return text.decode()
 
@@ -318,9 +318,9 @@ class Reports(ToolTest):
 
 class Pipes(ToolTest):
     def test_through_pipes(self):
-        picture = scene(40, 30)
-        data = self.gscl("encode", "-", "-o", "-", *FAST, input=png_bytes(picture))
-        self.assertEqual(data, self.encode(picture))
+        image = scene(40, 30)
+        data = self.gscl("encode", "-", "-o", "-", *FAST, input=png_bytes(image))
+        self.assertEqual(data, self.encode(image))
         decoded = self.gscl("decode", "-", "-o", "-", input=data)
         self.decode()
         self.assertEqual(decoded, self.path("in.png").read_bytes())

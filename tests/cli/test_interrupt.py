@@ -1,4 +1,4 @@
-"""Ctrl-C and other signals: no partial file stays."""
+"""Signals: gscl ends and leaves no partial file."""
 import os
 import signal
 import subprocess
@@ -6,12 +6,12 @@ import tempfile
 import time
 import unittest
 
-from pictures import scene
+from images import scene
 from tool import GSCL, TIMEOUT, ToolTest, main
 
 
-def obey_signals():
-    """Whoever runs the tests may ignore some: nohup does."""
+def restore_signals():
+    """Restores the default handlers, because the parent may ignore signals, as nohup does."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
 
@@ -22,10 +22,10 @@ class Interrupt(ToolTest):
         self.write_png("in.png", scene(320, 240))
 
     def start_encoding(self, *arguments, env=None):
-        """An encode that takes long, once it has opened its output."""
+        """Starts a long encode and waits until it has opened its output."""
         process = subprocess.Popen([GSCL, "encode", "in.png", "--effort", "9", "--bpp", "1", *arguments],
                                    cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   env={**os.environ, **(env or {})}, preexec_fn=obey_signals)
+                                   env={**os.environ, **(env or {})}, preexec_fn=restore_signals)
         self.addCleanup(process.kill)
         deadline = time.monotonic() + TIMEOUT
         while not any(name.startswith(".gscl-") for name in os.listdir(self.folder)):
@@ -35,7 +35,7 @@ class Interrupt(ToolTest):
         time.sleep(0.2)
         return process
 
-    def ends(self, process, code):
+    def assert_ends(self, process, code):
         output, error = (text.decode() for text in process.communicate(timeout=TIMEOUT))
         self.assertEqual((process.returncode, output), (code, ""), error)
         return error
@@ -45,8 +45,8 @@ class Interrupt(ToolTest):
             with self.subTest(number=number):
                 process = self.start_encoding()
                 process.send_signal(number)
-                error = self.ends(process, 128 + number)
-                # A kernel compiler that was at work may have said something before.
+                error = self.assert_ends(process, 128 + number)
+                # A running kernel compiler may have printed other lines before.
                 self.assertEqual(error.splitlines()[-1], "gscl: in.png: interrupted; its output was not written")
                 self.assertEqual(self.files(), ["in.png"])
 
@@ -54,7 +54,7 @@ class Interrupt(ToolTest):
         self.write("out.gscl", b"old")
         process = self.start_encoding("-o", "out.gscl")
         process.send_signal(signal.SIGINT)
-        self.ends(process, 130)
+        self.assert_ends(process, 130)
         self.assertEqual(self.path("out.gscl").read_bytes(), b"old")
         self.assertEqual(self.files(), ["in.png", "out.gscl"])
 
@@ -62,29 +62,29 @@ class Interrupt(ToolTest):
         self.write_png("other.png", scene(16, 16))
         process = self.start_encoding("other.png")
         process.send_signal(signal.SIGINT)
-        self.ends(process, 130)
+        self.assert_ends(process, 130)
         self.assertEqual(self.files(), ["in.png", "other.png"])
 
     def test_second_signal_does_not_wait(self):
         process = self.start_encoding()
         process.send_signal(signal.SIGINT)
         process.send_signal(signal.SIGINT)
-        self.ends(process, 130)
+        self.assert_ends(process, 130)
         self.assertEqual(self.files(), ["in.png"])
 
     def test_signals_while_kernels_are_built(self):
-        """A compiler inside the process has signal handlers of its own while it works."""
+        """A compiler inside the process installs signal handlers while it runs."""
         for delay in (0, 0.1, 0.3):
             with self.subTest(delay=delay), tempfile.TemporaryDirectory(prefix="gscl-test-cache-") as cache:
                 process = self.start_encoding(env={"POCL_CACHE_DIR": cache})
                 time.sleep(delay)
                 process.send_signal(signal.SIGINT)
                 process.send_signal(signal.SIGINT)
-                self.ends(process, 130)
+                self.assert_ends(process, 130)
                 self.assertEqual(self.files(), ["in.png"])
 
     def test_closed_pipe_leaves_nothing(self):
-        """Whoever reads the progress may go away: the encode goes on, or fails, but leaves no partial file."""
+        """When the reader of its output ends, the encode continues or fails, but leaves no partial file."""
         process = self.start_encoding("--json", "-o", "out.gscl", "--effort", "0")
         process.stdout.close()
         process.stderr.close()
@@ -92,7 +92,7 @@ class Interrupt(ToolTest):
         self.assertIn(self.files(), (["in.png"], ["in.png", "out.gscl"]))
 
     def test_ignored_signal_stays_ignored(self):
-        """As nohup and shells' background jobs want it."""
+        """nohup and background jobs of shells rely on it."""
         self.write_png("in.png", scene(64, 48))
         process = subprocess.Popen([GSCL, "encode", "in.png", "-q", "--effort", "9"], cwd=self.folder,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))

@@ -1,8 +1,8 @@
-"""gscl info, compare, devices, help and --version: what they say, as text and as JSON."""
+"""gscl info, compare, devices, help and --version: output as text and as JSON."""
 import re
 import unittest
 
-from pictures import flat, psnr, scene
+from images import flat, psnr, scene
 from tool import ToolTest, main
 
 COMMANDS = ("encode", "decode", "info", "compare", "draw", "devices", "bench", "tradeoff")
@@ -42,7 +42,7 @@ class Info(ToolTest):
         for stream in info["streams"]:
             self.assertRegex(text, rf"(?m)^{stream['name']} +{stream['bytes']:.1f} ")
 
-    def test_flat_picture(self):
+    def test_flat_image(self):
         self.encode(flat(20, 20, (5,)))
         info = self.gscl_json("info", "in.gscl")
         self.assertEqual(info["splats"], 0)
@@ -114,7 +114,7 @@ class Help(ToolTest):
             for command in COMMANDS:
                 self.assertRegex(text, rf"(?m)^  {command} ")
 
-    def test_every_command_explains_itself(self):
+    def test_every_command_has_help(self):
         for command in COMMANDS:
             with self.subTest(command=command):
                 text = self.gscl(command, "-h").decode()
@@ -124,16 +124,16 @@ class Help(ToolTest):
                 for option in re.findall(r"--[a-z-]+", usage):
                     self.assertRegex(text, rf"(?m)^ .*{option} ")
 
-    def test_help_on_nothing(self):
+    def test_help_on_an_unknown_command(self):
         self.refused("encoed", "is not a command; 'gscl help' lists all", "help", "encoed", code=2)
 
-    def test_options_tell_ranges_and_defaults(self):
+    def test_help_lists_ranges_and_defaults(self):
         text = self.gscl("encode", "-h").decode()
-        for option, says in (("effort", r"default 5.*\[0 to 9\]"), ("bpp", r"default 0.125"), ("seed", "default 1"),
+        for option, message in (("effort", r"default 5.*\[0 to 9\]"), ("bpp", r"default 0.125"), ("seed", "default 1"),
                              ("codebook", r"\[2 to 1024\]"), ("blend", r"\[auto, normalized, alpha, sum\]")):
-            self.assertRegex(text, rf"(?m)^ +--{option} .*{says}")
+            self.assertRegex(text, rf"(?m)^ +--{option} .*{message}")
 
-    def test_nothing_to_do(self):
+    def test_no_command(self):
         done = self.start()
         self.assertEqual((done.returncode, done.stdout), (2, b""))
         self.assertIn(b"usage: gscl COMMAND", done.stderr)

@@ -1,4 +1,4 @@
-"""gscl tradeoff: every table and plot is there and makes sense; how long things take is not judged."""
+"""gscl tradeoff writes every table and plot, and their figures are consistent; no test bounds a time."""
 import csv
 import json
 import math
@@ -7,7 +7,7 @@ import pathlib
 import unittest
 import xml.etree.ElementTree
 
-from pictures import flat, read_png, scene
+from images import flat, read_png, scene
 from tool import GSCL, ToolTest, main
 
 WIDTH, HEIGHT = 96, 72
@@ -15,7 +15,7 @@ TABLES = {"quality_time.csv", "quality_rate.csv", "trace.csv", "accuracy.csv", "
 PLOTS = ("quality_time", "quality_rate", "accuracy", "gradients")
 HAS_PLOTS = pathlib.Path(GSCL).with_name("gscl-plot.so").exists()
 BLENDS = {"normalized", "alpha", "sum"}
-SERIES_BLUE = (0, 94, 168)  # host/tool/plot_cairo.c
+SERIES_BLUE = (0, 94, 168)  # host/tool/plot/plot_cairo.c
 
 
 class Tradeoff(ToolTest):
@@ -24,7 +24,7 @@ class Tradeoff(ToolTest):
         cls.kept = None
 
     def measured(self):
-        """The files of one run, which all tests look at, and what it printed."""
+        """The files and the output of one run, shared by all tests."""
         if not Tradeoff.kept:
             self.write_png("in.png", scene(WIDTH, HEIGHT))
             printed = self.gscl("tradeoff", "in.png", "--quick", "--bytes", "400", "--out", "new").decode()
@@ -43,7 +43,7 @@ class Tradeoff(ToolTest):
         return list(csv.DictReader(self.measured()[0][name].decode().splitlines()))
 
     def check_numbers(self, rows, text=(), optional=()):
-        """All columns but those are finite numbers."""
+        """All columns are finite numbers, except `text` ones and empty cells of `optional` ones."""
         for row in rows:
             for column, value in row.items():
                 if column not in text and not (column in optional and value == ""):
@@ -59,7 +59,7 @@ class Tradeoff(ToolTest):
             self.assertAlmostEqual(float(row["bpp"]), 8 * int(row["bytes"]) / (WIDTH * HEIGHT), places=4)
             self.assertTrue(float(row["encode_s"]) > 0 and float(row["decode_s"]) > 0)
 
-    def test_trace_lead_to_the_file(self):
+    def test_trace_ends_at_the_file(self):
         trace = self.table("trace.csv")
         self.check_numbers(trace, text=("stage",))
         for point in self.table("quality_time.csv"):
@@ -95,9 +95,9 @@ class Tradeoff(ToolTest):
         for row in self.table("accuracy.csv"):
             self.assertEqual(row["choice"] == "quantiser" and row["variant"] != "none", row["psnr_same_size_db"] != "")
         by_effort = {row["effort"]: row["psnr_db"] for row in self.table("quality_time.csv")}
-        usual = [row["psnr_same_size_db"] for row in self.table("accuracy.csv")
+        default = [row["psnr_same_size_db"] for row in self.table("accuracy.csv")
                  if (row["choice"], row["blend"], row["default"]) == ("quantiser", "normalized", "1")]
-        self.assertEqual([f"{float(value):.3f}" for value in usual], [f"{float(by_effort['1']):.3f}"])
+        self.assertEqual([f"{float(value):.3f}" for value in default], [f"{float(by_effort['1']):.3f}"])
 
     def test_gradients(self):
         rows = self.table("gradients.csv")
@@ -107,7 +107,7 @@ class Tradeoff(ToolTest):
         for row in rows:
             self.assertLess(float(row["rms_error"]), 1e-3)
 
-    def test_json_says_the_same(self):
+    def test_json_matches_the_tables(self):
         report = json.loads(self.measured()[0]["tradeoff.json"])
         self.assertEqual((report["width"], report["height"], report["bytes"], report["effort"]), (WIDTH, HEIGHT, 400, 5))
         for key, table in (("quality_time", "quality_time.csv"), ("quality_rate", "quality_rate.csv"),
@@ -117,7 +117,7 @@ class Tradeoff(ToolTest):
             self.assertAlmostEqual(encode["psnr"], float(row["psnr_db"]), places=5)
             self.assertTrue(encode["stages"] and encode["trace"])
 
-    def test_text_names_everything(self):
+    def test_text_lists_every_row(self):
         printed = self.measured()[1]
         for row in self.table("accuracy.csv"):
             mark = r"\*" if row["default"] == "1" else " "
@@ -128,9 +128,9 @@ class Tradeoff(ToolTest):
     @unittest.skipUnless(HAS_PLOTS, "built without cairo")
     def test_plots(self):
         for name in PLOTS:
-            picture = read_png(self.measured()[0][name + ".png"])
-            self.assertTrue(picture.width > 1000 and picture.height > 500)
-            blue = [pixel for pixel in zip(*[iter(picture.samples)] * picture.channels) if pixel[:3] == SERIES_BLUE]
+            image = read_png(self.measured()[0][name + ".png"])
+            self.assertTrue(image.width > 1000 and image.height > 500)
+            blue = [pixel for pixel in zip(*[iter(image.samples)] * image.channels) if pixel[:3] == SERIES_BLUE]
             self.assertGreater(len(blue), 1000, name)
             drawing = xml.etree.ElementTree.fromstring(self.measured()[0][name + ".svg"])
             self.assertTrue(drawing.tag.endswith("svg"))
@@ -145,7 +145,7 @@ class Tradeoff(ToolTest):
         self.assertEqual(report, json.loads(self.path("there/tradeoff.json").read_bytes()))
 
     def test_without_the_module(self):
-        """A copy of the program alone: tables, no plots, and one line that says why."""
+        """A copy of the program without its module writes tables, no plots, and prints one line with the reason."""
         self.write_png("in.png", scene(40, 30))
         self.path("gscl").write_bytes(pathlib.Path(GSCL).read_bytes())
         self.path("gscl").chmod(0o755)
@@ -162,12 +162,12 @@ class Refusals(ToolTest):
         super().setUp()
         self.write_png("in.png", scene(40, 30))
 
-    def test_what_is_no_image(self):
-        self.write("text.png", b"no picture")
+    def test_refuses_files_that_are_no_images(self):
+        self.write("text.png", b"no image")
         self.refused("text.png", ".", "tradeoff", "text.png")
         self.refused("nothing.png", "No such file", "tradeoff", "nothing.png")
 
-    def test_flat_picture(self):
+    def test_flat_image(self):
         self.write_png("flat.png", flat(40, 30, (9, 9, 9)))
         self.refused("flat.png", "no splats", "tradeoff", "flat.png", "--quick")
 
@@ -177,7 +177,7 @@ class Refusals(ToolTest):
         self.refused("no/such", "cannot be made: No such file", "tradeoff", "in.png", "--out", "no/such")
 
     def test_full_disk(self):
-        """One file that cannot be written keeps all others from being put in their places."""
+        """If one file cannot be written, no file is put in place."""
         self.path("out").mkdir()
         self.write("out/quality_time.csv", b"old")
         self.path("out/accuracy.csv").symlink_to("/dev/full")
@@ -185,9 +185,9 @@ class Refusals(ToolTest):
         self.assertEqual(self.path("out/quality_time.csv").read_bytes(), b"old")
 
     def test_options(self):
-        for says, words in (("exclude each other", ("--bytes", "400", "--bpp", "0.1")),
+        for message, words in (("exclude each other", ("--bytes", "400", "--bpp", "0.1")),
                             ("whole number from 0 to 9", ("--effort", "10"))):
-            self.refused("tradeoff", says, "tradeoff", "in.png", *words, code=2)
+            self.refused("tradeoff", message, "tradeoff", "in.png", *words, code=2)
         self.refused("tradeoff", "an input is missing", "tradeoff", code=2)
         self.refused("in.png", "too small", "tradeoff", "in.png", "--bytes", "9")
         self.refused("nowhere", "nowhere", "tradeoff", "in.png", "--device", "nowhere")

@@ -1,6 +1,6 @@
-"""Running gscl from tests, and reporting them as TAP.
+"""Runs gscl in tests, and reports the tests as TAP.
 
-The program is named by the environment variable GSCL; POCL_CACHE_DIR should be a folder of this process's own.
+The environment variable GSCL names the program; POCL_CACHE_DIR should name a folder that no other process uses.
 """
 import json
 import os
@@ -11,10 +11,10 @@ import sys
 import tempfile
 import unittest
 
-from pictures import png_bytes, read_png
+from images import png_bytes, read_png
 
 GSCL = os.path.abspath(os.environ.get("GSCL", "build/gscl"))
-TIMEOUT = 240  # seconds for one command; compiling kernels on a busy machine takes many
+TIMEOUT = 240  # seconds for one command, which may have to compile kernels on a loaded machine
 FAST = ("--effort", "0")
 
 
@@ -33,21 +33,21 @@ class ToolTest(unittest.TestCase):
         self.path(name).write_bytes(data)
         return name
 
-    def write_png(self, name, picture):
-        return self.write(name, png_bytes(picture))
+    def write_png(self, name, image):
+        return self.write(name, png_bytes(image))
 
     def files(self):
-        """Everything in the folder, hidden files too."""
+        """All files in the folder, hidden ones included."""
         return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*"))
 
     def start(self, *arguments, env=None, prefix=(), program=GSCL, **options):
-        """Runs gscl (or `program`), behind the words of `prefix`, without looking at its exit code."""
+        """Runs gscl (or `program`), after the words of `prefix`, and does not check its exit code."""
         environment = {**os.environ, **(env or {})}
         return subprocess.run([*prefix, program, *map(str, arguments)], cwd=self.folder, env=environment, timeout=TIMEOUT,
                               capture_output="stdout" not in options, **options)
 
     def gscl(self, *arguments, **options):
-        """Runs gscl, which must succeed; returns its standard output."""
+        """Runs gscl, which must succeed, and returns its standard output."""
         done = self.start(*arguments, **options)
         self.assertEqual(done.returncode, 0, (done.stderr or b"").decode(errors="replace"))
         return done.stdout
@@ -55,9 +55,9 @@ class ToolTest(unittest.TestCase):
     def gscl_json(self, *arguments, **options):
         return json.loads(self.gscl(*arguments, "--json", **options))
 
-    def encode(self, picture, *arguments, name="in"):
-        """Encodes a picture, given as an object or as bytes of a file, and returns the gscl file's bytes."""
-        data = picture if isinstance(picture, bytes) else png_bytes(picture)
+    def encode(self, image, *arguments, name="in"):
+        """Encodes an image, given as an Image or as the bytes of a file, and returns the bytes of the gscl file."""
+        data = image if isinstance(image, bytes) else png_bytes(image)
         self.write(f"{name}.image", data)
         self.gscl("encode", f"{name}.image", "-o", f"{name}.gscl", "-q", *FAST, *arguments)
         return self.path(f"{name}.gscl").read_bytes()
@@ -66,23 +66,23 @@ class ToolTest(unittest.TestCase):
         self.gscl("decode", f"{name}.gscl", "-o", f"{name}.png", *arguments)
         return read_png(self.path(f"{name}.png").read_bytes())
 
-    def refused(self, subject, says, *arguments, code=1, **options):
-        """Runs gscl, which must fail as every failure should: its exit code, one line on standard error about
-        `subject` that matches `says`, nothing on standard output, and no file more or less than before."""
+    def refused(self, subject, message, *arguments, code=1, **options):
+        """Runs gscl, which must fail with the exit code `code`, one line on standard error about `subject` that matches
+        `message`, nothing on standard output, and the same files as before."""
         before = self.files()
         done = self.start(*arguments, **options)
         error = done.stderr.decode(errors="replace")
         self.assertEqual(done.returncode, code, error)
         self.assertRegex(error, r"\A[^\n]*\n\Z", "not one line")
         self.assertTrue(error.startswith(f"gscl: {subject}: "), error)
-        self.assertRegex(error, says)
+        self.assertRegex(error, message)
         self.assertFalse(done.stdout)
         self.assertEqual(self.files(), before)
         return error
 
 
 class TapResult(unittest.TestResult):
-    """Prints each test's outcome in the Test Anything Protocol; each part of a test that fails has a line of its own."""
+    """Prints the outcome of each test in the Test Anything Protocol.  Each subtest that fails has its own line."""
 
     lines = 0
 
@@ -116,7 +116,7 @@ class TapResult(unittest.TestResult):
 
 
 def main():
-    """Runs the tests of the calling program; names given on the command line select some."""
+    """Runs the tests of the calling program, or those that the command line names."""
     loader = unittest.TestLoader()
     module = sys.modules["__main__"]
     suite = loader.loadTestsFromNames(sys.argv[1:], module) if sys.argv[1:] else loader.loadTestsFromModule(module)

@@ -1,5 +1,5 @@
-/* Painting with a supersampled canvas: shapes back to front, in linear light, averaged down at the end.
- * Coordinates are pixels of the finished picture; to_canvas and from_canvas lead to samples and back. */
+/* A supersampled canvas: shapes are painted back to front in linear light, and samples are averaged at the end.
+ * Coordinates are pixels of the finished image; to_canvas and from_canvas convert them to samples and back. */
 #ifndef GSCL_SAMPLE_CANVAS_H
 #define GSCL_SAMPLE_CANVAS_H
 
@@ -19,15 +19,15 @@ typedef struct point {
     float x, y;
 } point;
 
-/* The colour of a surface at a place; `opaque` is the painter's own argument. */
+/* The colour of a surface at a point; `opaque` is the argument of the caller. */
 typedef colour (*shader)(const void *opaque, float x, float y);
 /* The height of an outline at x. */
 typedef float (*contour)(float x);
 
 float clamp01(float v);
-/* 0 up to `from`, 1 beyond `to`, a smooth step between them. */
+/* A smooth step: 0 up to `from`, 1 beyond `to`. */
 float smooth(float from, float to, float v);
-/* Uniform in low..high.  At most once in an expression: compilers differ in what they evaluate first. */
+/* Uniform in low..high.  Use it once per expression, because the order of evaluation is not defined. */
 float random_in(float low, float high);
 /* A fixed random number in 0..1 for each cell of a grid. */
 float lattice(int x, int y);
@@ -36,14 +36,14 @@ float noise(float x, float y);
 /* Noise with detail at several scales, 0..1. */
 float clouds(float x, float y, int octaves);
 
-/* A colour as a web page writes it, 0xRRGGBB. */
+/* The colour of a hexadecimal sRGB code, 0xRRGGBB. */
 colour rgb(uint32_t hex);
 colour mix(colour a, colour b, float t);
 colour scaled(colour a, float factor);
 colour add(colour a, colour b, float amount);
 
 bool canvas_create(void);
-/* What has been painted so far; the nearest there is for places outside. */
+/* The colour that has been painted so far; outside the canvas, that of the nearest sample. */
 colour canvas_at(float x, float y);
 /* Averages the canvas down to WIDTH * HEIGHT * 3 sRGB bytes and frees it. */
 void canvas_finish(uint8_t *pixels);
@@ -55,7 +55,7 @@ void paint(int cx, int cy, colour c, float alpha);
 void fill_below(float from, float to, contour top, float bottom, shader surface);
 /* Fills a polygon of at most MAX_CORNERS corners (even-odd rule). */
 void fill_polygon(const point *corners, size_t count, shader surface, const void *opaque);
-/* The same with one colour; corners are given as {x, y}, {x, y}, ... */
+/* Fills a polygon with one colour; its corners are {x, y}, {x, y}, ... */
 #define FILL(colour_value, ...)                                        \
     do {                                                               \
         const point corners_[] = {__VA_ARGS__};                        \

@@ -1,8 +1,8 @@
-/* Draws the project's own test picture: make_sample OUT.png
+/* Draws the project's sample image: make_sample OUT.png
  *
  * A harbour at sunset, 768x512 RGB: smooth gradients (sky, water), sharp edges (house, boat), texture
- * (leaves, grass, shingles) and fine lines (rigging, fence, window bars).  The seed is fixed, so every run
- * draws the same picture.  It is painted back to front. */
+ * (leaves, grass, shingles) and fine lines (rigging, fence, window bars).  The seed is fixed, so that every run
+ * draws the same image, back to front. */
 #include <math.h>
 #include <stdio.h>
 
@@ -44,7 +44,7 @@ static colour sky(const void *opaque, float x, float y) {
 }
 
 typedef struct ridge {
-    float height, width, shift; /* size of its features, and where the noise starts; pixels */
+    float height, width, shift; /* size of the features, and offset into the noise; pixels */
     uint32_t top, foot;         /* colours */
 } ridge;
 
@@ -53,7 +53,7 @@ static float ridge_line(const ridge *r, float x) {
     return HORIZON - r->height * peak * peak;
 }
 
-/* Mountains from `from` to `to`, where they come down to the water. */
+/* Mountains between `from` and `to`, where they meet the water. */
 static void draw_ridge(const ridge *r, float from, float to) {
     const float shoulder = 130;
     for (int cx = to_canvas(from); cx < to_canvas(to); cx++) {
@@ -77,7 +77,7 @@ static void draw_mountains(void) {
     draw_ridge(&near, 430, WIDTH + 200);
 }
 
-/* What stands above the water, mirrored and broken by waves that grow towards the viewer. */
+/* The mirror image of everything above the water, broken by waves that grow towards the viewer. */
 static colour water(const void *opaque, float x, float y) {
     (void)opaque;
     float near = (y - HORIZON) / (HEIGHT - HORIZON), size = 0.35f + 3.2f * near;
@@ -128,7 +128,7 @@ static void draw_boat(float x, float y) {
         fill_box(x - 12 + 9 * (float)i, y - 13, x - 7 + 9 * (float)i, y - 10, rgb(0x2a3546));
 }
 
-/* The boat's own reflection: what is above its water line `y`, mirrored, wavering and darkened. */
+/* The reflection of the boat: everything above its water line `y`, mirrored, distorted and darkened. */
 static void mirror_boat(float left, float right, float y, float height) {
     for (int cy = to_canvas(y); cy < to_canvas(y + height); cy++)
         for (int cx = to_canvas(left); cx < to_canvas(right); cx++) {
@@ -157,7 +157,7 @@ static colour soil(const void *opaque, float x, float y) {
     return scaled(c, light);
 }
 
-/* Blades from the far edge to the near one, so that near blades stand in front. */
+/* Draws blades from the far edge to the near one, so that near blades cover far ones. */
 static void draw_grass(float from, float to, contour top) {
     enum { BLADES = 15000 };
     for (int i = 0; i < BLADES; i++) {
@@ -281,7 +281,7 @@ static void draw_leaves(point at) {
         const float angle = random_in(0, 2 * PI), reach = 30 * sqrtf(random_in(0, 1)), chance = random_in(-0.3f, 0.3f);
         const float width = random_in(1.4f, 3.2f), height = random_in(1.0f, 2.2f);
         const point p = {at.x + reach * cosf(angle), at.y + 0.75f * reach * sinf(angle)};
-        /* The evening sun comes from the right: leaves on that side are warm, the others nearly black. */
+        /* The evening sun is on the right: leaves on that side are warm, the others nearly black. */
         const float lit = clamp01(0.35f + 0.016f * (p.x - at.x) - 0.012f * (p.y - at.y) + chance);
         const colour c = mix(rgb(0x14261c), mix(rgb(0x55702c), rgb(0xd9a441), lit * lit), lit);
         blob(p, width, height, c, 1, 0);
@@ -346,7 +346,7 @@ static void draw_birds(void) {
     }
 }
 
-/* ---- All of it --------------------------------------------------------------------------------- */
+/* ---- The whole image --------------------------------------------------------------------------- */
 
 static float top_edge(float x) {
     (void)x;

@@ -1,14 +1,14 @@
-/* Puts two pictures of the same size next to each other: side_by_side LEFT RIGHT OUT.png
+/* Writes two images of the same size next to each other: side_by_side LEFT RIGHT OUT.png
  *
- * Reads whatever the tool gscl reads; writes 8-bit RGB(A) or grey as the left picture is. */
+ * Reads the image formats of the tool gscl.  Writes 8 bits per sample with the channels of the left image. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "image/image_file.h"
 #include "cli/message.h"
+#include "image/image_file.h"
 
-enum { GAP = 8 }; /* pixels of white between the pictures */
+enum { GAP = 8 }; /* white pixels between the images */
 
 static uint8_t to_u8(const gscl_image *image, size_t sample) {
     switch (image->sample) {
@@ -40,7 +40,7 @@ static bool write_pair(const gscl_image *left, const gscl_image *right, const ch
     const size_t size = (size_t)pair.width * pair.height * pair.channels;
     pair.pixels = malloc(size);
     if (!pair.pixels)
-        return report_error(name, "out of memory");
+        return report_error(name, "cannot be written: out of memory");
     memset(pair.pixels, 255, size);
     paste(&pair, 0, left);
     paste(&pair, left->width + GAP, right);
@@ -58,7 +58,7 @@ int main(int argc, char **argv) {
     }
     bool done = image_read(argv[1], &left) && image_read(argv[2], &right);
     if (done && (left.height != right.height || left.channels != right.channels))
-        done = report_error(argv[2], "is another size or kind than %s", argv[1]);
+        done = report_error(argv[2], "differs in height or channels from %s; give two similar images", argv[1]);
     if (done)
         done = write_pair(&left, &right, argv[3]);
     free(left.pixels);

@@ -1,6 +1,6 @@
-"""Small pictures that the tests make themselves, and plain readers and writers of image files.
+"""Small synthetic images, and minimal readers and writers of image files.
 
-Standard library only; every writer is the simplest that the format allows.
+Uses the standard library only.
 """
 import array
 import dataclasses
@@ -11,8 +11,8 @@ import zlib
 
 
 @dataclasses.dataclass
-class Picture:
-    """Interleaved samples: whole numbers 0 .. 2^depth - 1."""
+class Image:
+    """Interleaved integer samples in 0 .. 2^depth - 1."""
     width: int
     height: int
     channels: int  # 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
@@ -37,10 +37,10 @@ class Picture:
     def crop(self, x, y, width, height):
         begin, end = x * self.channels, (x + width) * self.channels
         rows = [self.row(line)[begin:end] for line in range(y, y + height)]
-        return Picture(width, height, self.channels, self.depth, [sample for row in rows for sample in row])
+        return Image(width, height, self.channels, self.depth, [sample for row in rows for sample in row])
 
     def normal(self):
-        """Samples in 0..255, colours multiplied by alpha."""
+        """Samples scaled to 0..255, with colours multiplied by alpha."""
         values = [255.0 * sample / self.peak for sample in self.samples]
         if self.has_alpha:
             for at in range(0, len(values), self.channels):
@@ -57,7 +57,7 @@ def psnr(a, b):
 
 
 def max_difference(a, b):
-    """In samples of 0..255, as stored."""
+    """Maximum difference of the stored samples, scaled to 0..255."""
     assert a.kind() == b.kind(), (a.kind(), b.kind())
     return max(abs(x - y) for x, y in zip(a.samples, b.samples)) * 255.0 / a.peak
 
@@ -65,8 +65,7 @@ def max_difference(a, b):
 # ---- Scenes ---------------------------------------------------------------------------------------
 
 def scene(width, height, channels=3, depth=8):
-    """A gradient with a bright disc and a dark bar; alpha, if any, fades from the left to the right and is 0 in a
-    corner."""
+    """A gradient with a bright disc and a dark bar.  Alpha, if any, fades from left to right and is 0 in a corner."""
     peak = (1 << depth) - 1
     samples = []
     for y in range(height):
@@ -79,27 +78,27 @@ def scene(width, height, channels=3, depth=8):
             if channels % 2 == 0:
                 pixel = pixel + [0.0 if u > 0.7 and v > 0.7 else 1.0 - 0.6 * u]
             samples += [min(max(round(value * peak), 0), peak) for value in pixel]
-    return Picture(width, height, channels, depth, samples)
+    return Image(width, height, channels, depth, samples)
 
 
 def textured(width, height, channels=3):
-    """The scene with grain on it: detail for as many bytes as one likes."""
-    picture, grain = scene(width, height, channels), noise(width, height, channels)
-    picture.samples = [min(max(a + (b - 128) // 4, 0), 255) for a, b in zip(picture.samples, grain.samples)]
-    return picture
+    """The scene with noise added, so that its detail uses any number of bytes."""
+    image, grain = scene(width, height, channels), noise(width, height, channels)
+    image.samples = [min(max(a + (b - 128) // 4, 0), 255) for a, b in zip(image.samples, grain.samples)]
+    return image
 
 
 def noise(width, height, channels=3, seed=1):
-    """Uniform 8-bit noise: what no codec can make small."""
+    """Uniform 8-bit noise, which no codec compresses."""
     state, samples = seed, []
     for _ in range(width * height * channels):
         state = (state * 1664525 + 1013904223) % 2 ** 32
         samples.append(state >> 24)
-    return Picture(width, height, channels, 8, samples)
+    return Image(width, height, channels, 8, samples)
 
 
 def faint_and_strong(width, height):
-    """Blocks of random greys, the left half of little contrast, the right half of much."""
+    """Blocks of random greys, with low contrast in the left half and high contrast in the right half."""
     block = 8
     greys = noise((width + block - 1) // block, (height + block - 1) // block, channels=1)
     samples = []
@@ -107,28 +106,28 @@ def faint_and_strong(width, height):
         row = greys.row(y // block)
         for x in range(width):
             samples += [128 + (row[x // block] - 128) // (12 if x < width // 2 else 1)] * 3
-    return Picture(width, height, 3, 8, samples)
+    return Image(width, height, 3, 8, samples)
 
 
 def checkerboard(width, height, side):
-    return Picture(width, height, 1, 8, [255 * ((x // side + y // side) % 2) for y in range(height) for x in range(width)])
+    return Image(width, height, 1, 8, [255 * ((x // side + y // side) % 2) for y in range(height) for x in range(width)])
 
 
 def sawtooth(width, height):
     """Slanted ramps with hard edges."""
-    return Picture(width, height, 1, 8, [(7 * x + 3 * y) % 256 for y in range(height) for x in range(width)])
+    return Image(width, height, 1, 8, [(7 * x + 3 * y) % 256 for y in range(height) for x in range(width)])
 
 
 def document(width, height):
-    """Black strokes on white, in lines, like a page of text."""
+    """Lines of black strokes on white, as in a page of text."""
     strokes = noise(width, height, channels=1, seed=9)
     samples = [0 if y % 8 in (2, 3, 4, 5) and strokes.samples[y // 8 * width + x // 2] < 110 else 255
                for y in range(height) for x in range(width)]
-    return Picture(width, height, 1, 8, samples)
+    return Image(width, height, 1, 8, samples)
 
 
 def flat(width, height, colour, depth=8):
-    return Picture(width, height, len(colour), depth, list(colour) * (width * height))
+    return Image(width, height, len(colour), depth, list(colour) * (width * height))
 
 
 # ---- PNG ------------------------------------------------------------------------------------------
@@ -149,14 +148,14 @@ def big_endian(samples, depth):
     return bytes(samples) if depth == 8 else struct.pack(f">{len(samples)}H", *samples)
 
 
-def png_bytes(picture):
-    rows = b"".join(b"\0" + big_endian(picture.row(y), picture.depth) for y in range(picture.height))
-    header = png_header(picture.width, picture.height, picture.depth, PNG_COLOUR_TYPES[picture.channels])
+def png_bytes(image):
+    rows = b"".join(b"\0" + big_endian(image.row(y), image.depth) for y in range(image.height))
+    header = png_header(image.width, image.height, image.depth, PNG_COLOUR_TYPES[image.channels])
     return PNG_SIGNATURE + header + png_chunk(b"IDAT", zlib.compress(rows)) + png_chunk(b"IEND", b"")
 
 
 def png_palette_bytes(width, height, palette, indices):
-    """A picture of palette indices; palette entries are (r, g, b) or (r, g, b, a)."""
+    """A PNG of palette indices.  Palette entries are (r, g, b) or (r, g, b, a)."""
     rows = b"".join(b"\0" + bytes(indices[y * width:(y + 1) * width]) for y in range(height))
     chunks = png_header(width, height, 8, 3) + png_chunk(b"PLTE", bytes(c for entry in palette for c in entry[:3]))
     if len(palette[0]) == 4:
@@ -192,7 +191,7 @@ def unfilter(kind, line, above, step):
 
 
 def read_png(data):
-    """A PNG without palette and interlacing."""
+    """Reads a PNG without palette and interlacing."""
     parts = png_parts(data)
     width, height, depth, colour_type, _, _, interlace = struct.unpack(">IIBBBBB", parts[b"IHDR"])
     channels = {kind: count for count, kind in PNG_COLOUR_TYPES.items()}[colour_type]
@@ -207,15 +206,15 @@ def read_png(data):
     samples = array.array("B" if depth == 8 else "H", b"".join(rows))
     if depth == 16 and sys.byteorder == "little":
         samples.byteswap()
-    return Picture(width, height, channels, depth, samples.tolist())
+    return Image(width, height, channels, depth, samples.tolist())
 
 
 # ---- PNM, TIFF, OpenEXR ---------------------------------------------------------------------------
 
-def pnm_bytes(picture):
-    kind = {1: "P5", 3: "P6"}[picture.channels]
-    header = f"{kind}\n{picture.width} {picture.height}\n{picture.peak}\n"
-    return header.encode() + big_endian(picture.samples, picture.depth)
+def pnm_bytes(image):
+    kind = {1: "P5", 3: "P6"}[image.channels]
+    header = f"{kind}\n{image.width} {image.height}\n{image.peak}\n"
+    return header.encode() + big_endian(image.samples, image.depth)
 
 
 def read_pnm(data):
@@ -223,24 +222,24 @@ def read_pnm(data):
     width, height = map(int, size.split())
     depth = 8 if int(peak) == 255 else 16
     values = samples if depth == 8 else struct.unpack(f">{len(samples) // 2}H", samples)
-    return Picture(width, height, {b"P5": 1, b"P6": 3}[kind], depth, list(values))
+    return Image(width, height, {b"P5": 1, b"P6": 3}[kind], depth, list(values))
 
 
 TIFF_SHORT, TIFF_LONG = 3, 4
 
 
-def tiff_bytes(picture, extra_samples=(), photometric=None, orientation=1):
-    """Uncompressed, big-endian, one strip.  `extra_samples`: 1 premultiplied alpha, 2 straight alpha, 0 anything."""
-    pixels = big_endian(picture.samples, picture.depth)
-    count = picture.channels
+def tiff_bytes(image, extra_samples=(), photometric=None, orientation=1):
+    """An uncompressed big-endian TIFF with one strip.  `extra_samples`: 1 premultiplied alpha, 2 straight alpha, 0 other."""
+    pixels = big_endian(image.samples, image.depth)
+    count = image.channels
     if photometric is None:
         photometric = 2 if count >= 3 else 1
-    tail = struct.pack(f">{count}H", *[picture.depth] * count)
+    tail = struct.pack(f">{count}H", *[image.depth] * count)
     tail_at = 8 + len(pixels)
     bits = (258, TIFF_SHORT, count, tail_at) if count > 2 else (258, TIFF_SHORT, count, tail)
-    entries = [(256, TIFF_LONG, 1, picture.width), (257, TIFF_LONG, 1, picture.height), bits,
+    entries = [(256, TIFF_LONG, 1, image.width), (257, TIFF_LONG, 1, image.height), bits,
                (259, TIFF_SHORT, 1, 1), (262, TIFF_SHORT, 1, photometric), (273, TIFF_LONG, 1, 8),
-               (274, TIFF_SHORT, 1, orientation), (277, TIFF_SHORT, 1, count), (278, TIFF_LONG, 1, picture.height),
+               (274, TIFF_SHORT, 1, orientation), (277, TIFF_SHORT, 1, count), (278, TIFF_LONG, 1, image.height),
                (279, TIFF_LONG, 1, len(pixels))]
     if extra_samples:
         entries.append((338, TIFF_SHORT, len(extra_samples), struct.pack(f">{len(extra_samples)}H", *extra_samples)))
@@ -256,7 +255,7 @@ def tiff_entry(entry):
 
 
 def exr_bytes(width, height, planes, data_window=None):
-    """Uncompressed floats; `planes` maps a channel's name to its samples, row by row."""
+    """An uncompressed OpenEXR of floats.  `planes` maps the name of a channel to its samples, row by row."""
     window = struct.pack("<4i", *(data_window or (0, 0, width - 1, height - 1)))
     names = sorted(planes)
     channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
