@@ -58,6 +58,8 @@ check "install" sh tests/install/test_install.sh build-test
 check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
 check "public headers" sh tests/install/check_headers.sh host/include
 check "format of sources" sh tests/check_format.sh
+check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
+check "rooms are checked" python3 tests/structure/test_check_rooms.py
 
 # Host code under ASan and UBSan, hard cases of small size; leaks are looked for apart.
 check "build with sanitizers" build build-sanitize \
@@ -71,8 +73,9 @@ unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 
 # The library alone needs no C++ compiler.
-CXX=false check "library without C++" build build-library -Dtool=disabled -Dtests=disabled
+CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
 check "install of the library" sh tests/install/test_install.sh build-library
+check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
 
 for compiler in gcc:g++ clang:clang++; do
     CC=${compiler%:*} CXX=${compiler#*:} check "no warnings from ${compiler%:*}" \

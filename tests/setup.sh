@@ -4,7 +4,7 @@
 build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
     pocl-opencl-icd libpng-dev libopenimageio-dev libcairo2-dev"
 # What the tests need beyond that.
-test_packages="clang clang-format libcmocka-dev oclgrind"
+test_packages="abigail-tools clang clang-format clang-tidy libcmocka-dev oclgrind"
 
 missing_packages() {
     for package in "$@"; do

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs a build folder into a temporary prefix and uses it as a stranger would: test_install.sh BUILD
-# Builds and runs the example against the shared and against the static library; runs the tool when there is one.
+# Builds and runs the example against the shared and against the static library, and the example of the header; runs the
+# tool when there is one.
 set -eu
 build=$1
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -19,6 +20,10 @@ flags="-std=c99 -Wall -Wextra -Werror -pedantic $source/tests/example/encode_dec
 echo "shared:"
 cc $flags $(pkg-config --cflags --libs gscl) -o "$work/shared"
 LD_LIBRARY_PATH=$libdir "$work/shared"
+echo "example of the header:"
+sh "$source/tests/install/header_example.sh" "$prefix/include/gscl/gscl.h" >"$work/header.c"
+cc -std=c99 -Wall -Wextra -Werror -pedantic "$work/header.c" $(pkg-config --cflags --libs gscl) -o "$work/header"
+LD_LIBRARY_PATH=$libdir "$work/header"
 echo "static:"
 rm "$libdir"/libgscl.so* # so that -lgscl means libgscl.a
 cc $flags $(pkg-config --cflags --libs --static gscl) -o "$work/static"
