@@ -1,39 +1,48 @@
 #!/usr/bin/env python3
-"""Checks the structure of the sources: check_rooms.py [--list] [OBJECT_FOLDER]
+"""Checks the structure of the sources: check_rooms.py [--root FOLDER] [--list] [OBJECT_FOLDER...]
 
-Each folder of host/lib and host/tool is a room, and so are format/ and cl/.  The lists below give the rooms from the
+Each folder of host/lib and host/tool is a room, and so are format/ and cl/.  The lists below order the rooms from the
 lowest to the highest.  The script fails when
 
- - a file includes a header of a higher room, or of a room that its program may not use,
+ - a file includes a header of a higher room, or of a part of the tree that its program may not use,
  - files include each other in a circle (a source and the header of its name count as one file),
- - host/tool includes a header of the library that is not public,
- - a room has no header that describes it, or a folder is missing from the lists.
+ - host/tool or a public header includes a header of the library that is not public,
+ - an #include "..." or <gscl/...> names no file of the tree,
+ - a room is missing from the lists or has no room.h, or its room.h does not say what the room may use or names files
+   that do not exist.
 
-With a folder of object files, made by the build, it also checks calls: the symbols that an object takes from another
-must lead to lower rooms only, and in no circle.  --list prints the rooms with their numbers of files.
+Folders of object files, as the build makes them (libgscl.so.*.p), add calls: each symbol that one object uses and
+another defines is an arrow between their sources, for which the same rules hold.
+
+--list prints the rooms from the highest to the lowest with their files.  --root is the tree to check; by default the
+one that contains this script.
 """
+import argparse
 import os
 import re
 import subprocess
 import sys
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-
-# From the lowest room to the highest.  A room may use itself, lower rooms of its own list, and what BASE gives it.
+# From the lowest room to the highest.  A room may use itself, lower rooms of its list, and what BASE names.
 LIBRARY = ["runtime", "image", "decode", "fit", "session", "codebook", "scalar", "encode", "measure"]
 TOOL = ["cli", "image", "plot", "tradeoff", "commands"]
+PROGRAMS = {"host/lib": LIBRARY, "host/tool": TOOL}
 BASE = {"host/lib": ["format", "cl"], "host/tool": [], "format": [], "cl": []}
 PUBLIC = "host/include/gscl/"
-INCLUDE = re.compile(r'^\s*#\s*include\s+["<]([^">]+)[">]', re.MULTILINE)
+SUFFIXES = (".c", ".h", ".cl", ".cpp")
+INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
+PUBLIC_FUNCTION = re.compile(r"GSCL_API\b[^;{]*?\b(gscl_\w+)\(", re.DOTALL)
+FILE_NAME = re.compile(r"(?<![\w/])\w+\.(?:c|h|cl|cpp)\b")
 
 
 def room_of(path):
-    """The room of a file: ("host/lib", "fit"), ("format", "") or None for files outside all rooms."""
+    """The room of a file as (program, name), ("format", "") or None for files outside all rooms."""
     parts = path.split("/")
     if parts[0] in ("format", "cl"):
         return parts[0], ""
-    if path.startswith(("host/lib/", "host/tool/")):
-        return "/".join(parts[:2]), parts[2] if len(parts) > 3 else ""
+    program = "/".join(parts[:2])
+    if program in PROGRAMS:
+        return program, parts[2] if len(parts) > 3 else ""
     return None
 
 
@@ -42,75 +51,107 @@ def unit_of(path):
     return os.path.splitext(path)[0]
 
 
-def sources():
-    found = []
+def read(root, path):
+    with open(os.path.join(root, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def sources(root):
+    found = set()
     for top in ("format", "cl", "host"):
-        for folder, _, names in os.walk(os.path.join(ROOT, top)):
-            found += [os.path.relpath(os.path.join(folder, name), ROOT) for name in names
-                      if name.endswith((".c", ".h", ".cl", ".cpp"))]
-    return sorted(found)
+        for folder, _, names in os.walk(os.path.join(root, top)):
+            found |= {os.path.relpath(os.path.join(folder, name), root) for name in names if name.endswith(SUFFIXES)}
+    return found
+
+
+# ---- Arrows ---------------------------------------------------------------------------------------
 
 
 def resolve(path, name, files):
-    """The file that an #include in `path` names, or None for one of the system."""
-    folders = [os.path.dirname(path), "", "host/lib" if path.startswith("host/lib/") else "host/tool", "host/include"]
-    for folder in folders:
+    """The file that an #include in `path` names, or None."""
+    program = "/".join(path.split("/")[:2])
+    for folder in (os.path.dirname(path), "", program if program in PROGRAMS else "host/lib", "host/include"):
         candidate = os.path.normpath(os.path.join(folder, name))
         if candidate in files:
             return candidate
     return None
 
 
-def includes(files):
-    arrows = set()
-    for path in files:
-        with open(os.path.join(ROOT, path), encoding="utf-8") as file:
-            for name in INCLUDE.findall(file.read()):
-                target = resolve(path, name, files)
-                if target:
-                    arrows.add((path, target))
-    return arrows
+def includes(root, files):
+    """Arrows from files to those that they include, and what is wrong with includes that name no file."""
+    arrows, faults = set(), []
+    for path in sorted(files):
+        for quote, name in INCLUDE.findall(read(root, path)):
+            target = resolve(path, name, files)
+            if target:
+                arrows.add((path, target))
+            elif quote == '"' or name.startswith("gscl/"):
+                faults.append(f"{path}: includes {name}, which names no file")
+    return arrows, faults
 
 
-def calls(folder, files):
-    """Arrows between sources whose objects take symbols from each other (nm)."""
-    defined, used = {}, {}
-    for where, _, names in os.walk(folder):
-        for name in names:
-            if not name.endswith(".o"):
-                continue
-            source = name[:-2].replace("_", "/")
-            match = [path for path in files if path.replace("/", "_") == source.replace("/", "_")
-                     or os.path.join(where, name).endswith(path.replace("/", "_") + ".o")]
-            if len(match) != 1:
-                continue
-            text = subprocess.run(["nm", os.path.join(where, name)], check=True, capture_output=True, text=True).stdout
-            for line in text.splitlines():
-                *_, kind, symbol = line.split()
-                if kind == "U":
-                    used.setdefault(match[0], set()).add(symbol)
-                elif kind.isupper():
-                    defined[symbol] = match[0]
-    return {(path, defined[symbol]) for path, symbols in used.items() for symbol in symbols
-            if symbol in defined and defined[symbol] != path}
+def objects(folders):
+    return [os.path.join(where, name) for folder in folders for where, _, names in os.walk(folder) for name in names
+            if name.endswith(".o")]
 
 
-def order_of(program):
-    return LIBRARY if program == "host/lib" else TOOL
+def symbols(path):
+    """The symbols that an object file defines for others, and those that it uses from others."""
+    defined, used = set(), set()
+    text = subprocess.run(["nm", path], check=True, capture_output=True, text=True).stdout
+    for line in text.splitlines():
+        *_, kind, symbol = line.split()
+        if kind in "Uw":
+            used.add(symbol)
+        elif kind.isupper():
+            defined.add(symbol)
+    return defined, used
+
+
+def public_functions(root, files):
+    return {name for path in files if path.startswith(PUBLIC) for name in PUBLIC_FUNCTION.findall(read(root, path))}
+
+
+def calls(root, folders, files):
+    """Arrows between sources whose objects take symbols from each other, and objects that have no source.  A call of the
+    tool to a public function is none."""
+    public = public_functions(root, files)
+    sources_of = {path.replace("/", "_") + ".o": path for path in files}  # as meson names objects
+    definers, users, faults = {}, [], []
+    for path in objects(folders):
+        name = os.path.basename(path)
+        if name.startswith("meson-generated"):
+            continue
+        if name not in sources_of:
+            faults.append(f"{path}: has no source in this tree; build again")
+            continue
+        defined, used = symbols(path)
+        definers.update({symbol: sources_of[name] for symbol in defined})
+        users.append((sources_of[name], used))
+    arrows = {(path, definers[symbol]) for path, used in users for symbol in used
+              if definers.get(symbol, path) != path and not (path.startswith("host/tool/") and symbol in public)}
+    return arrows, faults if users else [f"{' '.join(folders)}: no object files"]
+
+
+# ---- Rules ----------------------------------------------------------------------------------------
 
 
 def fault(path, target):
     """What is wrong with an arrow from one file to another, or None."""
-    source, goal = room_of(path), room_of(target)
-    if source is None or goal is None:
-        return None if target.startswith(PUBLIC) or source is None else "leaves all rooms"
-    if source[0] != goal[0]:
-        return None if goal[0] in BASE[source[0]] else f"{source[0]} may not use {goal[0]}"
-    rooms = order_of(source[0])
-    if source[0] in BASE and source[1] and goal[1] and rooms.index(goal[1]) > rooms.index(source[1]):
-        return f"points upward, from {source[1]} to {goal[1]}"
-    if source[1] and not goal[1]:
-        return f"points upward, from {source[1]} to the top of {goal[0]}"
+    if target.startswith(PUBLIC):
+        return None
+    if path.startswith(PUBLIC):
+        return "a public header may include public headers only"
+    user, used = room_of(path), room_of(target)
+    if user is None or used is None:
+        return "leaves all rooms"
+    if user[0] != used[0]:
+        return None if used[0] in BASE[user[0]] else f"{user[0]} may not use {used[0]}"
+    rooms = PROGRAMS.get(user[0], [])
+    if user[1] and not used[1]:
+        return f"points upward, from {user[1]} to the top of {used[0]}"
+    if user[1] and rooms.index(used[1]) > rooms.index(user[1]):
+        return f"points upward, from {user[1]} to {used[1]}"
     return None
 
 
@@ -128,7 +169,7 @@ def circles(arrows):
     def visit(node):
         index[node] = low[node] = len(index)
         stack.append(node)
-        for target in graph[node]:
+        for target in sorted(graph[node]):
             if target not in index:
                 visit(target)
                 low[node] = min(low[node], low[target])
@@ -149,45 +190,69 @@ def circles(arrows):
 
 
 def unlisted_rooms(files):
-    for path in files:
+    for path in sorted(files):
         room = room_of(path)
-        if room and room[0].startswith("host/") and room[1] and room[1] not in order_of(room[0]):
+        if room and room[0] in PROGRAMS and room[1] and room[1] not in PROGRAMS[room[0]]:
             yield f"{path}: the room {room[1]} is not in the list of {room[0]}"
 
 
-def undescribed_rooms():
-    for program in ("host/lib", "host/tool"):
-        for room in order_of(program):
+def undescribed_rooms(root, files):
+    """Each room has a room.h of comments that says what the room may use and names its files in reading order."""
+    for program, rooms in PROGRAMS.items():
+        for room in rooms:
             header = f"{program}/{room}/room.h"
-            if not os.path.isfile(os.path.join(ROOT, header)):
+            if header not in files:
                 yield f"{header}: is missing; it says what the room is for, what it may use and in what order to read it"
+                continue
+            comment = re.match(r"/\*.*?\*/", read(root, header), re.DOTALL)
+            if not comment or "may use" not in comment.group():
+                yield f"{header}: does not begin with a comment that says what the room may use"
+                continue
+            for name in FILE_NAME.findall(comment.group()):
+                if f"{program}/{room}/{name}" not in files:
+                    yield f"{header}: names {name}, which is not in the room"
+            for path in sorted(files):
+                name = os.path.basename(path)
+                if room_of(path) == (program, room) and name.endswith(".h") and name not in comment.group() + "room.h":
+                    yield f"{header}: does not name {name}"
 
 
 def print_rooms(files):
-    for program in ("host/lib", "host/tool"):
-        for room in reversed(order_of(program)):
-            names = [os.path.basename(path) for path in files if room_of(path) == (program, room)]
+    for program, rooms in PROGRAMS.items():
+        for room in reversed(rooms):
+            names = sorted(os.path.basename(path) for path in files if room_of(path) == (program, room))
             print(f"{program}/{room + '/':12} {len(names):3}  {' '.join(names)}")
 
 
-def main(arguments):
-    files = set(sources())
-    if "--list" in arguments:
-        print_rooms(sorted(files))
-        arguments.remove("--list")
-    faults = list(unlisted_rooms(sorted(files))) + list(undescribed_rooms())
-    if not faults:
-        arrows = includes(files)
-        if arguments:
-            called = calls(arguments[0], files)
-            if not called:
-                faults.append(f"{arguments[0]}: holds no object files of the library")
-            arrows |= called
-        faults += [f"{path} -> {target}: {why}" for path, target in sorted(arrows) if (why := fault(path, target))]
-        faults += ["circle: " + " ".join(group) for group in circles(arrows)]
+def check(root, folders):
+    """All faults of a tree."""
+    files = sources(root)
+    faults = list(unlisted_rooms(files)) + list(undescribed_rooms(root, files))
+    if any("is not in the list" in text for text in faults):
+        return faults
+    arrows, unresolved = includes(root, files)
+    faults += unresolved
+    if folders:
+        called, unmatched = calls(root, folders, files)
+        arrows |= called
+        faults += unmatched
+    faults += [f"{path} -> {target}: {why}" for path, target in sorted(arrows) if (why := fault(path, target))]
+    return faults + ["circle: " + " ".join(group) for group in circles(arrows)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--root", default=os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+    parser.add_argument("--list", action="store_true")
+    parser.add_argument("objects", nargs="*", metavar="OBJECT_FOLDER")
+    options = parser.parse_args()
+    files = sources(options.root)
+    if options.list:
+        print_rooms(files)
+    faults = check(options.root, options.objects)
     print("\n".join(faults) or f"{len(files)} files in {len(LIBRARY) + len(TOOL) + 2} rooms: no circle, no arrow upward")
     return 1 if faults else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

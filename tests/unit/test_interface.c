@@ -80,7 +80,7 @@ static int open_file(void **state) {
     gscl_encode_settings settings;
     if (open_context(state) != 0)
         return -1;
-    source = test_image(TEST_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
+    source = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings_default(&settings);
     settings.target = GSCL_TARGET_SPLATS;
     settings.target_value = 15;
@@ -90,7 +90,7 @@ static int open_file(void **state) {
 
 static int close_file(void **state) {
     gscl_free(bytes);
-    test_image_free(&source);
+    synthetic_image_free(&source);
     return close_context(state);
 }
 

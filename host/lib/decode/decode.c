@@ -128,8 +128,10 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
                                       const gscl_decode_settings *s, gscl_coded_image *picture, gscl_frame *f) {
     gsf_header header;
     gscl_result result = gscl_result_of_format(gsf_read_header(bytes, size, &header));
-    if (result != GSCL_OK)
-        return gscl_coded_image_fail(context, result, bytes, size);
+    if (result != GSCL_OK) {
+        gscl_coded_image_fail(context, result, bytes, size);
+        return result;
+    }
     GSCL_TRY(gscl_frame_resolve(context, s, &header, f));
     gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
     result = gscl_coded_image_read(picture, bytes, size);

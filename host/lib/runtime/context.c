@@ -7,7 +7,7 @@
 
 #define MAX_LOG_MESSAGE 4096 /* bytes, the NUL included */
 
-gscl_result gscl_fail(gscl_context *context, gscl_result result, const char *format, ...) {
+gscl_result(gscl_fail)(gscl_context *context, gscl_result result, const char *format, ...) {
     char whole[2 * GSCL_MESSAGE_SIZE];
     va_list arguments;
     va_start(arguments, format);
@@ -17,7 +17,7 @@ gscl_result gscl_fail(gscl_context *context, gscl_result result, const char *for
     return result;
 }
 
-gscl_result gscl_fail_memory(gscl_context *context) {
+gscl_result(gscl_fail_memory)(gscl_context *context) {
     return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 

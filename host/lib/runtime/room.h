@@ -10,8 +10,9 @@
  *   opencl.h: checked calls, buffers, launches
  *   device_list.h, device.h: listing and choosing devices
  *   kernel_options.h, mapping.h, build_options.h: what kernels are specialised for
- *   programs.h: building kernels and looking them up
+ *   programs.h, kernel_sources.h: building kernels and looking them up
  *   tunables.h: the numbers that were found by trying
+ *   struct_size.h: structs of programs that were compiled with an older header
  *   open_context.c, result.c: the public functions */
 #ifndef GSCL_ROOM_LIB_RUNTIME_H
 #define GSCL_ROOM_LIB_RUNTIME_H

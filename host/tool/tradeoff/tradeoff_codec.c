@@ -36,6 +36,7 @@ static gscl_result encode_repeatedly(const codec *c, const gscl_encode_settings 
                                      uint8_t **bytes, size_t *size, gscl_encode_report *fastest) {
     double spent = 0;
     *bytes = NULL;
+    *size = 0;
     for (int i = 0; i < MAX_ENCODES && spent < ENCODE_SECONDS; i++) {
         gscl_encode_report report = {.struct_size = sizeof report};
         uint8_t *written;
