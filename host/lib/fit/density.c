@@ -13,14 +13,14 @@
 
 #define SPLIT_FACTOR 1.6f /* the paper's released code */
 
-/* One level's maps while splats are placed. */
+/* Maps of the current level while splats are placed. */
 typedef struct placement {
     int width, height, channels;
-    bool turned;       /* splats have an angle */
+    bool rotated;      /* splats have an angle */
     float scale;       /* full-size pixels per pixel of the level */
     float *target;     /* channels planes */
-    float *density;    /* where to place, per pixel, not normalised */
-    float *near_edges; /* blurred edges, per pixel; NULL where there is no ground */
+    float *density;    /* of new splats, per pixel, not normalised */
+    float *near_edges; /* box sums of edges, per pixel; NULL without a flat background */
     double *sums;      /* cumulative density */
 } placement;
 
@@ -32,14 +32,13 @@ static void placement_free(placement *p) {
 }
 
 static gscl_result placement_create(placement *p, gscl_fit *f) {
-    size_t pixels;
     memset(p, 0, sizeof *p);
     p->width = (int)gscl_fit_level_width(f);
     p->height = (int)gscl_fit_level_height(f);
     p->channels = f->renderer.channels;
-    p->turned = f->renderer.options.shape == GSCL_SHAPE_ROTATED;
+    p->rotated = f->renderer.options.shape == GSCL_SHAPE_ROTATED;
     p->scale = ldexpf(1.0f, f->level);
-    pixels = (size_t)p->width * (size_t)p->height;
+    size_t pixels = (size_t)p->width * (size_t)p->height;
     p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
     p->density = malloc(pixels * sizeof(float));
     p->near_edges = f->flat.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
@@ -49,13 +48,14 @@ static gscl_result placement_create(placement *p, gscl_fit *f) {
     return gscl_fit_target(f, p->target);
 }
 
-/* Pixels that splats are to show: all but the ground. */
+/* Number of pixels outside the flat background, which need splats. */
 static float non_flat_pixels(const gscl_fit *f, const placement *p) {
     return fmaxf(1.0f - (float)f->flat.pixels, gscl_fit_tunables.min_non_flat_pixels) * (float)p->width *
            (float)p->height;
 }
 
-static double accumulate(placement *p) {
+/* Writes the cumulative density; returns its total. */
+static double placement_accumulate(placement *p) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
     double total = 0;
     for (size_t i = 0; i < pixels; i++)
@@ -64,7 +64,7 @@ static double accumulate(placement *p) {
 }
 
 /* The pixel at which the cumulative density passes `value`. */
-static size_t pixel_of(const placement *p, double value) {
+static size_t placement_pixel_at(const placement *p, double value) {
     size_t low = 0, high = (size_t)p->width * (size_t)p->height - 1;
     while (low < high) {
         size_t mid = low + (high - low) / 2;
@@ -76,20 +76,20 @@ static size_t pixel_of(const placement *p, double value) {
     return low;
 }
 
-/* A round splat somewhere in the pixel, of the pixel's colour; `sigma` in full-size pixels. */
-static void place(const placement *p, size_t pixel, float sigma, float opacity, uint64_t *random, float *params) {
+/* Makes a circular splat at a random point of the pixel, with the pixel's colour; `sigma` in full-size pixels. */
+static void place_splat(const placement *p, size_t pixel, float sigma, float opacity, uint64_t *random, float *params) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
     params[GSCL_X] = ((float)(pixel % (size_t)p->width) + gscl_random_unit(random)) * p->scale;
     params[GSCL_Y] = ((float)(pixel / (size_t)p->width) + gscl_random_unit(random)) * p->scale;
     params[GSCL_LOG_S1] = params[GSCL_LOG_S2] = logf(sigma);
-    float turn = 3.14159265f * gscl_random_unit(random);
-    params[GSCL_THETA] = p->turned ? turn : 0.0f;
+    float angle = 3.14159265f * gscl_random_unit(random);
+    params[GSCL_THETA] = p->rotated ? angle : 0.0f;
     params[GSCL_OPACITY] = opacity;
     for (int k = 0; k < p->channels; k++)
         params[GSCL_COLOUR + k] = p->target[(size_t)k * pixels + pixel];
 }
 
-/* Magnitude of the image's gradient, central differences, all channels. */
+/* Writes the magnitude of the image's gradient into the density: central differences, all channels. */
 static void gradient_magnitude(placement *p) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
     for (int y = 0; y < p->height; y++)
@@ -107,18 +107,18 @@ static void gradient_magnitude(placement *p) {
         }
 }
 
-/* Half of the first splats go where edges are, half anywhere; but not deep inside a ground, which the background shows
- * and where splats would only cost time.  `p->density` holds the edges. */
-static void spread(const gscl_fit *f, placement *p, size_t count) {
+/* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
+ * evenly.  A flat background gets none away from edges, where splats would only cost time. */
+static void seed_density(const gscl_fit *f, placement *p, size_t count) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
-    double total = accumulate(p);
+    double total = placement_accumulate(p);
     for (size_t i = 0; i < pixels; i++)
         p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
     if (f->flat.pixels > 0) {
         memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
-        gscl_box_sum(p->near_edges, p->width, p->height,
-                     (int)(gscl_fit_tunables.background_distance * sqrtf(non_flat_pixels(f, p) / (float)count)) + 1,
-                     p->sums);
+        float distance = sqrtf(non_flat_pixels(f, p) / (float)count);
+        int radius = (int)(gscl_fit_tunables.background_distance * distance) + 1;
+        gscl_box_sum(p->near_edges, p->width, p->height, radius, p->sums);
     }
     for (size_t i = 0; i < pixels; i++)
         if (f->flat.pixels == 0 || p->near_edges[i] > 0 ||
@@ -126,44 +126,46 @@ static void spread(const gscl_fit *f, placement *p, size_t count) {
             p->density[i] += 0.5f / (float)pixels;
 }
 
-static gscl_result seed(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
+static gscl_result seed_splats(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(placement_create(p, f));
     gradient_magnitude(p);
-    spread(f, p, count);
-    double total = accumulate(p);
+    seed_density(f, p, count);
+    double total = placement_accumulate(p);
     for (size_t i = 0; i < count; i++) {
-        size_t pixel = pixel_of(p, gscl_random_unit(random) * total);
+        size_t pixel = placement_pixel_at(p, gscl_random_unit(random) * total);
         float sigma = gscl_fit_tunables.seed_axis * p->scale / sqrtf(p->density[pixel] / (float)total * (float)count);
-        place(p, pixel, fmaxf(sigma, 0.5f), 0.0f, random, params + i * GSCL_PARAMS);
+        place_splat(p, pixel, fmaxf(sigma, gscl_fit_tunables.min_axis), 0.0f, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);
 }
 
-static gscl_result grow(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
+static gscl_result add_by_error(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(placement_create(p, f));
     GSCL_TRY(gscl_fit_error(f, p->density));
     float distance = sqrtf(non_flat_pixels(f, p) / (float)((size_t)f->renderer.count + count));
+    float sigma = fmaxf(gscl_fit_tunables.new_axis * distance * p->scale, gscl_fit_tunables.min_axis);
     gscl_box_sum(p->density, p->width, p->height, (int)(gscl_fit_tunables.error_radius * distance) + 1, p->sums);
-    double total = accumulate(p);
-    for (size_t i = 0; i < count; i++)
-        place(p, pixel_of(p, gscl_random_unit(random) * total),
-              fmaxf(gscl_fit_tunables.new_axis * distance * p->scale, 0.5f), gscl_fit_tunables.new_opacity, random,
-              params + i * GSCL_PARAMS);
+    double total = placement_accumulate(p);
+    for (size_t i = 0; i < count; i++) {
+        size_t pixel = placement_pixel_at(p, gscl_random_unit(random) * total);
+        place_splat(p, pixel, sigma, gscl_fit_tunables.new_opacity, random, params + i * GSCL_PARAMS);
+    }
     return gscl_fit_append(f, params, count);
 }
 
 /* ---- Clone and split ---- */
 
-/* A splat and how hard its position is pulled. */
-typedef struct pulled {
-    float pull;
+/* A splat and the size of the gradient of its position. */
+typedef struct ranked_splat {
+    float gradient;
     size_t splat;
-} pulled;
+} ranked_splat;
 
-static int compare_pulls(const void *a, const void *b) {
-    const pulled *p = a, *q = b;
-    if (p->pull != q->pull)
-        return p->pull < q->pull ? 1 : -1;
+/* Order: from the largest gradient to the smallest. */
+static int compare_ranks(const void *a, const void *b) {
+    const ranked_splat *p = a, *q = b;
+    if (p->gradient != q->gradient)
+        return p->gradient < q->gradient ? 1 : -1;
     return p->splat < q->splat ? -1 : p->splat > q->splat;
 }
 
@@ -171,8 +173,9 @@ static float log_size(const float *p) {
     return 0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]);
 }
 
-/* A copy, moved half its size against the gradient; `moment`: first moments, in the splat's frame (cl/update.cl). */
-static void clone(const float *from, const float *moment, float *to) {
+/* Copies a splat and moves the copy against the gradient by half its size; `moment`: first moments, in the splat's frame
+ * (cl/update.cl). */
+static void clone_splat(const float *from, const float *moment, float *to) {
     float norm = hypotf(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * expf(log_size(from));
     float c = cosf(from[GSCL_THETA]), s = sinf(from[GSCL_THETA]);
     memcpy(to, from, GSCL_PARAMS * sizeof(float));
@@ -182,8 +185,8 @@ static void clone(const float *from, const float *moment, float *to) {
     to[GSCL_Y] -= step * (s * moment[GSCL_X] + c * moment[GSCL_Y]) / norm;
 }
 
-/* Two splats instead of one, apart along the longer axis. */
-static void split(float *from, float *to) {
+/* Replaces a splat by two smaller ones, which lie apart along its longer axis. */
+static void split_splat(float *from, float *to) {
     bool first = from[GSCL_LOG_S1] >= from[GSCL_LOG_S2];
     float length = 0.5f * expf(from[first ? GSCL_LOG_S1 : GSCL_LOG_S2]),
           angle = from[GSCL_THETA] + (first ? 0 : 1.57079633f);
@@ -196,22 +199,23 @@ static void split(float *from, float *to) {
     from[GSCL_Y] -= length * sinf(angle);
 }
 
-/* `params`: the fit's splats with room for `count` more behind; `moments`: their first and second moments. */
-static gscl_result densify(gscl_fit *f, float *params, const float *moments, pulled *pulls, size_t count) {
+/* Clones or splits the `count` splats with the largest gradients.  `params`: the fit's splats, with room for `count` more
+ * behind; `moments`: their first and second moments; `ranks`: scratch. */
+static gscl_result densify_splats(gscl_fit *f, float *params, const float *moments, ranked_splat *ranks, size_t count) {
     size_t have = (size_t)f->renderer.count;
     const float *second = moments + have * GSCL_PARAMS;
     double mean_size = 0;
     for (size_t i = 0; i < have; i++) {
-        pulls[i] = (pulled){second[i * GSCL_PARAMS + GSCL_X] + second[i * GSCL_PARAMS + GSCL_Y], i};
+        ranks[i] = (ranked_splat){second[i * GSCL_PARAMS + GSCL_X] + second[i * GSCL_PARAMS + GSCL_Y], i};
         mean_size += log_size(params + i * GSCL_PARAMS) / (double)have;
     }
-    qsort(pulls, have, sizeof *pulls, compare_pulls);
+    qsort(ranks, have, sizeof *ranks, compare_ranks);
     for (size_t i = 0; i < count; i++) {
-        float *from = params + pulls[i].splat * GSCL_PARAMS, *to = params + (have + i) * GSCL_PARAMS;
+        float *from = params + ranks[i].splat * GSCL_PARAMS, *to = params + (have + i) * GSCL_PARAMS;
         if (log_size(from) < (float)mean_size)
-            clone(from, moments + pulls[i].splat * GSCL_PARAMS, to);
+            clone_splat(from, moments + ranks[i].splat * GSCL_PARAMS, to);
         else
-            split(from, to);
+            split_splat(from, to);
     }
     GSCL_TRY(gscl_buffer_write(f->context, &f->renderer.params, 0, params, have * GSCL_PARAMS * sizeof(float)));
     return gscl_fit_append(f, params + have * GSCL_PARAMS, count);
@@ -224,8 +228,8 @@ gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
     if (count == 0)
         return GSCL_OK;
     float *params = malloc((have + count) * row), *moments = malloc(2 * have * row);
-    pulled *pulls = malloc(have * sizeof *pulls);
-    gscl_result result = params && moments && pulls ? GSCL_OK : gscl_fail_memory(f->context);
+    ranked_splat *ranks = malloc(have * sizeof *ranks);
+    gscl_result result = params && moments && ranks ? GSCL_OK : gscl_fail_memory(f->context);
     if (result == GSCL_OK)
         result = gscl_fit_read(f, params);
     if (result == GSCL_OK)
@@ -233,10 +237,10 @@ gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
     if (result == GSCL_OK)
         result = gscl_buffer_read(f->context, &f->second_moment, 0, moments + have * GSCL_PARAMS, have * row);
     if (result == GSCL_OK)
-        result = densify(f, params, moments, pulls, count);
+        result = densify_splats(f, params, moments, ranks, count);
     free(params);
     free(moments);
-    free(pulls);
+    free(ranks);
     return result;
 }
 
@@ -258,8 +262,8 @@ static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t coun
 }
 
 gscl_result gscl_density_seed(gscl_fit *f, size_t count, uint64_t *random) {
-    return with_placement(seed, f, count, random);
+    return with_placement(seed_splats, f, count, random);
 }
 gscl_result gscl_density_grow(gscl_fit *f, size_t count, uint64_t *random) {
-    return with_placement(grow, f, count, random);
+    return with_placement(add_by_error, f, count, random);
 }

@@ -1,16 +1,16 @@
-/* Where splats are born: at the start by the image's content, later by what is still wrong. */
+/* Density control: where splats are added, at the start by the content of the image, later by the remaining error. */
 #ifndef GSCL_LIB_DENSITY_H
 #define GSCL_LIB_DENSITY_H
 
 #include "fit/fit.h"
 
-/* Adds the first `count` splats: half spread evenly, half where the image changes most (the
- * paper's P3, "points sampled from the image"). */
+/* Adds the first `count` splats: half of them spread evenly, half by the magnitude of the image's gradient (the paper's
+ * P3, "points sampled from the image"). */
 gscl_result gscl_density_seed(gscl_fit *fit, size_t count, uint64_t *random);
-/* Adds `count` splats where the blurred squared error of the current picture is largest. */
+/* Adds `count` splats by the box sums of the squared error of the current rendering. */
 gscl_result gscl_density_grow(gscl_fit *fit, size_t count, uint64_t *random);
-/* Adds `count` splats by the paper's adaptive density control (P7): those whose position is pulled hardest are cloned,
- * moved along the pull, where they are small, and split in two smaller ones where they are large. */
+/* Adds `count` splats by the paper's adaptive density control (P7).  Of the splats with the largest gradients of their
+ * positions, small ones are cloned and moved against the gradient, large ones are split into two smaller ones. */
 gscl_result gscl_density_densify(gscl_fit *fit, size_t count);
 
 #endif
