@@ -1,6 +1,6 @@
-/* What rounding to single precision may change in the fit's kernels: a running error analysis of cl/raster.cl, cl/fit.cl and
- * cl/update.cl in double precision.  Each value carries how far the kernel's may be from it; an operation adds its own
- * rounding.  OpenCL's limits stand for its functions, so that the bounds hold on any device. */
+/* Bounds on the effect of rounding to single precision in the fit's kernels: a running error analysis of cl/raster.cl,
+ * cl/fit.cl and cl/update.cl in double precision.  Each value has a bound on its error, to which each operation adds its
+ * own rounding.  The bounds on OpenCL's functions are those of its specification, so that they hold on any device. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -22,14 +22,14 @@ static const double ln2 = 0.69314718055994531, to_frame = 0.84932180028801905, f
 /* A splat at a pixel, with its errors. */
 typedef struct {
     double u, v, du, dv;
-    double g, most, dg; /* the Gaussian, at most so much, off by */
+    double g, most, dg; /* the Gaussian, its largest possible value, its error */
     double rounding;    /* of the Gaussian, relative, where u and v are exact */
     double w, dw;       /* the weight with its opacity */
-    bool projected;     /* maybe drawn */
-    bool doubtful;      /* at the cut: maybe not drawn */
+    bool is_inside;     /* or may be, with rounding: the splat is drawn here */
+    bool is_at_cut;     /* rounding decides whether it is drawn */
 } sample;
 
-/* What a splat's frame coordinates go through: `steps` additions from the first row to this one. */
+/* Errors of a splat's frame coordinates, after `steps` additions from the first row to this one. */
 static void frame_errors(const oracle_projected_splat *a, double x, double y, sample *s) {
     const double i1 = a->i1 * to_frame, i2 = a->i2 * to_frame;
     const double height = sqrt(14.0) * hypot(a->s / a->i1, a->c / a->i2);
@@ -40,9 +40,9 @@ static void frame_errors(const oracle_projected_splat *a, double x, double y, sa
     s->dv = RECORD * (dx * n + dy * c) * i2 + (3.0 + steps) * UNIT * walked_v;
 }
 
-/* Rows of what is not turned: row n is the first one times n ratios, each of which is the one before times the square of
- * 2^-step^2.  An exp2 is off by 3 ulp besides what its argument is off by: so is the first row, the first ratio
- * 2^(-2 v step) 2^-step^2 n times, and the square n (n - 1) / 2 times. */
+/* Rounding of the rows of a splat that is not rotated.  Row n is the first one times n ratios, each of which is the one
+ * before times the square of 2^-step^2.  The error of an exp2 is 3 ulp and that of its argument: it enters once with the
+ * first row, n times with the first ratio 2^(-2 v step) 2^-step^2, and n (n - 1) / 2 times with the square. */
 static double stepped_rounding(const oracle_projected_splat *a) {
     const double step = a->i2 * to_frame, height = sqrt(14.0) / a->i2, n = fmin(TILE - 1, floor(2.0 * height) + 1.0);
     const double bend = ln2 * step * step * 2.0 * RECORD + 7.0 * UNIT;
@@ -57,10 +57,10 @@ static sample sample_at(const oracle_fit *fit, const oracle_projected_splat *a, 
     s.v *= to_frame;
     frame_errors(a, x, y, &s);
     const double r = hypot(s.u, s.v), dr = s.du + s.dv, cut = sqrt(cut2), near = fmax(r - dr, 0.0);
-    s.projected = near < cut * (1.0 + 4.0 * UNIT);
-    if (!s.projected)
+    s.is_inside = near < cut * (1.0 + 4.0 * UNIT);
+    if (!s.is_inside)
         return s;
-    s.doubtful = fabs(r - cut) <= dr + s.rounding;
+    s.is_at_cut = fabs(r - cut) <= dr + s.rounding;
     s.g = exp2(-r * r);
     s.most = exp2(-near * near);
     s.dg = fmin(factor * (r + dr) * s.most, STEEPEST) * dr + s.rounding * s.most;
@@ -69,7 +69,7 @@ static sample sample_at(const oracle_fit *fit, const oracle_projected_splat *a, 
     return s;
 }
 
-/* u^a v^b g, its largest value and its error; `whole`: what is at stake where the cut is in doubt. */
+/* A value and a bound on its error. */
 typedef struct {
     double value, error;
 } term;
@@ -78,6 +78,7 @@ static double power(double x, int n) {
     return n == 2 ? x * x : n == 1 ? x : 1.0;
 }
 
+/* u^a v^b g.  At the cut the error is the whole value. */
 static term moment(const sample *s, int a, int b) {
     const double u = fabs(s->u) + s->du, v = fabs(s->v) + s->dv, most = power(u, a) * power(v, b) * s->most;
     term t = {power(fabs(s->u), a) * power(fabs(s->v), b) * s->g, (18.0 * UNIT + s->rounding) * most};
@@ -86,7 +87,7 @@ static term moment(const sample *s, int a, int b) {
     if (b > 0)
         t.error += b * s->dv * power(u, a) * power(v, b - 1) * s->most;
     t.error += factor * (u * s->du + v * s->dv) * most;
-    if (s->doubtful || s->w <= 0.0) {
+    if (s->is_at_cut || s->w <= 0.0) {
         t.error += most;
         t.value = s->w > 0.0 ? t.value : 0.0;
     }
@@ -99,9 +100,9 @@ typedef struct {
     double value[ORACLE_CHANNELS], error[ORACLE_CHANNELS];
     double total, total_error;                                   /* of weights (normalized) */
     double slope[ORACLE_CHANNELS], slope_error[ORACLE_CHANNELS]; /* dL/dvalue */
-    double mean, mean_error;                                     /* dot(value, slope); alpha: of what lies behind */
+    double mean, mean_error;                                     /* dot(value, slope); alpha: of the part behind */
     double parts[ORACLE_CHANNELS];                               /* magnitudes that add up to the value */
-    double rest, rest_error;                                     /* alpha: transmittance */
+    double transmittance, transmittance_error;                   /* alpha */
 } pixel_state;
 
 /* Sums of weights and colours, their rounding and that of the quotient. */
@@ -114,7 +115,7 @@ static void draw_sums(const oracle_scene *s, const sample *samples, pixel_state 
         p->error[k] = UNIT * partial[k];
     }
     for (size_t i = 0; i < s->count; i++) {
-        if (!samples[i].projected)
+        if (!samples[i].is_inside)
             continue;
         const double *c = s->splats[i].colour;
         weights += samples[i].w;
@@ -134,23 +135,25 @@ static void draw_sums(const oracle_scene *s, const sample *samples, pixel_state 
     }
 }
 
-/* One splat of the alpha blend, front to back: its share, with its error, and what light it leaves. */
+/* One splat of the alpha blend, front to back: returns its share and updates the transmittance. */
 static term pass_through(pixel_state *p, const sample *s) {
     const double a = fmin(s->w, ORACLE_OPAQUE), da = s->w - s->dw >= ORACLE_OPAQUE ? UNIT : s->dw;
-    const term share = {a * p->rest, da * (p->rest + p->rest_error) + a * p->rest_error + 2.0 * UNIT * a * p->rest};
-    p->rest_error = (1.0 - a) * p->rest_error + da * (p->rest + p->rest_error) + 3.0 * UNIT * p->rest;
-    p->rest *= 1.0 - a;
+    const term share = {a * p->transmittance, da * (p->transmittance + p->transmittance_error) +
+                                                  a * p->transmittance_error + 2.0 * UNIT * a * p->transmittance};
+    p->transmittance_error = (1.0 - a) * p->transmittance_error + da * (p->transmittance + p->transmittance_error) +
+                             3.0 * UNIT * p->transmittance;
+    p->transmittance *= 1.0 - a;
     return share;
 }
 
 static void draw_alpha(const oracle_scene *s, const sample *samples, pixel_state *p) {
     double *partial = p->parts;
-    p->rest = 1.0;
-    p->rest_error = 0.0;
+    p->transmittance = 1.0;
+    p->transmittance_error = 0.0;
     for (int k = 0; k < s->channels; k++)
         p->error[k] = partial[k] = 0.0;
     for (size_t i = s->count; i-- > 0;) {
-        if (!samples[i].projected)
+        if (!samples[i].is_inside)
             continue;
         const term share = pass_through(p, &samples[i]);
         for (int k = 0; k < s->channels; k++) {
@@ -160,7 +163,7 @@ static void draw_alpha(const oracle_scene *s, const sample *samples, pixel_state
         }
     }
     for (int k = 0; k < s->channels; k++)
-        p->error[k] += p->rest_error * fabs(s->fit->background[k]) + 2.0 * UNIT * fabs(p->value[k]);
+        p->error[k] += p->transmittance_error * fabs(s->fit->background[k]) + 2.0 * UNIT * fabs(p->value[k]);
 }
 
 static void draw_with_errors(const oracle_scene *s, int pixel, const sample *samples, pixel_state *p) {
@@ -171,48 +174,50 @@ static void draw_with_errors(const oracle_scene *s, int pixel, const sample *sam
         draw_sums(s, samples, p);
 }
 
-static void begin_chain(const oracle_scene *s, int pixel, pixel_state *p) {
-    const double gain = ldexp(1.0, 2 * s->fit->level);
+static void begin_backward(const oracle_scene *s, int pixel, pixel_state *p) {
+    const double scale = ldexp(1.0, 2 * s->fit->level);
     p->mean = p->mean_error = 0.0;
     for (int k = 0; k < s->channels; k++) {
         const double e = p->value[k] - s->fit->target[k * s->pixels + pixel];
-        p->slope[k] = gain * e;
-        p->slope_error[k] = gain * (p->error[k] + 2.0 * UNIT * fabs(e));
+        p->slope[k] = scale * e;
+        p->slope_error[k] = scale * (p->error[k] + 2.0 * UNIT * fabs(e));
         p->mean += p->value[k] * p->slope[k];
         p->mean_error += (fabs(p->value[k]) + p->error[k]) * p->slope_error[k] + p->error[k] * fabs(p->slope[k]) +
                          4.0 * UNIT * fabs(p->value[k] * p->slope[k]);
     }
-    p->rest = 1.0;
-    p->rest_error = 0.0;
+    p->transmittance = 1.0;
+    p->transmittance_error = 0.0;
 }
 
-/* dL/dweight of a splat at a pixel; its share of the pixel. */
+/* dL/dweight of a splat at a pixel; `share`: its part of the blend. */
 static term slope_by_weight(const oracle_scene *s, size_t i, const sample *at, pixel_state *p, term *share) {
-    term paint = {0};
+    term by_share = {0};
     for (int k = 0; k < s->channels; k++) {
         const double c = s->splats[i].colour[k];
-        paint.value += c * p->slope[k];
-        paint.error += fabs(c) * (p->slope_error[k] + 4.0 * UNIT * fabs(p->slope[k]));
+        by_share.value += c * p->slope[k];
+        by_share.error += fabs(c) * (p->slope_error[k] + 4.0 * UNIT * fabs(p->slope[k]));
     }
     if (s->fit->blend == ORACLE_SUM) {
         *share = (term){at->w, at->dw};
-        return paint;
+        return by_share;
     }
     if (s->fit->blend == ORACLE_NORMALIZED) {
-        const double least = fmax(p->total - p->total_error, ORACLE_EPSILON), doubt = p->total_error / least;
-        const term h = {(paint.value - p->mean) / p->total, 0.0};
-        *share = (term){at->w / p->total, at->dw / least + at->w / p->total * (doubt + 4.0 * UNIT)};
-        return (term){h.value, (paint.error + p->mean_error) / least + fabs(h.value) * (doubt + 6.0 * UNIT)};
+        const double least = fmax(p->total - p->total_error, ORACLE_EPSILON), relative = p->total_error / least;
+        const term h = {(by_share.value - p->mean) / p->total, 0.0};
+        *share = (term){at->w / p->total, at->dw / least + at->w / p->total * (relative + 4.0 * UNIT)};
+        return (term){h.value, (by_share.error + p->mean_error) / least + fabs(h.value) * (relative + 6.0 * UNIT)};
     }
-    const double a = fmin(at->w, ORACLE_OPAQUE), through = 1.0 - a, rest = p->rest, rest_error = p->rest_error;
+    const double a = fmin(at->w, ORACLE_OPAQUE), through = 1.0 - a, transmittance = p->transmittance,
+                 transmittance_error = p->transmittance_error;
     const double least = fmax(through - at->dw - UNIT, 1.0 - ORACLE_OPAQUE);
     *share = pass_through(p, at);
-    p->mean -= share->value * paint.value;
-    p->mean_error += share->error * (fabs(paint.value) + paint.error) + share->value * paint.error +
-                     2.0 * UNIT * (fabs(p->mean) + fabs(share->value * paint.value));
-    term h = {rest * paint.value - p->mean / through, 0.0};
-    h.error = rest_error * (fabs(paint.value) + paint.error) + rest * paint.error + p->mean_error / least +
-              fabs(p->mean) * (at->dw + 4.0 * UNIT) / (through * least) + 4.0 * UNIT * fabs(rest * paint.value);
+    p->mean -= share->value * by_share.value;
+    p->mean_error += share->error * (fabs(by_share.value) + by_share.error) + share->value * by_share.error +
+                     2.0 * UNIT * (fabs(p->mean) + fabs(share->value * by_share.value));
+    term h = {transmittance * by_share.value - p->mean / through, 0.0};
+    h.error = transmittance_error * (fabs(by_share.value) + by_share.error) + transmittance * by_share.error +
+              p->mean_error / least + fabs(p->mean) * (at->dw + 4.0 * UNIT) / (through * least) +
+              4.0 * UNIT * fabs(transmittance * by_share.value);
     if (fabs(at->w - ORACLE_OPAQUE) <= at->dw + UNIT)
         h.error += fabs(h.value);
     else if (at->w > ORACLE_OPAQUE)
@@ -227,7 +232,7 @@ enum { SUM_U, SUM_V, SUM_UU, SUM_UV, SUM_VV, SUM_WEIGHT, SUM_COLOUR, SUMS = SUM_
 /* Sums over a splat's pixels: of magnitudes, and of errors. */
 typedef struct {
     term sums[SUMS];
-    double differenced; /* what oracle_fit_gradient's own rounding may change the loss by */
+    double differenced; /* bound on the effect of oracle_fit_gradient's own rounding on the loss */
 } splat_sums;
 
 static void add(term *sum, term h, double scale, term t) {
@@ -248,7 +253,7 @@ static void add_pixel(const oracle_scene *s, size_t i, const sample *at, const p
         to->differenced += DOUBLE_UNIT * fabs(p->slope[k]) * (p->parts[k] + fabs(p->value[k]));
 }
 
-/* From sums to the parameters, with what adding so many terms loses. */
+/* From sums to the parameters, with the rounding of sums of so many terms. */
 static void finish(const oracle_scene *s, size_t i, const double *params, const splat_sums *from, double *gradient) {
     const oracle_projected_splat *a = &s->splats[i];
     const double tiles = ((s->fit->width + TILE - 1) / TILE) * ((s->fit->height + TILE - 1) / TILE);
@@ -284,10 +289,10 @@ void oracle_fit_bounds(const oracle_fit *fit, const double *params, size_t count
         for (size_t i = 0; i < count; i++)
             samples[i] = sample_at(fit, &s.splats[i], oracle_pixel_x(fit, pixel), oracle_pixel_y(fit, pixel));
         draw_with_errors(&s, pixel, samples, &p);
-        begin_chain(&s, pixel, &p);
+        begin_backward(&s, pixel, &p);
         for (size_t j = 0; j < count; j++) {
             const size_t i = fit->blend == ORACLE_ALPHA ? count - 1 - j : j;
-            if (!samples[i].projected)
+            if (!samples[i].is_inside)
                 continue;
             term share;
             const term h = slope_by_weight(&s, i, &samples[i], &p, &share);

@@ -5,7 +5,7 @@
 
 #include "fit_scene.h"
 
-/* One splat of a scene in the place of another. */
+/* Replaces one splat of a scene. */
 typedef struct {
     size_t at;
     double weight, wave;
@@ -71,10 +71,10 @@ double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count
 
 /* ---- Differences ---- */
 
-void oracle_shape_gradient(double *gradient, bool turned, bool round) {
-    if (!turned)
+void oracle_shape_gradient(double *gradient, bool rotated, bool isotropic) {
+    if (!rotated)
         gradient[4] = 0.0;
-    if (round)
+    if (isotropic)
         gradient[2] = gradient[3] = gradient[2] + gradient[3];
 }
 
@@ -93,8 +93,8 @@ double oracle_difference_step(const oracle_fit *fit, const double *params, size_
     return exp2(floor(log2(natural)) - (parameter < 6 ? 10.0 : 2.0));
 }
 
-/* The splat with other parameters, but on the side of each kink (the cut, the clamp of alpha) on which it stands. */
-static substitute replace_at(const oracle_scene *s, size_t i, const oracle_projected_splat *a, int pixel) {
+/* The splat with other parameters, but on its present side of each kink (the cut, the clamp of alpha). */
+static substitute substitute_at(const oracle_scene *s, size_t i, const oracle_projected_splat *a, int pixel) {
     const double x = oracle_pixel_x(s->fit, pixel), y = oracle_pixel_y(s->fit, pixel), pi = 3.14159265358979323846;
     double u, v;
     oracle_frame(a, x, y, &u, &v);
@@ -107,7 +107,7 @@ static substitute replace_at(const oracle_scene *s, size_t i, const oracle_proje
     };
 }
 
-/* How much more a pixel costs with one substitute than with the other. */
+/* The loss of a pixel with one substitute, less the loss with the other. */
 static double pixel_difference(const oracle_scene *s, int pixel, const substitute *more, const substitute *less) {
     const oracle_fit *fit = s->fit;
     double a[ORACLE_CHANNELS], b[ORACLE_CHANNELS], sum = 0.0;
@@ -122,7 +122,7 @@ static double pixel_difference(const oracle_scene *s, int pixel, const substitut
     return sum;
 }
 
-/* The loss with the parameter moved up by `step`, less the loss with it moved down. */
+/* The loss with the parameter moved up by `step`, less the loss with it moved down by as much. */
 static double difference(const oracle_scene *s, size_t i, const double *params, size_t parameter, double step) {
     double up[ORACLE_PARAMS], down[ORACLE_PARAMS], sum = 0.0;
     memcpy(up, params, sizeof up);
@@ -133,7 +133,7 @@ static double difference(const oracle_scene *s, size_t i, const double *params, 
     for (int p = 0; p < s->pixels; p++) {
         if (s->weights[(size_t)p * s->count + i] == 0.0)
             continue;
-        const substitute more = replace_at(s, i, &above, p), less = replace_at(s, i, &below, p);
+        const substitute more = substitute_at(s, i, &above, p), less = substitute_at(s, i, &below, p);
         sum += pixel_difference(s, p, &more, &less);
     }
     return ldexp(sum, 2 * s->fit->level);

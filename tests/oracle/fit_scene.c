@@ -5,7 +5,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-static double seen_axis(double log_axis, int level) {
+static double axis_at_level(double log_axis, int level) {
     const double scale = ldexp(1.0, level), blur = (scale * scale - 1.0) / 12.0;
     return sqrt(exp(2.0 * log_axis) + blur) / scale;
 }
@@ -16,8 +16,8 @@ oracle_projected_splat oracle_project(const oracle_fit *fit, const double *p) {
     return (oracle_projected_splat){
         .x = p[0] / scale,
         .y = p[1] / scale,
-        .i1 = 1.0 / seen_axis(p[2], fit->level),
-        .i2 = 1.0 / seen_axis(p[3], fit->level),
+        .i1 = 1.0 / axis_at_level(p[2], fit->level),
+        .i2 = 1.0 / axis_at_level(p[3], fit->level),
         .c = cos(p[4]),
         .s = sin(p[4]),
         .opacity = fit->opacity ? 1.0 / (1.0 + exp(-p[5])) : 1.0,

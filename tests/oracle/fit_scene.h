@@ -1,4 +1,4 @@
-/* What the parts of the fit's oracle share: the splats as they appear at the level, and what each weighs at each pixel. */
+/* Shared by the parts of the fit's oracle: the splats as they appear at the level, and the weight of each at each pixel. */
 #ifndef GSCL_FIT_SCENE_H
 #define GSCL_FIT_SCENE_H
 
@@ -20,13 +20,13 @@ typedef struct {
     size_t count;
     int pixels, channels;
     oracle_projected_splat *splats;
-    double *weights; /* pixels rows of count: what each splat weighs there, */
-    double *waves;   /* and its wave; NULL without textures */
+    double *weights; /* of each splat: `pixels` rows of `count` */
+    double *waves;   /* likewise; NULL without textures */
 } oracle_scene;
 
 oracle_projected_splat oracle_project(const oracle_fit *fit, const double *params);
-/* By how much a parameter is moved to take differences: a thousandth of its natural step (colours: a quarter,
- * which is exact, too), as a power of two, so that parameters that are floats move by exactly that much. */
+/* The step of differences: about a thousandth of the parameter's natural step (of colours a quarter), as a power of two,
+ * so that it is exact for parameters that are floats. */
 double oracle_difference_step(const oracle_fit *fit, const double *params, size_t parameter);
 /* (u, v) of a pixel in the splat's frame, in axes: q = (u^2 + v^2) / 2. */
 void oracle_frame(const oracle_projected_splat *splat, double x, double y, double *u, double *v);

@@ -17,54 +17,55 @@ static double tap(int i) {
     return exp(-(i - 5) * (i - 5) / 4.5) / sum;
 }
 
-/* What a window of the target, and of the picture if there is one, says. */
+/* The weight, contrast gain and mean of a window of the target, and of the rendering if there is one. */
 typedef struct {
     double weight, gain, mean;
-} judgement;
+} window_result;
 
-static judgement judge(const image *target, const image *picture, int x, int y) {
-    double mean = 0.0, square = 0.0, projected = 0.0, drawn_square = 0.0, product = 0.0;
+static window_result evaluate_window(const image *target, const image *rendering, int x, int y) {
+    double mean = 0.0, square = 0.0, other_mean = 0.0, other_square = 0.0, product = 0.0;
     for (int v = 0; v < TAPS; v++)
         for (int u = 0; u < TAPS; u++) {
             const int at = (y + v) * target->width + x + u;
-            const double share = tap(u) * tap(v), value = target->plane[at], other = picture ? picture->plane[at] : 0.0;
+            const double share = tap(u) * tap(v), value = target->plane[at],
+                         other = rendering ? rendering->plane[at] : 0.0;
             mean += share * value;
             square += share * value * value;
-            projected += share * other;
-            drawn_square += share * other * other;
+            other_mean += share * other;
+            other_square += share * other * other;
             product += share * value * other;
         }
-    const double variances = square - mean * mean + drawn_square - projected * projected + 9e-4;
-    const double similarity = (2.0 * (product - mean * projected) + 9e-4) / variances;
-    return (judgement){9e-4 / variances, fmin(1.0 / fmax(similarity, 0.1) - 1.0, 0.5), mean};
+    const double variances = square - mean * mean + other_square - other_mean * other_mean + 9e-4;
+    const double similarity = (2.0 * (product - mean * other_mean) + 9e-4) / variances;
+    return (window_result){9e-4 / variances, fmin(1.0 / fmax(similarity, 0.1) - 1.0, 0.5), mean};
 }
 
-/* Mean over the windows that see a pixel; `smooth` has a value for each window. */
-static double mean_around(const double *smooth, const image *m, int x, int y) {
+/* Weighted mean over the windows that cover a pixel; `values` has one for each window. */
+static double mean_around(const double *values, const image *m, int x, int y) {
     const int columns = m->width - TAPS + 1, rows = m->height - TAPS + 1;
-    double sum = 0.0, seen = 0.0;
+    double sum = 0.0, cover = 0.0;
     for (int v = 0; v < TAPS; v++)
         for (int u = 0; u < TAPS; u++) {
             const int left = x - u, top = y - v;
             if (left < 0 || top < 0 || left >= columns || top >= rows)
                 continue;
-            sum += tap(u) * tap(v) * smooth[top * columns + left];
-            seen += tap(u) * tap(v);
+            sum += tap(u) * tap(v) * values[top * columns + left];
+            cover += tap(u) * tap(v);
         }
-    return sum / seen;
+    return sum / cover;
 }
 
-/* Adds the mean smoothness of one channel around each pixel. */
-static void add_smoothness(const image *m, double *sums) {
+/* Adds the mean weight of one channel around each pixel. */
+static void add_weights(const image *m, double *sums) {
     const int columns = m->width - TAPS + 1, rows = m->height - TAPS + 1;
-    double *smooth = malloc(sizeof *smooth * (size_t)columns * (size_t)rows);
-    if (!smooth)
+    double *window_weights = malloc(sizeof *window_weights * (size_t)columns * (size_t)rows);
+    if (!window_weights)
         abort();
     for (int i = 0; i < columns * rows; i++)
-        smooth[i] = judge(m, NULL, i % columns, i / columns).weight;
+        window_weights[i] = evaluate_window(m, NULL, i % columns, i / columns).weight;
     for (int i = 0; i < m->width * m->height; i++)
-        sums[i] += mean_around(smooth, m, i % m->width, i / m->width);
-    free(smooth);
+        sums[i] += mean_around(window_weights, m, i % m->width, i / m->width);
+    free(window_weights);
 }
 
 static int smaller(int a, int b) {
@@ -85,7 +86,7 @@ static void halve(double *planes, int channels, int *width, int *height) {
 }
 
 void oracle_ssim_weights(double *planes, int channels, int width, int height, int last_level, double *weights) {
-    static const double shares[3] = {0.2856, 0.3001, 0.2363};
+    static const double exponents[3] = {0.2856, 0.3001, 0.2363};
     int w = width, h = height, level = 0;
     double *sums = malloc(sizeof *sums * (size_t)width * (size_t)height);
     if (!sums)
@@ -98,24 +99,24 @@ void oracle_ssim_weights(double *planes, int channels, int width, int height, in
         for (int i = 0; i < w * h; i++)
             sums[i] = 0.0;
         for (int k = 0; k < channels; k++)
-            add_smoothness(&(image){planes + k * w * h, w, h}, sums);
+            add_weights(&(image){planes + k * w * h, w, h}, sums);
         for (int i = 0; i < width * height; i++)
-            weights[i] += shares[scale - 1] * pow(sums[(i / width >> level) * w + (i % width >> level)], 0.8);
+            weights[i] += exponents[scale - 1] * pow(sums[(i / width >> level) * w + (i % width >> level)], 0.8);
     }
     free(sums);
 }
 
-/* One channel at half size: adds to the weights, and makes gain and mean at each pixel. */
-static void adapt_channel(const image *target, const image *picture, double *weights, double *gains, double *means) {
+/* One channel at half size: adds to the weights, and writes contrast gain and mean at each pixel. */
+static void adapt_channel(const image *target, const image *rendering, double *weights, double *gains, double *means) {
     const int columns = target->width - TAPS + 1, windows = columns * (target->height - TAPS + 1);
     double *maps = malloc(3 * sizeof *maps * (size_t)windows);
     if (!maps)
         abort();
     for (int i = 0; i < windows; i++) {
-        const judgement j = judge(target, picture, i % columns, i / columns);
-        maps[i] = j.weight;
-        maps[windows + i] = j.gain;
-        maps[2 * windows + i] = j.mean;
+        const window_result r = evaluate_window(target, rendering, i % columns, i / columns);
+        maps[i] = r.weight;
+        maps[windows + i] = r.gain;
+        maps[2 * windows + i] = r.mean;
     }
     for (int i = 0; i < target->width * target->height; i++) {
         const int x = i % target->width, y = i / target->width;
@@ -126,7 +127,7 @@ static void adapt_channel(const image *target, const image *picture, double *wei
     free(maps);
 }
 
-void oracle_ssim_adapt(double *planes, double *picture, int channels, int width, int height, int last_level,
+void oracle_ssim_adapt(double *planes, double *rendering, int channels, int width, int height, int last_level,
                        double *adapted) {
     const int plane = width * height;
     int w = width, h = height, w2 = width, h2 = height;
@@ -140,9 +141,9 @@ void oracle_ssim_adapt(double *planes, double *picture, int channels, int width,
     for (int i = 0; i < channels * plane; i++)
         planes[i] = adapted[i];
     halve(planes, channels, &w, &h);
-    halve(picture, channels, &w2, &h2);
+    halve(rendering, channels, &w2, &h2);
     for (int k = 0; k < channels; k++) {
-        adapt_channel(&(image){planes + k * w * h, w, h}, &(image){picture + k * w * h, w, h}, half_weights, gains,
+        adapt_channel(&(image){planes + k * w * h, w, h}, &(image){rendering + k * w * h, w, h}, half_weights, gains,
                       means);
         for (int i = 0; i < plane; i++) {
             const int at = i / width / 2 * w + i % width / 2;
