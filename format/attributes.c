@@ -2,7 +2,7 @@
 
 #include "format/quantiser.h"
 
-/* Tuning: part of the format. */
+/* These numbers are part of the format: FORMAT.md, "Adaptive models". */
 static const gsf_model_shape ASPECT = {2, 40, 4, {32, 24, 12}, 96};
 static const gsf_model_shape DIRECTION = {64, 0, 1, {16, 6, 0}, 256};
 static const gsf_model_shape LUMA = {8, 0, 1, {32, 20, 10}, 192};
@@ -11,13 +11,13 @@ static const gsf_model_shape OPACITY = {16, 0, 1, {32, 8, 0}, 256};
 static const gsf_model_shape TEXTURED = {64, 0, 1, {24, 0, 0}, 1024};
 static const gsf_model_shape WAVE = {12, 0, 1, {24, 10, 0}, 192};
 static const gsf_model_shape AMPLITUDE = {2, 40, 2, {32, 12, 4}, 192};
-enum { LIKELY_ASPECT = 4 };
+enum { ASPECT_CENTRE = 4 };
 
 void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_steps *steps) {
     int min, max;
     a->header = *header;
     a->steps = *steps;
-    gsf_model_init(&a->aspect, &ASPECT, GSF_MAX_SCALE_CODE + 1, LIKELY_ASPECT);
+    gsf_model_init(&a->aspect, &ASPECT, GSF_MAX_SCALE_CODE + 1, ASPECT_CENTRE);
     gsf_model_init(&a->direction, &DIRECTION, GSF_DIRECTIONS, 0);
     gsf_luma_range(header->blend, steps->luma, &min, &max);
     a->luma_min = min;
@@ -34,8 +34,8 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
     gsf_chroma_init(&a->chroma, max);
 }
 
-/* The first code of a bin of directions.  Bins are centred on multiples of pi / GSF_DIRECTIONS, so
- * bin 0 begins with the codes just below `count`: as negative numbers, modulo 2^32. */
+/* The first code of a bin of directions.  Bins are centred on multiples of pi / GSF_DIRECTIONS, so that bin 0 begins
+ * with the codes just below `count`, here negative numbers modulo 2^32. */
 static uint32_t first_in_bin(uint32_t bin, uint32_t count) {
     const uint32_t width = 2 * GSF_DIRECTIONS; /* of half a turn, in half bins */
     return (count * (2 * bin + width - 1) + width - 1) / width - count;
@@ -45,16 +45,16 @@ static uint32_t bin_of(uint32_t code, uint32_t count) {
     return (2 * GSF_DIRECTIONS * code + count) / (2 * count) % GSF_DIRECTIONS;
 }
 
-/* Bins 0 and 15 are neighbours, unlike the ends of other models. */
-static void learn_direction(gsf_model *model, uint32_t bin) {
+/* Bins 0 and 15 are neighbours, unlike the first and last symbol of other models. */
+static void update_direction(gsf_model *model, uint32_t bin) {
     gsf_model_update(model, bin);
     if (bin == 0)
-        gsf_model_raise(model, GSF_DIRECTIONS - 1, model->gain[1]);
+        gsf_model_add(model, GSF_DIRECTIONS - 1, model->gain[1]);
     if (bin == GSF_DIRECTIONS - 1)
-        gsf_model_raise(model, 0, model->gain[1]);
+        gsf_model_add(model, 0, model->gain[1]);
 }
 
-/* First the bin, in proportion to its frequency and its number of codes, then the code in it. */
+/* Codes the bin, in proportion to its frequency and its number of codes, then the code within the bin. */
 static uint32_t code_angle(gsf_coder *coder, gsf_model *model, uint32_t count, uint32_t code) {
     const uint32_t per_bin = (count + GSF_DIRECTIONS - 1) / GSF_DIRECTIONS;
     uint16_t freq[GSF_DIRECTIONS];
@@ -68,35 +68,35 @@ static uint32_t code_angle(gsf_coder *coder, gsf_model *model, uint32_t count, u
     const uint32_t first = first_in_bin(bin, count);
     const uint32_t codes = first_in_bin(bin + 1, count) - first;
     const uint32_t offset = gsf_code_uniform(coder, (code - first + count) % count, codes);
-    learn_direction(model, bin);
+    update_direction(model, bin);
     return (first + offset + count) % count;
 }
 
 static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     coder->stream = GSF_STREAM_SCALE;
     if (a->header.has_anisotropy)
-        splat->aspect = (uint16_t)gsf_code_modelled(coder, splat->aspect, &a->aspect);
+        splat->aspect = (uint16_t)gsf_code_with_model(coder, splat->aspect, &a->aspect);
     coder->stream = GSF_STREAM_ANGLE;
     const unsigned angles = a->header.has_rotation ? gsf_angle_count(&a->steps, splat->aspect) : 1;
     if (angles > 1)
         splat->angle = (uint16_t)code_angle(coder, &a->direction, angles, splat->angle);
 }
 
-/* Where the splat's centre is, in GSF_FIELD_SIDE buckets along the image. */
-static uint32_t bucket(const gsf_attributes *a, const gsf_splat *splat, uint32_t cell, uint32_t dimension) {
+/* The bucket of the splat's centre along one axis, 0..GSF_PYRAMID_SIDE - 1. */
+static uint32_t bucket_at(const gsf_attributes *a, const gsf_splat *splat, uint32_t cell, uint32_t dimension) {
     const uint64_t step = gsf_position_step_q8(&a->steps, splat->minor);
-    const uint64_t index = (2 * (uint64_t)cell + 1) * step * GSF_FIELD_SIDE / (512 * (uint64_t)dimension);
-    return index < GSF_FIELD_SIDE ? (uint32_t)index : GSF_FIELD_SIDE - 1;
+    const uint64_t index = (2 * (uint64_t)cell + 1) * step * GSF_PYRAMID_SIDE / (512 * (uint64_t)dimension);
+    return index < GSF_PYRAMID_SIDE ? (uint32_t)index : GSF_PYRAMID_SIDE - 1;
 }
 
-/* A code that may be negative: the model counts from the smallest one. */
+/* Codes a value that may be negative: symbol 0 of the model is `min`. */
 static int16_t code_from(gsf_coder *coder, gsf_model *model, int min, int16_t code) {
-    return (int16_t)((int)gsf_code_modelled(coder, (uint32_t)(code - min), model) + min);
+    return (int16_t)((int)gsf_code_with_model(coder, (uint32_t)(code - min), model) + min);
 }
 
 static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
-    const uint32_t bucket_x = bucket(a, splat, splat->x, a->header.width);
-    const uint32_t bucket_y = bucket(a, splat, splat->y, a->header.height);
+    const uint32_t bucket_x = bucket_at(a, splat, splat->x, a->header.width);
+    const uint32_t bucket_y = bucket_at(a, splat, splat->y, a->header.height);
     int16_t code[2] = {splat->co, splat->cg};
     gsf_code_chroma(coder, &a->chroma, bucket_x, bucket_y, code);
     splat->co = code[0];
@@ -104,15 +104,15 @@ static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
 }
 
 static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_texture *t) {
-    if (!gsf_code_modelled(coder, t->amplitude > 0, &a->textured)) {
+    if (!gsf_code_with_model(coder, t->amplitude > 0, &a->textured)) {
         *t = (gsf_texture){0};
         return;
     }
-    t->amplitude = (uint8_t)(1 + gsf_code_modelled(coder, t->amplitude - 1u, &a->amplitude));
-    t->wave = (uint8_t)gsf_code_modelled(coder, t->wave, &a->wave);
+    t->amplitude = (uint8_t)(1 + gsf_code_with_model(coder, t->amplitude - 1u, &a->amplitude));
+    t->wave = (uint8_t)gsf_code_with_model(coder, t->wave, &a->wave);
     gsf_model *directions = &a->wave_direction;
     t->direction = (uint8_t)gsf_code_symbol(coder, t->direction, directions->freq, GSF_DIRECTIONS, directions->total);
-    learn_direction(directions, t->direction);
+    update_direction(directions, t->direction);
     t->phase = (uint8_t)gsf_code_uniform(coder, t->phase, GSF_PHASES);
 }
 
@@ -129,7 +129,7 @@ void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat
         splat->alpha = code_from(coder, &a->alpha, a->alpha_min, splat->alpha);
     coder->stream = GSF_STREAM_OPACITY;
     if (a->header.has_opacity)
-        splat->opacity = (uint16_t)gsf_code_modelled(coder, splat->opacity, &a->opacity);
+        splat->opacity = (uint16_t)gsf_code_with_model(coder, splat->opacity, &a->opacity);
     coder->stream = GSF_STREAM_TEXTURE;
     if (a->header.has_texture)
         code_texture(coder, a, &splat->texture);

@@ -1,4 +1,4 @@
-/* Coding of what a splat has besides its class and position (FORMAT.md, "Attributes"). */
+/* Coding of all codes of a splat besides its class and position (FORMAT.md, "Attributes"). */
 #ifndef GSCL_FORMAT_ATTRIBUTES_H
 #define GSCL_FORMAT_ATTRIBUTES_H
 
@@ -18,8 +18,8 @@ typedef struct gsf_attributes {
 
 void gsf_attributes_init(gsf_attributes *attributes, const gsf_header *header, const gsf_steps *steps);
 
-/* Codes one splat, in stored order; its minor, x and y are known.  Fields whose effect is off are
- * left alone. */
+/* Codes one splat.  Splats must come in stored order, with minor, x and y in place.  Fields whose effect is off are not
+ * changed. */
 void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat *splat);
 
 #endif

@@ -8,7 +8,7 @@ static uint32_t whole_pixels(uint64_t q16) {
     return (uint32_t)((q16 + 65535) >> 16);
 }
 
-/* Axes of a splat in whole pixels, rounded up. */
+/* The two sigmas of a splat in whole pixels, rounded up. */
 static void splat_axes(const gsf_coded_image *image, uint32_t splat, uint64_t axes[2]) {
     if (image->header.coding == GSF_CODING_SCALAR) {
         const gsf_splat *s = &image->splats[splat];
@@ -86,7 +86,8 @@ static bool scalar_is_valid(const gsf_coded_image *image) {
 
 static bool indexed_is_valid(const gsf_coded_image *image) {
     const gsf_codebooks *books = &image->codebooks;
-    if (!gsf_codebook_sides_are_valid(&image->header, books) || !gsf_codebook_words_are_valid(&image->header, books))
+    if (!gsf_codebook_parameters_are_valid(&image->header, books) ||
+        !gsf_codebook_words_are_valid(&image->header, books))
         return false;
     bool valid = true;
     for (uint32_t i = 0; valid && i < image->header.splat_count; i++) {

@@ -5,10 +5,10 @@
 #define MAX_CODES 511 /* -255..255 */
 #define MIX_ONE 65536u
 
-/* Tuning: part of the format. */
-#define MIX_FLOOR 2048u  /* neither model is ever written off */
-#define MIX_START 40000u /* weight of the plain model */
-#define FIELD_RATE 3     /* a new splat's share in a mean is a third */
+/* These numbers are part of the format: FORMAT.md, "Chroma" and "Adaptive models". */
+#define MIN_WEIGHT 2048u    /* of either model, of MIX_ONE */
+#define START_WEIGHT 40000u /* of the plain model, of MIX_ONE */
+#define MEAN_DIVISOR 3      /* a new splat contributes a third to the mean of its bucket */
 static const gsf_model_shape PLAIN = {1, 80, 2, {64, 6, 0}, 192};
 static const gsf_model_shape RESIDUAL = {1, 100, 2, {64, 14, 3}, 128};
 
@@ -18,42 +18,42 @@ void gsf_chroma_init(gsf_chroma *chroma, int32_t levels) {
     for (int i = 0; i < 2; i++) {
         gsf_model_init(&chroma->channel[i].plain, &PLAIN, 2 * (uint32_t)levels + 1, levels);
         gsf_model_init(&chroma->channel[i].residual, &RESIDUAL, 4 * (uint32_t)levels + 1, 2 * levels);
-        chroma->channel[i].plain_weight = MIX_START;
+        chroma->channel[i].plain_weight = START_WEIGHT;
     }
 }
 
-/* Level l has 2^l x 2^l buckets; they follow on those of the coarser levels. */
+/* Level l has 2^l x 2^l buckets, which follow those of the coarser levels. */
 static uint32_t bucket_index(unsigned level, uint32_t bucket_x, uint32_t bucket_y) {
-    const unsigned shift = GSF_FIELD_LEVELS - 1 - level;
+    const unsigned shift = GSF_PYRAMID_LEVELS - 1 - level;
     const uint32_t before = ((1u << 2 * level) - 1) / 3;
     return before + ((bucket_y >> shift) << level) + (bucket_x >> shift);
 }
 
-/* The finest bucket around the splat that holds a value; -1 when nothing is coded yet. */
-static int32_t finest_known(const gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y) {
-    for (unsigned level = GSF_FIELD_LEVELS; level-- > 0;) {
+/* Index of the finest bucket of the splat that has a mean; -1 when no splat has been coded. */
+static int32_t finest_filled(const gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y) {
+    for (unsigned level = GSF_PYRAMID_LEVELS; level-- > 0;) {
         const uint32_t index = bucket_index(level, bucket_x, bucket_y);
-        if (chroma->known[index])
+        if (chroma->filled[index])
             return (int32_t)index;
     }
     return -1;
 }
 
-/* Nearest integer of a sixteenth, halves up. */
+/* The nearest whole code of a number of sixteenths; halves are rounded up. */
 static int32_t rounded(int32_t sixteenths) {
     const int32_t positive = 1024; /* makes the division round down */
     return (sixteenths + 8 + 16 * positive) / 16 - positive;
 }
 
-static void learn_field(gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y, const int16_t code[2]) {
-    for (unsigned level = 0; level < GSF_FIELD_LEVELS; level++) {
+static void update_pyramid(gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y, const int16_t code[2]) {
+    for (unsigned level = 0; level < GSF_PYRAMID_LEVELS; level++) {
         const uint32_t index = bucket_index(level, bucket_x, bucket_y);
         for (int i = 0; i < 2; i++) {
-            int16_t *mean = &chroma->channel[i].field[index];
+            int16_t *mean = &chroma->channel[i].mean[index];
             const int32_t change = 16 * code[i] - *mean;
-            *mean = (int16_t)(*mean + (chroma->known[index] ? change / FIELD_RATE : change));
+            *mean = (int16_t)(*mean + (chroma->filled[index] ? change / MEAN_DIVISOR : change));
         }
-        chroma->known[index] = true;
+        chroma->filled[index] = true;
     }
 }
 
@@ -64,7 +64,7 @@ static uint32_t sum(const uint16_t *freq, uint32_t count) {
     return total;
 }
 
-/* The two models' frequencies of the codes, brought to a common scale and mixed. */
+/* Mixes the frequencies of the two models, scaled to a common total; returns the sum of the result. */
 static uint32_t mix(const gsf_chroma_channel *channel, const uint16_t *residual, uint32_t residual_total,
                     uint16_t *freq) {
     const uint32_t count = channel->plain.count;
@@ -79,37 +79,37 @@ static uint32_t mix(const gsf_chroma_channel *channel, const uint16_t *residual,
     return total;
 }
 
-/* Bayes' rule for the weight. */
-static void learn_weight(gsf_chroma_channel *channel, uint32_t plain, uint32_t residual) {
+/* Updates the weight of the plain model by Bayes' rule. */
+static void update_weight(gsf_chroma_channel *channel, uint32_t plain, uint32_t residual) {
     const uint64_t for_plain = (uint64_t)channel->plain_weight * plain;
     const uint64_t for_residual = (uint64_t)(MIX_ONE - channel->plain_weight) * residual;
     uint32_t weight = (uint32_t)(for_plain * MIX_ONE / (for_plain + for_residual));
-    weight = weight < MIX_FLOOR ? MIX_FLOOR : weight;
-    channel->plain_weight = weight > MIX_ONE - MIX_FLOOR ? MIX_ONE - MIX_FLOOR : weight;
+    weight = weight < MIN_WEIGHT ? MIN_WEIGHT : weight;
+    channel->plain_weight = weight > MIX_ONE - MIN_WEIGHT ? MIX_ONE - MIN_WEIGHT : weight;
 }
 
-static int16_t code_channel(gsf_coder *coder, gsf_chroma_channel *channel, int32_t levels, int32_t around,
+static int16_t code_channel(gsf_coder *coder, gsf_chroma_channel *channel, int32_t levels, int32_t predicted,
                             int16_t code) {
     const uint32_t count = channel->plain.count;
-    /* Code -levels is the distance -levels - around; distance 0 is in the middle, at 2 * levels. */
-    const uint32_t shift = (uint32_t)(levels - around);
+    /* The residual of code -levels is -levels - predicted.  Residual 0 is symbol 2 * levels. */
+    const uint32_t shift = (uint32_t)(levels - predicted);
     const uint16_t *residual = channel->residual.freq + shift;
     const uint32_t residual_total = sum(residual, count);
     uint16_t freq[MAX_CODES];
     const uint32_t total = mix(channel, residual, residual_total, freq);
     const uint32_t value = gsf_code_symbol(coder, (uint32_t)(code + levels), freq, count, total);
-    learn_weight(channel, channel->plain.freq[value] * 16384u / channel->plain.total + 1,
-                 residual[value] * 16384u / residual_total + 1);
+    update_weight(channel, channel->plain.freq[value] * 16384u / channel->plain.total + 1,
+                  residual[value] * 16384u / residual_total + 1);
     gsf_model_update(&channel->plain, value);
     gsf_model_update(&channel->residual, value + shift);
     return (int16_t)((int32_t)value - levels);
 }
 
 void gsf_code_chroma(gsf_coder *coder, gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y, int16_t code[2]) {
-    const int32_t index = finest_known(chroma, bucket_x, bucket_y);
+    const int32_t index = finest_filled(chroma, bucket_x, bucket_y);
     for (int i = 0; i < 2; i++) {
-        const int32_t around = index < 0 ? 0 : rounded(chroma->channel[i].field[index]);
-        code[i] = code_channel(coder, &chroma->channel[i], chroma->levels, around, code[i]);
+        const int32_t predicted = index < 0 ? 0 : rounded(chroma->channel[i].mean[index]);
+        code[i] = code_channel(coder, &chroma->channel[i], chroma->levels, predicted, code[i]);
     }
-    learn_field(chroma, bucket_x, bucket_y, code);
+    update_pyramid(chroma, bucket_x, bucket_y, code);
 }

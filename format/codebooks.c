@@ -28,7 +28,7 @@ static bool range_is_valid(const gsf_range *range, const limits *bounds) {
     return range->min >= bounds->min && range->min <= range->max && range->max <= bounds->max;
 }
 
-bool gsf_codebook_sides_are_valid(const gsf_header *header, const gsf_codebooks *books) {
+bool gsf_codebook_parameters_are_valid(const gsf_header *header, const gsf_codebooks *books) {
     bool valid = books->shape_count >= 1 && books->shape_count <= GSF_MAX_CODEBOOK && books->colour_count >= 1 &&
                  books->colour_count <= GSF_MAX_CODEBOOK && books->position_bits >= 1 && books->position_bits <= 16 &&
                  books->shape_bits >= 1 && books->shape_bits <= 16 && books->colour_bits >= 1 &&
@@ -55,7 +55,7 @@ bool gsf_codebook_words_are_valid(const gsf_header *header, const gsf_codebooks 
     return valid;
 }
 
-/* A number below 2^16: how many bits it has, then those after the leading one. */
+/* Codes a number below 2^16: how many bits it has, then the bits after the leading one. */
 static uint32_t code_number(gsf_coder *coder, uint32_t value) {
     uint32_t bits = 0;
     while (bits < 16 && value >> bits != 0)
@@ -74,7 +74,7 @@ static void code_range(gsf_coder *coder, gsf_range *range, const limits *bounds)
     range->max = range->min + (int32_t)code_number(coder, span);
 }
 
-bool gsf_code_codebook_sides(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books) {
+bool gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books) {
     books->position_bits = (uint8_t)(gsf_code_bits(coder, books->position_bits - 1u, 4) + 1);
     books->shape_bits = (uint8_t)(gsf_code_bits(coder, books->shape_bits - 1u, 4) + 1);
     books->colour_bits = (uint8_t)(gsf_code_bits(coder, books->colour_bits - 1u, 4) + 1);
@@ -84,10 +84,10 @@ bool gsf_code_codebook_sides(gsf_coder *coder, const gsf_header *header, gsf_cod
         code_range(coder, &books->shape[i], &SHAPE_LIMITS[i]);
     for (unsigned i = 0; i < gsf_colour_dims(header); i++)
         code_range(coder, &books->colour[i], colour_limits(header, i));
-    return gsf_codebook_sides_are_valid(header, books);
+    return gsf_codebook_parameters_are_valid(header, books);
 }
 
-/* A sorted list of numbers of so many bits: points on a line. */
+/* Codes a sorted list of numbers of `bits` bits as points on a line. */
 static void code_sorted(gsf_coder *coder, gsf_point *points, uint32_t n, unsigned bits) {
     const gsf_grid line = {UINT32_C(1) << bits, 1, 1, 1};
     gsf_prior none;

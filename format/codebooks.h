@@ -6,20 +6,20 @@
 #include "format/set.h"
 #include "format/types.h"
 
-/* Dimensions of a shape word (radius; + second radius; + angle) and of a colour word. */
+/* Numbers of dimensions of a shape word (s1; s2 with anisotropy; theta with rotation) and of a colour word. */
 unsigned gsf_shape_dims(const gsf_header *header);
 unsigned gsf_colour_dims(const gsf_header *header);
 
-/* Bits per code, counts and ranges.  False when a decoded value is outside its limits. */
-bool gsf_code_codebook_sides(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books);
-/* The words themselves; `points` is room for GSF_MAX_CODEBOOK. */
+/* Codes the bits of a code, counts and ranges.  Returns false when a decoded value is outside its limits. */
+bool gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books);
+/* Codes the words.  `points` is working memory for GSF_MAX_CODEBOOK points. */
 void gsf_code_codebook_words(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books, gsf_point *points);
 
-/* What the format asks of counts, bits and ranges (reader and writer). */
-bool gsf_codebook_sides_are_valid(const gsf_header *header, const gsf_codebooks *books);
-/* What it asks of the words (writer; the reader cannot read anything else). */
+/* Whether counts, bits and ranges are within their limits (reader and writer). */
+bool gsf_codebook_parameters_are_valid(const gsf_header *header, const gsf_codebooks *books);
+/* Whether the words are within their limits and in order (writer; decoded words always are). */
 bool gsf_codebook_words_are_valid(const gsf_header *header, const gsf_codebooks *books);
-/* Sets the dimensions whose effect is off: round splats have s2 = s1, unrotated ones theta = 0. */
+/* Sets the dimensions whose effect is off: s2 = s1 without anisotropy, theta = 0 without rotation. */
 void gsf_complete_shape_words(const gsf_header *header, gsf_codebooks *books);
 
 /* Axis of a shape word in whole pixels, rounded up. */

@@ -2,7 +2,7 @@
 
 #include <limits.h>
 
-/* 256 * log2(1 + i / 256).  For accounting only: no decoder needs it. */
+/* 256 * log2(1 + i / 256).  It serves the bit counts only; decoding does not depend on it. */
 static const uint16_t LOG2[257] = {
     0,   1,   3,   4,   6,   7,   9,   10,  11,  13,  14,  16,  17,  18,  20,  21,  22,  24,  25,  26,  28,  29,
     30,  32,  33,  34,  36,  37,  38,  40,  41,  42,  44,  45,  46,  47,  49,  50,  51,  52,  54,  55,  56,  57,
@@ -18,15 +18,15 @@ static const uint16_t LOG2[257] = {
     246, 247, 247, 248, 249, 249, 250, 251, 252, 252, 253, 254, 255, 255, 256,
 };
 
-/* The place of the highest bit that is set, of 16 or 17 at most. */
+/* The index of the highest bit that is set; value > 0. */
 static unsigned highest_bit(uint32_t value) {
 #if defined(__GNUC__)
     return (unsigned)(sizeof(unsigned) * CHAR_BIT - 1) - (unsigned)__builtin_clz(value);
 #else
-    unsigned place = 0;
-    while (value >> (place + 1) != 0)
-        place++;
-    return place;
+    unsigned index = 0;
+    while (value >> (index + 1) != 0)
+        index++;
+    return index;
 #endif
 }
 
@@ -50,8 +50,8 @@ void gsf_coder_read_from(gsf_coder *coder, const uint8_t *bytes, size_t size, ui
     gsf_range_decoder_init(&coder->decoder, bytes, size);
 }
 
-bool gsf_coder_starved(const gsf_coder *coder) {
-    return coder->decoding && gsf_range_decoder_starved(&coder->decoder);
+bool gsf_coder_overrun(const gsf_coder *coder) {
+    return coder->decoding && gsf_range_decoder_overrun(&coder->decoder);
 }
 
 static void count_bits(gsf_coder *coder, uint32_t freq, uint32_t total) {
@@ -67,13 +67,13 @@ static void code_interval(gsf_coder *coder, uint32_t cum, uint32_t freq, uint32_
     count_bits(coder, freq, total);
 }
 
-#define STRIDE 8
+#define STRIDE 8 /* symbols */
 
-/* The symbol whose interval contains `target`; *cum is where the interval starts. */
+/* The symbol whose interval contains `target`; *cum is the start of the interval. */
 static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t target, uint32_t *cum) {
     uint32_t value = 0;
     *cum = 0;
-    while (value + STRIDE < count) { /* whole strides, which compilers add up at once */
+    while (value + STRIDE < count) { /* whole strides, which compilers sum with SIMD instructions */
         uint32_t sum = 0;
         for (uint32_t i = 0; i < STRIDE; i++)
             sum += freq[value + i];
@@ -82,7 +82,7 @@ static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t targe
         *cum += sum;
         value += STRIDE;
     }
-    /* Nor is there a branch on the place within a stride: it would be guessed wrong. */
+    /* Within a stride a branch on the symbol would be mispredicted. */
     uint32_t end = *cum;
     const uint32_t first = value;
     const uint32_t last = count - value <= STRIDE ? count - value - 1 : STRIDE - 1;
@@ -108,12 +108,12 @@ uint32_t gsf_code_symbol(gsf_coder *coder, uint32_t value, const uint16_t *freq,
     return value;
 }
 
-uint32_t gsf_code_either(gsf_coder *coder, uint32_t value, uint32_t first, uint32_t total) {
+uint32_t gsf_code_binary(gsf_coder *coder, uint32_t value, uint32_t first, uint32_t total) {
     if (coder->decoding)
         value = !gsf_range_decode_first(&coder->decoder, first, total);
     else
         gsf_range_encode(&coder->encoder, value ? first : 0, value ? total - first : first, total);
-    if (coder->stream_bits256) /* only then is there a branch on the value, which would be guessed wrong */
+    if (coder->stream_bits256) /* avoids a branch on the value, which would be mispredicted, when no bits are counted */
         count_bits(coder, value ? total - first : first, total);
     return value;
 }

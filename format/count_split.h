@@ -1,24 +1,24 @@
-/* Beta-binomial ("Polya urn") coding of counts (FORMAT.md, "Urn splits"): how many of n things are
- * in the left of two halves. */
+/* Beta-binomial coding of counts (FORMAT.md, "Count splits"): how many of n points are in the left of two halves. */
 #ifndef GSCL_FORMAT_COUNT_SPLIT_H
 #define GSCL_FORMAT_COUNT_SPLIT_H
 
 #include "format/coder.h"
 
-#define GSF_URN_UNIT 64u /* urn weights are in 1/64 balls */
+#define GSF_WEIGHT_UNIT 64u /* the weight of a half that stands for a distribution parameter of 1 */
 
-/* A count left <= n <= 2^20; the halves' weights in GSF_URN_UNITs, each at least 1 and below 2^31.
- * Not both may be below one ball when n > 1: the distribution must have a single peak. */
-uint32_t gsf_code_urn(gsf_coder *coder, uint32_t left, uint32_t n, uint32_t left_weight, uint32_t right_weight);
+/* Codes a count left <= n <= 2^20.  The weights of the halves are the two parameters of the beta-binomial distribution
+ * in 1/GSF_WEIGHT_UNIT, each at least 1 and below 2^31.  With n > 1 at least one must be GSF_WEIGHT_UNIT or more, so
+ * that the distribution has a single mode. */
+uint32_t gsf_code_count_split(gsf_coder *coder, uint32_t left, uint32_t n, uint32_t left_weight, uint32_t right_weight);
 
-/* One ball, which is what most urns hold: gsf_code_urn with n = 1, for those who code it with the same weights again
- * and again. */
-typedef struct gsf_ball {
+/* The split of a single point, the most frequent case: the same as gsf_code_count_split with n = 1, with the
+ * frequencies computed in advance. */
+typedef struct gsf_single_split {
     uint32_t right, total; /* frequency of the right half, and of both: GSF_MAX_TOTAL or one less */
-} gsf_ball;
+} gsf_single_split;
 
-gsf_ball gsf_ball_of(uint32_t left_weight, uint32_t right_weight);
-/* Whether it is in the left half. */
-bool gsf_code_ball(gsf_coder *coder, bool left, gsf_ball ball);
+gsf_single_split gsf_single_split_of(uint32_t left_weight, uint32_t right_weight);
+/* Codes whether the point is in the left half. */
+bool gsf_code_single_split(gsf_coder *coder, bool left, gsf_single_split split);
 
 #endif

@@ -38,7 +38,7 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, gsf_header *header
     return gsf_parse_header(bytes, size, header, &header_size);
 }
 
-/* Counting begins with the header. */
+/* Resets the counters and adds the header. */
 static void count_header(const gsf_coded_image *image, size_t size) {
     if (!image->stream_bits256)
         return;
@@ -46,18 +46,18 @@ static void count_header(const gsf_coded_image *image, size_t size) {
     image->stream_bits256[GSF_STREAM_HEADER] = (uint64_t)size * 8 * 256;
 }
 
-/* The payload ends exactly where the decoder does. */
+/* A payload is valid only if the decoder consumes exactly its bytes. */
 static gsf_result read_payload(gsf_coded_image *image, const uint8_t *bytes, size_t size, void *scratch) {
     gsf_coder coder;
     gsf_coder_read_from(&coder, bytes, size, image->stream_bits256);
     const bool valid = gsf_code_payload(&coder, image, workspace_in(&image->header, scratch));
-    if (gsf_coder_starved(&coder))
+    if (gsf_coder_overrun(&coder))
         return GSF_TRUNCATED;
     return valid && coder.decoder.position == size + GSF_IMPLIED_BYTES ? GSF_OK : GSF_CORRUPT;
 }
 
-/* Everything that reading sets, except the caller's arrays and the pointers to them. */
-static void clear(gsf_coded_image *image) {
+/* Clears the fields that reading sets.  The arrays and the pointers to them stay. */
+static void clear_fields(gsf_coded_image *image) {
     gsf_codebooks *books = &image->codebooks;
     memset(image->background, 0, sizeof image->background);
     memset(&image->steps, 0, sizeof image->steps);
@@ -69,7 +69,7 @@ static void clear(gsf_coded_image *image) {
 
 gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, void *scratch) {
     size_t start;
-    clear(image);
+    clear_fields(image);
     gsf_result result = gsf_parse_header(bytes, size, &image->header, &start);
     if (result != GSF_OK)
         return result;
@@ -80,8 +80,8 @@ gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, v
     return result == GSF_TRUNCATED ? GSF_TRUNCATED : GSF_DAMAGED;
 }
 
-/* Splits on the way from a whole picture to one cell. */
-static size_t most_splits(const gsf_coded_image *image) {
+/* The largest number of splits from the whole grid of a class to one cell. */
+static size_t max_splits(const gsf_coded_image *image) {
     size_t splits = 0;
     for (uint32_t i = 0; i < gsf_class_count(image); i++) {
         const gsf_grid grid = gsf_class_grid(image, i);
@@ -93,11 +93,11 @@ static size_t most_splits(const gsf_coded_image *image) {
     return splits;
 }
 
-/* No symbol costs more than 17 bits: a frequency is at least 1 of 2^16, and dividing the range loses
- * less than a bit.  A splat has 7 attributes; a split of n > 0 splats codes one urn (two symbols only when n > 255). */
+/* No symbol costs more than 17 bits: a frequency is at least 1 of 2^16, and dividing the range loses less than a bit.
+ * The attributes of a splat are at most 13 symbols.  A split of n > 0 splats is one symbol, or two when n > 255. */
 size_t gsf_write_bound(const gsf_coded_image *image) {
     const gsf_header *header = &image->header;
-    const size_t splat_bits = 17 * (13 + (header->splat_count > 0 ? most_splits(image) : 0));
+    const size_t splat_bits = 17 * (13 + (header->splat_count > 0 ? max_splits(image) : 0));
     const size_t class_bits = 2 * 17 * GSF_MAX_CLASSES;
     const size_t word_bits = GSF_MAX_CODEBOOK * 17 * (16 + GSF_SHAPE_DIMS + 16 + GSF_MAX_COLOUR_DIMS);
     const size_t book_bits = header->coding == GSF_CODING_CODEBOOK ? word_bits : 0;
@@ -105,7 +105,7 @@ size_t gsf_write_bound(const gsf_coded_image *image) {
 }
 
 void gsf_sort(gsf_coded_image *image, void *scratch) {
-    gsf_put_in_order(image, (gsf_workspace *)scratch + 1); /* records need the alignment of the workspace */
+    gsf_sort_splats(image, (gsf_workspace *)scratch + 1); /* records need the alignment of the workspace */
 }
 
 /* The coder counts the bytes that do not fit, so that a capacity of 0 gives the size alone, without bits by stream. */

@@ -6,7 +6,7 @@ enum {
     FLAG_BLEND = 0,  /* 2 bits */
     FLAG_CODING = 2, /* 1 bit */
     FLAG_LAYOUT = 3, /* 2 bits */
-    FLAG_DEEP = 5,
+    FLAG_HIGH_BIT_DEPTH = 5,
     FLAG_CHROMA = 8,
     FLAG_ALPHA = 9,
     FLAG_OPACITY = 10,
@@ -35,7 +35,7 @@ bool gsf_header_is_valid(const gsf_header *header) {
 
 static unsigned pack_flags(const gsf_header *header) {
     return (unsigned)header->blend << FLAG_BLEND | (unsigned)header->coding << FLAG_CODING |
-           (unsigned)header->layout << FLAG_LAYOUT | (unsigned)header->high_bit_depth << FLAG_DEEP |
+           (unsigned)header->layout << FLAG_LAYOUT | (unsigned)header->high_bit_depth << FLAG_HIGH_BIT_DEPTH |
            (unsigned)header->has_chroma << FLAG_CHROMA | (unsigned)header->has_alpha << FLAG_ALPHA |
            (unsigned)header->has_opacity << FLAG_OPACITY | (unsigned)header->has_rotation << FLAG_ROTATION |
            (unsigned)header->has_anisotropy << FLAG_ANISOTROPY | (unsigned)header->has_texture << FLAG_TEXTURE;
@@ -45,7 +45,7 @@ static void unpack_flags(unsigned flags, gsf_header *header) {
     header->blend = (gsf_blend)(flags >> FLAG_BLEND & 3);
     header->coding = (gsf_coding)(flags >> FLAG_CODING & 1);
     header->layout = (gsf_layout)(flags >> FLAG_LAYOUT & 3);
-    header->high_bit_depth = flags >> FLAG_DEEP & 1;
+    header->high_bit_depth = flags >> FLAG_HIGH_BIT_DEPTH & 1;
     header->has_chroma = flags >> FLAG_CHROMA & 1;
     header->has_alpha = flags >> FLAG_ALPHA & 1;
     header->has_opacity = flags >> FLAG_OPACITY & 1;
@@ -122,13 +122,14 @@ size_t gsf_put_header(const gsf_header *header, uint8_t *bytes) {
 }
 
 static uint32_t crc24(uint32_t crc, const uint8_t *bytes, size_t size) {
-    /* What four bits at the top leave behind. */
-    static const uint32_t left[16] = {0x000000, 0x864CFB, 0x8AD50D, 0x0C99F6, 0x93E6E1, 0x15AA1A, 0x1933EC, 0x9F7F17,
-                                      0xA18139, 0x27CDC2, 0x2B5434, 0xAD18CF, 0x3267D8, 0xB42B23, 0xB8B2D5, 0x3EFE2E};
+    /* The remainder that each value of the top four bits contributes. */
+    static const uint32_t remainder[16] = {0x000000, 0x864CFB, 0x8AD50D, 0x0C99F6, 0x93E6E1, 0x15AA1A,
+                                           0x1933EC, 0x9F7F17, 0xA18139, 0x27CDC2, 0x2B5434, 0xAD18CF,
+                                           0x3267D8, 0xB42B23, 0xB8B2D5, 0x3EFE2E};
     for (size_t i = 0; i < size; i++) {
         crc ^= (uint32_t)bytes[i] << 16;
-        crc = (crc << 4 & 0xFFFFFF) ^ left[crc >> 20];
-        crc = (crc << 4 & 0xFFFFFF) ^ left[crc >> 20];
+        crc = (crc << 4 & 0xFFFFFF) ^ remainder[crc >> 20];
+        crc = (crc << 4 & 0xFFFFFF) ^ remainder[crc >> 20];
     }
     return crc;
 }

@@ -10,14 +10,14 @@ unsigned gsf_channel_count(const gsf_header *header);
 #define GSF_MAX_HEADER_SIZE 18u /* 4 + 2 + 3 varints of 3 bytes + checksum */
 #define GSF_CHECKSUM_SIZE 3u
 
-/* Reads and checks the header; *size is its size, checksum included: where the payload starts. */
+/* Reads and checks the header.  *size is its size with the checksum, and thus the offset of the payload. */
 gsf_result gsf_parse_header(const uint8_t *bytes, size_t available, gsf_header *header, size_t *size);
-/* Writes a valid header into GSF_MAX_HEADER_SIZE bytes, its checksum yet to come; returns its size. */
+/* Writes a valid header into GSF_MAX_HEADER_SIZE bytes, with a checksum of zeros; returns its size. */
 size_t gsf_put_header(const gsf_header *header, uint8_t *bytes);
-/* Everything that the reader would refuse. */
+/* Whether all fields are within the limits that the reader checks. */
 bool gsf_header_is_valid(const gsf_header *header);
 
-/* CRC-24 (OpenPGP) of a file, without the checksum itself. */
+/* CRC-24 (OpenPGP) of a file without the three bytes of the checksum. */
 uint32_t gsf_file_checksum(const uint8_t *bytes, size_t size, size_t header_size);
 uint32_t gsf_stored_checksum(const uint8_t *bytes, size_t header_size);
 void gsf_store_checksum(uint8_t *bytes, size_t size, size_t header_size);

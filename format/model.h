@@ -1,5 +1,5 @@
-/* Adaptive frequencies of one kind of code (FORMAT.md, "Adaptive models"), made for some hundreds of
- * samples: a code that was seen makes its neighbours likelier too. */
+/* Adaptive frequencies of one kind of code (FORMAT.md, "Adaptive models").  A coded symbol also raises the frequencies
+ * of its neighbours, because an image has only some hundreds of symbols to adapt to. */
 #ifndef GSCL_FORMAT_MODEL_H
 #define GSCL_FORMAT_MODEL_H
 
@@ -11,8 +11,8 @@ typedef struct gsf_model_shape {
     uint16_t base; /* start: base + height * width^2 / (width^2 + (code - centre)^2) */
     uint16_t height;
     uint16_t width;
-    uint16_t gain[3]; /* added to the code seen, and to those at distance 1 and 2 */
-    uint16_t memory;  /* frequencies are halved when their mean is above this: how fast the model forgets */
+    uint16_t gain[3];    /* added to the coded symbol, and to those at distance 1 and 2 */
+    uint16_t mean_limit; /* frequencies are halved when their mean is above this; smaller values adapt faster */
 } gsf_model_shape;
 
 #define GSF_MODEL_MAX_TOTAL 32000u /* halved above this in any case */
@@ -23,13 +23,13 @@ typedef struct gsf_model {
     uint16_t freq[GSF_MAX_ALPHABET];
 } gsf_model;
 
-/* Codes 0..count-1, count <= GSF_MAX_ALPHABET, at first likeliest around `centre`. */
+/* Symbols 0..count-1, count <= GSF_MAX_ALPHABET; the initial frequencies are highest at `centre`. */
 void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint32_t count, int32_t centre);
-/* Learns that `value` was seen. */
+/* Adapts the frequencies to a coded value. */
 void gsf_model_update(gsf_model *model, uint32_t value);
-/* Adds to the frequency of a value; does nothing when it is outside the alphabet. */
-void gsf_model_raise(gsf_model *model, uint32_t value, uint16_t gain);
-/* Codes a value and learns it. */
-uint32_t gsf_code_modelled(gsf_coder *coder, uint32_t value, gsf_model *model);
+/* Adds to the frequency of one value; does nothing when it is outside the alphabet. */
+void gsf_model_add(gsf_model *model, uint32_t value, uint16_t gain);
+/* Codes a value and adapts the model to it. */
+uint32_t gsf_code_with_model(gsf_coder *coder, uint32_t value, gsf_model *model);
 
 #endif

@@ -11,7 +11,7 @@ typedef struct record {
 
 #define PATH_BITS 40 /* at most 19 splits along each axis */
 
-/* The way to a cell: one bit a split, the first one on top.  No path is the beginning of another. */
+/* The path to a cell: one bit for each split, the first split in the highest bit.  No path is a prefix of another. */
 static uint64_t path_to(const gsf_grid *grid, uint32_t x, uint32_t y) {
     uint64_t path = 0;
     unsigned bits = PATH_BITS;
@@ -38,7 +38,7 @@ static int compare(int a, int b) {
     return (a > b) - (a < b);
 }
 
-/* Ties: the order of the attributes in the file. */
+/* The order of splats in the same cell: by the attributes in the order of the file. */
 static int compare_codes(const gsf_splat *a, const gsf_splat *b) {
     const gsf_texture *s = &a->texture, *t = &b->texture;
     const int order[] = {compare(a->aspect, b->aspect),   compare(a->angle, b->angle),
@@ -74,7 +74,7 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
-/* Bottom-up merge sort; returns which of the two lists holds the result. */
+/* Bottom-up merge sort.  Returns the one of the two lists that holds the result. */
 static record *merge_sort(const gsf_coded_image *image, record *list, record *other, uint32_t n) {
     for (uint32_t run = 1; run < n; run *= 2) {
         for (uint32_t first = 0; first < n; first += 2 * run) {
@@ -88,8 +88,8 @@ static record *merge_sort(const gsf_coded_image *image, record *list, record *ot
     return list;
 }
 
-/* Puts the splats in the order of the list; `copy` is room for all of them. */
-static void arrange(gsf_coded_image *image, const record *list, void *copy) {
+/* Puts the splats in the order of the list.  `copy` is memory for all of them. */
+static void reorder(gsf_coded_image *image, const record *list, void *copy) {
     const uint32_t n = image->header.splat_count;
     if (image->header.coding == GSF_CODING_SCALAR) {
         const gsf_splat *old = memcpy(copy, image->splats, n * sizeof *old);
@@ -102,7 +102,7 @@ static void arrange(gsf_coded_image *image, const record *list, void *copy) {
     }
 }
 
-/* Codes whose effect is off mean nothing: they must not decide the order. */
+/* Codes whose effect is off must not influence the order. */
 static void clear_unused(gsf_coded_image *image) {
     const gsf_header *header = &image->header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
@@ -124,10 +124,10 @@ size_t gsf_order_size(const gsf_header *header) {
     return header->splat_count * (sizeof(record) + larger);
 }
 
-void gsf_put_in_order(gsf_coded_image *image, void *memory) {
+void gsf_sort_splats(gsf_coded_image *image, void *memory) {
     const uint32_t n = image->header.splat_count;
     record *list = memory, *other = list + n;
-    if (n == 0) /* there need not be any arrays */
+    if (n == 0) /* the arrays may be NULL */
         return;
     if (image->header.coding == GSF_CODING_SCALAR)
         clear_unused(image);
@@ -135,5 +135,5 @@ void gsf_put_in_order(gsf_coded_image *image, void *memory) {
         list[i] = (record){key_of(image, i), i};
     if (merge_sort(image, list, other, n) == other)
         memcpy(list, other, n * sizeof *list);
-    arrange(image, list, other);
+    reorder(image, list, other);
 }

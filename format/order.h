@@ -4,9 +4,9 @@
 
 #include "format/types.h"
 
-/* Bytes of memory (aligned for uint64_t) that gsf_put_in_order needs. */
+/* Bytes of memory (aligned for uint64_t) that gsf_sort_splats needs. */
 size_t gsf_order_size(const gsf_header *header);
 /* Sorts the splats into the stored order and zeroes the codes whose effect is off. */
-void gsf_put_in_order(gsf_coded_image *image, void *memory);
+void gsf_sort_splats(gsf_coded_image *image, void *memory);
 
 #endif

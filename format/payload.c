@@ -13,8 +13,8 @@ static void code_background(gsf_coder *coder, gsf_coded_image *image) {
             (uint16_t)gsf_code_bits(coder, image->background[i], image->header.high_bit_depth ? 16 : 8);
 }
 
-static void code_step(gsf_coder *coder, uint8_t *step, bool wanted) {
-    *step = wanted ? (uint8_t)gsf_code_bits(coder, *step, 4) : 0;
+static void code_step(gsf_coder *coder, uint8_t *step, bool used) {
+    *step = used ? (uint8_t)gsf_code_bits(coder, *step, 4) : 0;
 }
 
 static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
@@ -27,7 +27,7 @@ static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *st
     code_step(coder, &steps->opacity, header->has_opacity);
 }
 
-/* The writer's splats to the lists that are coded. */
+/* Fills the class counts and the points from the splats (writer). */
 static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
     for (uint32_t i = 0; i < GSF_MAX_CLASSES; i++)
         w->counts[i] = 0;
@@ -47,7 +47,7 @@ static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_n
             (gsf_indexed_splat){.shape = (uint16_t)class_no, .x = (uint16_t)at.x, .y = (uint16_t)at.y};
 }
 
-/* The lists that were decoded to the reader's splats. */
+/* Sets class and cell of the splats from the decoded lists (reader). */
 static void place_splats(gsf_coded_image *image, const gsf_workspace *w) {
     uint32_t splat = 0;
     for (uint32_t i = 0; i < gsf_class_count(image); i++)
@@ -55,8 +55,8 @@ static void place_splats(gsf_coded_image *image, const gsf_workspace *w) {
             place_splat(image, splat, i, w->points[splat]);
 }
 
-/* Classes and positions. */
-static void code_places(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+/* Codes classes and positions. */
+static void code_positions(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     const uint32_t classes = gsf_class_count(image);
     const bool scalar = image->header.coding == GSF_CODING_SCALAR;
     if (!coder->decoding)
@@ -67,51 +67,51 @@ static void code_places(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
         w->grids[i] = gsf_class_grid(image, i);
     coder->stream = GSF_STREAM_POSITION;
     gsf_code_points(coder, w->points, w->counts, w->grids, classes, w->priors);
-    if (coder->decoding && !gsf_coder_starved(coder))
+    if (coder->decoding && !gsf_coder_overrun(coder))
         place_splats(image, w);
 }
 
 static void code_scalar(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     gsf_attributes_init(&w->attributes, &image->header, &image->steps);
-    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_starved(coder); i++)
+    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_overrun(coder); i++)
         gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
 }
 
 static void code_indexed(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     coder->stream = GSF_STREAM_COLOUR_INDEX;
     gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
-    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_starved(coder); i++) {
+    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_overrun(coder); i++) {
         gsf_indexed_splat *splat = &image->indexed[i];
-        splat->colour = (uint16_t)gsf_code_modelled(coder, splat->colour, &w->colour_index);
+        splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->colour_index);
     }
 }
 
-/* What has to be known before the splats. */
-static bool code_side(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+/* Codes the side information: steps or codebooks. */
+static bool code_side_information(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     if (image->header.coding == GSF_CODING_SCALAR) {
         code_steps(coder, &image->header, &image->steps);
-        return !gsf_coder_starved(coder);
+        return !gsf_coder_overrun(coder);
     }
-    if (!gsf_code_codebook_sides(coder, &image->header, &image->codebooks))
+    if (!gsf_code_codebook_parameters(coder, &image->header, &image->codebooks))
         return false;
     coder->stream = GSF_STREAM_CODEBOOK;
     gsf_code_codebook_words(coder, &image->header, &image->codebooks, w->points);
     gsf_complete_shape_words(&image->header, &image->codebooks);
-    return !gsf_coder_starved(coder);
+    return !gsf_coder_overrun(coder);
 }
 
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
     code_background(coder, image);
     if (image->header.splat_count == 0)
         return true;
-    if (!code_side(coder, image, workspace))
+    if (!code_side_information(coder, image, workspace))
         return false;
-    code_places(coder, image, workspace);
-    if (gsf_coder_starved(coder))
+    code_positions(coder, image, workspace);
+    if (gsf_coder_overrun(coder))
         return false;
     if (image->header.coding == GSF_CODING_SCALAR)
         code_scalar(coder, image, workspace);
     else
         code_indexed(coder, image, workspace);
-    return !gsf_coder_starved(coder) && gsf_work_is_bounded(image);
+    return !gsf_coder_overrun(coder) && gsf_work_is_bounded(image);
 }

@@ -2,8 +2,7 @@
 
 #define TOP (UINT32_C(1) << 24) /* the range is kept at or above this between symbols */
 
-/* The upper end of the last symbol is the upper end of the interval: what the division leaves over
- * is not lost. */
+/* The last symbol ends at the upper end of the interval, so that the remainder of the division is used too. */
 static uint32_t narrowed(uint32_t range, uint32_t unit, uint32_t cum, uint32_t freq, uint32_t total) {
     return cum + freq == total ? range - cum * unit : freq * unit;
 }
@@ -14,9 +13,9 @@ static void put_byte(gsf_range_encoder *encoder, uint8_t byte) {
     encoder->size++;
 }
 
-/* Moves the top byte of `low` out.  A byte can still change by a carry, and a carry runs through
- * 0xFF bytes, so the last byte that is not 0xFF and the run after it are held back.
- * The very first byte never gets a carry and is held whatever it is. */
+/* Moves the top byte of `low` out.  A carry can still change a byte, and it propagates through 0xFF bytes.  The last
+ * byte that is not 0xFF and the run after it are therefore held back.  The first byte never gets a carry and is held
+ * whatever its value. */
 static void shift_low(gsf_range_encoder *encoder) {
     const uint8_t carry = (uint8_t)(encoder->low >> 32);
     const uint8_t top = (uint8_t)(encoder->low >> 24);
@@ -47,8 +46,8 @@ void gsf_range_encode(gsf_range_encoder *encoder, uint32_t cum, uint32_t freq, u
     }
 }
 
-/* One byte is always enough: the range is at least TOP, so the interval holds a multiple of TOP,
- * whose lower bytes are the zeros that the decoder implies. */
+/* One byte is always enough: the range is at least TOP, so that the interval holds a multiple of TOP, whose lower bytes
+ * are the zeros that the decoder implies. */
 void gsf_range_encoder_finish(gsf_range_encoder *encoder) {
     encoder->low = (encoder->low + TOP - 1) & ~(uint64_t)(TOP - 1);
     shift_low(encoder);
@@ -97,6 +96,6 @@ bool gsf_range_decode_first(gsf_range_decoder *decoder, uint32_t first, uint32_t
     return is_first;
 }
 
-bool gsf_range_decoder_starved(const gsf_range_decoder *decoder) {
+bool gsf_range_decoder_overrun(const gsf_range_decoder *decoder) {
     return decoder->position > decoder->size + GSF_IMPLIED_BYTES;
 }

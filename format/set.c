@@ -2,17 +2,17 @@
 
 #include "format/count_split.h"
 
-/* Tuning: part of the format.  Splats cluster over the image, but not within a few of their own
- * widths: there only areas count. */
+/* These weights are part of the format: FORMAT.md, "Set coding".  Splats cluster over an image, but not within a few of
+ * their own widths, where the weights of a split follow the areas alone. */
 enum {
-    CLASS_WEIGHT = 2 * GSF_URN_UNIT, /* for every class */
-    WIDE = 128,                      /* cells: a rectangle longer than that is wide */
-    WIDE_WEIGHT = 3 * GSF_URN_UNIT,  /* shared by the halves of a wide rectangle by area, and ... */
-    PRIOR_WEIGHT = GSF_URN_UNIT / 4, /* ... for each prior splat in a half */
-    NARROW_WEIGHT = 16 * GSF_URN_UNIT
+    CLASS_WEIGHT = 2 * GSF_WEIGHT_UNIT,  /* for every class */
+    WIDE = 128,                          /* cells: a rectangle longer than that is wide */
+    WIDE_WEIGHT = 3 * GSF_WEIGHT_UNIT,   /* divided between the halves of a wide rectangle by area */
+    PRIOR_WEIGHT = GSF_WEIGHT_UNIT / 4,  /* added to a half of a wide rectangle for each prior splat in it */
+    NARROW_WEIGHT = 16 * GSF_WEIGHT_UNIT /* divided between the halves of any other rectangle by area */
 };
 
-/* Most pictures leave classes at both ends empty. */
+/* Codes the first and the last class that has splats: most images leave classes at both ends empty. */
 static void code_class_range(gsf_coder *coder, const uint32_t *counts, uint32_t classes, uint32_t *first,
                              uint32_t *last) {
     *first = 0;
@@ -34,7 +34,7 @@ static uint32_t sum(const uint32_t *counts, uint32_t n) {
     return total;
 }
 
-/* Halves the range of classes until single classes are left: at most 10 deep. */
+/* Halves the range of classes until single classes remain: at most 10 times. */
 static void code_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, uint32_t n) {
     if (classes == 1 || n == 0) {
         for (uint32_t i = 0; i < classes; i++)
@@ -42,8 +42,8 @@ static void code_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, ui
         return;
     }
     const uint32_t half = classes / 2;
-    const uint32_t left = gsf_code_urn(coder, coder->decoding ? 0 : sum(counts, half), n, half * CLASS_WEIGHT,
-                                       (classes - half) * CLASS_WEIGHT);
+    const uint32_t left = gsf_code_count_split(coder, coder->decoding ? 0 : sum(counts, half), n, half * CLASS_WEIGHT,
+                                               (classes - half) * CLASS_WEIGHT);
     code_counts(coder, counts, half, left);
     code_counts(coder, counts + half, classes - half, n - left);
 }
@@ -66,7 +66,7 @@ gsf_split gsf_split_rect(const gsf_grid *grid, gsf_rect rect) {
 }
 
 gsf_rect gsf_half(gsf_rect rect, const gsf_split *split, bool second) {
-    /* No branch on which half it is, nor on which is longer: it would be guessed wrong. */
+    /* A branch on the half would be mispredicted. */
     const uint32_t skipped = split->first & (0 - (uint32_t)second);
     const uint32_t length = split->first + (split->length & (uint32_t)second);
     if (split->along_x) {
@@ -90,10 +90,10 @@ static bool is_wide(gsf_rect rect) {
     return rect.width > WIDE || rect.height > WIDE;
 }
 
-/* A grid has at most 2^19 x 2^19 cells, and each of 38 splits leaves one half waiting. */
+/* Nodes on the stack: a grid has at most 2^19 x 2^19 cells, and each of 38 splits leaves one half pending. */
 #define MAX_DEPTH 40
 
-/* Points in stored order have those of the first half in front. */
+/* In stored order the points of the first half come first. */
 static uint32_t count_left(const gsf_point *points, uint32_t n, const gsf_split *split) {
     uint32_t low = 0, high = n;
     while (low < high) {
@@ -106,17 +106,17 @@ static uint32_t count_left(const gsf_point *points, uint32_t n, const gsf_split 
     return low;
 }
 
-/* What the encoder knows and the decoder is told. */
-static uint32_t known_left(const gsf_coder *coder, const gsf_point *points, uint32_t n, const gsf_split *split) {
+/* The count to encode; unused when decoding. */
+static uint32_t left_to_encode(const gsf_coder *coder, const gsf_point *points, uint32_t n, const gsf_split *split) {
     return coder->decoding ? 0 : count_left(points, n, split);
 }
 
-/* Brings the priors of the first half to the front and returns their number. */
+/* Moves the priors of the first half to the front and returns their number. */
 static uint32_t partition(gsf_prior *list, uint32_t n, const gsf_split *split, const gsf_grid *grid) {
     const uint32_t bound = 2 * split->at * (split->along_x ? grid->pitch_x : grid->pitch_y);
     uint32_t left = 0;
     for (uint32_t i = 0; i < n; i++) {
-        /* No branch that half of the priors would send the wrong way: what does not belong changes places, too. */
+        /* Swaps every prior, because a branch on its half would be mispredicted for half of them. */
         const gsf_prior prior = list[i];
         list[i] = list[left];
         list[left] = prior;
@@ -125,28 +125,28 @@ static uint32_t partition(gsf_prior *list, uint32_t n, const gsf_split *split, c
     return left;
 }
 
-/* The halves' shares, where a side of `length` cells is cut. */
+/* Divides a weight by area between the halves of a side of `length` cells. */
 static void share_by_area(uint32_t total, uint32_t length, uint32_t weight[2]) {
     weight[0] = total * (length / 2) / length;
     weight[1] = total - weight[0];
 }
 
-static void place(gsf_point *points, const node *leaf) {
+static void place_points(gsf_point *points, const node *leaf) {
     for (uint32_t i = 0; i < leaf->n; i++)
         points[leaf->first + i] = (gsf_point){leaf->rect.x, leaf->rect.y};
 }
 
-/* A class that is being coded. */
-typedef struct task {
+/* The class that is coded now. */
+typedef struct class_task {
     const gsf_grid *grid;
     gsf_point *points;
     uint32_t n;
     gsf_prior *priors;
     uint32_t prior_n;
-    const gsf_ball *narrow; /* by the side that is cut, of rectangles that are not wide */
-} task;
+    const gsf_single_split *narrow; /* for rectangles that are not wide, by the length of the side that is cut */
+} class_task;
 
-/* The priors of a class: whole classes, going back from it for as long as they fit. */
+/* Lists the priors of a class: the splats of whole classes, from the class before it backwards while they fit. */
 static uint32_t collect_priors(const gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
                                uint32_t class_no, gsf_prior *priors) {
     uint32_t n = 0;
@@ -160,93 +160,94 @@ static uint32_t collect_priors(const gsf_point *points, const uint32_t *counts, 
     return n;
 }
 
-static void weigh_narrow(uint32_t length, uint32_t weight[2]) {
+static void narrow_weights(uint32_t length, uint32_t weight[2]) {
     share_by_area(NARROW_WEIGHT, length, weight);
 }
 
-/* Returns the number of priors in the first half, and brings those to the front. */
-static uint32_t weigh_wide(const task *t, const node *whole, const gsf_split *split, uint32_t weight[2]) {
+/* Returns the number of priors in the first half and moves those to the front. */
+static uint32_t wide_weights(const class_task *t, const node *whole, const gsf_split *split, uint32_t weight[2]) {
     share_by_area(WIDE_WEIGHT, split->length, weight);
-    const uint32_t near = partition(t->priors + whole->prior_first, whole->prior_n, split, t->grid);
-    weight[0] += PRIOR_WEIGHT * near;
-    weight[1] += PRIOR_WEIGHT * (whole->prior_n - near);
-    return near;
+    const uint32_t left_priors = partition(t->priors + whole->prior_first, whole->prior_n, split, t->grid);
+    weight[0] += PRIOR_WEIGHT * left_priors;
+    weight[1] += PRIOR_WEIGHT * (whole->prior_n - left_priors);
+    return left_priors;
 }
 
-/* Codes how one rectangle's points divide, and puts the halves that have points on the stack, the
- * first half on top.  Returns the stack's new depth. */
-static unsigned code_split(gsf_coder *coder, const task *t, node *stack, unsigned depth) {
+/* Codes the split of one rectangle's points, and puts the halves that have points on the stack, the first half on top.
+ * Returns the new depth of the stack. */
+static unsigned code_split(gsf_coder *coder, const class_task *t, node *stack, unsigned depth) {
     const node whole = stack[--depth];
     const gsf_split split = gsf_split_rect(t->grid, whole.rect);
-    uint32_t weight[2], near = 0;
+    uint32_t weight[2], left_priors = 0;
     if (is_wide(whole.rect))
-        near = weigh_wide(t, &whole, &split, weight);
+        left_priors = wide_weights(t, &whole, &split, weight);
     else
-        weigh_narrow(split.length, weight);
-    const uint32_t known = known_left(coder, t->points + whole.first, whole.n, &split);
-    const uint32_t left = gsf_code_urn(coder, known, whole.n, weight[0], weight[1]);
+        narrow_weights(split.length, weight);
+    const uint32_t known = left_to_encode(coder, t->points + whole.first, whole.n, &split);
+    const uint32_t left = gsf_code_count_split(coder, known, whole.n, weight[0], weight[1]);
     if (left < whole.n)
         stack[depth++] = (node){gsf_half(whole.rect, &split, true), whole.first + left, whole.n - left,
-                                whole.prior_first + near, whole.prior_n - near};
+                                whole.prior_first + left_priors, whole.prior_n - left_priors};
     if (left > 0)
-        stack[depth++] = (node){gsf_half(whole.rect, &split, false), whole.first, left, whole.prior_first, near};
+        stack[depth++] = (node){gsf_half(whole.rect, &split, false), whole.first, left, whole.prior_first, left_priors};
     return depth;
 }
 
-/* The splits around a single point, which most splits are: as code_split, with one half to go on with. */
-static void code_point(gsf_coder *coder, const task *t, node at) {
+/* Codes all splits down to the cell of a single point.  Most splits are of this kind. */
+static void code_point(gsf_coder *coder, const class_task *t, node at) {
     gsf_point *point = &t->points[at.first];
     while (is_wide(at.rect)) {
         const gsf_split split = gsf_split_rect(t->grid, at.rect);
         uint32_t weight[2];
-        const uint32_t near = weigh_wide(t, &at, &split, weight);
-        const bool left =
-            gsf_code_ball(coder, known_left(coder, point, 1, &split) != 0, gsf_ball_of(weight[0], weight[1]));
+        const uint32_t left_priors = wide_weights(t, &at, &split, weight);
+        const bool left = gsf_code_single_split(coder, left_to_encode(coder, point, 1, &split) != 0,
+                                                gsf_single_split_of(weight[0], weight[1]));
         at.rect = gsf_half(at.rect, &split, !left);
-        at.prior_first += left ? 0 : near;
-        at.prior_n = left ? near : at.prior_n - near;
+        at.prior_first += left ? 0 : left_priors;
+        at.prior_n = left ? left_priors : at.prior_n - left_priors;
     }
     gsf_rect rect = at.rect;
     while (rect.width > 1 || rect.height > 1) {
         const gsf_split split = gsf_split_rect(t->grid, rect);
-        const bool left = gsf_code_ball(coder, known_left(coder, point, 1, &split) != 0, t->narrow[split.length]);
+        const bool left =
+            gsf_code_single_split(coder, left_to_encode(coder, point, 1, &split) != 0, t->narrow[split.length]);
         rect = gsf_half(rect, &split, !left);
     }
     *point = (gsf_point){rect.x, rect.y};
 }
 
-static void code_class(gsf_coder *coder, const task *t) {
+static void code_class(gsf_coder *coder, const class_task *t) {
     node stack[MAX_DEPTH];
     unsigned depth = 1;
     stack[0] = (node){{0, 0, t->grid->cells_x, t->grid->cells_y}, 0, t->n, 0, t->prior_n};
-    while (depth > 0 && !gsf_coder_starved(coder)) {
+    while (depth > 0 && !gsf_coder_overrun(coder)) {
         const node *top = &stack[depth - 1];
         if (top->n == 1)
             code_point(coder, t, stack[--depth]);
         else if (top->rect.width > 1 || top->rect.height > 1)
             depth = code_split(coder, t, stack, depth);
         else
-            place(t->points, &stack[--depth]);
+            place_points(t->points, &stack[--depth]);
     }
 }
 
-static void fill_narrow(gsf_ball narrow[WIDE + 1]) {
+static void fill_narrow_splits(gsf_single_split narrow[WIDE + 1]) {
     for (uint32_t length = 2; length <= WIDE; length++) {
         uint32_t weight[2];
-        weigh_narrow(length, weight);
-        narrow[length] = gsf_ball_of(weight[0], weight[1]);
+        narrow_weights(length, weight);
+        narrow[length] = gsf_single_split_of(weight[0], weight[1]);
     }
 }
 
 void gsf_code_points(gsf_coder *coder, gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
                      uint32_t classes, gsf_prior *priors) {
-    gsf_ball narrow[WIDE + 1];
-    fill_narrow(narrow);
+    gsf_single_split narrow[WIDE + 1];
+    fill_narrow_splits(narrow);
     for (uint32_t i = 0; i < classes; i++) {
         if (counts[i] == 0)
             continue;
         const uint32_t prior_n = collect_priors(points, counts, grids, i, priors);
-        const task t = {&grids[i], points, counts[i], priors, prior_n, narrow};
+        const class_task t = {&grids[i], points, counts[i], priors, prior_n, narrow};
         code_class(coder, &t);
         points += counts[i];
     }

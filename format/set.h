@@ -1,11 +1,11 @@
-/* Coding of splats as a set (FORMAT.md, "Set coding"): how many each class has, and where they are,
- * without spending bits on an order. */
+/* Coding of splats as a set (FORMAT.md, "Set coding"): the number of each class, and their positions, without bits for
+ * an order. */
 #ifndef GSCL_FORMAT_SET_H
 #define GSCL_FORMAT_SET_H
 
 #include "format/coder.h"
 
-/* The cells that the splats of one class can be in.  Cell (i, j) has its centre at
+/* The cells of the splats of one class.  Cell (i, j) has its centre at
  * ((2 i + 1) pitch_x, (2 j + 1) pitch_y), in a unit of length common to all classes. */
 typedef struct gsf_grid {
     uint32_t cells_x, cells_y;
@@ -18,8 +18,8 @@ typedef struct gsf_rect {
 
 typedef struct gsf_split {
     bool along_x;    /* the halves lie side by side, else one above the other */
-    uint32_t length; /* cells of the side that is cut, */
-    uint32_t first;  /* and of its part in the first half */
+    uint32_t length; /* cells of the side that is cut */
+    uint32_t first;  /* cells of that side in the first half */
     uint32_t at;     /* first cell column (row) of the second half */
 } gsf_split;
 
@@ -31,18 +31,18 @@ typedef struct gsf_point {
     uint32_t x, y; /* cell */
 } gsf_point;
 
-/* A splat of a class that is already coded: the next ones are likely to be near it. */
+/* A splat of a class that is already coded.  Splats of the next classes are likely to be near it. */
 typedef struct gsf_prior {
     uint32_t x, y; /* centre in the grids' common unit */
 } gsf_prior;
 
 #define GSF_MAX_PRIORS 4096u /* bounds the work */
 
-/* counts[0..classes) add up to n > 0; 1 <= classes <= 1024. */
+/* Codes counts[0..classes), which add up to n > 0; 1 <= classes <= 1024. */
 void gsf_code_class_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, uint32_t n);
 
-/* The cells of all points, class by class; those of a class are in traversal order of the splits.
- * `priors` is room for as many as there are points, but no more than GSF_MAX_PRIORS. */
+/* Codes the cells of all points, class by class; the points of a class are in the traversal order of the splits.
+ * `priors` is memory for as many as there are points, at most GSF_MAX_PRIORS. */
 void gsf_code_points(gsf_coder *coder, gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
                      uint32_t classes, gsf_prior *priors);
 

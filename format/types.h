@@ -15,7 +15,7 @@
 typedef enum gsf_result {
     GSF_OK = 0,
     GSF_NOT_GSCL,      /* the magic bytes are missing */
-    GSF_NEWER_VERSION, /* a format version that this code does not know */
+    GSF_NEWER_VERSION, /* a format version above GSF_VERSION */
     GSF_TRUNCATED,     /* the file ends before its content does */
     GSF_DAMAGED,       /* the checksum does not match */
     GSF_CORRUPT,       /* the checksum matches but a value is outside the format's limits */

@@ -1,5 +1,6 @@
-/* Reads hostile files.  The checksum is put right first, so that the content behind it is reached; what reads well must write
- * to the same bytes or, when the order within a cell was not the writer's, to bytes that read the same.
+/* Reads hostile files.  Each input is read as it is and again with its checksum made to match, so that the payload is
+ * decoded.  A file that can be read must also be writable, and writing must be stable: the bytes written from the image
+ * must not change when they are read and written again.
  *
  * With libFuzzer:  clang -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_format.c format/[a-z]*.c
  * As a replay of saved inputs: add -DREPLAY, leave out "fuzzer", and give the files as arguments. */
@@ -10,7 +11,7 @@
 #include "format/format.h"
 #include "format/header.h"
 
-#define MOST_SPLATS 20000u /* more would only be slower */
+#define MAX_SPLATS 20000u /* keeps the time of an input short */
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -23,46 +24,46 @@ static void *allocate(size_t size) {
 
 static uint64_t stream_bits256[GSF_STREAM_COUNT];
 
-static void create(gsf_coded_image *picture, const gsf_header *header) {
-    memset(picture, 0, sizeof *picture);
-    picture->stream_bits256 = stream_bits256;
-    picture->header = *header;
-    picture->splats = allocate(header->splat_count * sizeof *picture->splats);
-    picture->indexed = allocate(header->splat_count * sizeof *picture->indexed);
-    picture->codebooks.shape_words = allocate(GSF_MAX_CODEBOOK * sizeof *picture->codebooks.shape_words);
-    picture->codebooks.colour_words = allocate(GSF_MAX_CODEBOOK * sizeof *picture->codebooks.colour_words);
+static void create(gsf_coded_image *image, const gsf_header *header) {
+    memset(image, 0, sizeof *image);
+    image->stream_bits256 = stream_bits256;
+    image->header = *header;
+    image->splats = allocate(header->splat_count * sizeof *image->splats);
+    image->indexed = allocate(header->splat_count * sizeof *image->indexed);
+    image->codebooks.shape_words = allocate(GSF_MAX_CODEBOOK * sizeof *image->codebooks.shape_words);
+    image->codebooks.colour_words = allocate(GSF_MAX_CODEBOOK * sizeof *image->codebooks.colour_words);
 }
 
-static void destroy(gsf_coded_image *picture) {
-    free(picture->splats);
-    free(picture->indexed);
-    free(picture->codebooks.shape_words);
-    free(picture->codebooks.colour_words);
+static void destroy(gsf_coded_image *image) {
+    free(image->splats);
+    free(image->indexed);
+    free(image->codebooks.shape_words);
+    free(image->codebooks.colour_words);
 }
 
-static void check(bool truth, const char *what) {
-    if (!truth) {
-        fprintf(stderr, "fuzz_format: %s\n", what);
+static void check(bool condition, const char *message) {
+    if (!condition) {
+        fprintf(stderr, "fuzz_format: %s\n", message);
         abort();
     }
 }
 
-/* Writes a picture; the caller frees the bytes. */
-static uint8_t *write_picture(gsf_coded_image *picture, size_t *size, void *scratch) {
-    const size_t bound = gsf_write_bound(picture);
+/* Writes a image; the caller frees the bytes. */
+static uint8_t *write_image(gsf_coded_image *image, size_t *size, void *scratch) {
+    const size_t bound = gsf_write_bound(image);
     uint8_t *bytes = allocate(bound);
-    check(gsf_write(picture, bytes, bound, size, scratch) == GSF_OK, "what was read cannot be written");
+    check(gsf_write(image, bytes, bound, size, scratch) == GSF_OK, "an image that was read cannot be written");
     return bytes;
 }
 
-/* The picture that was read, written, read and written again. */
-static void check_rewriting(gsf_coded_image *picture, void *scratch) {
+/* Writes an image that was read, then reads and writes it again. */
+static void check_rewriting(gsf_coded_image *image, void *scratch) {
     size_t size, size_again;
     gsf_coded_image again;
-    uint8_t *bytes = write_picture(picture, &size, scratch);
-    create(&again, &picture->header);
-    check(gsf_read(bytes, size, &again, scratch) == GSF_OK, "what was written cannot be read");
-    uint8_t *bytes_again = write_picture(&again, &size_again, scratch);
+    uint8_t *bytes = write_image(image, &size, scratch);
+    create(&again, &image->header);
+    check(gsf_read(bytes, size, &again, scratch) == GSF_OK, "a file that was written cannot be read");
+    uint8_t *bytes_again = write_image(&again, &size_again, scratch);
     check(size == size_again && memcmp(bytes, bytes_again, size) == 0, "writing is not stable");
     destroy(&again);
     free(bytes_again);
@@ -74,15 +75,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     size_t start;
     uint8_t *bytes = allocate(size);
     memcpy(bytes, data, size);
-    if (gsf_parse_header(bytes, size, &header, &start) == GSF_OK && header.splat_count <= MOST_SPLATS) {
-        gsf_coded_image picture;
+    if (gsf_parse_header(bytes, size, &header, &start) == GSF_OK && header.splat_count <= MAX_SPLATS) {
+        gsf_coded_image image;
         void *scratch = allocate(gsf_scratch_size(&header));
-        create(&picture, &header);
-        gsf_read(bytes, size, &picture, scratch);
+        create(&image, &header);
+        gsf_read(bytes, size, &image, scratch);
         gsf_store_checksum(bytes, size, start);
-        if (gsf_read(bytes, size, &picture, scratch) == GSF_OK)
-            check_rewriting(&picture, scratch);
-        destroy(&picture);
+        if (gsf_read(bytes, size, &image, scratch) == GSF_OK)
+            check_rewriting(&image, scratch);
+        destroy(&image);
         free(scratch);
     }
     free(bytes);
@@ -91,11 +92,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
 
 #ifdef REPLAY
 static void replay(const char *path) {
-    enum { LARGEST = 1 << 24 };
+    enum { MAX_SIZE = 1 << 24 };
     FILE *file = fopen(path, "rb");
-    uint8_t *bytes = allocate(LARGEST);
+    uint8_t *bytes = allocate(MAX_SIZE);
     if (file != NULL) {
-        const size_t size = fread(bytes, 1, LARGEST, file);
+        const size_t size = fread(bytes, 1, MAX_SIZE, file);
         fclose(file);
         LLVMFuzzerTestOneInput(bytes, size);
     } else {

@@ -14,9 +14,9 @@ static int32_t bin_start(int32_t count, int32_t bin) {
     return scaled <= 0 ? -(-scaled / 32) : (scaled + 31) / 32;
 }
 
-/* The ends are neighbours. */
-static void learn_bin(oracle_model *directions, uint32_t bin) {
-    oracle_model_learn(directions, bin);
+/* Bins 0 and 15 are neighbours. */
+static void update_bin(oracle_model *directions, uint32_t bin) {
+    oracle_model_update(directions, bin);
     if (bin == 0)
         oracle_model_add(directions, 15, 6);
     if (bin == 15)
@@ -33,7 +33,7 @@ static uint32_t read_angle(oracle_decoder *decoder, oracle_model *directions, in
     const int32_t bin = (int32_t)oracle_symbol(decoder, f, BINS);
     const int32_t codes = bin_start(count, bin + 1) - bin_start(count, bin);
     const int32_t within = (int32_t)oracle_uniform(decoder, (uint32_t)codes);
-    learn_bin(directions, (uint32_t)bin);
+    update_bin(directions, (uint32_t)bin);
     return (uint32_t)((bin_start(count, bin) + within + count) % count);
 }
 
@@ -97,8 +97,8 @@ static int32_t read_chroma_code(oracle_decoder *decoder, chroma_channel *channel
     uint64_t weight = channel->weight;
     weight = weight * a * 65536 / (weight * a + (65536 - weight) * b);
     channel->weight = weight < 2048 ? 2048 : weight > 63488 ? 63488 : weight;
-    oracle_model_learn(&channel->plain, i);
-    oracle_model_learn(&channel->residual, (uint32_t)(levels - around) + i);
+    oracle_model_update(&channel->plain, i);
+    oracle_model_update(&channel->residual, (uint32_t)(levels - around) + i);
     return (int32_t)i - levels;
 }
 
@@ -156,7 +156,7 @@ static void read_texture(oracle_decoder *decoder, attribute_coder *coder, oracle
     splat->amplitude = 1 + oracle_model_decode(&coder->amplitude, decoder);
     splat->wave = oracle_model_decode(&coder->wave, decoder);
     splat->wave_direction = oracle_symbol(decoder, coder->wave_direction.f, BINS);
-    learn_bin(&coder->wave_direction, splat->wave_direction);
+    update_bin(&coder->wave_direction, splat->wave_direction);
     splat->phase = oracle_uniform(decoder, 8);
 }
 

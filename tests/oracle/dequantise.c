@@ -1,4 +1,4 @@
-/* "Dequantisation" and the limit on the work that a file asks for. */
+/* "Dequantisation" and "Limits". */
 #include <math.h>
 
 #include "parts.h"

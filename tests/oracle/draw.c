@@ -14,7 +14,7 @@ static double splat_value(const oracle_splat *splat, double x, double y) {
     return fmax(0.0, exp(-q) - exp(-7.0));
 }
 
-/* Puts one more splat on a pixel.  `weight` is the sum of the normalized blend's weights so far. */
+/* Blends one more splat into a pixel.  `weight` is the sum of the weights so far, of the normalized blend. */
 static void blend_splat(oracle_blend blend, const double *colour, double strength, uint32_t channels, double *value,
                         double *weight) {
     const double a = fmin(strength, 0.999);
@@ -44,8 +44,8 @@ static void span(double at, double reach, uint32_t size, uint32_t *first, uint32
     *end = (uint32_t)fmin(fmax(ceil(at + reach + 1.0), 0.0), size);
 }
 
-static void draw_splat(const oracle_picture *picture, const oracle_splat *splat, double *values, double *weights) {
-    const oracle_header *header = &picture->header;
+static void draw_splat(const oracle_image *image, const oracle_splat *splat, double *values, double *weights) {
+    const oracle_header *header = &image->header;
     const double reach = sqrt(14.0) * fmax(splat->s1, splat->s2);
     uint32_t left, right, top, bottom;
     span(splat->x, reach, header->width, &left, &right);
@@ -64,18 +64,18 @@ static void draw_splat(const oracle_picture *picture, const oracle_splat *splat,
     }
 }
 
-void oracle_draw(const oracle_picture *picture, double *values, double *weights) {
-    const oracle_header *header = &picture->header;
+void oracle_draw(const oracle_image *image, double *values, double *weights) {
+    const oracle_header *header = &image->header;
     const size_t pixels = (size_t)header->width * header->height;
     const bool normalized = header->blend == ORACLE_NORMALIZED;
     const double e = 1.0 / 1024.0;
     for (size_t i = 0; i < pixels; i++) {
         weights[i] = e;
         for (uint32_t c = 0; c < header->channels; c++)
-            values[i * header->channels + c] = picture->background[c] * (normalized ? e : 1.0);
+            values[i * header->channels + c] = image->background[c] * (normalized ? e : 1.0);
     }
     for (uint32_t i = 0; i < header->splats; i++)
-        draw_splat(picture, &picture->splats[i], values, weights);
+        draw_splat(image, &image->splats[i], values, weights);
     for (size_t i = 0; normalized && i < pixels; i++) {
         for (uint32_t c = 0; c < header->channels; c++)
             values[i * header->channels + c] /= weights[i];
@@ -86,20 +86,20 @@ static double clamp(double value, double high) {
     return fmin(fmax(value, 0.0), high);
 }
 
-void oracle_output(const oracle_picture *picture, const double *values, double *pixels) {
-    const oracle_header *header = &picture->header;
+void oracle_output(const oracle_image *image, const double *values, double *pixels) {
+    const oracle_header *header = &image->header;
     const size_t count = (size_t)header->width * header->height;
-    const bool alpha_wanted = header->layout & 1;
+    const bool has_alpha_sample = header->layout & 1;
     const uint32_t colours = header->layout >= 2 ? 3 : 1;
     for (size_t i = 0; i < count; i++) {
         const double *coded = &values[i * header->channels];
-        double *out = &pixels[i * (colours + (alpha_wanted ? 1 : 0))];
+        double *out = &pixels[i * (colours + (has_alpha_sample ? 1 : 0))];
         const double alpha = header->has_alpha ? clamp(coded[header->colours], 1.0) : 1.0;
         for (uint32_t c = 0; c < colours; c++) {
             const double colour = clamp(coded[header->has_chroma ? c : 0], alpha);
             out[c] = alpha > 0.0 ? colour / alpha : 0.0;
         }
-        if (alpha_wanted)
+        if (has_alpha_sample)
             out[colours] = alpha;
     }
 }

@@ -1,8 +1,8 @@
-/* "Adaptive models" and "Urn splits". */
+/* "Adaptive models" and "Count splits". */
 #include "parts.h"
 
 typedef struct {
-    uint32_t base, height, width, gain[3], memory;
+    uint32_t base, height, width, gain[3], mean_limit;
 } model_shape;
 
 static const model_shape shapes[] = {
@@ -24,7 +24,7 @@ void oracle_model_init(oracle_model *model, oracle_model_kind kind, uint32_t cou
     const model_shape *shape = &shapes[kind];
     const int64_t square = (int64_t)shape->width * shape->width;
     model->count = count;
-    model->limit = count * shape->memory < 32000 ? count * shape->memory : 32000;
+    model->limit = count * shape->mean_limit < 32000 ? count * shape->mean_limit : 32000;
     for (int i = 0; i < 3; i++)
         model->gain[i] = shape->gain[i];
     for (uint32_t i = 0; i < count; i++) {
@@ -45,7 +45,7 @@ void oracle_model_add(oracle_model *model, int64_t symbol, uint32_t amount) {
         model->f[symbol] += amount;
 }
 
-void oracle_model_learn(oracle_model *model, uint32_t symbol) {
+void oracle_model_update(oracle_model *model, uint32_t symbol) {
     oracle_model_add(model, symbol, model->gain[0]);
     for (int64_t away = 1; away <= 2; away++) {
         oracle_model_add(model, symbol - away, model->gain[away]);
@@ -59,65 +59,65 @@ void oracle_model_learn(oracle_model *model, uint32_t symbol) {
 
 uint32_t oracle_model_decode(oracle_model *model, oracle_decoder *decoder) {
     const uint32_t symbol = oracle_symbol(decoder, model->f, model->count);
-    oracle_model_learn(model, symbol);
+    oracle_model_update(model, symbol);
     return symbol;
 }
 
-/* ---- Urns ---- */
+/* ---- Count splits ---- */
 
-#define MAX_URN 255
+#define MAX_TABLE 255
 
 typedef struct {
     int64_t m, left, right;
-} urn;
+} distribution;
 
-static uint64_t rise(const urn *u, int64_t k) {
-    return (uint64_t)((u->m - k) * (u->left + 64 * k));
+static uint64_t numerator(const distribution *d, int64_t k) {
+    return (uint64_t)((d->m - k) * (d->left + 64 * k));
 }
 
-static uint64_t fall(const urn *u, int64_t k) {
-    return (uint64_t)((k + 1) * (u->right + 64 * (u->m - 1 - k)));
+static uint64_t denominator(const distribution *d, int64_t k) {
+    return (uint64_t)((k + 1) * (d->right + 64 * (d->m - 1 - k)));
 }
 
-static int64_t likeliest(const urn *u) {
-    const int64_t excess = u->m * (u->left - 64) - (u->right - 64);
-    const int64_t slope = u->left - 64 + u->right - 64;
+static int64_t mode_of(const distribution *d) {
+    const int64_t excess = d->m * (d->left - 64) - (d->right - 64);
+    const int64_t slope = d->left - 64 + d->right - 64;
     if (excess <= 0)
         return 0;
-    if (slope <= 0 || excess >= u->m * slope)
-        return u->m;
+    if (slope <= 0 || excess >= d->m * slope)
+        return d->m;
     return (excess + slope - 1) / slope;
 }
 
-static void urn_frequencies(const urn *u, uint32_t *f) {
-    uint64_t w[MAX_URN + 1], sum = 0;
-    const int64_t peak = likeliest(u);
-    w[peak] = (uint64_t)1 << 32;
-    for (int64_t k = peak; k < u->m; k++)
-        w[k + 1] = w[k] * rise(u, k) / fall(u, k);
-    for (int64_t k = peak; k > 0; k--)
-        w[k - 1] = w[k] * fall(u, k - 1) / rise(u, k - 1);
-    for (int64_t k = 0; k <= u->m; k++)
+static void split_frequencies(const distribution *d, uint32_t *f) {
+    uint64_t w[MAX_TABLE + 1], sum = 0;
+    const int64_t mode = mode_of(d);
+    w[mode] = (uint64_t)1 << 32;
+    for (int64_t k = mode; k < d->m; k++)
+        w[k + 1] = w[k] * numerator(d, k) / denominator(d, k);
+    for (int64_t k = mode; k > 0; k--)
+        w[k - 1] = w[k] * denominator(d, k - 1) / numerator(d, k - 1);
+    for (int64_t k = 0; k <= d->m; k++)
         sum += w[k];
-    for (int64_t k = 0; k <= u->m; k++)
-        f[k] = (uint32_t)(1 + w[k] * (uint64_t)(65535 - u->m) / sum);
+    for (int64_t k = 0; k <= d->m; k++)
+        f[k] = (uint32_t)(1 + w[k] * (uint64_t)(65535 - d->m) / sum);
 }
 
-uint32_t oracle_urn(oracle_decoder *decoder, uint32_t n, uint64_t left_balls, uint64_t right_balls) {
+uint32_t oracle_count_split(oracle_decoder *decoder, uint32_t n, uint64_t left_weight, uint64_t right_weight) {
     uint32_t shift = 0;
-    while (n >> shift > MAX_URN)
+    while (n >> shift > MAX_TABLE)
         shift++;
-    while (left_balls > 65535 || right_balls > 65535) {
-        left_balls = (left_balls + 1) / 2;
-        right_balls = (right_balls + 1) / 2;
+    while (left_weight > 65535 || right_weight > 65535) {
+        left_weight = (left_weight + 1) / 2;
+        right_weight = (right_weight + 1) / 2;
     }
-    const urn u = {n >> shift, (int64_t)left_balls, (int64_t)right_balls};
-    uint32_t f[MAX_URN + 1];
-    urn_frequencies(&u, f);
-    uint32_t left = oracle_symbol(decoder, f, (uint32_t)u.m + 1) << shift;
+    const distribution d = {n >> shift, (int64_t)left_weight, (int64_t)right_weight};
+    uint32_t f[MAX_TABLE + 1];
+    split_frequencies(&d, f);
+    uint32_t left = oracle_symbol(decoder, f, (uint32_t)d.m + 1) << shift;
     if (shift > 0) {
-        const uint32_t rest = n - left + 1;
-        left += oracle_uniform(decoder, rest < 1u << shift ? rest : 1u << shift);
+        const uint32_t available = n - left + 1;
+        left += oracle_uniform(decoder, available < 1u << shift ? available : 1u << shift);
     }
     return left;
 }

@@ -1,5 +1,6 @@
-/* A second decoder of gscl files: written from format/FORMAT.md alone, in double precision, slow and plain, laid out as
- * the specification is.  It shares no code with the library, so that each can be held against the other. */
+/* A second decoder of gscl files, written from format/FORMAT.md alone, in double precision and without optimisation.  Its
+ * parts follow the sections of the specification.  It shares no code with the library, so that each can be compared with
+ * the other. */
 #ifndef GSCL_ORACLE_H
 #define GSCL_ORACLE_H
 
@@ -47,24 +48,24 @@ typedef struct {
     oracle_splat *splats; /* header.splats of them, in stored order */
     uint32_t samples;     /* of a pixel of the output: 1 to 4, by the layout */
     double *pixels;       /* the output, width * height * samples, within 0..1, not rounded */
-} oracle_picture;
+} oracle_image;
 
-/* Reads and draws a file.  The picture must be freed, whatever the result is. */
-oracle_result oracle_decode(const uint8_t *bytes, size_t size, oracle_picture *picture);
+/* Reads and draws a file.  The image must be freed, whatever the result is. */
+oracle_result oracle_decode(const uint8_t *bytes, size_t size, oracle_image *image);
 
-/* Reads a file, and draws nothing: `pixels` stays NULL. */
-oracle_result oracle_read(const uint8_t *bytes, size_t size, oracle_picture *picture);
+/* Reads a file without drawing it: `pixels` stays NULL. */
+oracle_result oracle_read(const uint8_t *bytes, size_t size, oracle_image *image);
 
-/* The coded channels of every pixel, before clamping: width * height * channels values.  `weights` is scratch of
- * width * height values. */
-void oracle_draw(const oracle_picture *picture, double *values, double *weights);
+/* Computes the coded channels of every pixel, before clamping: width * height * channels values.  `weights` is working
+ * memory of width * height values. */
+void oracle_draw(const oracle_image *image, double *values, double *weights);
 
-/* Clamps the coded channels and makes the layout's samples of them. */
-void oracle_output(const oracle_picture *picture, const double *values, double *pixels);
+/* Clamps the coded channels and converts them to the samples of the layout. */
+void oracle_output(const oracle_image *image, const double *values, double *pixels);
 
 /* A sample of the output, rounded: `peak` is 255 or 65535. */
 uint32_t oracle_round(double sample, uint32_t peak);
 
-void oracle_free(oracle_picture *picture);
+void oracle_free(oracle_image *image);
 
 #endif

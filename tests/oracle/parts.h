@@ -1,4 +1,4 @@
-/* The parts of the oracle, in the order of the specification's sections. */
+/* The parts of the oracle, in the order of the sections of FORMAT.md. */
 #ifndef GSCL_ORACLE_PARTS_H
 #define GSCL_ORACLE_PARTS_H
 
@@ -10,7 +10,7 @@
 
 /* ---- Header (header.c) ---- */
 
-/* The header's fields and the checksum that it states. */
+/* Reads the fields and the stored checksum. */
 oracle_result oracle_read_header(const uint8_t *bytes, size_t size, oracle_header *header, uint32_t *checksum);
 uint32_t oracle_checksum(const uint8_t *bytes, size_t size, size_t header_bytes);
 
@@ -20,19 +20,19 @@ typedef struct {
     const uint8_t *bytes;
     size_t size, consumed;
     uint32_t range, code;
-    bool corrupt; /* a value that is not allowed has been met */
+    bool corrupt; /* a value that is not allowed has been decoded */
 } oracle_decoder;
 
 void oracle_decoder_start(oracle_decoder *decoder, const uint8_t *bytes, size_t size);
-/* More than three bytes beyond the end were wanted. */
+/* Whether more than three bytes beyond the end were read. */
 bool oracle_decoder_overrun(const oracle_decoder *decoder);
-/* Nothing sensible can follow. */
+/* Whether decoding has failed and can stop. */
 bool oracle_decoder_failed(const oracle_decoder *decoder);
 uint32_t oracle_symbol(oracle_decoder *decoder, const uint32_t *frequencies, uint32_t count);
 uint32_t oracle_uniform(oracle_decoder *decoder, uint32_t n);
 uint32_t oracle_raw(oracle_decoder *decoder, uint32_t bits);
 
-/* ---- Adaptive models and urn splits (models.c) ---- */
+/* ---- Adaptive models and count splits (models.c) ---- */
 
 typedef enum {
     ORACLE_MODEL_ASPECT,
@@ -57,9 +57,9 @@ typedef struct {
 
 void oracle_model_init(oracle_model *model, oracle_model_kind kind, uint32_t count, uint32_t centre);
 void oracle_model_add(oracle_model *model, int64_t symbol, uint32_t amount);
-void oracle_model_learn(oracle_model *model, uint32_t symbol);
+void oracle_model_update(oracle_model *model, uint32_t symbol);
 uint32_t oracle_model_decode(oracle_model *model, oracle_decoder *decoder);
-uint32_t oracle_urn(oracle_decoder *decoder, uint32_t n, uint64_t left_balls, uint64_t right_balls);
+uint32_t oracle_count_split(oracle_decoder *decoder, uint32_t n, uint64_t left_weight, uint64_t right_weight);
 
 /* ---- Set coding (sets.c) ---- */
 
@@ -72,11 +72,11 @@ typedef struct {
     uint32_t x, y;
 } oracle_cell;
 
-/* `counts` has room for every class. */
+/* Reads the number of splats of each class into `counts`. */
 void oracle_class_counts(oracle_decoder *decoder, uint32_t classes, uint32_t n, uint32_t *counts);
-/* One set of n points without priors. */
+/* Reads one set of n points without priors. */
 void oracle_points(oracle_decoder *decoder, const oracle_grid *grid, uint32_t n, oracle_cell *cells);
-/* The points of all classes in turn, each with its priors. */
+/* Reads the points of all classes in turn, each with its priors.  False: out of memory. */
 bool oracle_positions(oracle_decoder *decoder, uint32_t classes, const uint32_t *counts, const oracle_grid *grids,
                       oracle_cell *cells);
 
@@ -97,7 +97,7 @@ typedef struct {
     oracle_codebook shapes, colours;
 } oracle_codebooks;
 
-/* What is stored of a splat. */
+/* The codes of a splat. */
 typedef struct {
     oracle_cell cell;
     uint32_t class;
@@ -116,12 +116,12 @@ typedef struct {
     oracle_codes *splats;
 } oracle_payload;
 
-/* False: no memory.  Everything else that can go wrong is told by the decoder. */
+/* Both return false when memory runs out.  All other errors are in the state of the decoder. */
 bool oracle_read_payload(oracle_payload *payload);
 bool oracle_read_attributes(oracle_payload *payload);
 void oracle_read_codebooks(oracle_decoder *decoder, const oracle_header *header, oracle_codebooks *books);
 
-/* ---- Dequantisation (dequantise.c) and limits (limits.c) ---- */
+/* ---- Dequantisation and limits (dequantise.c) ---- */
 
 uint64_t oracle_sigma(const oracle_steps *steps, uint32_t code);
 uint32_t oracle_step(const oracle_steps *steps, uint32_t minor);

@@ -13,7 +13,7 @@ static void split_counts(oracle_decoder *decoder, uint32_t *counts, uint32_t cla
     if (n == 0 || oracle_decoder_failed(decoder))
         return;
     const uint32_t half = classes / 2;
-    const uint32_t left = oracle_urn(decoder, n, half * 128, (classes - half) * 128);
+    const uint32_t left = oracle_count_split(decoder, n, half * 128, (classes - half) * 128);
     split_counts(decoder, counts, half, left);
     split_counts(decoder, counts + half, classes - half, n - left);
 }
@@ -32,20 +32,20 @@ typedef struct {
     uint64_t axis[2];
 } place;
 
-/* Where the points of a class go, and its grid. */
+/* The destination of the points of a class, and the pitches of its grid. */
 typedef struct {
     oracle_decoder *decoder;
     uint64_t pitch[2];
     oracle_cell *next;
 } walk;
 
-/* In cells: axis 0 is x. */
+/* In cells; axis 0 is x. */
 typedef struct {
     uint32_t start[2], size[2];
 } rectangle;
 
-/* Priors below `border` come first; how many they are. */
-static uint32_t part_priors(place *priors, uint32_t count, int axis, uint64_t border) {
+/* Moves the priors below `border` to the front and returns their number. */
+static uint32_t partition_priors(place *priors, uint32_t count, int axis, uint64_t border) {
     uint32_t below = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (priors[i].axis[axis] < border) {
@@ -71,20 +71,20 @@ static void points(walk *way, rectangle in, uint32_t n, place *priors, uint32_t 
     const uint64_t size = in.size[axis], half = size / 2;
     const bool wide = in.size[0] > 128 || in.size[1] > 128;
 
-    uint64_t left_balls, right_balls;
+    uint64_t left_weight, right_weight;
     uint32_t below = 0;
     if (wide) {
-        below = part_priors(priors, prior_count, axis, 2 * (in.start[axis] + half) * way->pitch[axis]);
-        left_balls = 192 * half / size;
-        right_balls = 192 - left_balls;
-        left_balls += 16 * (uint64_t)below;
-        right_balls += 16 * (uint64_t)(prior_count - below);
+        below = partition_priors(priors, prior_count, axis, 2 * (in.start[axis] + half) * way->pitch[axis]);
+        left_weight = 192 * half / size;
+        right_weight = 192 - left_weight;
+        left_weight += 16 * (uint64_t)below;
+        right_weight += 16 * (uint64_t)(prior_count - below);
     } else {
-        left_balls = 1024 * half / size;
-        right_balls = 1024 - left_balls;
+        left_weight = 1024 * half / size;
+        right_weight = 1024 - left_weight;
         prior_count = 0;
     }
-    const uint32_t left = oracle_urn(way->decoder, n, left_balls, right_balls);
+    const uint32_t left = oracle_count_split(way->decoder, n, left_weight, right_weight);
 
     rectangle first = in, second = in;
     first.size[axis] = (uint32_t)half;
@@ -105,20 +105,20 @@ void oracle_points(oracle_decoder *decoder, const oracle_grid *grid, uint32_t n,
     class_points(decoder, grid, n, cells, NULL, 0);
 }
 
-/* The splats of the classes before this one, the nearest class first; `end` is the first cell of this class. */
-static uint32_t gather_priors(uint32_t class, const uint32_t *counts, const oracle_grid *grids, const oracle_cell *end,
-                              place *priors) {
-    uint32_t gathered = 0;
+/* Lists the splats of the classes before this one, the nearest class first.  `end` is the first cell of this class. */
+static uint32_t list_priors(uint32_t class, const uint32_t *counts, const oracle_grid *grids, const oracle_cell *end,
+                            place *priors) {
+    uint32_t listed = 0;
     while (class -- > 0) {
-        if (gathered + counts[class] > MAX_PRIORS)
+        if (listed + counts[class] > MAX_PRIORS)
             break;
         for (uint32_t i = 0; i < counts[class]; i++) {
             end--;
-            priors[gathered++] = (place){
+            priors[listed++] = (place){
                 {(2 * (uint64_t)end->x + 1) * grids[class].pitch_x, (2 * (uint64_t)end->y + 1) * grids[class].pitch_y}};
         }
     }
-    return gathered;
+    return listed;
 }
 
 bool oracle_positions(oracle_decoder *decoder, uint32_t classes, const uint32_t *counts, const oracle_grid *grids,
@@ -129,7 +129,7 @@ bool oracle_positions(oracle_decoder *decoder, uint32_t classes, const uint32_t 
     for (uint32_t class = 0; class < classes && !oracle_decoder_failed(decoder); class ++) {
         if (counts[class] == 0)
             continue;
-        const uint32_t prior_count = gather_priors(class, counts, grids, cells, priors);
+        const uint32_t prior_count = list_priors(class, counts, grids, cells, priors);
         class_points(decoder, &grids[class], counts[class], cells, priors, prior_count);
         cells += counts[class];
     }

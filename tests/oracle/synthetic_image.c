@@ -25,8 +25,8 @@ static double shapes(double u, double v, uint32_t c) {
     return 0.2 + 0.3 * v;
 }
 
-/* Texture of several scales that more splats always show better. */
-static double busy(uint32_t x, uint32_t y, uint32_t c) {
+/* Texture of several scales: the error falls with every further splat. */
+static double texture(uint32_t x, uint32_t y, uint32_t c) {
     const double a = noise(x / 13, y / 11, c), b = noise(x / 5, y / 5, c + 7), d = noise(x / 2, y / 2, 23);
     return 0.5 * a + 0.3 * b + 0.2 * d;
 }
@@ -40,14 +40,14 @@ static double colour(synthetic_image_kind kind, uint32_t x, uint32_t y, uint32_t
     case SYNTHETIC_SHAPES:
         return shapes(u, v, c);
     case SYNTHETIC_TEXTURE:
-        return busy(x, y, c);
+        return texture(x, y, c);
     case SYNTHETIC_FLAT:
         break;
     }
     return 0.2 * (c + 1);
 }
 
-/* Opaque in the middle, clear at the corners. */
+/* Opaque in the middle, transparent at the corners. */
 static double opacity(synthetic_image_kind kind, double u, double v) {
     if (kind == SYNTHETIC_FLAT)
         return 0.6;

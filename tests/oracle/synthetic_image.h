@@ -1,4 +1,4 @@
-/* Small synthetic pictures for tests. */
+/* Small synthetic images for tests. */
 #ifndef GSCL_SYNTHETIC_IMAGE_H
 #define GSCL_SYNTHETIC_IMAGE_H
 
@@ -12,7 +12,7 @@ typedef enum {
     SYNTHETIC_TEXTURE
 } synthetic_image_kind;
 
-/* An image with packed rows; NULL pixels when there is no memory.  Samples are U8, U16 or F32.  Released with
+/* An image with packed rows; NULL pixels when memory runs out.  Samples are U8, U16 or F32.  Released with
  * synthetic_image_free. */
 gscl_image synthetic_image(synthetic_image_kind kind, uint32_t width, uint32_t height, uint32_t channels,
                            gscl_sample sample);

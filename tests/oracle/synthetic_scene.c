@@ -22,13 +22,13 @@ synthetic_scene *synthetic_scene_new(const gsf_header *header) {
     synthetic_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return NULL;
-    gsf_coded_image *picture = &scene->picture;
-    picture->header = *header;
-    picture->splats = calloc(header->splat_count + 1, sizeof *picture->splats);
-    picture->indexed = calloc(header->splat_count + 1, sizeof *picture->indexed);
-    picture->codebooks.shape_words = scene->shape_words;
-    picture->codebooks.colour_words = scene->colour_words;
-    if (!picture->splats || !picture->indexed) {
+    gsf_coded_image *image = &scene->image;
+    image->header = *header;
+    image->splats = calloc(header->splat_count + 1, sizeof *image->splats);
+    image->indexed = calloc(header->splat_count + 1, sizeof *image->indexed);
+    image->codebooks.shape_words = scene->shape_words;
+    image->codebooks.colour_words = scene->colour_words;
+    if (!image->splats || !image->indexed) {
         synthetic_scene_free(scene);
         return NULL;
     }
@@ -38,18 +38,18 @@ synthetic_scene *synthetic_scene_new(const gsf_header *header) {
 void synthetic_scene_free(synthetic_scene *scene) {
     if (!scene)
         return;
-    free(scene->picture.splats);
-    free(scene->picture.indexed);
+    free(scene->image.splats);
+    free(scene->image.indexed);
     free(scene);
 }
 
 gsf_result synthetic_scene_write(synthetic_scene *scene, uint8_t **bytes, size_t *size) {
-    const size_t capacity = gsf_write_bound(&scene->picture);
-    void *scratch = malloc(gsf_scratch_size(&scene->picture.header));
+    const size_t capacity = gsf_write_bound(&scene->image);
+    void *scratch = malloc(gsf_scratch_size(&scene->image.header));
     *bytes = malloc(capacity);
     gsf_result result = GSF_NO_SPACE;
     if (scratch && *bytes)
-        result = gsf_write(&scene->picture, *bytes, capacity, size, scratch);
+        result = gsf_write(&scene->image, *bytes, capacity, size, scratch);
     free(scratch);
     return result;
 }
@@ -72,57 +72,56 @@ gsf_header synthetic_header(int number, gsf_coding coding) {
                         .splat_count = synthetic_random(150)};
 }
 
-void synthetic_background(gsf_coded_image *picture) {
+void synthetic_background(gsf_coded_image *image) {
     for (int i = 0; i < GSF_MAX_CHANNELS; i++)
-        picture->background[i] = (uint16_t)synthetic_random(picture->header.high_bit_depth ? 65536 : 256);
+        image->background[i] = (uint16_t)synthetic_random(image->header.high_bit_depth ? 65536 : 256);
 }
 
-void synthetic_steps(gsf_coded_image *picture) {
-    uint8_t *steps[7] = {&picture->steps.scale,  &picture->steps.position, &picture->steps.angle,  &picture->steps.luma,
-                         &picture->steps.chroma, &picture->steps.alpha,    &picture->steps.opacity};
+void synthetic_steps(gsf_coded_image *image) {
+    uint8_t *steps[7] = {&image->steps.scale,  &image->steps.position, &image->steps.angle,  &image->steps.luma,
+                         &image->steps.chroma, &image->steps.alpha,    &image->steps.opacity};
     for (int i = 0; i < 7; i++)
         *steps[i] = (uint8_t)synthetic_random(16);
-    if (!picture->header.has_rotation)
-        picture->steps.angle = 0;
+    if (!image->header.has_rotation)
+        image->steps.angle = 0;
 }
 
-void synthetic_colour(const gsf_coded_image *picture, gsf_splat *splat) {
+void synthetic_colour(const gsf_coded_image *image, gsf_splat *splat) {
     int min, max;
-    gsf_luma_range(picture->header.blend, picture->steps.luma, &min, &max);
+    gsf_luma_range(image->header.blend, image->steps.luma, &min, &max);
     splat->luma = (int16_t)between(min, max);
-    gsf_luma_range(picture->header.blend, picture->steps.alpha, &min, &max);
+    gsf_luma_range(image->header.blend, image->steps.alpha, &min, &max);
     splat->alpha = (int16_t)between(min, max);
-    gsf_chroma_range(picture->steps.chroma, &min, &max);
+    gsf_chroma_range(image->steps.chroma, &min, &max);
     splat->co = (int16_t)between(min, max);
     splat->cg = (int16_t)between(min, max);
-    splat->opacity = (uint16_t)synthetic_random(picture->steps.opacity + 1u);
+    splat->opacity = (uint16_t)synthetic_random(image->steps.opacity + 1u);
     splat->texture = (gsf_texture){0};
-    if (picture->header.has_texture && synthetic_random(2))
+    if (image->header.has_texture && synthetic_random(2))
         splat->texture = (gsf_texture){.wave = (uint8_t)synthetic_random(GSF_WAVES),
                                        .direction = (uint8_t)synthetic_random(GSF_DIRECTIONS),
                                        .phase = (uint8_t)synthetic_random(GSF_PHASES),
                                        .amplitude = (uint8_t)(1 + synthetic_random(GSF_AMPLITUDES))};
 }
 
-void synthetic_splat(const gsf_coded_image *picture, gsf_splat *splat, unsigned minor, unsigned aspect) {
+void synthetic_splat(const gsf_coded_image *image, gsf_splat *splat, unsigned minor, unsigned aspect) {
     splat->minor = (uint16_t)minor;
     splat->aspect = (uint16_t)aspect;
-    splat->angle =
-        picture->header.has_rotation ? (uint16_t)synthetic_random(gsf_angle_count(&picture->steps, aspect)) : 0;
-    splat->x = synthetic_random(gsf_position_cells(&picture->steps, minor, picture->header.width));
-    splat->y = synthetic_random(gsf_position_cells(&picture->steps, minor, picture->header.height));
-    synthetic_colour(picture, splat);
+    splat->angle = image->header.has_rotation ? (uint16_t)synthetic_random(gsf_angle_count(&image->steps, aspect)) : 0;
+    splat->x = synthetic_random(gsf_position_cells(&image->steps, minor, image->header.width));
+    splat->y = synthetic_random(gsf_position_cells(&image->steps, minor, image->header.height));
+    synthetic_colour(image, splat);
 }
 
-static uint32_t cell_at(const gsf_coded_image *picture, unsigned minor, double place, uint32_t dimension) {
-    const uint32_t cells = gsf_position_cells(&picture->steps, minor, dimension);
-    const double cell = floor(place * 256.0 / gsf_position_step_q8(&picture->steps, minor));
+static uint32_t cell_at(const gsf_coded_image *image, unsigned minor, double place, uint32_t dimension) {
+    const uint32_t cells = gsf_position_cells(&image->steps, minor, dimension);
+    const double cell = floor(place * 256.0 / gsf_position_step_q8(&image->steps, minor));
     return cell < 0.0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
 }
 
-void synthetic_place_splat(const gsf_coded_image *picture, gsf_splat *splat, double x, double y) {
-    splat->x = cell_at(picture, splat->minor, x, picture->header.width);
-    splat->y = cell_at(picture, splat->minor, y, picture->header.height);
+void synthetic_place_splat(const gsf_coded_image *image, gsf_splat *splat, double x, double y) {
+    splat->x = cell_at(image, splat->minor, x, image->header.width);
+    splat->y = cell_at(image, splat->minor, y, image->header.height);
 }
 
 static int descending(const void *a, const void *b) {
@@ -133,7 +132,7 @@ static int ascending(const void *a, const void *b) {
     return descending(b, a);
 }
 
-static void any_words(gsf_codebooks *books) {
+static void random_words(gsf_codebooks *books) {
     for (uint32_t i = 0; i < books->shape_count; i++) {
         for (int d = 0; d < GSF_SHAPE_DIMS; d++)
             books->shape_words[i][d] = (uint16_t)synthetic_random(1u << books->shape_bits);
@@ -146,9 +145,9 @@ static void any_words(gsf_codebooks *books) {
     qsort(books->colour_words, books->colour_count, sizeof *books->colour_words, ascending);
 }
 
-void synthetic_codebooks(gsf_coded_image *picture, int32_t longest) {
-    gsf_codebooks *books = &picture->codebooks;
-    const unsigned channels = gsf_channel_count(&picture->header);
+void synthetic_codebooks(gsf_coded_image *image, int32_t longest) {
+    gsf_codebooks *books = &image->codebooks;
+    const unsigned channels = gsf_channel_count(&image->header);
     books->shape_count = (uint16_t)(1 + synthetic_random(40));
     books->colour_count = (uint16_t)(1 + synthetic_random(60));
     books->position_bits = (uint8_t)(1 + synthetic_random(16));
@@ -159,9 +158,9 @@ void synthetic_codebooks(gsf_coded_image *picture, int32_t longest) {
     for (unsigned i = 0; i < channels; i++)
         books->colour[i] = (gsf_range){between(-100, 0), between(200, 500)};
     books->colour[channels] = (gsf_range){0, 255};
-    any_words(books);
-    for (uint32_t i = 0; i < picture->header.splat_count; i++) {
-        gsf_indexed_splat *splat = &picture->indexed[i];
+    random_words(books);
+    for (uint32_t i = 0; i < image->header.splat_count; i++) {
+        gsf_indexed_splat *splat = &image->indexed[i];
         splat->shape = (uint16_t)synthetic_random(books->shape_count);
         splat->colour = (uint16_t)synthetic_random(books->colour_count);
         splat->x = (uint16_t)synthetic_random(1u << books->position_bits);

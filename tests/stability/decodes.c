@@ -5,7 +5,7 @@
 
 #include "oracle.h"
 
-static bool close_to(const oracle_picture *truth, const gscl_image *image, char *message, size_t room) {
+static bool close_to(const oracle_image *truth, const gscl_image *image, char *message, size_t room) {
     const bool high_bit_depth = image->sample == GSCL_SAMPLE_U16;
     const int allowed = high_bit_depth ? 257 : 1;
     for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; i++) {
@@ -20,7 +20,7 @@ static bool close_to(const oracle_picture *truth, const gscl_image *image, char 
 }
 
 bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t room) {
-    oracle_picture truth;
+    oracle_image truth;
     bool good = oracle_decode(bytes, size, &truth) == ORACLE_OK;
     if (!good)
         snprintf(message, room, "the second decoder refuses the file");

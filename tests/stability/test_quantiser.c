@@ -115,9 +115,9 @@ static synthetic_scene *codebook_scene(gsf_blend blend, uint8_t bits, bool wide)
     synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
     synthetic_random_state = 17;
-    synthetic_background(&s->picture);
-    synthetic_codebooks(&s->picture, 200);
-    gsf_codebooks *books = &s->picture.codebooks;
+    synthetic_background(&s->image);
+    synthetic_codebooks(&s->image, 200);
+    gsf_codebooks *books = &s->image.codebooks;
     books->position_bits = books->shape_bits = books->colour_bits = bits;
     for (int d = 0; d < GSF_MAX_COLOUR_DIMS; d++)
         books->colour[d] = wide ? (gsf_range){-255, 510} : (gsf_range){100, 100};
@@ -151,7 +151,7 @@ static void test_codebook_ends(void **state) {
         char name[80];
         uint8_t *bytes[2];
         size_t sizes[2];
-        use_ends(&s->picture);
+        use_ends(&s->image);
         snprintf(name, sizeof name, "codebooks, blend %d, %d bits, %s", i % 3, i / 3 % 2 ? 16 : 1,
                  i / 6 ? "the widest range" : "min = max");
         for (int k = 0; k < 2; k++)

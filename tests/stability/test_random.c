@@ -18,7 +18,7 @@
 
 #define SCENES 3000
 #define FEW_SCENES 24
-#define MOST_SPLATS 12
+#define MAX_SPLATS 12
 #define WHOLE 10    /* one scene in so many is also fitted and written */
 #define MOST_TOLD 5 /* failing seeds that are printed; all count */
 
@@ -92,7 +92,7 @@ static void any_scene(scene *s, uint32_t seed) {
     s->level = width >= 4 && height >= 4 && synthetic_random(4) == 0 ? 1 : 0;
     scene_resize(s, width, height);
     const double colours = synthetic_random(8) ? 1.5 : scene_log_uniform(1.0, 1e4);
-    for (uint32_t count = synthetic_random(MOST_SPLATS + 1); count > 0; count--) {
+    for (uint32_t count = synthetic_random(MAX_SPLATS + 1); count > 0; count--) {
         float *p = scene_add(s);
         p[GSCL_X] = any_place(width);
         p[GSCL_Y] = any_place(height);

@@ -96,7 +96,7 @@ static void test_reference_is_what_the_oracle_draws(void **state) {
     (void)state;
     static double planes[3 * WIDTH * HEIGHT];
     for (int i = 0; i < BLENDS; i++) {
-        oracle_picture picture;
+        oracle_image picture;
         double apart = 0;
         draw_reference(&files[i], true, planes);
         assert_int_equal(oracle_decode(files[i].bytes, files[i].size, &picture), ORACLE_OK);

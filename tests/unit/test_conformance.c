@@ -1,4 +1,4 @@
-/* The library's decoder, in both mappings, against the oracle: at most 1 of 255 apart at any pixel. */
+/* The library's decoder in both mappings against the oracle: samples differ by at most 1/255. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,26 +24,26 @@ static uint32_t integer_sample(const gscl_image *image, size_t index) {
                                            : ((const uint16_t *)image->pixels)[index];
 }
 
-/* Where two decodes are farthest apart. */
+/* The largest difference between two decodes. */
 typedef struct {
-    uint32_t apart;
+    uint32_t difference;
     size_t index;
     uint32_t values[2];
 } gap;
 
 static void widen(gap *widest, size_t index, uint32_t a, uint32_t b) {
-    const uint32_t apart = a > b ? a - b : b - a;
-    if (apart > widest->apart)
-        *widest = (gap){apart, index, {a, b}};
+    const uint32_t difference = a > b ? a - b : b - a;
+    if (difference > widest->difference)
+        *widest = (gap){difference, index, {a, b}};
 }
 
-static void check_gap(const char *name, const char *what, const gap *widest, uint32_t allowed) {
-    if (widest->apart > allowed)
-        fail_msg("%s: %s: sample %zu is %u and %u, at most %u apart expected", name, what, widest->index,
+static void check_gap(const char *name, const char *pair, const gap *widest, uint32_t allowed) {
+    if (widest->difference > allowed)
+        fail_msg("%s: %s: sample %zu is %u and %u, at most %u apart expected", name, pair, widest->index,
                  widest->values[0], widest->values[1], allowed);
 }
 
-static void check_header(const oracle_picture *truth, const gscl_image *image) {
+static void check_header(const oracle_image *truth, const gscl_image *image) {
     assert_int_equal(image->width, truth->header.width);
     assert_int_equal(image->height, truth->header.height);
     assert_int_equal(image->channels, truth->samples);
@@ -52,11 +52,11 @@ static void check_header(const oracle_picture *truth, const gscl_image *image) {
 
 /* Decodes the file three times and compares. */
 static void check_file(const char *name, const uint8_t *bytes, size_t size) {
-    oracle_picture truth;
+    oracle_image truth;
     gscl_image images[2] = {{0}, {0}};
     const oracle_result read = oracle_decode(bytes, size, &truth);
     if (read != ORACLE_OK)
-        fail_msg("%s: the oracle says %d", name, (int)read);
+        fail_msg("%s: the oracle returns %d", name, (int)read);
     for (int i = 0; i < 2; i++) {
         const gscl_result result = gscl_decode(contexts[i], bytes, size, NULL, &images[i]);
         if (result != GSCL_OK)
@@ -80,7 +80,7 @@ static void check_file(const char *name, const uint8_t *bytes, size_t size) {
     oracle_free(&truth);
 }
 
-/* ---- Encoded pictures ---- */
+/* ---- Encoded images ---- */
 
 typedef struct {
     synthetic_image_kind kind;
@@ -91,7 +91,7 @@ typedef struct {
     uint32_t splats;
 } encoding;
 
-static const char *const kind_names[] = {"gradient", "noise", "shapes", "flat", "busy"};
+static const char *const kind_names[] = {"gradient", "noise", "shapes", "flat", "texture"};
 static const char *const blend_names[] = {"auto", "normalized", "alpha", "sum"};
 
 static void check_encoding(const encoding *e) {
@@ -134,7 +134,7 @@ static void test_encoded_layouts(void **state) {
         for (uint32_t channels = 1; channels <= 4; channels++) {
             const gscl_sample sample = (channels + blend) % 2 ? GSCL_SAMPLE_U8 : GSCL_SAMPLE_U16;
             const encoding e = {SYNTHETIC_SHAPES, 40, 33, channels, sample, GSCL_PROFILE_DEFAULT, blend, 30};
-            if (channels == 4 || blend == blend_of[channels]) /* each build of the kernels takes its time */
+            if (channels == 4 || blend == blend_of[channels]) /* building the kernels for each combination is slow */
                 check_encoding(&e);
         }
     }
@@ -169,7 +169,7 @@ static void test_encoded_paper_profile(void **state) {
     }
 }
 
-/* ---- Pictures made by hand ---- */
+/* ---- Synthetic scenes ---- */
 
 /* Writes the scene, checks the file, and frees the scene. */
 static void check_scene(const char *name, synthetic_scene *s) {
@@ -177,7 +177,7 @@ static void check_scene(const char *name, synthetic_scene *s) {
     size_t size = 0;
     const gsf_result result = synthetic_scene_write(s, &bytes, &size);
     if (result != GSF_OK)
-        fail_msg("%s: gsf_write says %d", name, (int)result);
+        fail_msg("%s: gsf_write returns %d", name, (int)result);
     check_file(name, bytes, size);
     free(bytes);
     synthetic_scene_free(s);
@@ -196,7 +196,7 @@ static synthetic_scene *photo(uint32_t width, uint32_t height, gsf_blend blend, 
     synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
     synthetic_random_state = 31 * width + splats;
-    synthetic_background(&s->picture);
+    synthetic_background(&s->image);
     return s;
 }
 
@@ -207,9 +207,9 @@ static void test_needles(void **state) {
     for (int b = 0; b < 3; b++) {
         for (uint8_t scale = 0; scale < 16; scale += 5) {
             synthetic_scene *s = photo(90, 70, blends[b], 40);
-            s->picture.steps = (gsf_steps){.scale = scale, .luma = 10, .chroma = 8, .opacity = 15};
+            s->image.steps = (gsf_steps){.scale = scale, .luma = 10, .chroma = 8, .opacity = 15};
             for (uint32_t i = 0; i < 40; i++)
-                synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(4), 40 + synthetic_random(24));
+                synthetic_splat(&s->image, &s->image.splats[i], synthetic_random(4), 40 + synthetic_random(24));
             check_scene("needles", s);
         }
     }
@@ -219,12 +219,12 @@ static void test_needles_along_the_axes(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         synthetic_scene *s = photo(65, 65, blends[b], 32);
-        s->picture.steps = (gsf_steps){.scale = 12, .luma = 10, .chroma = 8};
+        s->image.steps = (gsf_steps){.scale = 12, .luma = 10, .chroma = 8};
         for (uint32_t i = 0; i < 32; i++) {
-            gsf_splat *splat = &s->picture.splats[i];
-            synthetic_splat(&s->picture, splat, 0, 63);
+            gsf_splat *splat = &s->image.splats[i];
+            synthetic_splat(&s->image, splat, 0, 63);
             splat->angle = (uint16_t)(i % 2 ? 256 : i % 4 ? 1 : 0);
-            synthetic_place_splat(&s->picture, splat, 2.0 * i + 0.5, 64.0 - 2.0 * i);
+            synthetic_place_splat(&s->image, splat, 2.0 * i + 0.5, 64.0 - 2.0 * i);
         }
         check_scene("needles along the axes", s);
     }
@@ -234,23 +234,23 @@ static void test_sub_pixel_axes(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         synthetic_scene *s = photo(50, 40, blends[b], 300);
-        s->picture.steps = (gsf_steps){.scale = 1, .luma = 15, .chroma = 15};
+        s->image.steps = (gsf_steps){.scale = 1, .luma = 15, .chroma = 15};
         for (uint32_t i = 0; i < 300; i++)
-            synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(3), synthetic_random(4));
+            synthetic_splat(&s->image, &s->image.splats[i], synthetic_random(3), synthetic_random(4));
         check_scene("sub-pixel axes", s);
     }
 }
 
-static void test_giants(void **state) {
+static void test_large_splats(void **state) {
     char name[64];
     (void)state;
     for (int b = 0; b < 3; b++) {
         for (uint8_t scale = 2; scale < 16; scale = (uint8_t)(scale + 13)) {
             synthetic_scene *s = photo(80, 60, blends[b], 60);
-            s->picture.steps = (gsf_steps){.scale = scale, .position = 15, .angle = 2, .luma = 13, .chroma = 9};
+            s->image.steps = (gsf_steps){.scale = scale, .position = 15, .angle = 2, .luma = 13, .chroma = 9};
             for (uint32_t i = 0; i < 60; i++)
-                synthetic_splat(&s->picture, &s->picture.splats[i], 40 + synthetic_random(24), synthetic_random(64));
-            snprintf(name, sizeof name, "giants of scale step %u, blend %d", scale, (int)blends[b]);
+                synthetic_splat(&s->image, &s->image.splats[i], 40 + synthetic_random(24), synthetic_random(64));
+            snprintf(name, sizeof name, "large splats of scale step %u, blend %d", scale, (int)blends[b]);
             check_scene(name, s);
         }
     }
@@ -260,32 +260,32 @@ static void test_corners_and_tile_borders(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         synthetic_scene *s = photo(64, 49, blends[b], 5 * 5 * 3 * 2);
-        s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8};
-        gsf_splat *splat = s->picture.splats;
+        s->image.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8};
+        gsf_splat *splat = s->image.splats;
         for (int i = 0; i < 5 * 5 * 3; i++) {
-            for (int nudge = 0; nudge < 2; nudge++, splat++) {
-                synthetic_splat(&s->picture, splat, i % 3 * 2u, synthetic_random(6));
-                synthetic_place_splat(&s->picture, splat, 16.0 * (i / 15) - nudge * 0.01,
-                                      16.0 * (i / 3 % 5) - nudge * 0.01);
+            for (int offset = 0; offset < 2; offset++, splat++) {
+                synthetic_splat(&s->image, splat, i % 3 * 2u, synthetic_random(6));
+                synthetic_place_splat(&s->image, splat, 16.0 * (i / 15) - offset * 0.01,
+                                      16.0 * (i / 3 % 5) - offset * 0.01);
             }
         }
         check_scene("corners and tile borders", s);
     }
 }
 
-static void test_stacks(void **state) {
+static void test_stacked_splats(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         for (int opaque = 0; opaque < 2; opaque++) {
             synthetic_scene *s = photo(48, 48, blends[b], 500);
-            s->picture.header.has_opacity = !opaque;
-            s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = 15};
+            s->image.header.has_opacity = !opaque;
+            s->image.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = 15};
             for (uint32_t i = 0; i < 500; i++) {
-                gsf_splat *splat = &s->picture.splats[i];
-                synthetic_splat(&s->picture, splat, 8 + synthetic_random(4), synthetic_random(8));
-                synthetic_place_splat(&s->picture, splat, 20.0 + synthetic_random(8), 20.0 + synthetic_random(8));
+                gsf_splat *splat = &s->image.splats[i];
+                synthetic_splat(&s->image, splat, 8 + synthetic_random(4), synthetic_random(8));
+                synthetic_place_splat(&s->image, splat, 20.0 + synthetic_random(8), 20.0 + synthetic_random(8));
             }
-            check_scene(opaque ? "opaque stack" : "stack", s);
+            check_scene(opaque ? "opaque stacked splats" : "stacked splats", s);
         }
     }
 }
@@ -295,27 +295,27 @@ static void test_opacity_extremes(void **state) {
     for (int b = 0; b < 3; b++) {
         for (uint8_t step = 0; step < 16; step += 5) {
             synthetic_scene *s = photo(40, 40, blends[b], 80);
-            s->picture.header.has_opacity = true;
-            s->picture.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = step};
+            s->image.header.has_opacity = true;
+            s->image.steps = (gsf_steps){.scale = 4, .luma = 12, .chroma = 8, .opacity = step};
             for (uint32_t i = 0; i < 80; i++) {
-                synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(14), synthetic_random(20));
-                s->picture.splats[i].opacity = i % 2 ? step : 0;
+                synthetic_splat(&s->image, &s->image.splats[i], synthetic_random(14), synthetic_random(20));
+                s->image.splats[i].opacity = i % 2 ? step : 0;
             }
             check_scene("opacity extremes", s);
         }
     }
 }
 
-/* Colours beyond what can be shown, which must not be clamped before they are blended. */
+/* Colours outside 0..1 must not be clamped before they are blended. */
 static void test_colours_out_of_range(void **state) {
     (void)state;
     for (int b = 0; b < 3; b++) {
         synthetic_scene *s = photo(40, 40, blends[b], 200);
-        s->picture.steps = (gsf_steps){.scale = 4, .luma = 15, .chroma = 15};
+        s->image.steps = (gsf_steps){.scale = 4, .luma = 15, .chroma = 15};
         for (uint32_t i = 0; i < 200; i++) {
-            gsf_splat *splat = &s->picture.splats[i];
+            gsf_splat *splat = &s->image.splats[i];
             int min, max;
-            synthetic_splat(&s->picture, splat, 2 + synthetic_random(16), synthetic_random(10));
+            synthetic_splat(&s->image, splat, 2 + synthetic_random(16), synthetic_random(10));
             gsf_luma_range(blends[b], 15, &min, &max);
             splat->luma = (int16_t)(i % 2 ? min : max);
             splat->co = (int16_t)(synthetic_random(2) ? 255 : -255);
@@ -325,35 +325,35 @@ static void test_colours_out_of_range(void **state) {
     }
 }
 
-static synthetic_scene *any_scalar_scene(int number) {
+static synthetic_scene *scalar_scene(int number) {
     const gsf_header header = synthetic_header(number, GSF_CODING_SCALAR);
     synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
-    synthetic_background(&s->picture);
-    synthetic_steps(&s->picture);
+    synthetic_background(&s->image);
+    synthetic_steps(&s->image);
     for (uint32_t i = 0; i < header.splat_count; i++)
-        synthetic_splat(&s->picture, &s->picture.splats[i], synthetic_random(20),
+        synthetic_splat(&s->image, &s->image.splats[i], synthetic_random(20),
                         header.has_anisotropy ? synthetic_random(24) : 0);
     return s;
 }
 
-static synthetic_scene *any_codebook_scene(int number) {
+static synthetic_scene *codebook_scene(int number) {
     static const int32_t longest[] = {128, 210, 310, 640};
     const gsf_header header = synthetic_header(number, GSF_CODING_CODEBOOK);
     synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
-    synthetic_background(&s->picture);
+    synthetic_background(&s->image);
     if (header.splat_count > 0)
-        synthetic_codebooks(&s->picture, longest[synthetic_random(4)]);
+        synthetic_codebooks(&s->image, longest[synthetic_random(4)]);
     return s;
 }
 
-static void test_any_scene(void **state) {
+static void test_random_scenes(void **state) {
     (void)state;
     synthetic_random_state = 2024;
     for (int number = 0; number < 48; number++) {
-        check_scene("any scalar scene", any_scalar_scene(number));
-        check_scene("any codebook scene", any_codebook_scene(number));
+        check_scene("scalar scene", scalar_scene(number));
+        check_scene("codebook scene", codebook_scene(number));
     }
 }
 
@@ -365,7 +365,7 @@ static void test_worked_example(void **state) {
     static const uint8_t bytes[] = {0x67, 0x73, 0x63, 0x01, 0x10, 0x19, 0x3F, 0x2F, 0x03, 0x48,
                                     0xEB, 0xED, 0x64, 0x96, 0xC8, 0x25, 0xD1, 0x84, 0x4B, 0x95,
                                     0x2A, 0x3C, 0x54, 0x3C, 0xD6, 0xA2, 0xF1, 0x92, 0x9D, 0x36};
-    oracle_picture truth;
+    oracle_image truth;
     assert_int_equal(oracle_read(bytes, sizeof bytes, &truth), ORACLE_OK);
     assert_int_equal(truth.header.width, 64);
     assert_int_equal(truth.header.height, 48);
@@ -399,7 +399,7 @@ static void check_splats(synthetic_scene *s) {
     uint8_t *bytes = NULL;
     size_t size = 0, count = 0;
     gscl_splat *splats = NULL;
-    oracle_picture truth;
+    oracle_image truth;
     assert_int_equal(synthetic_scene_write(s, &bytes, &size), GSF_OK);
     assert_int_equal(oracle_read(bytes, size, &truth), ORACLE_OK);
     assert_int_equal(gscl_read_splats(bytes, size, &splats, &count), GSCL_OK);
@@ -416,12 +416,12 @@ static void test_splats(void **state) {
     (void)state;
     synthetic_random_state = 7;
     for (int number = 0; number < 48; number++) {
-        check_splats(any_scalar_scene(number));
-        check_splats(any_codebook_scene(number));
+        check_splats(scalar_scene(number));
+        check_splats(codebook_scene(number));
     }
 }
 
-static gscl_result as_library(oracle_result result) {
+static gscl_result library_result(oracle_result result) {
     static const gscl_result results[] = {
         [ORACLE_OK] = GSCL_OK,
         [ORACLE_NOT_GSCL] = GSCL_ERROR_NOT_GSCL,
@@ -434,20 +434,20 @@ static gscl_result as_library(oracle_result result) {
     return results[result];
 }
 
-/* Both readers accept a file, or refuse it for the same reason. */
-static void check_verdict(const uint8_t *bytes, size_t size, size_t where, int what) {
-    oracle_picture truth;
+/* Both readers must accept a file or report the same error. */
+static void check_same_result(const uint8_t *bytes, size_t size, size_t position, int change) {
+    oracle_image truth;
     gscl_info info = {.struct_size = sizeof info};
-    const gscl_result expected = as_library(oracle_read(bytes, size, &truth));
+    const gscl_result expected = library_result(oracle_read(bytes, size, &truth));
     const gscl_result result = gscl_inspect(bytes, size, &info);
     oracle_free(&truth);
     if (result != expected)
-        fail_msg("byte %zu, change %d: %s; the oracle: %s", where, what, gscl_result_text(result),
+        fail_msg("byte %zu, change %d: %s; the oracle: %s", position, change, gscl_result_text(result),
                  gscl_result_text(expected));
 }
 
-/* A checksum that is right again, so that readers look at what follows. */
-static void mend_checksum(uint8_t *bytes, size_t size) {
+/* Makes the checksum match again, so that readers decode the payload. */
+static void repair_checksum(uint8_t *bytes, size_t size) {
     oracle_header header;
     uint32_t stated;
     if (oracle_read_header(bytes, size, &header, &stated) != ORACLE_OK)
@@ -457,23 +457,23 @@ static void mend_checksum(uint8_t *bytes, size_t size) {
         bytes[header.bytes - 3 + i] = (uint8_t)(crc >> (16 - 8 * i));
 }
 
-static void check_verdicts(synthetic_scene *s) {
+static void check_changed_files(synthetic_scene *s) {
     uint8_t *bytes = NULL;
     size_t size = 0;
     assert_int_equal(synthetic_scene_write(s, &bytes, &size), GSF_OK);
     uint8_t *changed = malloc(size);
     assert_non_null(changed);
     for (size_t i = 0; i < size; i++) {
-        check_verdict(bytes, i, i, -1);
+        check_same_result(bytes, i, i, -1);
         memcpy(changed, bytes, size);
-        mend_checksum(changed, i);
-        check_verdict(changed, i, i, -2);
+        repair_checksum(changed, i);
+        check_same_result(changed, i, i, -2);
         for (size_t bit = i < 12 ? 0 : i % 4; bit < 8; bit += i < 12 ? 1 : 4) {
             memcpy(changed, bytes, size);
             changed[i] ^= (uint8_t)(1u << bit);
-            check_verdict(changed, size, i, (int)bit);
-            mend_checksum(changed, size);
-            check_verdict(changed, size, i, 8 + (int)bit);
+            check_same_result(changed, size, i, (int)bit);
+            repair_checksum(changed, size);
+            check_same_result(changed, size, i, 8 + (int)bit);
         }
     }
     free(changed);
@@ -481,12 +481,12 @@ static void check_verdicts(synthetic_scene *s) {
     synthetic_scene_free(s);
 }
 
-static void test_verdicts_on_bad_files(void **state) {
+static void test_results_on_changed_files(void **state) {
     (void)state;
     synthetic_random_state = 55;
     for (int number = 0; number < 4; number++) {
-        check_verdicts(any_scalar_scene(number));
-        check_verdicts(any_codebook_scene(number));
+        check_changed_files(scalar_scene(number));
+        check_changed_files(codebook_scene(number));
     }
 }
 
@@ -500,15 +500,15 @@ int main(void) {
         cmocka_unit_test(test_needles),
         cmocka_unit_test(test_needles_along_the_axes),
         cmocka_unit_test(test_sub_pixel_axes),
-        cmocka_unit_test(test_giants),
+        cmocka_unit_test(test_large_splats),
         cmocka_unit_test(test_corners_and_tile_borders),
-        cmocka_unit_test(test_stacks),
+        cmocka_unit_test(test_stacked_splats),
         cmocka_unit_test(test_opacity_extremes),
         cmocka_unit_test(test_colours_out_of_range),
-        cmocka_unit_test(test_any_scene),
+        cmocka_unit_test(test_random_scenes),
         cmocka_unit_test(test_worked_example),
         cmocka_unit_test(test_splats),
-        cmocka_unit_test(test_verdicts_on_bad_files),
+        cmocka_unit_test(test_results_on_changed_files),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }

@@ -1,4 +1,4 @@
-/* The file format: pictures to bytes and back, and what is refused. */
+/* The file format: images to bytes and back, and the errors of writer and reader. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,9 +11,9 @@
 #include "format/format.h"
 #include "format/header.h"
 
-/* A picture with memory of its own. */
+/* A coded image with memory of its own. */
 typedef struct fixture {
-    gsf_coded_image picture;
+    gsf_coded_image image;
     uint8_t *bytes;
     size_t capacity, size;
     void *scratch;
@@ -36,42 +36,42 @@ static void *allocate(size_t count, size_t size) {
 
 static void create(fixture *f, const gsf_header *header) {
     memset(f, 0, sizeof *f);
-    f->picture.header = *header;
-    f->picture.splats = allocate(header->splat_count, sizeof *f->picture.splats);
-    f->picture.indexed = allocate(header->splat_count, sizeof *f->picture.indexed);
-    f->picture.codebooks.shape_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->picture.codebooks.shape_words);
-    f->picture.codebooks.colour_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->picture.codebooks.colour_words);
-    f->picture.stream_bits256 = f->stream_bits256;
+    f->image.header = *header;
+    f->image.splats = allocate(header->splat_count, sizeof *f->image.splats);
+    f->image.indexed = allocate(header->splat_count, sizeof *f->image.indexed);
+    f->image.codebooks.shape_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->image.codebooks.shape_words);
+    f->image.codebooks.colour_words = allocate(GSF_MAX_CODEBOOK, sizeof *f->image.codebooks.colour_words);
+    f->image.stream_bits256 = f->stream_bits256;
     f->scratch = allocate(gsf_scratch_size(header), 1);
 }
 
 static void destroy(fixture *f) {
-    free(f->picture.splats);
-    free(f->picture.indexed);
-    free(f->picture.codebooks.shape_words);
-    free(f->picture.codebooks.colour_words);
+    free(f->image.splats);
+    free(f->image.indexed);
+    free(f->image.codebooks.shape_words);
+    free(f->image.codebooks.colour_words);
     free(f->scratch);
     free(f->bytes);
 }
 
 static gsf_result write_fixture(fixture *f) {
     free(f->bytes);
-    f->capacity = gsf_write_bound(&f->picture);
+    f->capacity = gsf_write_bound(&f->image);
     f->bytes = allocate(f->capacity, 1);
-    return gsf_write(&f->picture, f->bytes, f->capacity, &f->size, f->scratch);
+    return gsf_write(&f->image, f->bytes, f->capacity, &f->size, f->scratch);
 }
 
 static void read_fixture(const fixture *written, fixture *f) {
     gsf_header header;
     assert_int_equal(gsf_read_header(written->bytes, written->size, &header), GSF_OK);
     create(f, &header);
-    assert_int_equal(gsf_read(written->bytes, written->size, &f->picture, f->scratch), GSF_OK);
+    assert_int_equal(gsf_read(written->bytes, written->size, &f->image, f->scratch), GSF_OK);
 }
 
-static void fill_steps(gsf_coded_image *picture) {
-    const gsf_header *h = &picture->header;
-    uint8_t *steps[7] = {&picture->steps.scale,  &picture->steps.position, &picture->steps.angle,  &picture->steps.luma,
-                         &picture->steps.chroma, &picture->steps.alpha,    &picture->steps.opacity};
+static void fill_steps(gsf_coded_image *image) {
+    const gsf_header *h = &image->header;
+    uint8_t *steps[7] = {&image->steps.scale,  &image->steps.position, &image->steps.angle,  &image->steps.luma,
+                         &image->steps.chroma, &image->steps.alpha,    &image->steps.opacity};
     const bool used[7] = {true, true, h->has_rotation, true, h->has_chroma, h->has_alpha, h->has_opacity};
     for (int i = 0; i < 7; i++)
         *steps[i] = used[i] && h->splat_count > 0 ? (uint8_t)pick(16) : 0;
@@ -81,9 +81,9 @@ static int16_t pick_between(int min, int max) {
     return (int16_t)(min + (int)pick((uint32_t)(max - min + 1)));
 }
 
-static void fill_splat(const gsf_coded_image *picture, gsf_splat *splat) {
-    const gsf_header *h = &picture->header;
-    const gsf_steps *steps = &picture->steps;
+static void fill_splat(const gsf_coded_image *image, gsf_splat *splat) {
+    const gsf_header *h = &image->header;
+    const gsf_steps *steps = &image->steps;
     int min, max;
     splat->minor = (uint16_t)pick(pick(2) ? 64 : 12);
     splat->x = pick(gsf_position_cells(steps, splat->minor, h->width));
@@ -120,9 +120,9 @@ static void fill_ranges(gsf_range *ranges, unsigned dims, int32_t lowest, int32_
     }
 }
 
-static void fill_codebooks(gsf_coded_image *picture) {
-    const gsf_header *h = &picture->header;
-    gsf_codebooks *books = &picture->codebooks;
+static void fill_codebooks(gsf_coded_image *image) {
+    const gsf_header *h = &image->header;
+    gsf_codebooks *books = &image->codebooks;
     const unsigned channels = gsf_channel_count(h);
     books->shape_count = (uint16_t)(1 + pick(pick(2) ? GSF_MAX_CODEBOOK : 4));
     books->colour_count = (uint16_t)(1 + pick(pick(2) ? GSF_MAX_CODEBOOK : 4));
@@ -143,8 +143,8 @@ static void fill_codebooks(gsf_coded_image *picture) {
     qsort(books->colour_words, books->colour_count, sizeof *books->colour_words, ascending);
 }
 
-static void fill_indexed(const gsf_coded_image *picture, gsf_indexed_splat *splat) {
-    const gsf_codebooks *books = &picture->codebooks;
+static void fill_indexed(const gsf_coded_image *image, gsf_indexed_splat *splat) {
+    const gsf_codebooks *books = &image->codebooks;
     splat->shape = (uint16_t)pick(books->shape_count);
     splat->colour = (uint16_t)pick(books->colour_count);
     splat->x = (uint16_t)pick(1u << books->position_bits);
@@ -152,21 +152,21 @@ static void fill_indexed(const gsf_coded_image *picture, gsf_indexed_splat *spla
 }
 
 /* Random content that the header allows. */
-static void fill(gsf_coded_image *picture) {
-    const gsf_header *h = &picture->header;
+static void fill(gsf_coded_image *image) {
+    const gsf_header *h = &image->header;
     for (unsigned i = 0; i < gsf_channel_count(h); i++)
-        picture->background[i] = (uint16_t)pick(h->high_bit_depth ? 65536 : 256);
+        image->background[i] = (uint16_t)pick(h->high_bit_depth ? 65536 : 256);
     if (h->splat_count == 0)
         return;
     if (h->coding == GSF_CODING_SCALAR)
-        fill_steps(picture);
+        fill_steps(image);
     else
-        fill_codebooks(picture);
+        fill_codebooks(image);
     for (uint32_t i = 0; i < h->splat_count; i++) {
         if (h->coding == GSF_CODING_SCALAR)
-            fill_splat(picture, &picture->splats[i]);
+            fill_splat(image, &image->splats[i]);
         else
-            fill_indexed(picture, &picture->indexed[i]);
+            fill_indexed(image, &image->indexed[i]);
     }
 }
 
@@ -192,7 +192,7 @@ static void assert_same_header(const gsf_header *a, const gsf_header *b) {
     assert_int_equal(a->splat_count, b->splat_count);
 }
 
-static void assert_same_picture(const gsf_coded_image *a, const gsf_coded_image *b) {
+static void assert_same_image(const gsf_coded_image *a, const gsf_coded_image *b) {
     const uint32_t n = a->header.splat_count;
     assert_same_header(&a->header, &b->header);
     assert_memory_equal(a->background, b->background, sizeof a->background);
@@ -206,15 +206,15 @@ static void assert_same_picture(const gsf_coded_image *a, const gsf_coded_image 
         assert_same_codebooks(&a->codebooks, &b->codebooks);
 }
 
-/* Writes, reads back, writes again: the same picture and the same bytes. */
+/* Writes, reads back and writes again: the images and the bytes must be equal. */
 static void check_round_trip(fixture *f) {
     fixture back;
     assert_int_equal(write_fixture(f), GSF_OK);
     size_t counted;
-    assert_int_equal(gsf_size(&f->picture, &counted, f->scratch), GSF_OK);
+    assert_int_equal(gsf_size(&f->image, &counted, f->scratch), GSF_OK);
     assert_int_equal(counted, f->size);
     read_fixture(f, &back);
-    assert_same_picture(&f->picture, &back.picture);
+    assert_same_image(&f->image, &back.image);
     assert_int_equal(write_fixture(&back), GSF_OK);
     assert_int_equal(f->size, back.size);
     assert_memory_equal(f->bytes, back.bytes, f->size);
@@ -234,7 +234,7 @@ static gsf_header header_from_bits(unsigned choice) {
     return h;
 }
 
-static void test_random_pictures(void **unused) {
+static void test_random_images(void **unused) {
     (void)unused;
     random_state = 7;
     for (unsigned choice = 0; choice < 512; choice++) {
@@ -244,7 +244,7 @@ static void test_random_pictures(void **unused) {
         header.height = 1 + pick(900);
         header.splat_count = pick(120);
         create(&f, &header);
-        fill(&f.picture);
+        fill(&f.image);
         check_round_trip(&f);
         destroy(&f);
     }
@@ -261,7 +261,7 @@ static void check_size(uint32_t width, uint32_t height, uint32_t splats, gsf_cod
     header.splat_count = splats;
     header.coding = coding;
     create(&f, &header);
-    fill(&f.picture);
+    fill(&f.image);
     check_round_trip(&f);
     destroy(&f);
 }
@@ -278,7 +278,7 @@ static void test_extreme_sizes(void **unused) {
                 check_size(sizes[i][0], sizes[i][1], counts[j], (gsf_coding)coding);
 }
 
-/* More splats than the urn's tables and the lists of priors hold. */
+/* More splats than the table of a count split and the list of priors hold. */
 static void test_many_splats(void **unused) {
     (void)unused;
     fixture f;
@@ -286,14 +286,14 @@ static void test_many_splats(void **unused) {
     header.splat_count = 40000;
     create(&f, &header);
     random_state = 5;
-    f.picture.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
+    f.image.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
     for (uint32_t i = 0; i < header.splat_count; i++) {
-        fill_splat(&f.picture, &f.picture.splats[i]);
-        f.picture.splats[i].minor = (uint16_t)pick(3);
-        f.picture.splats[i].aspect %= 3;
-        f.picture.splats[i].angle = 0;
-        f.picture.splats[i].x %= 512;
-        f.picture.splats[i].y = 0;
+        fill_splat(&f.image, &f.image.splats[i]);
+        f.image.splats[i].minor = (uint16_t)pick(3);
+        f.image.splats[i].aspect %= 3;
+        f.image.splats[i].angle = 0;
+        f.image.splats[i].x %= 512;
+        f.image.splats[i].y = 0;
     }
     check_round_trip(&f);
     destroy(&f);
@@ -306,14 +306,14 @@ static void test_all_in_one_cell(void **unused) {
     header.splat_count = 700;
     create(&f, &header);
     random_state = 6;
-    f.picture.steps = (gsf_steps){.luma = 15, .chroma = 15};
+    f.image.steps = (gsf_steps){.luma = 15, .chroma = 15};
     for (uint32_t i = 0; i < header.splat_count; i++) {
-        fill_splat(&f.picture, &f.picture.splats[i]);
-        f.picture.splats[i].minor = 3;
-        f.picture.splats[i].x = 100;
-        f.picture.splats[i].y = 99;
-        f.picture.splats[i].aspect %= 8;
-        f.picture.splats[i].angle = 0;
+        fill_splat(&f.image, &f.image.splats[i]);
+        f.image.splats[i].minor = 3;
+        f.image.splats[i].x = 100;
+        f.image.splats[i].y = 99;
+        f.image.splats[i].aspect %= 8;
+        f.image.splats[i].angle = 0;
     }
     check_round_trip(&f);
     destroy(&f);
@@ -328,19 +328,18 @@ static void test_largest_codes(void **unused) {
     header.blend = GSF_BLEND_SUM;
     header.has_alpha = header.has_opacity = header.has_texture = header.high_bit_depth = true;
     create(&f, &header);
-    f.picture.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
-    memset(f.picture.background, 0xFF, sizeof f.picture.background);
+    f.image.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
+    memset(f.image.background, 0xFF, sizeof f.image.background);
     for (int i = 0; i < 2; i++)
-        f.picture.splats[i] =
-            (gsf_splat){.minor = 63,
-                        .aspect = 63,
-                        .angle = 511,
-                        .opacity = 15,
-                        .luma = 286,
-                        .co = 255,
-                        .cg = -255,
-                        .alpha = -286,
-                        .texture = {GSF_WAVES - 1, GSF_DIRECTIONS - 1, GSF_PHASES - 1, GSF_AMPLITUDES}};
+        f.image.splats[i] = (gsf_splat){.minor = 63,
+                                        .aspect = 63,
+                                        .angle = 511,
+                                        .opacity = 15,
+                                        .luma = 286,
+                                        .co = 255,
+                                        .cg = -255,
+                                        .alpha = -286,
+                                        .texture = {GSF_WAVES - 1, GSF_DIRECTIONS - 1, GSF_PHASES - 1, GSF_AMPLITUDES}};
     check_round_trip(&f);
     destroy(&f);
 }
@@ -351,28 +350,28 @@ static void test_unused_codes_are_cleared(void **unused) {
     fixture f;
     const gsf_header header = {.width = 9, .height = 9, .splat_count = 1};
     create(&f, &header);
-    f.picture.splats[0] = (gsf_splat){
+    f.image.splats[0] = (gsf_splat){
         .aspect = 999, .angle = 999, .co = 999, .cg = 999, .alpha = 999, .opacity = 999, .texture = {99, 99, 99, 99}};
-    f.picture.steps.chroma = 3;
+    f.image.steps.chroma = 3;
     check_round_trip(&f);
-    assert_int_equal(f.picture.splats[0].aspect, 0);
-    assert_int_equal(f.picture.splats[0].cg, 0);
-    assert_int_equal(f.picture.splats[0].texture.amplitude, 0);
-    assert_int_equal(f.picture.steps.chroma, 0);
+    assert_int_equal(f.image.splats[0].aspect, 0);
+    assert_int_equal(f.image.splats[0].cg, 0);
+    assert_int_equal(f.image.splats[0].texture.amplitude, 0);
+    assert_int_equal(f.image.steps.chroma, 0);
     destroy(&f);
 }
 
-static void test_flat_picture_is_tiny(void **unused) {
+static void test_image_without_splats_is_tiny(void **unused) {
     (void)unused;
     fixture f;
     create(&f, &photo);
     check_round_trip(&f);
     assert_true(f.size <= 24);
-    assert_int_equal(f.picture.stream_bits256[GSF_STREAM_HEADER], 14 * 8 * 256);
+    assert_int_equal(f.image.stream_bits256[GSF_STREAM_HEADER], 14 * 8 * 256);
     destroy(&f);
 }
 
-/* gsf_sort alone gives the order that writing gives, whatever the order before. */
+/* gsf_sort and gsf_write produce the same order from any order. */
 static void test_sorting(void **unused) {
     (void)unused;
     fixture f, g;
@@ -381,13 +380,13 @@ static void test_sorting(void **unused) {
     create(&f, &header);
     create(&g, &header);
     random_state = 3;
-    fill(&f.picture);
-    g.picture.steps = f.picture.steps;
+    fill(&f.image);
+    g.image.steps = f.image.steps;
     for (uint32_t i = 0; i < header.splat_count; i++)
-        g.picture.splats[i] = f.picture.splats[header.splat_count - 1 - i];
-    gsf_sort(&g.picture, g.scratch);
+        g.image.splats[i] = f.image.splats[header.splat_count - 1 - i];
+    gsf_sort(&g.image, g.scratch);
     assert_int_equal(write_fixture(&f), GSF_OK);
-    assert_memory_equal(f.picture.splats, g.picture.splats, header.splat_count * sizeof *f.picture.splats);
+    assert_memory_equal(f.image.splats, g.image.splats, header.splat_count * sizeof *f.image.splats);
     destroy(&f);
     destroy(&g);
 }
@@ -398,18 +397,18 @@ static void test_little_space(void **unused) {
     gsf_header header = photo;
     header.splat_count = 50;
     create(&f, &header);
-    fill(&f.picture);
+    fill(&f.image);
     assert_int_equal(write_fixture(&f), GSF_OK);
     const size_t whole = f.size;
     uint8_t *exact = allocate(whole, 1);
     for (size_t capacity = 0; capacity < whole; capacity++)
-        assert_int_equal(gsf_write(&f.picture, exact, capacity, &f.size, f.scratch), GSF_NO_SPACE);
-    assert_int_equal(gsf_write(&f.picture, exact, whole, &f.size, f.scratch), GSF_OK);
+        assert_int_equal(gsf_write(&f.image, exact, capacity, &f.size, f.scratch), GSF_NO_SPACE);
+    assert_int_equal(gsf_write(&f.image, exact, whole, &f.size, f.scratch), GSF_OK);
     free(exact);
     destroy(&f);
 }
 
-/* ---- What the writer refuses ---- */
+/* ---- Errors of the writer ---- */
 
 static void check_invalid(fixture *f) {
     assert_int_equal(write_fixture(f), GSF_INVALID);
@@ -422,7 +421,7 @@ static void create_small(fixture *f, gsf_coding coding) {
     header.coding = coding;
     create(f, &header);
     random_state = 9;
-    fill(&f->picture);
+    fill(&f->image);
 }
 
 static void test_writer_refuses_scalar(void **unused) {
@@ -431,7 +430,7 @@ static void test_writer_refuses_scalar(void **unused) {
 #define REFUSES(change)                      \
     do {                                     \
         create_small(&f, GSF_CODING_SCALAR); \
-        f.picture.change;                    \
+        f.image.change;                      \
         check_invalid(&f);                   \
     } while (0)
     REFUSES(header.width = 0);
@@ -449,8 +448,8 @@ static void test_writer_refuses_scalar(void **unused) {
     REFUSES(splats[1].luma = 287);
     REFUSES(splats[1].co = -256);
     REFUSES(splats[1].cg = 256);
-    REFUSES(splats[1].texture.wave = f.picture.header.has_texture = true);
-    REFUSES(splats[1].texture.amplitude = GSF_AMPLITUDES + (f.picture.header.has_texture = true));
+    REFUSES(splats[1].texture.wave = f.image.header.has_texture = true);
+    REFUSES(splats[1].texture.amplitude = GSF_AMPLITUDES + (f.image.header.has_texture = true));
 #undef REFUSES
 }
 
@@ -460,7 +459,7 @@ static void test_writer_refuses_codebook(void **unused) {
 #define REFUSES(change)                        \
     do {                                       \
         create_small(&f, GSF_CODING_CODEBOOK); \
-        f.picture.change;                      \
+        f.image.change;                        \
         check_invalid(&f);                     \
     } while (0)
     REFUSES(codebooks.shape_count = 0);
@@ -472,12 +471,12 @@ static void test_writer_refuses_codebook(void **unused) {
     REFUSES(codebooks.colour[2].max = 511);
     REFUSES(codebooks.colour[0].min = 600);
     REFUSES(codebooks.shape_words[0][0] = 0);
-    REFUSES(indexed[2].shape = f.picture.codebooks.shape_count);
-    REFUSES(indexed[2].colour = f.picture.codebooks.colour_count);
+    REFUSES(indexed[2].shape = f.image.codebooks.shape_count);
+    REFUSES(indexed[2].colour = f.image.codebooks.colour_count);
 #undef REFUSES
 }
 
-/* Splats that cover all of a large picture many hundred times would hang a decoder. */
+/* Splats that cover all of a large image many hundred times would take a decoder too long. */
 static void test_work_is_limited(void **unused) {
     (void)unused;
     fixture f;
@@ -486,28 +485,28 @@ static void test_work_is_limited(void **unused) {
     header.has_rotation = false;
     create(&f, &header);
     for (uint32_t i = 0; i < header.splat_count; i++)
-        f.picture.splats[i] = (gsf_splat){.minor = 63, .aspect = 20};
-    f.picture.steps.scale = 8;
+        f.image.splats[i] = (gsf_splat){.minor = 63, .aspect = 20};
+    f.image.steps.scale = 8;
     check_invalid(&f);
 }
 
-/* ---- What the reader refuses ---- */
+/* ---- Errors of the reader ---- */
 
 static gsf_result read_bytes(const uint8_t *bytes, size_t size, fixture *f) {
     gsf_header header;
-    /* From memory of exactly that size, so that a sanitizer sees reads beyond it. */
+    /* The copy has exactly that size, so that a sanitizer detects reads beyond it. */
     uint8_t *copy = allocate(size, 1);
     memcpy(copy, bytes, size);
     gsf_result result = gsf_read_header(copy, size, &header);
-    if (result == GSF_OK && header.splat_count <= f->picture.header.splat_count)
-        result = gsf_read(copy, size, &f->picture, f->scratch);
+    if (result == GSF_OK && header.splat_count <= f->image.header.splat_count)
+        result = gsf_read(copy, size, &f->image, f->scratch);
     else if (result == GSF_OK)
-        result = GSF_DAMAGED; /* there is no memory for that many */
+        result = GSF_DAMAGED; /* the fixture has no memory for that many */
     free(copy);
     return result;
 }
 
-/* Room to read whatever a damaged file claims to be: as many splats as the flips below can make of a few. */
+/* Memory for any header that the changes below can produce: they raise a count of 30 to at most 2^15. */
 static void create_reader(fixture *f) {
     const gsf_header header = {.width = 1, .height = 1, .splat_count = 1u << 15};
     create(f, &header);
@@ -520,7 +519,7 @@ static void check_damage(gsf_coding coding, uint32_t splats) {
     header.splat_count = splats;
     create(&f, &header);
     random_state = 13;
-    fill(&f.picture);
+    fill(&f.image);
     assert_int_equal(write_fixture(&f), GSF_OK);
     for (size_t size = 0; size < f.size; size++) {
         create_reader(&reader);
@@ -539,15 +538,15 @@ static void check_damage(gsf_coding coding, uint32_t splats) {
     destroy(&f);
 }
 
-static void test_damage_is_seen(void **unused) {
+static void test_damage_is_detected(void **unused) {
     (void)unused;
     check_damage(GSF_CODING_SCALAR, 0);
     check_damage(GSF_CODING_SCALAR, 30);
     check_damage(GSF_CODING_CODEBOOK, 30);
 }
 
-/* A file that lost its tail is told from one that was altered. */
-static void test_truncation_is_told(void **unused) {
+/* A file that lost its end is reported as truncated, not as damaged. */
+static void test_truncation_differs_from_damage(void **unused) {
     (void)unused;
     fixture f, reader;
     create_small(&f, GSF_CODING_SCALAR);
@@ -590,8 +589,8 @@ static void test_header_errors(void **unused) {
         {{'g', 's', 'c', 1, 0, 0x80, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* reserved */
         {{'g', 's', 'c', 1, 4, 0x20, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* textures in codebook coding */
         {{'g', 's', 'c', 1, 0, 1, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* chroma without RGB */
-        {{'g', 's', 'c', 1, 0, 2, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* alpha without alpha */
-        {{'g', 's', 'c', 1, 0, 8, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* rotation of round splats */
+        {{'g', 's', 'c', 1, 0, 2, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* alpha without a layout with alpha */
+        {{'g', 's', 'c', 1, 0, 8, 0, 0, 0, 0, 0, 0}, GSF_CORRUPT},               /* rotation without anisotropy */
         {{'g', 's', 'c', 1, 0, 0, 0x80, 0, 0, 0, 0, 0}, GSF_CORRUPT},            /* varint too long */
         {{'g', 's', 'c', 1, 0, 0, 0x80, 0x80, 1, 0, 0, 0}, GSF_CORRUPT},         /* too wide */
         {{'g', 's', 'c', 1, 0, 0, 0, 0, 0x80, 0x80, 0x80, 1}, GSF_CORRUPT},      /* varint of four bytes */
@@ -625,58 +624,58 @@ static void test_quantiser(void **unused) {
 }
 
 /* A file of this version, byte by byte: the example of FORMAT.md. */
-static const uint8_t golden[] = {
+static const uint8_t worked_example[] = {
     0x67, 0x73, 0x63, 0x01, 0x10, 0x19, 0x3F, 0x2F, 0x03, 0x48, 0xEB, 0xED, 0x64, 0x96, 0xC8,
     0x25, 0xD1, 0x84, 0x4B, 0x95, 0x2A, 0x3C, 0x54, 0x3C, 0xD6, 0xA2, 0xF1, 0x92, 0x9D, 0x36,
 };
 
-static void make_golden(fixture *f) {
+static void make_worked_example(fixture *f) {
     gsf_header header = photo;
     header.width = 64;
     header.height = 48;
     header.splat_count = 3;
     create(f, &header);
-    f->picture.background[0] = 100;
-    f->picture.background[1] = 150;
-    f->picture.background[2] = 200;
-    f->picture.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
-    f->picture.splats[0] =
+    f->image.background[0] = 100;
+    f->image.background[1] = 150;
+    f->image.background[2] = 200;
+    f->image.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
+    f->image.splats[0] =
         (gsf_splat){.minor = 8, .aspect = 3, .angle = 2, .x = 20, .y = 9, .luma = 20, .co = -2, .cg = 1};
-    f->picture.splats[1] = (gsf_splat){.minor = 12, .aspect = 0, .x = 5, .y = 4, .luma = 12, .co = -3};
-    f->picture.splats[2] =
+    f->image.splats[1] = (gsf_splat){.minor = 12, .aspect = 0, .x = 5, .y = 4, .luma = 12, .co = -3};
+    f->image.splats[2] =
         (gsf_splat){.minor = 8, .aspect = 5, .angle = 0, .x = 3, .y = 25, .luma = 30, .co = -3, .cg = 1};
 }
 
-static void test_golden_bytes(void **unused) {
+static void test_bytes_of_worked_example(void **unused) {
     (void)unused;
     fixture f;
-    make_golden(&f);
+    make_worked_example(&f);
     check_round_trip(&f);
-    assert_int_equal(f.size, sizeof golden);
-    assert_memory_equal(f.bytes, golden, sizeof golden);
+    assert_int_equal(f.size, sizeof worked_example);
+    assert_memory_equal(f.bytes, worked_example, sizeof worked_example);
     destroy(&f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_pictures),
+        cmocka_unit_test(test_random_images),
         cmocka_unit_test(test_extreme_sizes),
         cmocka_unit_test(test_many_splats),
         cmocka_unit_test(test_all_in_one_cell),
         cmocka_unit_test(test_largest_codes),
         cmocka_unit_test(test_unused_codes_are_cleared),
-        cmocka_unit_test(test_flat_picture_is_tiny),
+        cmocka_unit_test(test_image_without_splats_is_tiny),
         cmocka_unit_test(test_sorting),
         cmocka_unit_test(test_little_space),
         cmocka_unit_test(test_writer_refuses_scalar),
         cmocka_unit_test(test_writer_refuses_codebook),
         cmocka_unit_test(test_work_is_limited),
-        cmocka_unit_test(test_damage_is_seen),
-        cmocka_unit_test(test_truncation_is_told),
+        cmocka_unit_test(test_damage_is_detected),
+        cmocka_unit_test(test_truncation_differs_from_damage),
         cmocka_unit_test(test_surplus_bytes),
         cmocka_unit_test(test_header_errors),
         cmocka_unit_test(test_quantiser),
-        cmocka_unit_test(test_golden_bytes),
+        cmocka_unit_test(test_bytes_of_worked_example),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* The entropy coder under the file format: range coder, models, urns, sets. */
+/* The entropy coder of the file format: range coder, adaptive models, count splits, sets. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
+#include "format/count_split.h"
 #include "format/model.h"
 #include "format/set.h"
-#include "format/count_split.h"
 
 static uint64_t bits[GSF_STREAM_COUNT];
 
@@ -55,7 +55,7 @@ static void test_million_symbols(void **unused) {
         assert_int_equal(gsf_code_symbol(&coder, 0, freq, 3, total), symbol);
     }
     assert_int_equal(coder.decoder.position, size + GSF_IMPLIED_BYTES);
-    assert_false(gsf_coder_starved(&coder));
+    assert_false(gsf_coder_overrun(&coder));
     free(bytes);
 }
 
@@ -73,7 +73,7 @@ static void test_one_symbol_costs_nothing(void **unused) {
     assert_int_equal(coder.encoder.size, 1);
 }
 
-/* The likeliest and the unlikeliest symbol that the coder can express. */
+/* The most and the least likely symbol that the coder can express. */
 static void test_extreme_frequencies(void **unused) {
     (void)unused;
     const uint16_t freq[2] = {65535, 1};
@@ -120,12 +120,12 @@ static void test_reading_stops_at_the_end(void **unused) {
     (void)unused;
     gsf_coder coder;
     gsf_coder_read_from(&coder, NULL, 0, bits);
-    assert_true(gsf_coder_starved(&coder)); /* even the shortest payload has a byte */
+    assert_true(gsf_coder_overrun(&coder)); /* even the shortest payload has a byte */
     for (int i = 0; i < 100; i++)
         gsf_code_bits(&coder, 0, 16);
 }
 
-static void test_model_learns(void **unused) {
+static void test_model_adapts(void **unused) {
     (void)unused;
     static const gsf_model_shape shape = {1, 50, 3, {32, 8, 2}, 64};
     gsf_model model;
@@ -145,7 +145,7 @@ static void test_model_learns(void **unused) {
 }
 
 /* Any count can be coded with any weights. */
-static void test_urn_round_trip(void **unused) {
+static void test_count_split_round_trip(void **unused) {
     (void)unused;
     static const uint32_t sizes[] = {1, 2, 3, 254, 255, 256, 257, 511, 1000, 65537, GSF_MAX_SPLATS};
     static const uint32_t weights[][2] = {{64, 64},       {64, 128}, {1, 65535}, {100000, 63}, {1u << 30, 1u << 30},
@@ -161,8 +161,8 @@ static void test_urn_round_trip(void **unused) {
             for (size_t j = 0; j < sizeof weights / sizeof *weights; j++) {
                 const uint32_t n = sizes[i], counts[] = {0, 1, n / 3, n / 2, n - 1, n};
                 for (int k = 0; k < 6; k++)
-                    assert_int_equal(gsf_code_urn(&coder, pass ? 0 : counts[k], n, weights[j][0], weights[j][1]),
-                                     counts[k]);
+                    assert_int_equal(
+                        gsf_code_count_split(&coder, pass ? 0 : counts[k], n, weights[j][0], weights[j][1]), counts[k]);
             }
         }
         if (pass == 0)
@@ -171,20 +171,20 @@ static void test_urn_round_trip(void **unused) {
     }
 }
 
-/* With one ball on each side all counts are equally likely; with many the split is even. */
-static void test_urn_probabilities(void **unused) {
+/* With both parameters 1 all counts are equally likely.  With large equal parameters the distribution is binomial. */
+static void test_count_split_probabilities(void **unused) {
     (void)unused;
     gsf_coder coder;
     uint8_t bytes[64];
     uint64_t cost[GSF_STREAM_COUNT] = {0};
     gsf_coder_write_to(&coder, bytes, sizeof bytes, cost);
-    gsf_code_urn(&coder, 5, 15, 64, 64);
+    gsf_code_count_split(&coder, 5, 15, 64, 64);
     assert_in_range(cost[0], 4 * 256 - 2, 4 * 256 + 2);
     cost[0] = 0;
-    gsf_code_urn(&coder, 0, 1, 64, 192);
+    gsf_code_count_split(&coder, 0, 1, 64, 192);
     assert_in_range(cost[0], 105, 107); /* -log2(3/4) */
     cost[0] = 0;
-    gsf_code_urn(&coder, 2, 4, 64 * 1000, 64 * 1000);
+    gsf_code_count_split(&coder, 2, 4, 64 * 1000, 64 * 1000);
     assert_in_range(cost[0], 361, 364); /* -log2(6/16) */
 }
 
@@ -205,7 +205,7 @@ static void test_class_counts(void **unused) {
     assert_memory_equal(counts, decoded, sizeof counts);
 }
 
-/* Splits are across the longer side and always leave two parts. */
+/* A split is across the longer side and leaves two parts that are not empty. */
 static void test_split_rect(void **unused) {
     (void)unused;
     const gsf_grid grid = {7, 3, 10, 30};
@@ -225,11 +225,16 @@ static void test_split_rect(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_million_symbols),     cmocka_unit_test(test_one_symbol_costs_nothing),
-        cmocka_unit_test(test_extreme_frequencies), cmocka_unit_test(test_first_byte_full),
-        cmocka_unit_test(test_no_space_is_counted), cmocka_unit_test(test_reading_stops_at_the_end),
-        cmocka_unit_test(test_model_learns),        cmocka_unit_test(test_urn_round_trip),
-        cmocka_unit_test(test_urn_probabilities),   cmocka_unit_test(test_class_counts),
+        cmocka_unit_test(test_million_symbols),
+        cmocka_unit_test(test_one_symbol_costs_nothing),
+        cmocka_unit_test(test_extreme_frequencies),
+        cmocka_unit_test(test_first_byte_full),
+        cmocka_unit_test(test_no_space_is_counted),
+        cmocka_unit_test(test_reading_stops_at_the_end),
+        cmocka_unit_test(test_model_adapts),
+        cmocka_unit_test(test_count_split_round_trip),
+        cmocka_unit_test(test_count_split_probabilities),
+        cmocka_unit_test(test_class_counts),
         cmocka_unit_test(test_split_rect),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
