@@ -43,6 +43,25 @@ class Areas(ToolTest):
         self.assertEqual(self.decode("--size", "10x200").kind(), (10, 200, 3, 8))
 
 
+class Limits(ToolTest):
+    """gscl info reports the figures that the limits of gscl decode are compared with."""
+
+    def test_limits_are_those_of_info(self):
+        self.encode(scene(61, 43), *HIGH_RATE)
+        info = self.gscl_json("info", "in.gscl")
+        self.assertEqual(info["pixels"], 61 * 43)
+        self.assertIn(f"{info['work']} evaluations of a splat at a pixel", self.gscl("info", "in.gscl").decode())
+        for option, figure in (("--max-pixels", info["pixels"]), ("--max-work", info["work"])):
+            with self.subTest(option):
+                self.decode(option, figure)
+                self.refused("in.gscl", rf"{figure}\b.*{figure - 1}\b|{figure - 1}\b.*{figure}\b", "decode", "in.gscl", "-o",
+                             "out.png", option, figure - 1)
+
+    def test_limits_are_those_of_the_crop(self):
+        self.encode(scene(61, 43), *HIGH_RATE)
+        self.decode("--crop", "3,4,10,10", "--max-pixels", "100")
+
+
 class Mappings(ToolTest):
     def test_cpu_and_gpu_draw_the_same(self):
         for channels, profile, blend in ((3, "default", "normalized"), (4, "default", "alpha"), (1, "default", "sum"),

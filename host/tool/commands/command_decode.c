@@ -19,7 +19,8 @@ typedef struct decode_options {
     double scale;
     option_size size;
     option_rectangle crop;
-    int depth; /* index into depth_words */
+    int depth;                     /* index into depth_words */
+    uint64_t max_pixels, max_work; /* 0: no limit */
     bool has_scale, has_size, has_crop, has_depth;
     device_choice choice;
 } decode_options;
@@ -91,6 +92,8 @@ static int decode_bytes(const decode_options *options, const image_format *forma
         return report_result(NULL, input_label(options->input), result);
     gscl_decode_settings_default(&settings);
     settings.sample = choose_sample(options, format, &info);
+    settings.max_pixels = options->max_pixels;
+    settings.max_work = options->max_work;
     if (!choose_area(options, &info, &settings) ||
         !image_format_holds(format, options->output, info.channels, settings.sample) ||
         !output_open(&output, options->output))
@@ -151,6 +154,21 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .argument = "N",
          .words = depth_words,
          .help = "bits per sample (default: those of the encoded image)"},
+        {.name = "max-pixels",
+         .kind = OPTION_INTEGER,
+         .value = &decode->max_pixels,
+         .argument = "N",
+         .min_integer = 1,
+         .max_integer = UINT64_MAX,
+         .help = "refuse a file that would give more pixels (default: as many as the format allows)"},
+        {.name = "max-work",
+         .kind = OPTION_INTEGER,
+         .value = &decode->max_work,
+         .argument = "N",
+         .min_integer = 1,
+         .max_integer = UINT64_MAX,
+         .help =
+             "refuse a file that needs more evaluations of a splat at a pixel, see 'gscl info' (default: no limit)"},
         DEVICE_OPTIONS(decode->choice),
         {.name = "verbose",
          .letter = 'v',

@@ -71,6 +71,8 @@ static void print_text(const file_facts *facts) {
            channels_name(info->channels), depth_of(info), info->format_version);
     printf("%u splats, %llu bytes, %.4f bits per pixel\n", info->splats, (unsigned long long)info->bytes,
            bits_per_pixel(info->bytes, info->width, info->height));
+    printf("%llu evaluations of a splat at a pixel to decode, %.1f per pixel\n", (unsigned long long)info->work,
+           (double)info->work / (double)info->pixels);
     printf("profile %s, blend %s", profile_words[info->profile], blend_words[info->blend]);
     if (info->shape_words || info->colour_words)
         printf(", code words: %u shapes, %u colours", info->shape_words, info->colour_words);
@@ -127,6 +129,8 @@ static void write_json(const file_facts *facts) {
     json_integer(&json, "colour_words", info->colour_words);
     json_integer(&json, "bytes", info->bytes);
     json_real(&json, "bpp", bits_per_pixel(info->bytes, info->width, info->height));
+    json_integer(&json, "pixels", info->pixels);
+    json_integer(&json, "work", info->work);
     write_streams(&json, info);
     json_close_object(&json);
 }
