@@ -21,7 +21,7 @@
 #define HEIGHT 61
 #define SPLATS 14
 #define PASSES 25
-#define FREE 1e-9 /* pressure: bits cost nothing */
+#define FREE 1e-9 /* lambda scale: bits cost nothing */
 
 /* What the splats are: opaque ellipses, opaque circles, ellipses with opacities. */
 typedef enum { ELLIPSES, CIRCLES, VEILED } splat_kind;
@@ -107,10 +107,10 @@ static double error_of(scene *s) {
     return sum;
 }
 
-static void run_passes(scene *s, double pressure, bool keep_all) {
+static void run_passes(scene *s, double lambda_scale, bool keep_all) {
     for (int pass = 0; pass < PASSES; pass++) {
         const gscl_scalar_rdo_settings settings = {
-            .pressure = pressure, .keep_all = keep_all, .scan_textures = pass % 2 == 0};
+            .lambda_scale = lambda_scale, .keep_all = keep_all, .scan_textures = pass % 2 == 0};
         check(s, gscl_scalar_rdo_pass(&s->fit, &s->picture, &settings));
     }
 }

@@ -143,9 +143,9 @@ static gscl_result create_fit(gscl_codebook_state *s) {
     gscl_encoder *e = s->encoder;
     gsf_coded_image *file = &e->coded.file;
     gscl_kernel_options options = gscl_coded_image_options(&file->header);
-    options.loss = gscl_loss_kind(e->settings.loss);
-    GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, e->image->width, e->image->height, e->source.first_level,
-                             e->source.planes));
+    options.loss = e->loss_kind;
+    GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, e->source.image_width, e->source.image_height,
+                             e->source.first_level, e->source.planes));
     for (int k = 0; k < s->fit.renderer.channels; k++)
         file->background[k] = gscl_quantise_background(&file->header, s->fit.background[k]);
     return GSCL_OK;

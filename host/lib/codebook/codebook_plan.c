@@ -44,7 +44,7 @@ gscl_codebook_plan gscl_codebook_plan_make(const gscl_encoder *e, size_t bytes, 
                             .round_steps = t->round_steps[effort]};
     if (bytes) {
         const double fitting = gscl_codebook_splats_for(bits, words, words, p.word_bits, colour_dims);
-        p.splats = (size_t)fmin(t->splat_surplus * fitting, (double)gscl_max_splats(e, bytes)) + 1;
+        p.splats = (size_t)fmin(t->splat_surplus * fitting, (double)e->max_splats) + 1;
     }
     p.first_splats = (size_t)ceil((double)p.splats * t->start_share);
     return p;

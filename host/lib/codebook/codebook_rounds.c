@@ -15,7 +15,7 @@ static gscl_result quantise_and_size(gscl_codebook_state *s, size_t *size) {
     GSCL_TRY(gscl_codebook_read_back(&s->codebook));
     GSCL_TRY(gscl_codebook_quantise(&s->codebook, &s->encoder->coded));
     GSCL_TRY(gscl_coded_image_sort(&s->encoder->coded, NULL));
-    return gscl_encoder_size(s->encoder, size);
+    return gscl_file_size(s->encoder->context, &s->encoder->coded, size);
 }
 
 static void log_pass(const gscl_codebook_state *s, double error_before, double lambda_scale, size_t size) {
@@ -41,7 +41,7 @@ static gscl_result run_pass(gscl_codebook_state *s, double factor, size_t *size)
     GSCL_TRY(gscl_codebook_rdo_run(&s->rdo, factor * s->lambda_scale * s->fit_error / bits, keep_all));
     GSCL_TRY(quantise_and_size(s, size));
     log_pass(s, error, factor * s->lambda_scale, *size);
-    return gscl_trace_coded_image(s->encoder, &s->fit, s->plan.steps);
+    return gscl_trace_coded_image(s->encoder, &s->fit, &s->encoder->coded, s->plan.steps);
 }
 
 /* Learns words and positions; the learning rate falls from `rate`. */
@@ -102,7 +102,7 @@ static gscl_result cut_off_splats(gscl_codebook_state *s, size_t size) {
         const size_t excess = (size - budget) / 6 + 1;
         file->header.splat_count -= (uint32_t)(excess < file->header.splat_count ? excess : file->header.splat_count);
         gscl_coded_codebooks_drop_unused(file);
-        GSCL_TRY(gscl_encoder_size(s->encoder, &size));
+        GSCL_TRY(gscl_file_size(s->encoder->context, &s->encoder->coded, &size));
     }
     return GSCL_OK;
 }

@@ -18,9 +18,9 @@ static gscl_result run_stages(gscl_codebook_state *s) {
     return gscl_codebook_meet_budget(s);
 }
 
-gscl_result gscl_encode_codebook(gscl_encoder *encoder, size_t bytes, size_t splats) {
+gscl_result gscl_encode_codebook(gscl_encoder *encoder, gscl_size_target target) {
     gscl_codebook_state state = {.encoder = encoder,
-                                 .plan = gscl_codebook_plan_make(encoder, bytes, splats),
+                                 .plan = gscl_codebook_plan_make(encoder, target.bytes, target.splats),
                                  .lambda_scale = gscl_codebook_tunables.lambda_scale};
     const gscl_result result = run_stages(&state);
     gscl_codebook_rdo_free(&state.rdo);

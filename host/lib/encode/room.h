@@ -1,12 +1,15 @@
-/* gscl_encode: the list of stages, and the searches around it.
+/* gscl_encode: the list of stages, and the loop around it where the target is a PSNR.
  *
  * It may use: all rooms below.
  *
  * In the order in which to read them:
  *   encode.c: the stages of an encode
- *   effect_search.h: effects decided by trial
- *   profile.h: the profile that is used
- *   psnr_search.h: the search for a quality */
+ *   settings.h: which settings are valid
+ *   prepare.h: source planes, header, size of the file
+ *   effect_search.h: which effects the file has
+ *   coherence.h: the directions of edges
+ *   psnr_search.h: which sizes to try for a PSNR
+ *   tunables.h: numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_ENCODE_H
 #define GSCL_ROOM_LIB_ENCODE_H
 #endif

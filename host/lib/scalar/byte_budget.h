@@ -1,12 +1,12 @@
-/* From a fit that is slightly too large to a file that just fits its budget. */
+/* From a file of about its budget to one that just fits. */
 #ifndef GSCL_LIB_BYTE_BUDGET_H
 #define GSCL_LIB_BYTE_BUDGET_H
 
-#include "scalar/scalar_fit.h"
+#include "scalar/scalar_state.h"
 
-/* Chooses all codes by rate and distortion, down to the budget (without one, at a fixed price of bits). */
-gscl_result gscl_scalar_refine(gscl_scalar_state *schedule);
+/* After gscl_scalar_choose_codes: uses bytes that are left, then shrinks the file until it fits. */
+gscl_result gscl_scalar_meet_budget(gscl_scalar_state *state);
 /* Drops splats, the smallest first, until the file fits. */
-gscl_result gscl_scalar_trim(gscl_scalar_state *schedule);
+gscl_result gscl_scalar_trim(gscl_scalar_state *state);
 
 #endif

@@ -4,13 +4,12 @@
 
 #include "session/encoder.h"
 
-/* Fits splats so that the file has at most `bytes` bytes or, where `bytes` is 0, exactly `splats` splats.
- * The result is encoder->coded. */
-gscl_result gscl_encode_scalar(gscl_encoder *encoder, size_t bytes, size_t splats);
+/* Fits splats for the target.  encoder->coded holds the header before and the result afterwards. */
+gscl_result gscl_encode_scalar(gscl_encoder *encoder, gscl_size_target target);
 
-/* A quick fit for the same budget and with the effects that the settings give.  *mse is the squared error per sample
- * (weighted where the fit is) before any code is chosen by rate.  Of the encoder only the coded image changes; it has no
- * meaning afterwards. */
-gscl_result gscl_scalar_probe_fit(gscl_encoder *encoder, size_t bytes, size_t splats, double *mse);
+/* A short fit of `source` for the same target.  `header` holds the effects.  *mse is the squared error per sample
+ * (weighted where the fit is) before any code is chosen by rate.  Of the encoder nothing but the progress changes. */
+gscl_result gscl_scalar_probe_fit(gscl_encoder *encoder, const gscl_source *source, const gsf_header *header,
+                                  gscl_size_target target, double *mse);
 
 #endif

@@ -351,7 +351,7 @@ static void collect(pass *p) {
     file->header.splat_count = kept;
 }
 
-static gscl_result run(pass *p, double pressure) {
+static gscl_result run(pass *p, double lambda_scale) {
     gscl_coded_image *picture = p->picture;
     size_t size;
     double error;
@@ -374,7 +374,7 @@ static gscl_result run(pass *p, double pressure) {
     free(visits);
     GSCL_TRY(upload_all(p));
     GSCL_TRY(begin(p, &error));
-    p->settings.lambda = (float)(pressure * error / (2.0 * 8.0 * (double)size));
+    p->settings.lambda = (float)(lambda_scale * error / (2.0 * 8.0 * (double)size));
     p->existence = -log2f((float)p->count); /* what the order of all splats saves */
     for (int group = 0; group < GROUPS; group++)
         GSCL_TRY(visit_group(p, group));
@@ -395,7 +395,7 @@ gscl_result gscl_scalar_rdo_pass(gscl_fit *fit, gscl_coded_image *picture, const
     options.texture = picture->file.header.has_texture;
     gscl_renderer_set_options(&fit->renderer, GSCL_PROGRAM_SCALAR_RDO, &options);
     gscl_stage(fit->context, GSCL_STAGE_RDO);
-    gscl_result result = run(&p, how->pressure);
+    gscl_result result = run(&p, how->lambda_scale);
     pass_free(&p);
     return result;
 }

@@ -6,9 +6,9 @@
 #include "decode/coded_image.h"
 
 typedef struct gscl_scalar_rdo_settings {
-    double pressure;    /* price of a bit: lambda = pressure * error / (2 * bits of the file) */
-    bool keep_all;      /* no splat is dropped */
-    bool scan_textures; /* with has_texture: splats may take any wave, else waves only change a little or go */
+    double lambda_scale; /* price of a bit: lambda = lambda_scale * error / (2 * bits of the file) */
+    bool keep_all;       /* no splat is dropped */
+    bool scan_textures;  /* with has_texture: splats may take any wave, else waves only change a little or go */
 } gscl_scalar_rdo_settings;
 
 /* Makes one pass over all splats of `picture` (scalar coding, blend normalized or sum): each splat's codes

@@ -1,23 +1,22 @@
 #include "session/effects.h"
 
 #include <math.h>
+#include <string.h>
 
-#include "decode/coded_image.h"
+#include "session/tunables.h"
 
-#define LEAST_GROUND_BETWEEN 0.1 /* of busy tiles: about what one straight border through a small picture leaves */
-
-bool gscl_effect_is_open(const gscl_encode_settings *s, gscl_effect effect) {
-    return !((s->effects_on | s->effects_off) & effect);
+bool gscl_effect_is_open(const gscl_effects *s, gscl_effect effect) {
+    return !((s->on | s->off) & effect);
 }
 
-bool gscl_effect_wanted(const gscl_encode_settings *s, gscl_effect effect, bool automatic) {
-    return gscl_effect_is_open(s, effect) ? automatic : (s->effects_on & effect) != 0;
+bool gscl_effect_is_on(const gscl_effects *s, gscl_effect effect, bool automatic) {
+    return gscl_effect_is_open(s, effect) ? automatic : (s->on & effect) != 0;
 }
 
-/* Effects that the settings ask for and that cannot be, with the reason; NULL when there is none. */
+/* The reason why effects that the settings ask for are impossible; NULL when they are possible. */
 static const char *contradiction(const gscl_encode_settings *s, const gscl_image *image) {
-    bool paper = s->profile == GSCL_PROFILE_PAPER;
-    uint32_t on = s->effects_on, off = s->effects_off;
+    const bool paper = s->profile == GSCL_PROFILE_PAPER;
+    const uint32_t on = s->effects_on, off = s->effects_off;
     if (on & GSCL_EFFECT_CHROMA && image->channels < 3)
         return "a grey image has no chroma";
     if (on & GSCL_EFFECT_ALPHA_CHANNEL && image->channels % 2 == 1)
@@ -35,67 +34,89 @@ static const char *contradiction(const gscl_encode_settings *s, const gscl_image
     return NULL;
 }
 
-gscl_result gscl_effects_check(const gscl_encoder *e) {
-    const gscl_encode_settings *s = &e->settings;
+gscl_result gscl_effects_check(gscl_context *context, const gscl_encode_settings *s, const gscl_image *image) {
     for (uint32_t effect = 1; effect < 1u << GSCL_EFFECT_COUNT; effect <<= 1)
         if (s->effects_on & s->effects_off & effect)
-            return gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%s is both asked for and ruled out",
+            return gscl_fail(context, GSCL_ERROR_CONFLICT, "%s is both asked for and ruled out",
                              gscl_effect_name((gscl_effect)effect));
     if ((s->effects_on | s->effects_off) >> GSCL_EFFECT_COUNT)
-        return gscl_fail(e->context, GSCL_ERROR_INVALID_ARGUMENT, "an effect is not one that there is");
-    const char *why = contradiction(s, e->image);
-    return why ? gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "an effect is not one that there is");
+    const char *why = contradiction(s, image);
+    return why ? gscl_fail(context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;
 }
 
-void gscl_effect_decide(gscl_encoder *e, gscl_effect effect, gscl_effect_reason reason, bool on, double gain_db) {
+gscl_effects gscl_effects_of_settings(const gscl_encode_settings *s, const gscl_content *content) {
+    return (gscl_effects){.on = s->effects_on,
+                          .off = s->effects_off,
+                          .paper = s->profile == GSCL_PROFILE_PAPER,
+                          .alpha_blend = s->blend == GSCL_BLEND_ALPHA,
+                          .content = *content};
+}
+
+void gscl_effect_note(gscl_effects *s, gscl_effect effect, gscl_effect_reason reason, bool on, double gain_db) {
     size_t i = 0;
-    while (i < e->decision_count && e->decisions[i].effect != effect)
+    while (i < s->decision_count && s->decisions[i].effect < effect)
         i++;
-    if (i == GSCL_MAX_EFFECTS)
-        return;
-    e->decision_count += i == e->decision_count;
-    e->decisions[i] = (gscl_effect_decision){effect, on, reason, gain_db};
+    if (i == s->decision_count || s->decisions[i].effect != effect) {
+        if (s->decision_count == GSCL_MAX_EFFECTS)
+            return;
+        memmove(&s->decisions[i + 1], &s->decisions[i], (s->decision_count - i) * sizeof s->decisions[0]);
+        s->decision_count++;
+    }
+    s->decisions[i] = (gscl_effect_decision){effect, on, reason, gain_db};
 }
 
-static bool was_tried(const gscl_encoder *e, gscl_effect effect) {
-    for (size_t i = 0; i < e->decision_count; i++)
-        if (e->decisions[i].effect == effect)
-            return e->decisions[i].reason == GSCL_EFFECT_TRIAL;
+void gscl_effects_set_channels(const gscl_effects *s, gsf_header *header) {
+    const bool alpha = header->layout == GSF_GREY_ALPHA || header->layout == GSF_RGBA;
+    header->has_chroma = header->layout >= GSF_RGB && gscl_effect_is_on(s, GSCL_EFFECT_CHROMA, s->content.chroma);
+    header->has_alpha = alpha && gscl_effect_is_on(s, GSCL_EFFECT_ALPHA_CHANNEL, s->content.alpha);
+}
+
+/* Isolated objects on a flat background end or fade out inside it, and opacity gains up to 1.6 dB.  It gains nothing
+ * where one border divides the background from the rest, nor on other images.  Trials of opacity decided no better than
+ * this rule, at half the time of an encode. */
+static bool has_isolated_objects(const gscl_effects *s, const gscl_flat_background *background) {
+    return !s->paper && !s->alpha_blend &&
+           gscl_background_share_of_non_flat_tiles(background) > gscl_session_tunables.min_background_share;
+}
+
+void gscl_effects_set_header(const gscl_effects *s, const gscl_flat_background *background, gsf_header *header) {
+    const bool opacity = has_isolated_objects(s, background) || s->alpha_blend;
+    /* Without rotation all ellipses of the default profile would be horizontal, so it has circles or rotated ellipses;
+     * the paper profile has axis-aligned ellipses, too. */
+    const bool rotated =
+        gscl_effect_is_on(s, GSCL_EFFECT_ROTATION, true) && gscl_effect_is_on(s, GSCL_EFFECT_ANISOTROPY, true);
+    const bool axis_aligned = s->paper && !gscl_effect_is_on(s, GSCL_EFFECT_ROTATION, true);
+    gscl_effects_set_channels(s, header);
+    header->has_opacity = gscl_effect_is_on(s, GSCL_EFFECT_OPACITY, opacity);
+    header->has_rotation = gscl_effect_is_on(s, GSCL_EFFECT_ROTATION, rotated);
+    header->has_anisotropy = gscl_effect_is_on(s, GSCL_EFFECT_ANISOTROPY, rotated || axis_aligned);
+    header->has_texture = false;
+}
+
+static bool is_trial(const gscl_effects *s, gscl_effect effect) {
+    for (size_t i = 0; i < s->decision_count; i++)
+        if (s->decisions[i].effect == effect)
+            return s->decisions[i].reason == GSCL_EFFECT_TRIAL;
     return false;
 }
 
-/* Notes what is known before the fit; returns whether the effect is on. */
-static bool begin_with(gscl_encoder *e, gscl_effect effect, gscl_effect_reason reason, bool automatic) {
-    bool on = gscl_effect_wanted(&e->settings, effect, automatic);
-    if (!gscl_effect_is_open(&e->settings, effect))
-        reason = GSCL_EFFECT_ASKED;
-    if (!was_tried(e, effect))
-        gscl_effect_decide(e, effect, reason, on, NAN);
-    return on;
+/* Notes a decision: asked for or ruled out where the effect is not open, else for `reason`. */
+static void note_default(gscl_effects *s, gscl_effect effect, gscl_effect_reason reason, bool on) {
+    if (!is_trial(s, effect))
+        gscl_effect_note(s, effect, gscl_effect_is_open(s, effect) ? reason : GSCL_EFFECT_ASKED, on, NAN);
 }
 
-void gscl_effects_begin(gscl_encoder *e) {
-    gsf_header *header = &e->coded.file.header;
-    bool paper = e->settings.profile == GSCL_PROFILE_PAPER, turned;
-    bool upright = paper && !gscl_effect_wanted(&e->settings, GSCL_EFFECT_ROTATION, true);
+void gscl_effects_note(gscl_effects *s, const gscl_flat_background *background, const gsf_header *header) {
+    const bool isolated = has_isolated_objects(s, background);
     if (header->layout >= GSF_RGB)
-        header->has_chroma = begin_with(e, GSCL_EFFECT_CHROMA, GSCL_EFFECT_CONTENT, e->content.chroma);
+        note_default(s, GSCL_EFFECT_CHROMA, GSCL_EFFECT_CONTENT, header->has_chroma);
     if (header->layout == GSF_GREY_ALPHA || header->layout == GSF_RGBA)
-        header->has_alpha = begin_with(e, GSCL_EFFECT_ALPHA_CHANNEL, GSCL_EFFECT_CONTENT, e->content.alpha);
-    /* Where things lie on a plain ground they end or fade out, and opacity gains up to 1.6 dB; beside a ground it gains
-     * nothing, nor elsewhere.  Trials of it chose no better than this, at half the time of an encode. */
-    bool alpha = e->settings.blend == GSCL_BLEND_ALPHA;
-    bool things =
-        !paper && !alpha && gscl_background_share_of_non_flat_tiles(&e->source.background) > LEAST_GROUND_BETWEEN;
-    header->has_opacity =
-        begin_with(e, GSCL_EFFECT_OPACITY, things ? GSCL_EFFECT_CONTENT : GSCL_EFFECT_PROFILE, things || alpha);
-    /* Without rotation the default profile's ellipses would all lie flat: there it is circles or everything. */
-    turned = gscl_effect_wanted(&e->settings, GSCL_EFFECT_ROTATION, true) &&
-             gscl_effect_wanted(&e->settings, GSCL_EFFECT_ANISOTROPY, true);
-    header->has_rotation = begin_with(e, GSCL_EFFECT_ROTATION, GSCL_EFFECT_PROFILE, turned);
-    header->has_anisotropy = begin_with(e, GSCL_EFFECT_ANISOTROPY, GSCL_EFFECT_PROFILE, turned || upright);
-    begin_with(e, GSCL_EFFECT_CODEBOOKS, GSCL_EFFECT_PROFILE, paper);
-    if (!paper && e->settings.blend != GSCL_BLEND_ALPHA)
-        begin_with(e, GSCL_EFFECT_TEXTURE, GSCL_EFFECT_PASSES, true);
-    header->has_texture = false; /* until the passes find some */
+        note_default(s, GSCL_EFFECT_ALPHA_CHANNEL, GSCL_EFFECT_CONTENT, header->has_alpha);
+    note_default(s, GSCL_EFFECT_OPACITY, isolated ? GSCL_EFFECT_CONTENT : GSCL_EFFECT_PROFILE, header->has_opacity);
+    note_default(s, GSCL_EFFECT_ROTATION, GSCL_EFFECT_PROFILE, header->has_rotation);
+    note_default(s, GSCL_EFFECT_ANISOTROPY, GSCL_EFFECT_PROFILE, header->has_anisotropy);
+    note_default(s, GSCL_EFFECT_CODEBOOKS, GSCL_EFFECT_PROFILE, gscl_effect_is_on(s, GSCL_EFFECT_CODEBOOKS, s->paper));
+    if (!s->paper && !s->alpha_blend)
+        note_default(s, GSCL_EFFECT_TEXTURE, GSCL_EFFECT_PASSES, gscl_effect_is_on(s, GSCL_EFFECT_TEXTURE, true));
 }

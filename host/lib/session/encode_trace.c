@@ -6,8 +6,7 @@
 
 #include "cl/constants.h"
 #include "runtime/timing.h"
-
-#define FIT_POINTS 24 /* trace points of a fit, besides those of the passes that follow */
+#include "session/tunables.h"
 
 void gscl_encode_trace_begin(gscl_encode_trace *t, gscl_context *context, gscl_encode_report *report, bool has_points) {
     *report = (gscl_encode_report){0};
@@ -44,7 +43,7 @@ void gscl_trace_restart(gscl_encoder *e) {
 }
 
 int gscl_trace_interval(int steps) {
-    return steps < FIT_POINTS ? 1 : steps / FIT_POINTS;
+    return steps < gscl_session_tunables.trace_points ? 1 : steps / gscl_session_tunables.trace_points;
 }
 
 /* A renderer of the whole image as it is fitted, for `count` splats. */
@@ -119,6 +118,6 @@ gscl_result gscl_trace_fit(gscl_encoder *e, gscl_fit *fit, int steps) {
     return add_point(e, fit, NULL, steps);
 }
 
-gscl_result gscl_trace_coded_image(gscl_encoder *e, gscl_fit *fit, int steps) {
-    return add_point(e, fit, &e->coded, steps);
+gscl_result gscl_trace_coded_image(gscl_encoder *e, gscl_fit *fit, const gscl_coded_image *coded, int steps) {
+    return add_point(e, fit, coded, steps);
 }

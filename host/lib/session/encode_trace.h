@@ -27,7 +27,7 @@ void gscl_trace_restart(gscl_encoder *encoder);
 int gscl_trace_interval(int steps);
 /* Adds a trace point: the fit's splats, seen through its quantiser, after `steps` steps. */
 gscl_result gscl_trace_fit(gscl_encoder *encoder, gscl_fit *fit, int steps);
-/* Adds a trace point: the encoder's coded image. */
-gscl_result gscl_trace_coded_image(gscl_encoder *encoder, gscl_fit *fit, int steps);
+/* Adds a trace point: a coded image. */
+gscl_result gscl_trace_coded_image(gscl_encoder *encoder, gscl_fit *fit, const gscl_coded_image *coded, int steps);
 
 #endif

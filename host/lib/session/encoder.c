@@ -2,39 +2,36 @@
 
 #include <stdlib.h>
 
-#include "cl/constants.h"
 #include "image/metrics.h"
 #include "runtime/timing.h"
+#include "session/tunables.h"
 
-#define FIT_PIXELS (1u << 25) /* larger images are fitted at a smaller level; the splats draw at any size */
-
-gscl_result gscl_encoder_make_planes(gscl_encoder *e) {
-    const gsf_header *header = &e->coded.file.header;
-    while (((uint64_t)e->image->width * e->image->height >> (2 * e->source.first_level)) > FIT_PIXELS)
-        e->source.first_level++;
-    uint32_t width = gscl_level_size(e->image->width, e->source.first_level);
-    uint32_t height = gscl_level_size(e->image->height, e->source.first_level);
-    e->source.pixels = (size_t)width * height;
-    free(e->source.planes);
-    e->source.planes = malloc(e->source.pixels * gsf_channel_count(header) * sizeof(float));
-    if (!e->source.planes)
-        return gscl_fail(e->context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", e->image->width,
-                         e->image->height);
-    gscl_image_to_planes(e->image, header->has_chroma ? 3 : 1, header->has_alpha, e->source.first_level,
-                         e->source.planes);
-    e->source.background = gscl_find_flat_background(e->source.planes, width, height, (int)gsf_channel_count(header));
+gscl_result gscl_source_create(gscl_source *s, gscl_context *context, const gscl_image *image,
+                               const gsf_header *header) {
+    const unsigned channels = gsf_channel_count(header);
+    *s = (gscl_source){.image_width = image->width, .image_height = image->height};
+    while (((uint64_t)image->width * image->height >> (2 * s->first_level)) > gscl_session_tunables.max_fit_pixels)
+        s->first_level++;
+    s->width = gscl_level_size(image->width, s->first_level);
+    s->height = gscl_level_size(image->height, s->first_level);
+    s->pixels = (size_t)s->width * s->height;
+    s->planes = malloc(s->pixels * channels * sizeof(float));
+    if (!s->planes)
+        return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", image->width,
+                         image->height);
+    gscl_image_to_planes(image, header->has_chroma ? 3 : 1, header->has_alpha, s->first_level, s->planes);
+    s->background = gscl_find_flat_background(s->planes, s->width, s->height, (int)channels);
     return GSCL_OK;
 }
 
-size_t gscl_max_splats(const gscl_encoder *e, size_t bytes) {
-    size_t useful = (size_t)e->image->width * e->image->height / 2 + 8;
-    return bytes == 0 || useful > GSCL_MAX_SPLATS ? GSCL_MAX_SPLATS : useful;
+void gscl_source_free(gscl_source *s) {
+    free(s->planes);
+    s->planes = NULL;
 }
 
-int gscl_loss_kind(gscl_loss loss) {
-    return loss == GSCL_LOSS_L1        ? GSCL_LOSS_KIND_L1
-           : loss == GSCL_LOSS_L1_SSIM ? GSCL_LOSS_KIND_EXTERNAL
-                                       : GSCL_LOSS_KIND_L2;
+void gscl_encoder_restart(gscl_encoder *e) {
+    e->random = e->settings.seed;
+    e->coded.file.header = e->header;
 }
 
 gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
@@ -62,9 +59,9 @@ gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
     return result;
 }
 
-gscl_result gscl_encoder_size(gscl_encoder *e, size_t *size) {
-    gscl_stage_id before = gscl_stage(e->context, GSCL_STAGE_ENTROPY_CODING);
-    gscl_result result = gscl_coded_image_size(&e->coded, size);
-    gscl_stage(e->context, before);
+gscl_result gscl_file_size(gscl_context *context, gscl_coded_image *coded, size_t *size) {
+    const gscl_stage_id before = gscl_stage(context, GSCL_STAGE_ENTROPY_CODING);
+    const gscl_result result = gscl_coded_image_size(coded, size);
+    gscl_stage(context, before);
     return result;
 }

@@ -1,53 +1,75 @@
-/* The state of an encode, which its stages share, and the questions that all of them ask of it. */
+/* The state of one encode.  Each stage of encode/encode.c takes it and leaves one named result in it. */
 #ifndef GSCL_LIB_ENCODER_H
 #define GSCL_LIB_ENCODER_H
 
+#include "decode/coded_image.h"
 #include "fit/fit.h"
 #include "image/image.h"
-#include "decode/coded_image.h"
+#include "session/effects.h"
 #include "session/progress.h"
 
 typedef struct gscl_encode_trace gscl_encode_trace; /* encode_trace.h */
 
 /* The image as it is fitted: planes of floats at the finest level of the pyramid. */
 typedef struct gscl_source {
-    int first_level; /* finest level that is fitted; 0 unless the image is very large */
-    float *planes;   /* one after another, each of `pixels` values in 0..1 */
-    size_t pixels;
+    uint32_t image_width, image_height; /* full size, pixels */
+    int first_level;                    /* finest level that is fitted; 0 unless the image is very large */
+    uint32_t width, height;             /* of that level, pixels */
+    size_t pixels;                      /* width * height */
+    float *planes;                      /* one after another, each of `pixels` values in 0..1 */
     gscl_flat_background background;
 } gscl_source;
 
+/* How large the coded image of a fit is to be. */
+typedef struct gscl_size_target {
+    size_t bytes;  /* budget; 0: `splats` holds */
+    size_t splats; /* the exact number, where `bytes` is 0 */
+} gscl_size_target;
+
 typedef struct gscl_encoder {
+    /* Set before the first stage, constant afterwards. */
     gscl_context *context;
     const gscl_image *image;
-    gscl_encode_settings settings; /* resolved: no AUTO left */
-    gscl_content content;
+    gscl_encode_settings settings; /* without AUTO */
+    int loss_kind;                 /* GSCL_LOSS_KIND_... of the settings' loss */
+
+    /* Services of all stages. */
     gscl_progress_state progress;
     gscl_encode_trace *trace; /* NULL where the caller takes no report */
-    uint64_t random;
-    gscl_source source;
-    gscl_coded_image coded; /* header filled in; the result */
-    size_t decision_count;
-    gscl_effect_decision decisions[GSCL_MAX_EFFECTS];
-    uint32_t trials; /* of the search for a quality; 0 when there was none */
+
+    /* Stage "prepare". */
+    gscl_content content;
+    gscl_source source; /* without planes where the image is flat */
+    size_t max_splats;  /* beyond these, more bytes are of no use to this image */
+
+    /* Stage "resolve target": of the first fit; where the target is a PSNR, a guess. */
+    gscl_size_target target;
+
+    /* Stage "decide effects". */
+    gscl_effects effects;
+    gsf_header header; /* of the coded image before the fit: what it is, and its effects */
+
+    /* Stages "fit" to "meet the budget". */
+    uint64_t random;        /* state of the random generator */
+    gscl_coded_image coded; /* the result */
+    uint32_t trials;        /* fits of the search for a PSNR; 0 without one */
 } gscl_encoder;
 
-/* Splats beyond which more bytes are of no use to this image; no limit but the format's when `bytes` is 0 (the caller
- * asked for a number of splats). */
-size_t gscl_max_splats(const gscl_encoder *encoder, size_t bytes);
+/* Makes planes of the channels that the header has, and looks for a flat background.  What `source` held before is not
+ * freed. */
+gscl_result gscl_source_create(gscl_source *source, gscl_context *context, const gscl_image *image,
+                               const gsf_header *header);
+/* Accepts a zeroed source. */
+void gscl_source_free(gscl_source *source);
 
-/* Makes encoder->source.planes anew, of the channels that the header says. */
-gscl_result gscl_encoder_make_planes(gscl_encoder *encoder);
-
-/* GSCL_LOSS_KIND_... of a loss: SSIM comes from outside the fit's kernel. */
-int gscl_loss_kind(gscl_loss loss);
-
-/* Size of the encoder's picture as a file. */
-gscl_result gscl_encoder_size(gscl_encoder *encoder, size_t *size);
+/* Sets encoder->coded to a coded image without splats, of the header's effects. */
+void gscl_encoder_restart(gscl_encoder *encoder);
+/* Size of a coded image as a file. */
+gscl_result gscl_file_size(gscl_context *context, gscl_coded_image *coded, size_t *size);
+/* PSNR of encoder->coded as its decoder draws it, against the image. */
+gscl_result gscl_encoder_psnr(gscl_encoder *encoder, double *psnr);
 /* PSNR of a file as it is decoded, against an image of the decode's kind. */
 gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
                            double *psnr);
-/* PSNR of the encoder's picture as its decoder draws it, against the image. */
-gscl_result gscl_encoder_psnr(gscl_encoder *encoder, double *psnr);
 
 #endif

@@ -6,7 +6,8 @@
  *   encoder.h: the state
  *   effects.h: which effects are on, and why
  *   progress.h: the progress callback
- *   encode_trace.h: times and the convergence trace */
+ *   encode_trace.h: times and the convergence trace
+ *   tunables.h: numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_SESSION_H
 #define GSCL_ROOM_LIB_SESSION_H
 #endif

@@ -1,0 +1,16 @@
+/* The first stages of an encode: from the caller's image and settings to planes, a header and a size. */
+#ifndef GSCL_LIB_PREPARE_H
+#define GSCL_LIB_PREPARE_H
+
+#include "session/encoder.h"
+
+/* Examines the image and makes encoder->content, effects (as the settings say), header, source and max_splats. */
+gscl_result gscl_encode_prepare(gscl_encoder *encoder);
+
+/* Sets encoder->target.  Refuses a budget below the smallest file of this image. */
+gscl_result gscl_encode_resolve_target(gscl_encoder *encoder);
+
+/* Whether the background alone is the result: the image is flat, or no splats are asked for. */
+bool gscl_encode_is_background_only(const gscl_encoder *encoder);
+
+#endif

@@ -1,0 +1,51 @@
+#include "encode/settings.h"
+
+#include <math.h>
+
+#include "format/format.h"
+#include "runtime/struct_size.h"
+
+void gscl_encode_settings_init(gscl_encode_settings *settings, size_t struct_size) {
+    const gscl_encode_settings defaults = {.effort = GSCL_DEFAULT_EFFORT, .seed = 1};
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
+}
+
+gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *s) {
+    if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
+        s->tune > GSCL_TUNE_SSIM || s->target > GSCL_TARGET_SPLATS)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
+    if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
+    if (!(s->target_value >= 0) || !isfinite(s->target_value))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %g is not a positive number",
+                         s->target_value);
+    if (s->target == GSCL_TARGET_SPLATS && s->target_value > GSCL_MAX_SPLATS)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%.0f splats are more than %d", s->target_value,
+                         GSCL_MAX_SPLATS);
+    if (s->codebook_size != 0 && s->profile != GSCL_PROFILE_PAPER)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT, "a codebook size needs the paper profile");
+    if (s->codebook_size == 1 || s->codebook_size > GSF_MAX_CODEBOOK)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u code words are not in 2..%d", s->codebook_size,
+                         GSF_MAX_CODEBOOK);
+    if (s->step_factor != 0 && s->profile == GSCL_PROFILE_PAPER)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT, "quantiser steps are the default profile's");
+    if (s->step_factor != 0 && !(s->step_factor >= 0.25 && s->step_factor <= 4))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%g times the quantiser's steps are not in 0.25..4",
+                         s->step_factor);
+    if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
+        return gscl_fail(context, GSCL_ERROR_CONFLICT,
+                         "the paper profile blends by alpha; choose another profile for other blends");
+    bool squared = s->loss == GSCL_LOSS_AUTO || s->loss == GSCL_LOSS_L2;
+    if (s->tune == GSCL_TUNE_SSIM && (s->profile == GSCL_PROFILE_PAPER || !squared))
+        return gscl_fail(context, GSCL_ERROR_CONFLICT,
+                         "tuning for SSIM weighs squared errors; it needs the default profile and the loss L2");
+    return GSCL_OK;
+}
+
+void gscl_encode_settings_resolve(gscl_encode_settings *s) {
+    bool paper = s->profile == GSCL_PROFILE_PAPER;
+    if (s->blend == GSCL_BLEND_AUTO)
+        s->blend = paper ? GSCL_BLEND_ALPHA : GSCL_BLEND_NORMALIZED;
+    if (s->loss == GSCL_LOSS_AUTO)
+        s->loss = paper ? GSCL_LOSS_L1_SSIM : GSCL_LOSS_L2;
+}

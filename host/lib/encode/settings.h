@@ -1,0 +1,12 @@
+/* The settings of an encode: which are valid, and what AUTO means. */
+#ifndef GSCL_LIB_ENCODE_SETTINGS_H
+#define GSCL_LIB_ENCODE_SETTINGS_H
+
+#include "runtime/context.h"
+
+/* Refuses values out of range and settings that contradict each other. */
+gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *settings);
+/* Replaces AUTO by what the profile means by it; the target stays as it is. */
+void gscl_encode_settings_resolve(gscl_encode_settings *settings);
+
+#endif

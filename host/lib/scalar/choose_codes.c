@@ -1,0 +1,118 @@
+#include "scalar/choose_codes.h"
+
+#include <math.h>
+
+#include "runtime/timing.h"
+#include "scalar/scalar_fit.h"
+#include "scalar/scalar_rdo.h"
+#include "session/encode_trace.h"
+
+static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
+
+static gscl_result report_progress(gscl_scalar_state *s) {
+    gscl_progress_state *progress = &s->encoder->progress;
+    const double done = fmin((double)s->passes_done / s->passes, 1);
+    progress->splats = s->coded->file.header.splat_count;
+    return gscl_progress_report(s->encoder->context, progress, tunables->fit_share + (1 - tunables->fit_share) * done);
+}
+
+gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
+    const gscl_scalar_rdo_settings settings = {
+        .lambda_scale = s->lambda_scale, .keep_all = s->keep_all, .scan_textures = scan_textures};
+    gscl_encoder *e = s->encoder;
+    GSCL_TRY(gscl_scalar_rdo_pass(&s->fit, s->coded, &settings));
+    GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
+    GSCL_TRY(gscl_file_size(e->context, s->coded, &s->size));
+    gscl_log(e->context, GSCL_LOG_DEBUG, "%.2f s, pass: %u splats, %zu bytes, lambda scale %.2f%s",
+             gscl_now() - e->progress.start_s, s->coded->file.header.splat_count, s->size, s->lambda_scale,
+             scan_textures ? ", scan" : "");
+    s->passes_done++;
+    GSCL_TRY(gscl_trace_coded_image(e, &s->fit, s->coded, s->steps));
+    return report_progress(s);
+}
+
+bool gscl_scalar_has_max_splats(const gscl_scalar_state *s) {
+    return s->coded->file.header.splat_count >= s->max_splats;
+}
+
+gscl_result gscl_scalar_densify(gscl_scalar_state *s) {
+    const size_t count = s->coded->file.header.splat_count;
+    size_t wanted = (size_t)(s->surplus * (double)s->bytes / (double)s->size * (double)count) + 1;
+    wanted = wanted > s->max_splats ? s->max_splats : wanted;
+    const int steps = s->steps / tunables->densify_steps_divisor + 1;
+    return gscl_scalar_refit(s, wanted > count ? wanted - count : 0,
+                             steps < tunables->max_densify_steps ? steps : tunables->max_densify_steps);
+}
+
+void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double goal, double gain) {
+    /* At this lambda the file would go on shrinking: the goal is compared with the size after the next pass. */
+    const double before = (double)size_before, size = (double)s->size;
+    const double next = size < before ? size * size / before : size;
+    s->lambda_scale =
+        fmin(fmax(s->lambda_scale * pow(next / goal, gain), tunables->min_lambda_scale), tunables->max_lambda_scale);
+}
+
+/* The first pass, without textures.  Splats are added as long as the budget clearly holds more of them. */
+static gscl_result pass_without_textures(gscl_scalar_state *s) {
+    for (int densifications = 0;; densifications++) {
+        GSCL_TRY(gscl_scalar_pass(s, false));
+        if (s->bytes == 0 || gscl_scalar_has_max_splats(s) || densifications == tunables->max_densifications ||
+            (double)s->size >= tunables->densify_below * (double)s->bytes)
+            return GSCL_OK;
+        GSCL_TRY(gscl_scalar_densify(s));
+    }
+}
+
+static uint32_t count_textured(const gsf_coded_image *file) {
+    uint32_t textured = 0;
+    for (uint32_t i = 0; i < file->header.splat_count; i++)
+        textured += file->splats[i].texture.amplitude > 0;
+    return textured;
+}
+
+static bool may_drop_textures(const gscl_scalar_state *s) {
+    return gscl_effect_is_open(&s->encoder->effects, GSCL_EFFECT_TEXTURE);
+}
+
+/* After the first scan: where hardly a splat took a wave, the following passes do not scan. */
+static void drop_rare_textures(gscl_scalar_state *s) {
+    const gsf_coded_image *file = &s->coded->file;
+    if (may_drop_textures(s) && count_textured(file) < tunables->min_textured_share * file->header.splat_count)
+        s->textures = false;
+}
+
+/* Passes that take the file gently down towards its budget: splats that are dropped in haste do not come back. */
+static gscl_result pass_towards_budget(gscl_scalar_state *s) {
+    const double budget = (double)s->bytes * tunables->budget_aim;
+    double excess = 0;
+    for (int pass = 0; pass < s->passes; pass++) {
+        const size_t before = s->size;
+        const double left = 1 - (pass + 2.0) / s->passes;
+        GSCL_TRY(gscl_scalar_pass(s, s->textures && pass % tunables->scan_interval == 0));
+        if (pass == 0)
+            drop_rare_textures(s);
+        if (s->bytes == 0)
+            continue;
+        if (pass == 0)
+            excess = fmax((double)s->size - budget, 0);
+        gscl_scalar_update_lambda(s, before, budget + excess * pow(fmax(left, 0), tunables->excess_exponent),
+                                  tunables->lambda_gain);
+    }
+    return GSCL_OK;
+}
+
+gscl_result gscl_scalar_choose_codes(gscl_scalar_state *s) {
+    /* A fit that never came to its finest level has no detail that a wave could show. */
+    if (may_drop_textures(s) && s->fit.level > s->source->first_level + s->finest)
+        s->textures = false;
+    GSCL_TRY(pass_without_textures(s));
+    s->coded->file.header.has_texture = s->textures;
+    return pass_towards_budget(s);
+}
+
+void gscl_scalar_drop_unused_effects(gscl_scalar_state *s) {
+    const bool textured = count_textured(&s->coded->file) > 0;
+    s->coded->file.header.has_texture = textured;
+    if (may_drop_textures(s))
+        gscl_effect_note(&s->encoder->effects, GSCL_EFFECT_TEXTURE, GSCL_EFFECT_PASSES, textured, NAN);
+}

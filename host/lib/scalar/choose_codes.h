@@ -1,0 +1,24 @@
+/* The loop of rate-distortion passes: all codes are chosen again and again while lambda takes the file towards its
+ * budget. */
+#ifndef GSCL_LIB_CHOOSE_CODES_H
+#define GSCL_LIB_CHOOSE_CODES_H
+
+#include "scalar/scalar_state.h"
+
+/* Chooses all codes by rate and distortion, down to about the budget (without one, at a constant price of bits).
+ * state->size is the size of the coded image afterwards. */
+gscl_result gscl_scalar_choose_codes(gscl_scalar_state *state);
+
+/* One pass; state->size is the size afterwards. */
+gscl_result gscl_scalar_pass(gscl_scalar_state *state, bool scan_textures);
+/* Adds splats for the bytes that are left and fits all of them for a while. */
+gscl_result gscl_scalar_densify(gscl_scalar_state *state);
+/* Whether the image can use no more splats. */
+bool gscl_scalar_has_max_splats(const gscl_scalar_state *state);
+/* Sets lambda so that the next pass leaves about `goal` bytes; `before`: the size before the last pass. */
+void gscl_scalar_update_lambda(gscl_scalar_state *state, size_t before, double goal, double gain);
+
+/* Clears the header's texture effect where no splat has a wave, and notes the decision. */
+void gscl_scalar_drop_unused_effects(gscl_scalar_state *state);
+
+#endif

@@ -1,0 +1,38 @@
+/* Probe fits: short fits by which effects are decided. */
+#include "scalar/encode_scalar.h"
+#include "scalar/scalar_fit.h"
+
+/* The coarsest level that still shows what so many splats can. */
+static int probe_level(const gscl_scalar_state *s) {
+    const double distance = gscl_scalar_tunables.probe_distance;
+    double pixels = s->source_pixels;
+    int level = 0;
+    while (pixels > gscl_scalar_tunables.small_image_pixels && pixels / (double)(s->target + 1) > distance * distance) {
+        pixels /= 4;
+        level++;
+    }
+    return level;
+}
+
+/* Squared error per sample of the fit at its level, drawn through its quantiser. */
+static gscl_result mean_error(gscl_fit *fit, double *mse) {
+    double sum;
+    GSCL_TRY(gscl_fit_rendering_error(fit, &sum));
+    *mse = sum / ((double)gscl_fit_level_pixels(fit) * fit->renderer.channels);
+    return GSCL_OK;
+}
+
+gscl_result gscl_scalar_probe_fit(gscl_encoder *e, const gscl_source *source, const gsf_header *header,
+                                  gscl_size_target target, double *mse) {
+    gscl_coded_image coded = {.file = {.header = *header}};
+    const gscl_scalar_plan plan = {.source = source, .coded = &coded, .target = target, .preset = &gscl_probe_preset};
+    gscl_scalar_state state;
+    gscl_scalar_begin(&state, e, &plan);
+    state.finest = probe_level(&state);
+    gscl_result result = gscl_scalar_fit(&state);
+    if (result == GSCL_OK)
+        result = mean_error(&state.fit, mse);
+    gscl_scalar_end(&state);
+    gscl_coded_image_free(&coded);
+    return result;
+}

@@ -1,0 +1,111 @@
+#include "scalar/scalar_state.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "cl/constants.h"
+#include "decode/quantise.h"
+
+static const gsf_steps default_steps =
+    {.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+
+static void choose_quantiser_steps(const gscl_scalar_state *s) {
+    const double factor = s->encoder->settings.step_factor;
+    gsf_coded_image *file = &s->coded->file;
+    file->steps = default_steps;
+    if (factor > 0)
+        file->steps = gscl_scale_steps(&default_steps, factor);
+    else if (s->source->background.pixels > 0)
+        gscl_fit_steps_to_colour(file, s->source->background.colour);
+}
+
+double gscl_scalar_sparseness(const gscl_scalar_state *s) {
+    return sqrt(s->source_pixels / (double)(s->target + 1)) / gscl_scalar_tunables.full_size_distance;
+}
+
+/* Splats that the budget is expected to hold. */
+static size_t estimate_splats(size_t bytes) {
+    const double bits = 8 * (double)(bytes - 20);
+    return bytes > 24 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
+}
+
+/* The number of splats before and after densification, and the steps of the fit. */
+static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
+    const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
+    s->target = s->bytes ? estimate_splats(s->bytes) : plan->target.splats;
+    const double sparse = fmin(fmax(gscl_scalar_sparseness(s) - 1, 0), 1);
+    s->surplus = s->has_choice ? plan->preset->surplus + t->sparse_surplus * sparse : 1.0;
+    s->steps = plan->preset->steps;
+    s->steps += (int)(t->sparse_steps * sparse * s->steps);
+    if (s->target > s->max_splats)
+        s->target = s->max_splats;
+    s->start = (size_t)ceil((double)s->target * t->start_share);
+}
+
+void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_plan *plan) {
+    const gscl_source *source = plan->source;
+    const double pixels = ldexp((double)source->image_width * source->image_height, -2 * source->first_level);
+    const size_t bytes = plan->target.bytes;
+    *s = (gscl_scalar_state){.encoder = e,
+                             .source = source,
+                             .source_pixels = pixels,
+                             .bytes = bytes,
+                             .max_splats = bytes ? e->max_splats : GSCL_MAX_SPLATS,
+                             .passes = plan->preset->passes,
+                             .finest = pixels > gscl_scalar_tunables.small_image_pixels ? plan->preset->finest : 0,
+                             /* In blend alpha a splat changes all others under it, which the passes do not follow. */
+                             .has_choice = e->settings.blend != GSCL_BLEND_ALPHA,
+                             .coded = plan->coded,
+                             .random = e->settings.seed,
+                             .textures = gscl_effect_is_on(&e->effects, GSCL_EFFECT_TEXTURE,
+                                                           e->settings.effort >= gscl_scalar_tunables.texture_effort),
+                             .keep_all = bytes == 0,
+                             .lambda_scale = bytes ? plan->preset->lambda_scale : 1};
+    for (int i = 0; i < GSCL_MAX_LEVELS; i++)
+        s->details[i] = NAN;
+    choose_quantiser_steps(s);
+    choose_counts(s, plan);
+}
+
+void gscl_scalar_end(gscl_scalar_state *s) {
+    gscl_fit_free(&s->fit);
+    free(s->params);
+}
+
+static gscl_result reserve_params(gscl_scalar_state *s, size_t count) {
+    if (count <= s->capacity)
+        return GSCL_OK;
+    float *grown = realloc(s->params, count * GSCL_PARAMS * sizeof(float));
+    if (!grown)
+        return gscl_fail_memory(s->encoder->context);
+    s->params = grown;
+    s->capacity = count;
+    return GSCL_OK;
+}
+
+gscl_result gscl_scalar_quantise(gscl_scalar_state *s) {
+    gscl_coded_image *coded = s->coded;
+    const size_t count = (size_t)s->fit.renderer.count;
+    GSCL_TRY(reserve_params(s, count));
+    GSCL_TRY(gscl_fit_read(&s->fit, s->params));
+    coded->file.header.splat_count = (uint32_t)count;
+    GSCL_TRY(gscl_coded_image_reserve(coded, count));
+    for (size_t i = 0; i < count; i++)
+        gscl_quantise(&coded->file, s->params + i * GSCL_PARAMS, &coded->file.splats[i]);
+    return GSCL_OK;
+}
+
+gscl_result gscl_scalar_load(gscl_scalar_state *s) {
+    float background[4];
+    const size_t count = s->coded->file.header.splat_count;
+    GSCL_TRY(reserve_params(s, count));
+    gscl_coded_image_params(s->coded, s->params, background);
+    return gscl_fit_replace(&s->fit, s->params, count);
+}
+
+gscl_result gscl_scalar_set_quantiser(gscl_scalar_state *s) {
+    float steps[GSCL_STEP_COUNT];
+    gscl_steps_to_floats(&s->coded->file.steps, steps);
+    GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, steps));
+    return gscl_renderer_project(&s->fit.renderer);
+}

@@ -1,0 +1,65 @@
+/* The state of one encode in the default profile, and what all of its stages do with it. */
+#ifndef GSCL_LIB_SCALAR_STATE_H
+#define GSCL_LIB_SCALAR_STATE_H
+
+#include "fit/fit.h"
+#include "scalar/scalar_rdo.h"
+#include "scalar/tunables.h"
+#include "session/encoder.h"
+
+/* What is fitted, and into what. */
+typedef struct gscl_scalar_plan {
+    const gscl_source *source;
+    gscl_coded_image *coded; /* its header holds the effects that are known before the fit */
+    gscl_size_target target;
+    const gscl_effort_preset *preset;
+} gscl_scalar_plan;
+
+typedef struct gscl_scalar_state {
+    /* Constant during the encode. */
+    gscl_encoder *encoder; /* services, settings and effects; its source and coded image are not used */
+    const gscl_source *source;
+    double source_pixels;    /* of the level that is fitted */
+    size_t bytes;            /* budget, or 0 */
+    size_t max_splats;       /* that the image can use */
+    int steps;               /* of the fit */
+    int passes;              /* rate-distortion passes, besides the first and those that meet the budget */
+    int finest;              /* level of the pyramid that is fitted last, counted from the source's */
+    bool has_choice;         /* codes are chosen by rate and distortion */
+    gscl_coded_image *coded; /* the result */
+
+    /* Stage "fit". */
+    uint64_t random; /* state of the random generator */
+    gscl_fit fit;
+    size_t start, target;            /* splats at the first step, and after the last densification */
+    double surplus;                  /* splats fitted for each that the budget holds; the passes drop the others */
+    double details[GSCL_MAX_LEVELS]; /* residual of each level (gscl_fit_level_residual) beyond the noise of rounding;
+                                        NAN: not measured yet */
+    int next_level_check;            /* step at which a finer level is considered again */
+
+    /* Stages "choose codes" and "meet the budget". */
+    size_t size;         /* of the coded image as a file, after the last pass */
+    int passes_done;     /* for the progress report */
+    bool textures;       /* may be used */
+    bool keep_all;       /* no splat is dropped */
+    double lambda_scale; /* price of a bit in the next pass, see gscl_scalar_rdo_settings */
+
+    float *params; /* scratch for `capacity` splats */
+    size_t capacity;
+} gscl_scalar_state;
+
+/* Resolves the plan: number of splats, steps, levels, quantiser steps.  `state` may hold anything before. */
+void gscl_scalar_begin(gscl_scalar_state *state, gscl_encoder *encoder, const gscl_scalar_plan *plan);
+/* Frees what the stages made, but for the result. */
+void gscl_scalar_end(gscl_scalar_state *state);
+
+/* Distance from splat to splat in the source, in units of the distance at which a fit at full size is due. */
+double gscl_scalar_sparseness(const gscl_scalar_state *state);
+/* Reads the fit's splats and turns them into codes. */
+gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
+/* Puts the coded splats into the fit. */
+gscl_result gscl_scalar_load(gscl_scalar_state *state);
+/* From now on the fit draws its splats as the quantiser would store them. */
+gscl_result gscl_scalar_set_quantiser(gscl_scalar_state *state);
+
+#endif

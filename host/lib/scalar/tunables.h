@@ -1,0 +1,89 @@
+/* Numbers of scalar/ that were found by trying. */
+#ifndef GSCL_SCALAR_TUNABLES_H
+#define GSCL_SCALAR_TUNABLES_H
+
+#include <gscl/gscl.h>
+
+/* What an effort pays for. */
+typedef struct gscl_effort_preset {
+    int steps;           /* of the fit */
+    int passes;          /* rate-distortion passes, besides the first and those that meet the budget */
+    int finest;          /* level of the pyramid that is fitted last, counted from the source's; small images have 0 */
+    double surplus;      /* splats fitted for each that the budget holds; the passes drop some again */
+    double lambda_scale; /* price of a bit in the first pass: a splat that is dropped too early does not come back */
+} gscl_effort_preset;
+
+extern const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1];
+/* Of the probe fits by which effects are decided. */
+extern const gscl_effort_preset gscl_probe_preset;
+
+struct gscl_scalar_tunables {
+    /* Number of splats and steps. */
+    double start_share;             /* of the splats that exist at the first step */
+    double expected_bits_per_splat; /* bits; first estimate of how many splats a budget holds */
+    double min_bits_per_splat;      /* bits; a fit that is half done takes less than it will at the end */
+    double sparse_surplus;          /* surplus added where splats are sparse */
+    double sparse_steps;            /* share of the steps added where splats are sparse: there a step is quick */
+    int densify_rounds;             /* in which the other splats are added */
+    double densify_until;           /* share of the steps; then the number of splats stays */
+    int measure_round;              /* after this round real bits per splat replace the estimate */
+
+    /* Levels of the pyramid. */
+    int small_image_pixels;    /* pixels; up to here the finest level costs next to no time */
+    double full_size_distance; /* pixels from splat to splat, at which the three figures below hold as they are */
+    double quarter_until;      /* share of the steps at a quarter of the size; more where splats are sparser */
+    double half_until;         /* share of the steps until which half the size is enough; more where sparser */
+    double max_quarter_until;  /* largest quarter_until of sparse splats */
+    double max_half_until;     /* largest half_until of sparse splats */
+    int level_check_interval;  /* steps until a finer level that was refused is considered again */
+    double min_level_residual; /* share of the fit's error; a level with a smaller residual is skipped */
+    double rounding_residual;  /* squared error per sample: residual of noise by rounding to 8 bits,
+                                    (3/4 + 1/64) / 12 / 255^2 */
+    double probe_distance;     /* pixels from splat to splat; sparser probe fits use a coarser level */
+
+    /* The fit. */
+    double learning_rate;     /* factor of the learning rates in cl/update.cl */
+    double min_learning_rate; /* share of learning_rate at the last step */
+    double quantise_from;     /* share of the steps, from which on the fit draws through the quantiser */
+    double adapt_at[2];       /* shares of the steps at which, tuned for SSIM, the target is adapted to the splats */
+    int report_interval;      /* steps between progress reports */
+    int sort_interval;        /* steps between sortings in blend alpha */
+    double fit_share;         /* share of the time, for the progress report */
+
+    /* Textures. */
+    int texture_effort;        /* from this effort on textures are tried */
+    int scan_interval;         /* passes from one scan for textures to the next */
+    double min_textured_share; /* of the splats; where fewer took a wave at the first scan, no others are tried */
+
+    /* The loop of passes around the byte budget. */
+    double budget_aim;         /* share of the budget that the passes aim at */
+    double full_share;         /* share of the budget; a file that reaches it is full */
+    double densify_below;      /* share of the budget; a smaller file has room for more splats */
+    int densify_steps_divisor; /* the fit's steps divided by this: steps of a refit after densification */
+    int max_densify_steps;     /* steps of a refit */
+    int max_densifications;    /* after the first pass */
+    double lambda_gain;        /* exponent of lambda by excess size while the file shrinks towards its budget */
+    double final_lambda_gain;  /* likewise where few passes are left */
+    double excess_exponent;    /* of the share of passes left: how the excess over the budget shrinks */
+    double rollback_factor;    /* of lambda after a pass that shrank the file too far */
+    double slack_factor;       /* of lambda in a pass that uses bytes that are left */
+    int max_final_passes;      /* passes that bring a file below its budget */
+    int max_slack_passes;      /* passes that use bytes that are left */
+    double min_lambda_scale, max_lambda_scale;
+};
+
+extern const struct gscl_scalar_tunables gscl_scalar_tunables;
+
+/* The rate-distortion passes. */
+struct gscl_rdo_tunables {
+    double growth;         /* factor by which a splat's box may grow in a pass */
+    double growth_pixels;  /* pixels by which it may grow besides */
+    double count_floor;    /* occurrences that each code counts as having, besides its own */
+    double count_spread;   /* share of its neighbours' occurrences in those of a code: the entropy coder spreads, too */
+    double textured_share; /* of the splats that are assumed to take a wave */
+    double texture_count;  /* occurrences that each texture code is assumed to have, besides its own */
+};
+
+extern const struct gscl_rdo_tunables gscl_rdo_tunables;
+
+#endif
