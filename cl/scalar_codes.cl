@@ -1,5 +1,4 @@
-/* What the rate-distortion passes work on: a splat's codes, what they mean and cost, and putting a splat into the
- * picture or taking it out. */
+/* The rate-distortion passes: dequantising a splat's codes, and adding the splat to the rendering or removing it. */
 
 /* Cycles per pixel (FORMAT.md, "Dequantisation"). */
 inline float wave_frequency(int wave) {
@@ -56,8 +55,8 @@ inline pix projected_wave(pix dx, float dy, const projected_splat *a) {
 
 inline bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
 
-/* Puts the splat in (sign 1) or takes it out (sign -1). */
-inline void picture_change(const projected_splat *a, float sign, __global float *restrict picture,
+/* Adds the splat to the rendering (sign 1) or removes it (sign -1). */
+inline void rendering_change(const projected_splat *a, float sign, __global float *restrict rendering,
                            __global float *restrict weights, int width, int height, ulong plane) {
     outline o = outline_of(a, width, height);
     for (int y = o.rows.x; y <= o.rows.y; y++) {
@@ -76,9 +75,9 @@ inline void picture_change(const projected_splat *a, float sign, __global float 
 #endif
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
-                pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(a->projected[GSCL_PROJECTED_COLOUR + k]);
+                pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(a->projected[GSCL_PROJECTED_COLOUR + k]);
                 if (k < COLOURS) c += wave;
-                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p), picture + k * plane + at,
+                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p), rendering + k * plane + at,
                                   lanes);
             }
         }

@@ -1,20 +1,20 @@
-/* Choosing code words by rate and distortion.
+/* Choosing codes by rate and distortion.
  *
- * Each visit takes one splat out of the picture, looks at a handful of other codes for it and at leaving it
- * out, and puts back what costs least: squared error + lambda * bits.  The change of error is exact: the
- * picture P and (in `normalized`) the sum of weights D are kept per pixel and changed in place.  With the
- * splat out, giving it weight w and colour c changes a pixel to P + s (c - P), s = w / (D + w) (`sum`: P + w c),
- * so the error is a quadratic in c whose coefficients one walk over the outline adds up; the best colour codes
- * then cost no further walk.  Splats visited together do not touch each other's pixels (host/lib/refine.c). */
+ * A pass visits each splat once.  It takes the splat out of the rendering, evaluates a handful of other codes and the
+ * rendering without the splat, and puts back what costs least: squared error + lambda * bits.  The change of error is
+ * exact: the rendering P and (in `normalized`) the sum of weights D are kept per pixel and changed in place.  While the
+ * splat is out, giving it weight w and colour c changes a pixel to P + s (c - P), s = w / (D + w) (`sum`: P + w c).  The
+ * error is therefore a quadratic in c, whose coefficients one walk over the outline adds up; the best colour codes need
+ * no further walk.  Splats that are visited at once do not touch each other's pixels (host/lib/scalar/rdo_groups.h). */
 
 /* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
 typedef struct {
     float fixed, linear[CHANNELS], square;
 } quadratic;
 
-/* The error as a function of colour, for a splat of this geometry and wave that is not in the picture: with colour 0 it
- * leaves the residual, of which a colour adds s to each pixel. */
-inline quadratic picture_weigh(const projected_splat *a, __global const float *restrict picture,
+/* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering.  With colour 0
+ * it leaves `residual`, to which a colour c adds s c at each pixel. */
+inline quadratic error_of_colour(const projected_splat *a, __global const float *restrict rendering,
                                __global const float *restrict weights, __global const float *restrict target, int width,
                                int height, ulong plane) {
     outline o = outline_of(a, width, height);
@@ -39,7 +39,7 @@ inline quadratic picture_weigh(const projected_splat *a, __global const float *r
             square = fma(weighted, s, square);
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
-                pix p = PIX_LOAD(picture + k * plane + at), error = p - PIX_LOAD(target + k * plane + at);
+                pix p = PIX_LOAD(rendering + k * plane + at), error = p - PIX_LOAD(target + k * plane + at);
                 pix residual = BLEND == GSCL_NORMALIZED ? fma(-s, p, error) : error;
                 if (TEXTURE && k < COLOURS) residual = fma(s, wave, residual);
                 linear[k] = fma(weighted, residual, linear[k]);
@@ -75,9 +75,11 @@ inline float colour_cost(const quadratic *q, const gscl_codes *c, __global const
     return cost;
 }
 
-/* Improves the colour codes one at a time, in steps, from where they are; returns the cost of the best. */
+/* Improves the colour codes one at a time, step by step; returns the cost of the best.  The ranges are copied, because
+ * Mesa's compiler fails on a run-time index into a struct that was passed by value. */
 inline float colour_descend(const quadratic *q, gscl_codes *c, __global const float *restrict tables,
                             gscl_rdo_settings t) {
+    const int min[4] = {t.min[0], t.min[1], t.min[2], t.min[3]}, max[4] = {t.max[0], t.max[1], t.max[2], t.max[3]};
     float best = colour_cost(q, c, tables, t);
     for (int round = 0; round < 6; round++) {
         bool better = false;
@@ -87,7 +89,7 @@ inline float colour_descend(const quadratic *q, gscl_codes *c, __global const fl
             for (int step = -1; step <= 1; step += 2) {
                 gscl_codes other = *c;
                 other.code[GSCL_CODE_LUMA + k] += step;
-                if (other.code[GSCL_CODE_LUMA + k] < t.min[k] || other.code[GSCL_CODE_LUMA + k] > t.max[k]) continue;
+                if (other.code[GSCL_CODE_LUMA + k] < min[k] || other.code[GSCL_CODE_LUMA + k] > max[k]) continue;
                 float cost = colour_cost(q, &other, tables, t);
                 if (cost < best) {
                     best = cost;
@@ -101,19 +103,23 @@ inline float colour_descend(const quadratic *q, gscl_codes *c, __global const fl
     return best;
 }
 
-/* Neighbours: 0 is the splat itself. */
+/* Moves to neighbouring codes.  Move 0 changes nothing but the colour. */
 #define MOVES (GSCL_RDO_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
+#define MOVE_ANGLE 7    /* one step up; the next move is one step down, and likewise: */
+#define MOVE_X 9
+#define MOVE_Y 11
+#define MOVE_OPACITY 13
 
-/* Makes move `move`; false when it leaves the code's range.  When an axis changes, position and angle are
- * written anew on their new steps. */
+/* Makes a move; false when it leaves the code's range.  When an axis changes, position and angle are quantised again
+ * with their new steps. */
 inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry *minors,
                        __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1};
     const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
-    if (!ROTATION && (move == 7 || move == 8)) return false;
-    if (move >= 13) {
-        c->code[GSCL_CODE_OPACITY] += move == 13 ? 1 : -1;
+    if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
+    if (move >= MOVE_OPACITY) {
+        c->code[GSCL_CODE_OPACITY] += move == MOVE_OPACITY ? 1 : -1;
         return OPACITY && c->code[GSCL_CODE_OPACITY] >= 0 && (float)c->code[GSCL_CODE_OPACITY] < t.opacity_levels;
     }
     __global const gscl_minor_entry *m = minors + c->code[GSCL_CODE_MINOR];
@@ -132,75 +138,75 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry 
     }
     angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
     if (aspect_step[move] != 0) c->code[GSCL_CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
-    if (move == 7 || move == 8) {
+    if (move == MOVE_ANGLE || move == MOVE_ANGLE + 1) {
         if (angles < 2) return false;
-        c->code[GSCL_CODE_ANGLE] = (c->code[GSCL_CODE_ANGLE] + (move == 7 ? 1 : angles - 1)) % angles;
+        c->code[GSCL_CODE_ANGLE] = (c->code[GSCL_CODE_ANGLE] + (move == MOVE_ANGLE ? 1 : angles - 1)) % angles;
     }
-    if (move >= 9 && move <= 10) c->code[GSCL_CODE_X] += move == 9 ? 1 : -1;
-    if (move >= 11 && move <= 12) c->code[GSCL_CODE_Y] += move == 11 ? 1 : -1;
+    if (move == MOVE_X || move == MOVE_X + 1) c->code[GSCL_CODE_X] += move == MOVE_X ? 1 : -1;
+    if (move == MOVE_Y || move == MOVE_Y + 1) c->code[GSCL_CODE_Y] += move == MOVE_Y ? 1 : -1;
     return c->code[GSCL_CODE_X] >= 0 && c->code[GSCL_CODE_X] < m->cells_x && c->code[GSCL_CODE_Y] >= 0 &&
            c->code[GSCL_CODE_Y] < m->cells_y;
 }
 
-/* The visits of one group: visits[start .. start + count). */
-
-/* First the splats are taken out of the picture. */
-__kernel void rdo_remove(__global const int *restrict visits, int start, int count,
-                         __global const gscl_codes *restrict all, __global const gscl_minor_entry *restrict minors,
-                         __global const gscl_aspect_entry *restrict aspects, gscl_rdo_settings t, gscl_view view,
-                         __global float *restrict picture, __global float *restrict weights, int width, int height,
-                         ulong plane) {
-    int visit = (int)get_global_id(0);
-    if (visit >= count) return;
-    gscl_codes now = all[visits[start + visit]];
-    projected_splat a = splat_project(codes_splat(&now, minors, aspects, t), view);
-    picture_change(&a, -1.0f, picture, weights, width, height, plane);
+/* Whether the outline stays within the pixels of the visit. */
+inline bool visit_contains(gscl_rdo_visit visit, const projected_splat *a) {
+    return outline_is_within(a, (int4)(visit.x0, visit.x1, visit.y0, visit.y1));
 }
 
-/* Then every move of each is judged.  `owned`: pixels (x0, x1, y0, y1) that each splat's visit may change; `existence`:
- * bits that any splat costs. */
-__kernel void rdo_evaluate(__global const int *restrict visits, int start, int count,
-                           __global const gscl_codes *restrict all, __global const int4 *restrict owned,
-                           __global const gscl_minor_entry *restrict minors,
-                           __global const gscl_aspect_entry *restrict aspects, __global const float *restrict tables,
-                           gscl_rdo_settings t, gscl_view view, float existence, __global const float *restrict picture,
-                           __global const float *restrict weights, __global const float *restrict target, int width,
-                           int height, ulong plane, __global gscl_move_outcome *restrict outcomes) {
+/* First: takes the splats of a group out of the rendering. */
+__kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_visit *restrict visits,
+                         __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
+                         __global float *restrict rendering, __global float *restrict weights) {
+    int visit = (int)get_global_id(0);
+    if (visit >= pass.count) return;
+    gscl_codes now = all[visits[pass.start + visit].splat];
+    splat s = codes_splat(&now, tables->minors, tables->aspects, pass.settings);
+    projected_splat a = splat_project(s, pass.view);
+    rendering_change(&a, -1.0f, rendering, weights, pass.width, pass.height, (ulong)pass.width * (ulong)pass.height);
+}
+
+/* Second: evaluates one move of one splat. */
+__kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_visit *restrict visits,
+                           __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
+                           __global const float *restrict rendering, __global const float *restrict weights,
+                           __global const float *restrict target, __global gscl_move_outcome *restrict outcomes) {
     int visit = (int)get_global_id(0) / MOVES, move = (int)get_global_id(0) % MOVES;
-    if (visit >= count) return;
-    int i = visits[start + visit];
-    gscl_codes now = all[i];
+    if (visit >= pass.count) return;
+    gscl_rdo_visit own = visits[pass.start + visit];
+    gscl_codes now = all[own.splat];
     gscl_move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
-    float other_bits = wave_bits(&now, tables);
-    bool possible = codes_move(&now, move, minors, aspects, t);
+    __global const float *bits = tables->bits;
+    float other_bits = wave_bits(&now, bits);
+    bool possible = codes_move(&now, move, tables->minors, tables->aspects, pass.settings);
     if (possible) {
-        projected_splat a = splat_project(codes_splat(&now, minors, aspects, t), view);
-        if (move == 0 || outline_is_within(&a, owned[i])) {
-            quadratic q = picture_weigh(&a, picture, weights, target, width, height, plane);
-            outcome.cost = colour_descend(&q, &now, tables, t);
-            if (OPACITY) other_bits += tables[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
-            outcome.cost += t.lambda * (existence + other_bits + minors[now.code[GSCL_CODE_MINOR]].bits +
-                                        aspects[now.code[GSCL_CODE_ASPECT]].bits);
+        splat s = codes_splat(&now, tables->minors, tables->aspects, pass.settings);
+        projected_splat a = splat_project(s, pass.view);
+        if (move == 0 || visit_contains(own, &a)) {
+            quadratic q = error_of_colour(&a, rendering, weights, target, pass.width, pass.height,
+                                          (ulong)pass.width * (ulong)pass.height);
+            outcome.cost = colour_descend(&q, &now, bits, pass.settings);
+            if (OPACITY) other_bits += bits[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
+            outcome.cost += pass.settings.lambda *
+                            (pass.bits_per_splat + other_bits + tables->minors[now.code[GSCL_CODE_MINOR]].bits +
+                             tables->aspects[now.code[GSCL_CODE_ASPECT]].bits);
             for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[GSCL_CODE_LUMA + k];
         }
     }
     outcomes[(size_t)visit * MOVES + move] = outcome;
 }
 
-/* Last the best is put into the picture.  A splat that is not worth its bits gets minor code -1.  `leave_out`: what
- * leaving a splat out costs, 0 (no change of error, no bits), or more than anything. */
-__kernel void rdo_commit(__global const int *restrict visits, int start, int count,
-                         __global const gscl_move_outcome *restrict outcomes, __global gscl_codes *restrict all,
-                         __global const gscl_minor_entry *restrict minors,
-                         __global const gscl_aspect_entry *restrict aspects, __global const float *restrict tables,
-                         gscl_rdo_settings t, gscl_view view, float leave_out, __global float *restrict picture,
-                         __global float *restrict weights, __global const float *restrict target, int width, int height,
-                         ulong plane) {
+/* Third: puts the splat with the best codes into the rendering.  A splat that is not worth its bits gets minor code
+ * -1. */
+__kernel void rdo_commit(gscl_rdo_pass pass, __global const gscl_rdo_visit *restrict visits,
+                         __global gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
+                         __global float *restrict rendering, __global float *restrict weights,
+                         __global const float *restrict target, __global const gscl_move_outcome *restrict outcomes) {
     int visit = (int)get_global_id(0), best = -1;
-    if (visit >= count) return;
-    int i = visits[start + visit];
+    if (visit >= pass.count) return;
+    int i = visits[pass.start + visit].splat;
+    ulong plane = (ulong)pass.width * (ulong)pass.height;
     outcomes += (size_t)visit * MOVES;
-    float lowest = leave_out;
+    float lowest = pass.cost_of_dropping;
     for (int move = 0; move < MOVES; move++)
         if (outcomes[move].cost < lowest) {
             lowest = outcomes[move].cost;
@@ -211,20 +217,22 @@ __kernel void rdo_commit(__global const int *restrict visits, int start, int cou
         all[i].code[GSCL_CODE_MINOR] = -1;
         return;
     }
-    codes_move(&choice, best, minors, aspects, t);
+    codes_move(&choice, best, tables->minors, tables->aspects, pass.settings);
     for (int k = 0; k < 4; k++) choice.code[GSCL_CODE_LUMA + k] = outcomes[best].colour[k];
 #if TEXTURE
-    texture_choose(&choice, minors, aspects, tables, t, view, picture, weights, target, width, height, plane);
+    texture_choose(&choice, tables->minors, tables->aspects, tables->bits, pass.settings, pass.view, rendering, weights,
+                   target, pass.width, pass.height, plane);
 #endif
     all[i] = choice;
-    projected_splat a = splat_project(codes_splat(&choice, minors, aspects, t), view);
-    picture_change(&a, 1.0f, picture, weights, width, height, plane);
+    splat s = codes_splat(&choice, tables->minors, tables->aspects, pass.settings);
+    projected_splat a = splat_project(s, pass.view);
+    rendering_change(&a, 1.0f, rendering, weights, pass.width, pass.height, plane);
 }
 
-/* Draws the picture and the sums of weights that the visits start from. */
+/* Draws the rendering and the sums of weights that a pass starts from. */
 __kernel void rdo_begin(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
-                        __global float *restrict picture, __global float *restrict weights, gscl_image_shape shape) {
+                        __global float *restrict rendering, __global float *restrict weights, gscl_image_shape shape) {
     pixel_block p = pixel_block_of(shape);
     const size_t plane = plane_size(shape);
     canvas c;
@@ -237,5 +245,5 @@ __kernel void rdo_begin(__global const float *restrict splats, __global const ui
     canvas_end(&c, background);
     for (int r = 0; r < p.rows; r++)
         for (int k = 0; k < CHANNELS; k++)
-            pix_store_clipped(c.colour[k][r], picture + k * plane + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
+            pix_store_clipped(c.colour[k][r], rendering + k * plane + (size_t)(p.y + r) * shape.width + p.x, p.lanes);
 }

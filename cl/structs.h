@@ -104,6 +104,19 @@ typedef struct gscl_aspect_entry {
     cl_float bits; /* of the code and of an angle */
 } gscl_aspect_entry;
 
+/* What codes mean and cost. */
+typedef struct gscl_rdo_tables {
+    gscl_minor_entry minors[GSCL_MAX_SCALE + 1];
+    gscl_aspect_entry aspects[GSCL_MAX_SCALE + 1];
+    cl_float bits[GSCL_BITS_COUNT]; /* by GSCL_BITS_... */
+} gscl_rdo_tables;
+
+/* A splat that is changed in a pass. */
+typedef struct gscl_rdo_visit {
+    cl_int splat;
+    cl_int x0, x1, y0, y1; /* pixels that its outline may touch after the pass; no other of its group touches them */
+} gscl_rdo_visit;
+
 /* Steps of the codes and the price of a bit. */
 typedef struct gscl_rdo_settings {
     cl_float lambda;     /* squared error per bit */
@@ -114,6 +127,16 @@ typedef struct gscl_rdo_settings {
     cl_int scan;           /* 1: every splat is offered new waves; 0: only those near its own */
     cl_int min[4], max[4]; /* of the codes luma, co, cg, alpha */
 } gscl_rdo_settings;
+
+/* The settings of a pass, and the visits of one group. */
+typedef struct gscl_rdo_pass {
+    gscl_rdo_settings settings;
+    gscl_view view;
+    cl_int width, height;      /* of the level, pixels */
+    cl_int start, count;       /* visits of the group: visits[start .. start + count) */
+    cl_float bits_per_splat;   /* bits that each splat costs besides its codes */
+    cl_float cost_of_dropping; /* 0 (no change of error, no bits), or more than any other where none may be dropped */
+} gscl_rdo_pass;
 
 /* The result of evaluating one move of one splat. */
 typedef struct gscl_move_outcome {

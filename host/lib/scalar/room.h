@@ -3,10 +3,15 @@
  * It may use: session/ and lower rooms.
  *
  * In the order in which to read them:
- *   encode_scalar.h: the profile from start to end
- *   scalar_fit.h: the fit
+ *   encode_scalar.h: the stages of the profile
+ *   scalar_state.h: the state that they share
+ *   scalar_fit.h: stage "fit"
+ *   choose_codes.h: stage "choose codes", a loop of rate-distortion passes
  *   scalar_rdo.h: one rate-distortion pass
- *   byte_budget.h: passes until the file meets its budget */
+ *   rdo_tables.h: what codes mean and cost in a pass
+ *   rdo_groups.h: splats that a pass can change at once
+ *   byte_budget.h: stage "meet the budget"
+ *   tunables.h: effort presets, and numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_SCALAR_H
 #define GSCL_ROOM_LIB_SCALAR_H
 #endif

@@ -1,9 +1,25 @@
-/* Choosing code words by rate and distortion (cl/scalar_rdo.cl): the largest single gain of the default profile. */
-#ifndef GSCL_LIB_REFINE_H
-#define GSCL_LIB_REFINE_H
+/* Choosing codes by rate and distortion (cl/scalar_rdo.cl): the largest single gain of the default profile. */
+#ifndef GSCL_LIB_SCALAR_RDO_H
+#define GSCL_LIB_SCALAR_RDO_H
 
-#include "fit/fit.h"
+#include "cl/structs.h"
 #include "decode/coded_image.h"
+#include "fit/fit.h"
+#include "scalar/rdo_groups.h"
+
+/* The arrays and buffers of the passes.  They grow on demand and serve all passes of an encode.  Zeroed: empty. */
+typedef struct gscl_scalar_rdo {
+    size_t capacity; /* splats that fit in `codes` and `params` */
+    gscl_codes *codes;
+    float *params;
+    gscl_rdo_tables *tables;
+    gscl_rdo_groups groups;
+    gscl_buffer device_codes, device_tables, device_visits, outcomes;
+    gscl_buffer rendering, weights; /* planes of the rendering, and its sums of weights */
+} gscl_scalar_rdo;
+
+/* Accepts a zeroed object. */
+void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo);
 
 typedef struct gscl_scalar_rdo_settings {
     double lambda_scale; /* price of a bit: lambda = lambda_scale * error / (2 * bits of the file) */
@@ -11,9 +27,10 @@ typedef struct gscl_scalar_rdo_settings {
     bool scan_textures;  /* with has_texture: splats may take any wave, else waves only change a little or go */
 } gscl_scalar_rdo_settings;
 
-/* Makes one pass over all splats of `picture` (scalar coding, blend normalized or sum): each splat's codes
- * change, or the splat is dropped, where that lowers squared error + lambda * bits.
- * Works at the fit's current level; the fit's splats are overwritten. */
-gscl_result gscl_scalar_rdo_pass(gscl_fit *fit, gscl_coded_image *picture, const gscl_scalar_rdo_settings *settings);
+/* Makes one pass over all splats of `coded` (scalar coding, blend normalized or sum): each splat's codes change, or the
+ * splat is dropped, where that lowers squared error + lambda * bits.  Works at the fit's current level; the fit's splats
+ * are overwritten. */
+gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded_image *coded,
+                                 const gscl_scalar_rdo_settings *settings);
 
 #endif

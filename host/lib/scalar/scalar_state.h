@@ -4,6 +4,7 @@
 
 #include "fit/fit.h"
 #include "scalar/scalar_rdo.h"
+#include "scalar/scalar_rdo.h"
 #include "scalar/tunables.h"
 #include "session/encoder.h"
 
@@ -38,6 +39,7 @@ typedef struct gscl_scalar_state {
     int next_level_check;            /* step at which a finer level is considered again */
 
     /* Stages "choose codes" and "meet the budget". */
+    gscl_scalar_rdo rdo; /* arrays and buffers of the passes */
     size_t size;         /* of the coded image as a file, after the last pass */
     int passes_done;     /* for the progress report */
     bool textures;       /* may be used */

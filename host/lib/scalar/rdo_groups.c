@@ -1,0 +1,121 @@
+#include "scalar/rdo_groups.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "decode/ellipse.h"
+#include "scalar/tunables.h"
+
+#define CELL 16 /* pixels */
+
+/* What visits are sorted by. */
+typedef struct gscl_rdo_key {
+    int group;
+    int64_t area; /* of the box, pixels: about what the visit costs */
+    gscl_rdo_visit visit;
+} key;
+
+void gscl_rdo_groups_free(gscl_rdo_groups *g) {
+    free(g->visits);
+    free(g->keys);
+    free(g->cells);
+    *g = (gscl_rdo_groups){0};
+}
+
+static gscl_result reserve_visits(gscl_rdo_groups *g, gscl_context *context, size_t count) {
+    if (count <= g->capacity)
+        return GSCL_OK;
+    free(g->visits);
+    free(g->keys);
+    g->visits = malloc(count * sizeof *g->visits);
+    g->keys = malloc(count * sizeof *g->keys);
+    g->capacity = g->visits && g->keys ? count : 0;
+    return g->capacity ? GSCL_OK : gscl_fail_memory(context);
+}
+
+static gscl_result reserve_cells(gscl_rdo_groups *g, gscl_context *context, size_t cells) {
+    if (cells > g->cell_capacity) {
+        free(g->cells);
+        g->cells = malloc(cells * sizeof *g->cells);
+        g->cell_capacity = g->cells ? cells : 0;
+    }
+    if (!g->cells)
+        return gscl_fail_memory(context);
+    memset(g->cells, 0, cells * sizeof *g->cells);
+    return GSCL_OK;
+}
+
+/* The pixels of the level that a splat may touch after the pass: its box with room to grow. */
+static gscl_rdo_visit visit_of(const gscl_renderer *r, const float *params, size_t splat) {
+    const gscl_half_size half =
+        gscl_ellipse_half_size(params[GSCL_LOG_S1], params[GSCL_LOG_S2], params[GSCL_THETA], r->view.blur,
+                               sqrt(2.0 * GSCL_SUPPORT) * gscl_rdo_tunables.growth);
+    const double half_width = half.width * r->view.inv_scale + gscl_rdo_tunables.growth_pixels;
+    const double half_height = half.height * r->view.inv_scale + gscl_rdo_tunables.growth_pixels;
+    const double x = params[GSCL_X] * r->view.inv_scale, y = params[GSCL_Y] * r->view.inv_scale;
+    return (gscl_rdo_visit){.splat = (cl_int)splat,
+                            .x0 = (cl_int)floor(x - half_width),
+                            .x1 = (cl_int)ceil(x + half_width),
+                            .y0 = (cl_int)floor(y - half_height),
+                            .y1 = (cl_int)ceil(y + half_height)};
+}
+
+static int cell_of(cl_int pixel, int cells) {
+    const int cell = pixel < 0 ? 0 : pixel / CELL;
+    return cell < cells ? cell : cells - 1;
+}
+
+/* The first group that has no splat in the cells of this visit, or -1; marks the cells. */
+static int find_group(gscl_rdo_groups *g, int columns, int rows, const gscl_rdo_visit *v) {
+    const int x0 = cell_of(v->x0, columns), x1 = cell_of(v->x1, columns);
+    const int y0 = cell_of(v->y0, rows), y1 = cell_of(v->y1, rows);
+    uint64_t taken = 0;
+    for (int y = y0; y <= y1; y++)
+        for (int x = x0; x <= x1; x++)
+            taken |= g->cells[(size_t)y * (size_t)columns + (size_t)x];
+    if (taken == UINT64_MAX)
+        return -1;
+    int group = 0;
+    while (taken >> group & 1)
+        group++;
+    for (int y = y0; y <= y1; y++)
+        for (int x = x0; x <= x1; x++)
+            g->cells[(size_t)y * (size_t)columns + (size_t)x] |= UINT64_C(1) << group;
+    return group;
+}
+
+static int compare_keys(const void *a, const void *b) {
+    const key *p = a, *q = b;
+    if (p->group != q->group)
+        return p->group < q->group ? -1 : 1;
+    if (p->area != q->area)
+        return p->area < q->area ? -1 : 1;
+    return p->visit.splat < q->visit.splat ? -1 : p->visit.splat > q->visit.splat;
+}
+
+gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t count) {
+    const int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
+    size_t visits = 0, sizes[GSCL_RDO_GROUPS] = {0};
+    GSCL_TRY(reserve_visits(g, r->context, count));
+    GSCL_TRY(reserve_cells(g, r->context, (size_t)columns * (size_t)rows));
+    for (size_t i = 0; i < count; i++) {
+        const gscl_rdo_visit v = visit_of(r, params + i * GSCL_PARAMS, i);
+        const int group = find_group(g, columns, rows, &v);
+        if (group < 0)
+            continue;
+        g->keys[visits++] = (key){group, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
+        sizes[group]++;
+    }
+    /* Within a group the largest come last: devices that hand out work in ever smaller shares then finish together. */
+    qsort(g->keys, visits, sizeof *g->keys, compare_keys);
+    for (size_t i = 0; i < visits; i++)
+        g->visits[i] = g->keys[i].visit;
+    g->largest = 0;
+    for (int i = 0; i < GSCL_RDO_GROUPS; i++) {
+        g->start[i + 1] = g->start[i] + sizes[i];
+        g->largest = sizes[i] > g->largest ? sizes[i] : g->largest;
+    }
+    return GSCL_OK;
+}

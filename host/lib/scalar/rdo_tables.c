@@ -1,0 +1,148 @@
+#include "scalar/rdo_tables.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cl/constants.h"
+#include "decode/quantise.h"
+#include "scalar/tunables.h"
+
+/* Codes of which the occurrences are counted. */
+typedef struct code_list {
+    const gscl_codes *codes;
+    size_t count;
+} code_list;
+
+gscl_codes gscl_rdo_codes_of(const gsf_splat *s) {
+    const gsf_texture *t = &s->texture;
+    return (gscl_codes){.code = {[GSCL_CODE_MINOR] = s->minor,
+                                 [GSCL_CODE_ASPECT] = s->aspect,
+                                 [GSCL_CODE_ANGLE] = s->angle,
+                                 [GSCL_CODE_X] = (cl_int)s->x,
+                                 [GSCL_CODE_Y] = (cl_int)s->y,
+                                 [GSCL_CODE_LUMA] = s->luma,
+                                 [GSCL_CODE_CO] = s->co,
+                                 [GSCL_CODE_CG] = s->cg,
+                                 [GSCL_CODE_ALPHA] = s->alpha,
+                                 [GSCL_CODE_WAVE] = t->wave,
+                                 [GSCL_CODE_DIRECTION] = t->direction,
+                                 [GSCL_CODE_PHASE] = t->phase,
+                                 [GSCL_CODE_AMPLITUDE] = t->amplitude,
+                                 [GSCL_CODE_OPACITY] = s->opacity}};
+}
+
+gsf_splat gscl_rdo_splat_of(const gscl_codes *c) {
+    return (gsf_splat){.minor = (uint16_t)c->code[GSCL_CODE_MINOR],
+                       .aspect = (uint16_t)c->code[GSCL_CODE_ASPECT],
+                       .angle = (uint16_t)c->code[GSCL_CODE_ANGLE],
+                       .x = (uint32_t)c->code[GSCL_CODE_X],
+                       .y = (uint32_t)c->code[GSCL_CODE_Y],
+                       .luma = (int16_t)c->code[GSCL_CODE_LUMA],
+                       .co = (int16_t)c->code[GSCL_CODE_CO],
+                       .cg = (int16_t)c->code[GSCL_CODE_CG],
+                       .alpha = (int16_t)c->code[GSCL_CODE_ALPHA],
+                       .opacity = (uint16_t)c->code[GSCL_CODE_OPACITY],
+                       .texture = {.wave = (uint8_t)c->code[GSCL_CODE_WAVE],
+                                   .direction = (uint8_t)c->code[GSCL_CODE_DIRECTION],
+                                   .phase = (uint8_t)c->code[GSCL_CODE_PHASE],
+                                   .amplitude = (uint8_t)c->code[GSCL_CODE_AMPLITUDE]}};
+}
+
+gscl_rdo_settings gscl_rdo_settings_of(const gsf_coded_image *image) {
+    const gsf_steps *codes = &image->steps;
+    float steps[GSCL_STEP_COUNT];
+    gscl_steps_to_floats(codes, steps);
+    gscl_rdo_settings s = {.scale_step = steps[GSCL_STEP_SCALE],
+                           .luma_step = steps[GSCL_STEP_LUMA],
+                           .chroma_step = steps[GSCL_STEP_CHROMA],
+                           .alpha_step = steps[GSCL_STEP_ALPHA],
+                           .amplitude_step = steps[GSCL_STEP_AMPLITUDE],
+                           .opacity_levels = steps[GSCL_STEP_OPACITY]};
+    gsf_luma_range(image->header.blend, codes->luma, &s.min[0], &s.max[0]);
+    gsf_chroma_range(codes->chroma, &s.min[1], &s.max[1]);
+    gsf_chroma_range(codes->chroma, &s.min[2], &s.max[2]);
+    gsf_luma_range(image->header.blend, codes->alpha, &s.min[3], &s.max[3]);
+    return s;
+}
+
+/* Occurrences of each value of one code, into counts[value - min]. */
+static void count_codes(const code_list *list, int which, int min, double *counts) {
+    for (size_t i = 0; i < list->count; i++)
+        counts[list->codes[i].code[which] - min]++;
+}
+
+/* Turns counts into bits.  Counts borrow from their neighbours, and no code is impossible. */
+static void bits_of_counts(const double *counts, int n, float *bits) {
+    const double floor = gscl_rdo_tunables.count_floor, spread = gscl_rdo_tunables.count_spread;
+    double total = 0;
+    for (int i = 0; i < n; i++)
+        total += counts[i] + floor;
+    for (int i = 0; i < n; i++) {
+        const double before = i > 0 ? counts[i - 1] : 0, after = i + 1 < n ? counts[i + 1] : 0;
+        const double count = (1 - spread) * counts[i] + spread / 2 * (before + after);
+        bits[i] = (float)(-log2((count + floor) / total));
+    }
+}
+
+static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list) {
+    const gsf_header *header = &image->header;
+    double minors[GSCL_MAX_SCALE + 1] = {0}, aspects[GSCL_MAX_SCALE + 1] = {0};
+    float minor_bits[GSCL_MAX_SCALE + 1], aspect_bits[GSCL_MAX_SCALE + 1];
+    count_codes(list, GSCL_CODE_MINOR, 0, minors);
+    count_codes(list, GSCL_CODE_ASPECT, 0, aspects);
+    bits_of_counts(minors, GSCL_MAX_SCALE + 1, minor_bits);
+    bits_of_counts(aspects, GSCL_MAX_SCALE + 1, aspect_bits);
+    for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
+        gscl_minor_entry *m = &t->minors[i];
+        m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;
+        m->cells_x = (cl_int)gsf_position_cells(&image->steps, i, header->width);
+        m->cells_y = (cl_int)gsf_position_cells(&image->steps, i, header->height);
+        m->bits = minor_bits[i] + log2f((float)m->cells_x * (float)m->cells_y);
+        t->aspects[i].angles = (cl_int)gsf_angle_count(&image->steps, i);
+        t->aspects[i].bits = aspect_bits[i] + log2f((float)t->aspects[i].angles);
+    }
+}
+
+static void make_colour_tables(gscl_rdo_tables *t, const gscl_rdo_settings *settings, const code_list *list) {
+    double counts[GSCL_COLOUR_CODES];
+    for (int k = 0; k < 4; k++) {
+        const int min = settings->min[k], n = settings->max[k] - min + 1;
+        memset(counts, 0, sizeof counts);
+        count_codes(list, GSCL_CODE_LUMA + k, min, counts);
+        bits_of_counts(counts, n, t->bits + k * GSCL_COLOUR_CODES + GSCL_COLOUR_CODES / 2 + min);
+    }
+}
+
+/* Some splats are assumed to take a wave, any wave: before the first scan there are none to count. */
+static void make_texture_tables(gscl_rdo_tables *t, const code_list *list) {
+    double waves[GSCL_WAVES], directions[GSCL_DIRECTIONS], amplitudes[GSCL_AMPLITUDES];
+    double count = (double)list->count, textured = gscl_rdo_tunables.textured_share * count;
+    for (int i = 0; i < GSCL_WAVES; i++)
+        waves[i] = directions[i] = amplitudes[i] = gscl_rdo_tunables.texture_count;
+    for (size_t i = 0; i < list->count; i++) {
+        const cl_int *code = list->codes[i].code;
+        if (code[GSCL_CODE_AMPLITUDE] == 0)
+            continue;
+        textured++;
+        waves[code[GSCL_CODE_WAVE]]++;
+        directions[code[GSCL_CODE_DIRECTION]]++;
+        amplitudes[code[GSCL_CODE_AMPLITUDE] - 1]++;
+    }
+    count *= 1 + gscl_rdo_tunables.textured_share;
+    t->bits[GSCL_BITS_PLAIN] = (float)-log2(fmax(count - textured, 1) / (count + 1));
+    t->bits[GSCL_BITS_TEXTURED] = (float)(log2(GSCL_PHASES) - log2(fmax(textured, 1) / (count + 1)));
+    bits_of_counts(waves, GSCL_WAVES, t->bits + GSCL_BITS_WAVE);
+    bits_of_counts(directions, GSCL_DIRECTIONS, t->bits + GSCL_BITS_DIRECTION);
+    bits_of_counts(amplitudes, GSCL_AMPLITUDES, t->bits + GSCL_BITS_AMPLITUDE);
+}
+
+void gscl_rdo_tables_make(gscl_rdo_tables *t, const gsf_coded_image *image, const gscl_rdo_settings *settings,
+                          const gscl_codes *codes, size_t count) {
+    const code_list list = {codes, count};
+    double opacities[GSCL_OPACITIES] = {0};
+    make_shape_tables(t, image, &list);
+    make_colour_tables(t, settings, &list);
+    make_texture_tables(t, &list);
+    count_codes(&list, GSCL_CODE_OPACITY, 0, opacities);
+    bits_of_counts(opacities, image->steps.opacity + 1, t->bits + GSCL_BITS_OPACITY);
+}

@@ -1,0 +1,19 @@
+/* What codes mean and cost in a rate-distortion pass. */
+#ifndef GSCL_LIB_RDO_TABLES_H
+#define GSCL_LIB_RDO_TABLES_H
+
+#include "cl/structs.h"
+#include "format/format.h"
+
+/* A splat's codes as the kernels take them, and back. */
+gscl_codes gscl_rdo_codes_of(const gsf_splat *splat);
+gsf_splat gscl_rdo_splat_of(const gscl_codes *codes);
+
+/* Steps and ranges of the codes; lambda and `scan` are left 0. */
+gscl_rdo_settings gscl_rdo_settings_of(const gsf_coded_image *image);
+
+/* Estimates the bits of each code from how often it occurs in the `count` codes of the image. */
+void gscl_rdo_tables_make(gscl_rdo_tables *tables, const gsf_coded_image *image, const gscl_rdo_settings *settings,
+                          const gscl_codes *codes, size_t count);
+
+#endif
