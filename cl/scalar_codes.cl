@@ -57,7 +57,7 @@ inline bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[
 
 /* Adds the splat to the rendering (sign 1) or removes it (sign -1). */
 inline void rendering_change(const projected_splat *a, float sign, __global float *restrict rendering,
-                           __global float *restrict weights, int width, int height, ulong plane) {
+                             __global float *restrict weights, int width, int height, ulong plane) {
     outline o = outline_of(a, width, height);
     for (int y = o.rows.x; y <= o.rows.y; y++) {
         int2 columns = outline_columns(&o, y);
@@ -77,8 +77,8 @@ inline void rendering_change(const projected_splat *a, float sign, __global floa
             for (int k = 0; k < CHANNELS; k++) {
                 pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(a->projected[GSCL_PROJECTED_COLOUR + k]);
                 if (k < COLOURS) c += wave;
-                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p), rendering + k * plane + at,
-                                  lanes);
+                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p),
+                                  rendering + k * plane + at, lanes);
             }
         }
     }

@@ -15,8 +15,8 @@ typedef struct {
 /* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering.  With colour 0
  * it leaves `residual`, to which a colour c adds s c at each pixel. */
 inline quadratic error_of_colour(const projected_splat *a, __global const float *restrict rendering,
-                               __global const float *restrict weights, __global const float *restrict target, int width,
-                               int height, ulong plane) {
+                                 __global const float *restrict weights, __global const float *restrict target,
+                                 int width, int height, ulong plane) {
     outline o = outline_of(a, width, height);
     pix before = (pix)(0.0f), after = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
     for (int k = 0; k < CHANNELS; k++) linear[k] = (pix)(0.0f);
@@ -105,7 +105,7 @@ inline float colour_descend(const quadratic *q, gscl_codes *c, __global const fl
 
 /* Moves to neighbouring codes.  Move 0 changes nothing but the colour. */
 #define MOVES (GSCL_RDO_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
-#define MOVE_ANGLE 7    /* one step up; the next move is one step down, and likewise: */
+#define MOVE_ANGLE 7 /* one step up; the next move is one step down, and likewise: */
 #define MOVE_X 9
 #define MOVE_Y 11
 #define MOVE_OPACITY 13

@@ -64,17 +64,17 @@ static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool we
     s->kind = kind;
     s->context = context;
     s->coded.file.header = (gsf_header){.version = GSF_VERSION,
-                                          .blend = blend,
-                                          .coding = GSF_CODING_SCALAR,
-                                          .layout = GSF_RGB,
-                                          .has_chroma = true,
-                                          .has_opacity = kind == TRANSLUCENT,
-                                          .has_rotation = kind != CIRCLES,
-                                          .has_anisotropy = kind != CIRCLES,
-                                          .has_texture = texture,
-                                          .width = WIDTH,
-                                          .height = HEIGHT,
-                                          .splat_count = SPLATS};
+                                        .blend = blend,
+                                        .coding = GSF_CODING_SCALAR,
+                                        .layout = GSF_RGB,
+                                        .has_chroma = true,
+                                        .has_opacity = kind == TRANSLUCENT,
+                                        .has_rotation = kind != CIRCLES,
+                                        .has_anisotropy = kind != CIRCLES,
+                                        .has_texture = texture,
+                                        .width = WIDTH,
+                                        .height = HEIGHT,
+                                        .splat_count = SPLATS};
     s->coded.file.steps = (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .opacity = 3};
     synthetic_random_state = 7;
     make_target(planes);

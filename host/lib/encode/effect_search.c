@@ -60,12 +60,12 @@ static double colourfulness(const gscl_source *s) {
 }
 
 /* A probe fit of the image in grey.  Where it is no worse than the fit in colour, grey becomes the source. */
-static gscl_result try_grey(effect_search *s, double missing_mse, double *psnr) {
+static gscl_result try_grey(effect_search *s, const gscl_image *image, double missing_mse, double *psnr) {
     gscl_encoder *e = s->encoder;
     gscl_source grey = {0};
     gsf_header header = e->header;
     header.has_chroma = false;
-    gscl_result result = gscl_source_create(&grey, e->context, e->image, &header);
+    gscl_result result = gscl_source_create(&grey, e->context, image, &header);
     if (result == GSCL_OK)
         result = probe_psnr(s, &grey, GSCL_EFFECT_CHROMA, missing_mse, psnr);
     if (result == GSCL_OK && *psnr >= s->psnr) {
@@ -83,7 +83,7 @@ static bool may_drop_chroma(const gscl_encoder *e) {
     return e->header.has_chroma && !e->header.has_alpha && gscl_effect_is_open(&e->effects, GSCL_EFFECT_CHROMA);
 }
 
-static gscl_result decide_chroma(effect_search *s) {
+static gscl_result decide_chroma(effect_search *s, const gscl_image *image) {
     gscl_encoder *e = s->encoder;
     if (!may_drop_chroma(e))
         return GSCL_OK;
@@ -94,7 +94,7 @@ static gscl_result decide_chroma(effect_search *s) {
     GSCL_TRY(measure_psnr(s));
     double grey = -20 * log10(fmax(colour, 1e-6)); /* at best: all but the colours right */
     if (s->psnr <= grey)
-        GSCL_TRY(try_grey(s, colour * colour, &grey));
+        GSCL_TRY(try_grey(s, image, colour * colour, &grey));
     decide(&e->effects, GSCL_EFFECT_CHROMA, s->psnr > grey, s->psnr - grey);
     s->psnr = fmax(s->psnr, grey);
     return GSCL_OK;
@@ -103,7 +103,7 @@ static gscl_result decide_chroma(effect_search *s) {
 /* ---- Circles instead of ellipses ---- */
 
 /* Ellipses gain little where edges have no common direction within the reach of a splat. */
-static gscl_result may_drop_shapes(const gscl_encoder *e, bool *may_drop) {
+static gscl_result may_drop_shapes(const gscl_encoder *e, const gscl_image *image, bool *may_drop) {
     const gscl_size_target target = e->target;
     const double splats =
         target.bytes ? 8.0 * (double)target.bytes / gscl_encode_tunables.probe_bits : (double)target.splats;
@@ -111,18 +111,18 @@ static gscl_result may_drop_shapes(const gscl_encoder *e, bool *may_drop) {
     *may_drop = false;
     if ((e->effects.on | e->effects.off) & SHAPES)
         return GSCL_OK;
-    GSCL_TRY(gscl_edge_coherence(e->context, e->image, e->source.first_level + gscl_encode_tunables.coherence_level,
+    GSCL_TRY(gscl_edge_coherence(e->context, image, e->source.first_level + gscl_encode_tunables.coherence_level,
                                  splats, &coherence));
     gscl_log(e->context, GSCL_LOG_DEBUG, "coherence of edges: %.2f", coherence);
     *may_drop = coherence < gscl_encode_tunables.max_probe_coherence;
     return GSCL_OK;
 }
 
-static gscl_result decide_shapes(effect_search *s) {
+static gscl_result decide_shapes(effect_search *s, const gscl_image *image) {
     gscl_encoder *e = s->encoder;
     bool may_drop;
     double circles;
-    GSCL_TRY(may_drop_shapes(e, &may_drop));
+    GSCL_TRY(may_drop_shapes(e, image, &may_drop));
     if (!may_drop)
         return GSCL_OK;
     GSCL_TRY(measure_psnr(s));
@@ -140,22 +140,22 @@ static bool has_probe_fits(const gscl_encoder *e) {
     return s->profile != GSCL_PROFILE_PAPER && s->effort > 0 && !tiny && !gscl_encode_is_background_only(e);
 }
 
-static gscl_result search_effects(gscl_encoder *e) {
+static gscl_result search_effects(gscl_encoder *e, const gscl_image *image) {
     effect_search s = {.encoder = e, .psnr = NAN};
     gscl_stage(e->context, GSCL_STAGE_EFFECT_SEARCH);
     gscl_stages_freeze(e->context, true);
     gscl_progress_stage(&e->progress, 0, 0);
-    gscl_result result = decide_chroma(&s);
+    gscl_result result = decide_chroma(&s, image);
     if (result == GSCL_OK)
-        result = decide_shapes(&s);
+        result = decide_shapes(&s, image);
     gscl_progress_stage(&e->progress, 0, 1);
     gscl_stages_freeze(e->context, false);
     return result;
 }
 
-gscl_result gscl_encode_decide_effects(gscl_encoder *e) {
+gscl_result gscl_encode_decide_effects(gscl_encoder *e, const gscl_image *image) {
     if (has_probe_fits(e))
-        GSCL_TRY(search_effects(e));
+        GSCL_TRY(search_effects(e, image));
     gscl_effects_set_header(&e->effects, &e->source.background, &e->header);
     gscl_effects_note(&e->effects, &e->source.background, &e->header);
     return GSCL_OK;

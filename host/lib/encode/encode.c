@@ -30,28 +30,28 @@ static gscl_result encode_once(gscl_encoder *e, gscl_size_target target) {
 }
 
 /* Drops the splats where they are few and show less than their weight spoils. */
-static gscl_result prefer_background(gscl_encoder *e) {
+static gscl_result prefer_background(gscl_encoder *e, const gscl_image *image) {
     gsf_header *header = &e->coded.file.header;
     const uint32_t count = header->splat_count;
     double with, without;
     if (count == 0 || count > (uint32_t)gscl_encode_tunables.few_splats)
         return GSCL_OK;
-    GSCL_TRY(gscl_encoder_psnr(e, &with));
+    GSCL_TRY(gscl_encoder_psnr(e, image, &with));
     header->splat_count = 0; /* the background is the mean colour */
-    GSCL_TRY(gscl_encoder_psnr(e, &without));
+    GSCL_TRY(gscl_encoder_psnr(e, image, &without));
     if (with >= without)
         header->splat_count = count;
     return GSCL_OK;
 }
 
 /* One trial of the search for a PSNR.  `best`: the smallest file that reaches it. */
-static gscl_result try_size(gscl_encoder *e, gscl_psnr_search *search, encoded_file *best) {
+static gscl_result try_size(gscl_encoder *e, const gscl_image *image, gscl_psnr_search *search, encoded_file *best) {
     const double max_trials = gscl_encode_tunables.max_trials, bytes = search->bytes;
     double psnr;
     e->trials++;
     gscl_progress_stage(&e->progress, search->trials / max_trials, (search->trials + 1) / max_trials);
     GSCL_TRY(encode_once(e, (gscl_size_target){.bytes = (size_t)bytes}));
-    GSCL_TRY(gscl_encoder_psnr(e, &psnr));
+    GSCL_TRY(gscl_encoder_psnr(e, image, &psnr));
     gscl_log(e->context, GSCL_LOG_INFO, "trial %d: %.0f bytes, %.3f dB", search->trials + 1, bytes, psnr);
     if (!gscl_psnr_search_add(search, psnr))
         return GSCL_OK;
@@ -61,13 +61,13 @@ static gscl_result try_size(gscl_encoder *e, gscl_psnr_search *search, encoded_f
 }
 
 /* Encodes at different sizes: encoder->coded is the smallest that reaches the PSNR of the settings. */
-static gscl_result encode_to_psnr(gscl_encoder *e) {
+static gscl_result encode_to_psnr(gscl_encoder *e, const gscl_image *image) {
     const double target = e->settings.target_value;
-    gscl_psnr_search search = gscl_psnr_search_begin(target, (double)e->image->width * e->image->height);
+    gscl_psnr_search search = gscl_psnr_search_begin(target, (double)image->width * image->height);
     encoded_file best = {0};
     gscl_result result = GSCL_OK;
     while (result == GSCL_OK && !search.done)
-        result = try_size(e, &search, &best);
+        result = try_size(e, image, &search, &best);
     if (result == GSCL_OK && !best.bytes)
         result = gscl_fail(e->context, GSCL_ERROR_TARGET_UNREACHABLE,
                            "%.2f dB cannot be reached; the best found is %.2f dB", target, search.low_db);
@@ -80,13 +80,13 @@ static gscl_result encode_to_psnr(gscl_encoder *e) {
 }
 
 /* Leaves encoder->coded as the target of the settings demands. */
-static gscl_result encode_to_target(gscl_encoder *e) {
+static gscl_result encode_to_target(gscl_encoder *e, const gscl_image *image) {
     if (gscl_encode_is_background_only(e))
         return GSCL_OK; /* as it was prepared */
     if (e->settings.target == GSCL_TARGET_PSNR)
-        return encode_to_psnr(e);
+        return encode_to_psnr(e, image);
     GSCL_TRY(encode_once(e, e->target));
-    return e->settings.target == GSCL_TARGET_SPLATS ? GSCL_OK : prefer_background(e);
+    return e->settings.target == GSCL_TARGET_SPLATS ? GSCL_OK : prefer_background(e, image);
 }
 
 /* Writes encoder->coded as a new file. */
@@ -103,7 +103,7 @@ static gscl_result write_file(gscl_encoder *e, encoded_file *file) {
 }
 
 /* Completes the report of the caller, who may take none. */
-static gscl_result report(gscl_encoder *e, const encoded_file *file) {
+static gscl_result report(gscl_encoder *e, const gscl_image *image, const encoded_file *file) {
     gscl_encode_trace *trace = e->trace;
     if (!trace)
         return GSCL_OK;
@@ -115,18 +115,18 @@ static gscl_result report(gscl_encoder *e, const encoded_file *file) {
     r->effect_count = e->effects.decision_count;
     memcpy(r->effects, e->effects.decisions, sizeof r->effects);
     gscl_encode_trace_end(trace, e->context); /* measuring is no part of the encode */
-    return gscl_file_psnr(e->context, file->bytes, file->size, e->image, &r->psnr);
+    return gscl_file_psnr(e->context, file->bytes, file->size, image, &r->psnr);
 }
 
 /* The encode from top to bottom.  Each stage leaves its result in the state (session/encoder.h). */
-static gscl_result run_stages(gscl_encoder *e, encoded_file *file) {
+static gscl_result run_stages(gscl_encoder *e, const gscl_image *image, encoded_file *file) {
     gscl_stage(e->context, GSCL_STAGE_PREPARE);
-    GSCL_TRY(gscl_encode_prepare(e));
+    GSCL_TRY(gscl_encode_prepare(e, image));
     GSCL_TRY(gscl_encode_resolve_target(e));
-    GSCL_TRY(gscl_encode_decide_effects(e));
-    GSCL_TRY(encode_to_target(e));
+    GSCL_TRY(gscl_encode_decide_effects(e, image));
+    GSCL_TRY(encode_to_target(e, image));
     GSCL_TRY(write_file(e, file));
-    return report(e, file);
+    return report(e, image, file);
 }
 
 static int loss_kind(gscl_loss loss) {
@@ -159,7 +159,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     if (!context || !bytes || !size)
         return GSCL_ERROR_INVALID_ARGUMENT;
     context->message[0] = 0;
-    gscl_encoder e = {.context = context, .image = image};
+    gscl_encoder e = {.context = context};
     gscl_encode_settings_default(&e.settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_encode_settings, trace, settings, &e.settings));
     if (report)
@@ -169,7 +169,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     gscl_encode_report measured;
     encoded_file file = {0};
     encoder_begin(&e, &trace, report ? &measured : NULL);
-    const gscl_result result = run_stages(&e, &file);
+    const gscl_result result = run_stages(&e, image, &file);
     encoder_end(&e);
     if (result != GSCL_OK) {
         free(file.bytes);

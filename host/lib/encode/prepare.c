@@ -8,21 +8,20 @@
 #include "session/effects.h"
 
 /* The header says what the image is.  Its effects follow later (gscl_effects_set_header). */
-static gsf_header describe_image(const gscl_encoder *e) {
+static gsf_header describe_image(const gscl_encoder *e, const gscl_image *image) {
     static const gsf_layout layouts[] = {GSF_GREY, GSF_GREY, GSF_GREY_ALPHA, GSF_RGB, GSF_RGBA};
     const bool paper = e->settings.profile == GSCL_PROFILE_PAPER;
     return (gsf_header){.version = GSF_VERSION,
                         .blend = gscl_blend_to_format(e->settings.blend),
                         .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
-                        .layout = layouts[e->image->channels],
+                        .layout = layouts[image->channels],
                         .high_bit_depth = e->content.high_bit_depth,
-                        .width = e->image->width,
-                        .height = e->image->height};
+                        .width = image->width,
+                        .height = image->height};
 }
 
-/* The coded image without splats: one colour, that of the first pixel. */
-static void set_background_only(gscl_encoder *e) {
-    const gscl_pixel p = gscl_image_pixel(e->image, 0, 0);
+/* The coded image without splats has one colour. */
+static void set_background_only(gscl_encoder *e, gscl_pixel p) {
     gsf_coded_image *file = &e->coded.file;
     const int colours = e->header.has_chroma ? 3 : 1;
     file->header = e->header;
@@ -32,16 +31,16 @@ static void set_background_only(gscl_encoder *e) {
         file->background[colours] = gscl_quantise_background(&file->header, p.alpha);
 }
 
-gscl_result gscl_encode_prepare(gscl_encoder *e) {
-    GSCL_TRY(gscl_image_examine(e->context, e->image, &e->content));
-    GSCL_TRY(gscl_effects_check(e->context, &e->settings, e->image));
+gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
+    GSCL_TRY(gscl_image_examine(e->context, image, &e->content));
+    GSCL_TRY(gscl_effects_check(e->context, &e->settings, image));
     e->effects = gscl_effects_of_settings(&e->settings, &e->content);
-    e->header = describe_image(e);
+    e->header = describe_image(e, image);
     gscl_effects_set_channels(&e->effects, &e->header);
-    set_background_only(e);
-    const size_t useful_splats = (size_t)e->image->width * e->image->height / 2 + 8;
+    set_background_only(e, gscl_image_pixel(image, 0, 0));
+    const size_t useful_splats = (size_t)image->width * image->height / 2 + 8;
     e->max_splats = useful_splats > GSCL_MAX_SPLATS ? GSCL_MAX_SPLATS : useful_splats;
-    return e->content.flat ? GSCL_OK : gscl_source_create(&e->source, e->context, e->image, &e->header);
+    return e->content.flat ? GSCL_OK : gscl_source_create(&e->source, e->context, image, &e->header);
 }
 
 /* The smallest file of an image has no splats. */
@@ -57,14 +56,14 @@ static gscl_result check_budget(gscl_encoder *e, double budget) {
 
 gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
-    const double pixels = (double)e->image->width * e->image->height, value = e->settings.target_value;
+    const double pixels = (double)e->header.width * e->header.height, value = e->settings.target_value;
     double budget = 0;
     switch (e->settings.target) {
     case GSCL_TARGET_SPLATS:
         e->target.splats = (size_t)value;
         return GSCL_OK;
     case GSCL_TARGET_PSNR:
-        e->target.bytes = (size_t)(t->auto_bpp / 8 * e->image->width * e->image->height);
+        e->target.bytes = (size_t)(t->auto_bpp / 8 * e->header.width * e->header.height);
         return GSCL_OK;
     case GSCL_TARGET_AUTO:
         budget = fmax(t->auto_bpp * pixels / 8, t->auto_bytes);

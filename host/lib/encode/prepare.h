@@ -5,7 +5,7 @@
 #include "session/encoder.h"
 
 /* Examines the image and makes encoder->content, effects (as the settings say), header, source and max_splats. */
-gscl_result gscl_encode_prepare(gscl_encoder *encoder);
+gscl_result gscl_encode_prepare(gscl_encoder *encoder, const gscl_image *image);
 
 /* Sets encoder->target.  Refuses a budget below the smallest file of this image. */
 gscl_result gscl_encode_resolve_target(gscl_encoder *encoder);

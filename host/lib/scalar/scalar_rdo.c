@@ -55,7 +55,8 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     const gsf_coded_image *file = &p->coded->file;
     float background[4];
     GSCL_TRY(reserve_splats(rdo, context, p->count));
-    GSCL_TRY(gscl_coded_image_size(p->coded, size)); /* sorts: groups depend on nothing but the codes */
+    GSCL_TRY(gscl_coded_image_sort(p->coded, NULL)); /* groups depend on nothing but the codes */
+    GSCL_TRY(gscl_coded_image_size(p->coded, size));
     gscl_coded_image_params(p->coded, rdo->params, background);
     for (size_t i = 0; i < p->count; i++)
         rdo->codes[i] = gscl_rdo_codes_of(&file->splats[i]);

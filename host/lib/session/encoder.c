@@ -50,11 +50,11 @@ gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t s
     return result;
 }
 
-gscl_result gscl_encoder_psnr(gscl_encoder *e, double *psnr) {
+gscl_result gscl_encoder_psnr(gscl_encoder *e, const gscl_image *image, double *psnr) {
     uint8_t *bytes;
     size_t size;
     GSCL_TRY(gscl_coded_image_write(&e->coded, &bytes, &size));
-    gscl_result result = gscl_file_psnr(e->context, bytes, size, e->image, psnr);
+    gscl_result result = gscl_file_psnr(e->context, bytes, size, image, psnr);
     free(bytes);
     return result;
 }

@@ -10,7 +10,8 @@
 
 typedef struct gscl_encode_trace gscl_encode_trace; /* encode_trace.h */
 
-/* The image as it is fitted: planes of floats at the finest level of the pyramid. */
+/* The image as it is fitted: planes of floats at the finest level of the pyramid.  Stages after "decide effects" work on
+ * the planes; the caller's image serves to measure results. */
 typedef struct gscl_source {
     uint32_t image_width, image_height; /* full size, pixels */
     int first_level;                    /* finest level that is fitted; 0 unless the image is very large */
@@ -29,7 +30,6 @@ typedef struct gscl_size_target {
 typedef struct gscl_encoder {
     /* Set before the first stage, constant afterwards. */
     gscl_context *context;
-    const gscl_image *image;
     gscl_encode_settings settings; /* without AUTO */
     int loss_kind;                 /* GSCL_LOSS_KIND_... of the settings' loss */
 
@@ -55,8 +55,8 @@ typedef struct gscl_encoder {
     uint32_t trials;        /* fits of the search for a PSNR; 0 without one */
 } gscl_encoder;
 
-/* Makes planes of the channels that the header has, and looks for a flat background.  What `source` held before is not
- * freed. */
+/* Makes planes of the channels that the header has, and looks for a flat background.  `source` may hold anything
+ * before, which is not freed. */
 gscl_result gscl_source_create(gscl_source *source, gscl_context *context, const gscl_image *image,
                                const gsf_header *header);
 /* Accepts a zeroed source. */
@@ -67,7 +67,7 @@ void gscl_encoder_restart(gscl_encoder *encoder);
 /* Size of a coded image as a file. */
 gscl_result gscl_file_size(gscl_context *context, gscl_coded_image *coded, size_t *size);
 /* PSNR of encoder->coded as its decoder draws it, against the image. */
-gscl_result gscl_encoder_psnr(gscl_encoder *encoder, double *psnr);
+gscl_result gscl_encoder_psnr(gscl_encoder *encoder, const gscl_image *image, double *psnr);
 /* PSNR of a file as it is decoded, against an image of the decode's kind. */
 gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
                            double *psnr);
