@@ -1,8 +1,8 @@
-/* What the device can do at best: the measures that other kernels are held against. */
+/* Peak rates of the device, with which the rates of the other kernels are compared. */
 
 #define CHAINS GSCL_BENCHMARK_CHAINS
 
-/* 2 * CHAINS * GSCL_BENCHMARK_LENGTH * LANES operations a work-item. */
+/* Multiply-adds without access to memory: 2 * CHAINS * GSCL_BENCHMARK_LENGTH * LANES operations a work-item. */
 __kernel void multiply_add(float factor, __global float *restrict sums) {
     pix chains[CHAINS], sum = (pix)(0.0f);
     UNROLL
@@ -13,10 +13,10 @@ __kernel void multiply_add(float factor, __global float *restrict sums) {
     }
     UNROLL
     for (int j = 0; j < CHAINS; j++) sum += chains[j];
-    sums[get_global_id(0)] = pix_sum(sum); /* something that needs it all */
+    sums[get_global_id(0)] = pix_sum(sum); /* keeps the compiler from removing the loops */
 }
 
-/* Reads and writes a pixel vector a work-item. */
+/* Each work-item reads and writes one pixel vector. */
 __kernel void copy(__global const float *restrict from, __global float *restrict to) {
     size_t at = get_global_id(0) * LANES;
     PIX_STORE(PIX_LOAD(from + at), to + at);

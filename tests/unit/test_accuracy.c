@@ -1,4 +1,4 @@
-/* What exactness costs: the reference renderer against the oracle, each choice of the renderer, and the derivatives. */
+/* Accuracy: the reference renderer against the oracle, each choice of the renderer, and the derivatives. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -91,8 +91,8 @@ static void draw_reference(const file *f, bool cut, double *planes) {
     free(params);
 }
 
-/* It takes parameters in single precision, which the oracle does not. */
-static void test_reference_is_what_the_oracle_draws(void **state) {
+/* The bound allows for parameters in single precision, which the oracle does not have. */
+static void test_reference_draws_what_the_oracle_draws(void **state) {
     (void)state;
     static double planes[3 * WIDTH * HEIGHT];
     for (int i = 0; i < BLENDS; i++) {
@@ -109,7 +109,7 @@ static void test_reference_is_what_the_oracle_draws(void **state) {
     }
 }
 
-/* A part is what the whole has there. */
+/* A part equals the same pixels of the whole. */
 static void test_reference_draws_parts(void **state) {
     (void)state;
     static double whole[3 * WIDTH * HEIGHT], part[3 * 20 * 10], weights[20 * 10];
@@ -157,7 +157,7 @@ static void keep(void *opaque, const gscl_accuracy *accuracy) {
     strncpy(k->rows[k->count++].variant, accuracy->variant, 31);
 }
 
-static const gscl_accuracy_settings quick = {.repetitions = 1, .splats = 12};
+static const gscl_accuracy_settings quick = {sizeof quick, .repetitions = 1, .splats = 12};
 
 static void measure(gscl_context *context, const file *f, kept *k) {
     memset(k, 0, sizeof *k);
@@ -187,7 +187,7 @@ static void check_all(const kept *k, gscl_blend blend, double psnr) {
     }
 }
 
-/* The nearer to the end a Gaussian is cut off, the nearer the picture comes to Gaussians without end. */
+/* The larger the radius of the cut-off, the smaller the error against Gaussians that are not cut off. */
 static void check_support(const kept *k) {
     const gscl_accuracy *rows[MAX_ROWS];
     const size_t count = rows_of(k, "support", rows);
@@ -213,7 +213,7 @@ static void check_early_stop(const kept *k, bool expected) {
     const gscl_accuracy *rows[MAX_ROWS];
     const size_t count = rows_of(k, "early stop", rows);
     assert_true((count > 0) == expected);
-    for (size_t i = 0; i < count; i++) /* what is left out is not brighter than what comes through */
+    for (size_t i = 0; i < count; i++) /* omitted splats contribute at most the transmittance */
         assert_true(rows[i]->largest_error <= 255 * rows[i]->value + 0.02);
     if (count)
         assert_true(rows[count - 1]->largest_error > rows[0]->largest_error);
@@ -300,7 +300,8 @@ static void test_gradients(void **state) {
             assert_int_equal(gscl_measure_gradients(contexts[m], &image, files[i].bytes, files[i].size, &quick,
                                                     check_gradient, &count),
                              GSCL_OK);
-            assert_true(count >= 3 * 2 && count <= 3 * 5 && count % 3 == 0); /* as many as the shapes have */
+            assert_true(count >= 3 * 2 && count <= 3 * 5 &&
+                        count % 3 == 0); /* rows for each kind that the shapes have, for three variants */
         }
 }
 
@@ -343,7 +344,7 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference_is_what_the_oracle_draws),
+        cmocka_unit_test(test_reference_draws_what_the_oracle_draws),
         cmocka_unit_test(test_reference_draws_parts),
         cmocka_unit_test(test_choices),
         cmocka_unit_test(test_step_factor),

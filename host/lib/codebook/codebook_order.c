@@ -33,11 +33,11 @@ static void reorder_host_copies(gscl_codebook *c) {
     memcpy(c->pairs, c->sorted_pairs, n * sizeof *c->pairs);
 }
 
-gscl_result gscl_codebook_sort(gscl_codebook *c, gscl_coded_image *picture) {
+gscl_result gscl_codebook_sort(gscl_codebook *c, gscl_coded_image *coded) {
     GSCL_TRY(gscl_codebook_read_back(c));
     order_axes(&c->books[GSCL_BOOK_SHAPE]);
-    GSCL_TRY(gscl_codebook_quantise(c, picture));
-    GSCL_TRY(gscl_coded_image_sort(picture, c->order));
+    GSCL_TRY(gscl_codebook_quantise(c, coded));
+    GSCL_TRY(gscl_coded_image_sort(coded, c->order));
     reorder_host_copies(c);
     GSCL_TRY(gscl_fit_reorder(c->fit, c->order, gscl_codebook_splats(c)));
     return gscl_codebook_upload(c);

@@ -6,7 +6,7 @@
 #include "decode/coded_image.h"
 
 /* Puts the splats into the order in which the file stores and draws them (large ones in the back), and gives every
- * shape word s1 >= s2.  `picture`, which has the encode's header, is overwritten. */
-gscl_result gscl_codebook_sort(gscl_codebook *codebook, gscl_coded_image *picture);
+ * shape word s1 >= s2.  `coded`, which has the encode's header, is overwritten. */
+gscl_result gscl_codebook_sort(gscl_codebook *codebook, gscl_coded_image *coded);
 
 #endif

@@ -94,11 +94,11 @@ static void write_layout(const gscl_codebook *c, gsf_codebooks *books) {
     books->colour_bits = (uint8_t)c->books[GSCL_BOOK_COLOUR].bits;
 }
 
-gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *picture) {
+gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *coded) {
     const size_t count = gscl_codebook_splats(c);
-    gsf_coded_image *file = &picture->file;
+    gsf_coded_image *file = &coded->file;
     int places[GSCL_BOOKS][GSF_MAX_CODEBOOK];
-    GSCL_TRY(gscl_coded_image_reserve(picture, count));
+    GSCL_TRY(gscl_coded_image_reserve(coded, count));
     file->header.splat_count = (uint32_t)count;
     write_layout(c, &file->codebooks);
     for (int b = 0; b < GSCL_BOOKS; b++)

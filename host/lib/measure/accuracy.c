@@ -1,4 +1,4 @@
-/* What the renderer's exactness costs: each choice that trades it for speed, beside the exact picture. */
+/* Errors and times of the ways of drawing, against a rendering in double precision. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,25 +13,25 @@
 
 #define MAX_VARIANTS 24
 
-/* ---- Drawing in another way ---- */
+/* ---- Drawing ---- */
 
-/* One way to draw. */
+/* One way of drawing. */
 typedef struct variant {
     gscl_kernel_options options;
-    const double *exact; /* what its errors are told against */
+    const double *exact; /* planes that its errors are measured against */
     gscl_accuracy row;
     char name[32];
 } variant;
 
-typedef struct bench {
+typedef struct variant_set {
     gscl_subject *subject;
     size_t count;
     variant variants[MAX_VARIANTS];
     gscl_renderer renderer;
     gscl_buffer projected, image; /* of double precision */
-    double *exact, *endless;      /* planes: as the format says, and with Gaussians that are not cut off */
+    double *exact, *uncut;        /* planes: as the format defines, and with Gaussians that are not cut off */
     double *planes;
-} bench;
+} variant_set;
 
 static gscl_result draw_reference(const gscl_subject *s, bool cut, double *planes) {
     gscl_reference reference;
@@ -47,17 +47,17 @@ static gscl_result draw_reference(const gscl_subject *s, bool cut, double *plane
     return result;
 }
 
-/* The lists are those of single precision: their outlines are a little wide anyway. */
-static gscl_result draw_double(bench *b) {
+/* Draws in double precision, with the lists of single precision: their outlines are wide enough for both. */
+static gscl_result draw_double(variant_set *b) {
     gscl_renderer *r = &b->renderer;
     gscl_kernel_options options = r->options;
     const gscl_image_shape shape = gscl_renderer_shape(r);
     cl_kernel project, raster;
     options.is_double = 1;
-    options.shape = GSCL_SHAPE_ROTATED; /* records of double precision are of the most general kind */
+    options.shape = GSCL_SHAPE_ROTATED; /* project_double makes records of this shape only */
     GSCL_TRY(gscl_renderer_project(r));
     GSCL_TRY(gscl_renderer_bin(r, true));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_exactly", &project));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_double", &project));
     GSCL_TRY(GSCL_LAUNCH(r->context, project, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                          GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(r->params), GSCL_ARG(r->count),
                          GSCL_ARG_BUFFER(b->projected)));
@@ -68,15 +68,15 @@ static gscl_result draw_double(bench *b) {
                        GSCL_ARG(shape));
 }
 
-static gscl_result draw(void *opaque, size_t which) {
-    bench *b = opaque;
+static gscl_result draw_variant(void *opaque, size_t which) {
+    variant_set *b = opaque;
     gscl_kernel_options options = b->variants[which].options;
-    options.is_double = 0; /* of what comes before drawing */
+    options.is_double = 0; /* projecting and binning are in single precision */
     gscl_renderer_set_options(&b->renderer, GSCL_PROGRAM_RENDER, &options);
     return b->variants[which].options.is_double ? draw_double(b) : gscl_renderer_render(&b->renderer);
 }
 
-static gscl_result read_floats(bench *b) {
+static gscl_result read_rendering(variant_set *b) {
     size_t samples = gscl_subject_samples(b->subject);
     float *floats = malloc(samples * sizeof *floats);
     if (!floats)
@@ -88,38 +88,38 @@ static gscl_result read_floats(bench *b) {
     return result;
 }
 
-static gscl_result measure_error(bench *b, size_t which) {
+static gscl_result measure_error(variant_set *b, size_t which) {
     variant *v = &b->variants[which];
-    GSCL_TRY(draw(b, which));
+    GSCL_TRY(draw_variant(b, which));
     GSCL_TRY(v->options.is_double ? gscl_buffer_read(b->subject->context, &b->image, 0, b->planes,
                                                      gscl_subject_samples(b->subject) * sizeof *b->planes)
-                                  : read_floats(b));
+                                  : read_rendering(b));
     gscl_subject_compare(b->subject, b->planes, v->exact, &v->row);
     return GSCL_OK;
 }
 
-/* What is drawn by default is one of the variants of each choice: its time is that of the first. */
-static gscl_result measure_variants(bench *b, gscl_accuracy_callback callback, void *opaque) {
+/* The default way of drawing is a variant of each choice: all of them report the time of the first. */
+static gscl_result measure_variants(variant_set *b, gscl_accuracy_callback callback, void *opaque) {
     const gscl_subject *s = b->subject;
-    double seconds[MAX_VARIANTS], usual = 0;
+    double seconds[MAX_VARIANTS], default_seconds = 0;
     for (size_t i = 0; i < b->count; i++)
         GSCL_TRY(measure_error(b, i));
-    GSCL_TRY(gscl_subject_time(s, draw, b, b->count, seconds));
+    GSCL_TRY(gscl_subject_time(s, draw_variant, b, b->count, seconds));
     for (size_t i = 0; i < b->count; i++) {
         gscl_accuracy *row = &b->variants[i].row;
-        if (row->is_default && usual == 0)
-            usual = seconds[i];
-        row->ns_per_pixel = 1e9 * (row->is_default ? usual : seconds[i]) / ((double)s->width * s->height);
+        if (row->is_default && default_seconds == 0)
+            default_seconds = seconds[i];
+        row->ns_per_pixel = 1e9 * (row->is_default ? default_seconds : seconds[i]) / ((double)s->width * s->height);
         row->variant = b->variants[i].name;
         callback(opaque, row);
     }
     return GSCL_OK;
 }
 
-/* ---- The choices ---- */
+/* ---- Choices and their variants ---- */
 
-/* The subject's options, for the caller to change one thing. */
-static gscl_kernel_options *add_variant(bench *b, const double *exact, const char *choice, const char *name,
+/* Adds a variant and returns its options, which are those of the file: the caller changes one of them. */
+static gscl_kernel_options *add_variant(variant_set *b, const double *exact, const char *choice, const char *name,
                                         double value, bool is_default) {
     variant *v = &b->variants[b->count++];
     v->options = b->subject->options;
@@ -130,20 +130,20 @@ static gscl_kernel_options *add_variant(bench *b, const double *exact, const cha
     return &v->options;
 }
 
-static void add_supports(bench *b) {
-    static const double sigmas[] = {2, 2.5, 3, 3.5, 0, 4, 4.5, 5, 6};
+static void add_supports(variant_set *b) {
+    static const double sigmas[] = {2, 2.5, 3, 3.5, 0, 4, 4.5, 5, 6}; /* 0: the default */
     for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; i++) {
         char name[32];
-        const bool usual = sigmas[i] == 0;
-        const double value = usual ? sqrt(2 * (double)GSCL_SUPPORT) : sigmas[i];
+        const bool is_default = sigmas[i] == 0;
+        const double value = is_default ? sqrt(2 * (double)GSCL_SUPPORT) : sigmas[i];
         snprintf(name, sizeof name, "%.3g sigma", value);
-        gscl_kernel_options *options = add_variant(b, b->endless, "support", name, value, usual);
-        if (!usual)
+        gscl_kernel_options *options = add_variant(b, b->uncut, "support", name, value, is_default);
+        if (!is_default)
             options->support = value * value / 2;
     }
 }
 
-static void add_exponentials(bench *b) {
+static void add_exponentials(variant_set *b) {
     for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE; i++)
         add_variant(b, b->exact, "exponential", gscl_exponential_name(i), 0, i == GSCL_EXPONENTIAL_POLYNOMIAL)
             ->exponential = i;
@@ -155,7 +155,7 @@ static bool has_double(const gscl_context *context) {
     return config != 0;
 }
 
-static gscl_result add_precisions(bench *b) {
+static gscl_result add_precisions(variant_set *b) {
     gscl_context *context = b->subject->context;
     add_variant(b, b->exact, "precision", "float32", 32, true);
     if (!has_double(context))
@@ -165,7 +165,7 @@ static gscl_result add_precisions(bench *b) {
     return gscl_buffer_reserve_image(context, &b->image, gscl_subject_samples(b->subject) * sizeof(cl_double));
 }
 
-static void add_early_stops(bench *b) {
+static void add_early_stops(variant_set *b) {
     static const double thresholds[] = {0, 1 / 4096.0, 1 / 1024.0, 1 / 255.0, 1 / 64.0};
     for (size_t i = 0; i < sizeof thresholds / sizeof *thresholds; i++) {
         char name[32] = "off";
@@ -175,25 +175,25 @@ static void add_early_stops(bench *b) {
     }
 }
 
-static gscl_result prepare(bench *b) {
+static gscl_result variant_set_prepare(variant_set *b) {
     gscl_subject *s = b->subject;
     size_t samples = gscl_subject_samples(s);
     b->exact = malloc(samples * sizeof *b->exact);
-    b->endless = malloc(samples * sizeof *b->endless);
+    b->uncut = malloc(samples * sizeof *b->uncut);
     b->planes = malloc(samples * sizeof *b->planes);
-    if (!b->exact || !b->endless || !b->planes)
+    if (!b->exact || !b->uncut || !b->planes)
         return gscl_fail_memory(s->context);
     GSCL_TRY(draw_reference(s, true, b->exact));
-    GSCL_TRY(draw_reference(s, false, b->endless));
+    GSCL_TRY(draw_reference(s, false, b->uncut));
     GSCL_TRY(gscl_renderer_create(&b->renderer, s->context, &s->options));
     GSCL_TRY(gscl_renderer_set_view(&b->renderer, 0, 0, 0, s->width, s->height));
     return gscl_renderer_set_splats(&b->renderer, s->params, s->count, s->background);
 }
 
-static gscl_result measure_all(bench *b, gscl_accuracy_callback callback, void *opaque) {
+static gscl_result measure_choices(variant_set *b, gscl_accuracy_callback callback, void *opaque) {
     gscl_subject *s = b->subject;
-    const bool alpha = s->options.blend == GSCL_ALPHA, scalar = s->picture.file.header.coding == GSF_CODING_SCALAR;
-    GSCL_TRY(prepare(b));
+    const bool alpha = s->options.blend == GSCL_ALPHA, scalar = s->coded.file.header.coding == GSF_CODING_SCALAR;
+    GSCL_TRY(variant_set_prepare(b));
     add_supports(b);
     add_exponentials(b);
     GSCL_TRY(add_precisions(b));
@@ -210,14 +210,14 @@ gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image
     if (!callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_result result = gscl_subject_open(&subject, context, image, bytes, size, settings);
-    bench b = {.subject = &subject};
+    variant_set b = {.subject = &subject};
     if (result == GSCL_OK)
-        result = measure_all(&b, callback, opaque);
+        result = measure_choices(&b, callback, opaque);
     gscl_renderer_free(&b.renderer);
     gscl_buffer_free(&b.projected);
     gscl_buffer_free(&b.image);
     free(b.exact);
-    free(b.endless);
+    free(b.uncut);
     free(b.planes);
     gscl_subject_close(&subject);
     return result;

@@ -1,71 +1,73 @@
-/* How exact the fit's derivatives are: single precision on the device beside differences in double precision. */
+/* Errors of the fit's derivatives: single precision on the device against central differences in double precision. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/subject.h"
 #include "cl/constants.h"
 #include "fit/fit.h"
+#include "measure/subject.h"
+#include "measure/tunables.h"
 
-#define MOST_SIDE 128 /* pixels of the part that is looked at */
-/* Of the differences, in the units of the parameters.  Where a needle alone reaches a pixel, `normalized` goes from the
- * background to its colour within some 1e-5 rad: longer steps jump over that. */
-#define STEP 1e-6
-
+/* A kind of parameters. */
 typedef struct kind {
     const char *name;
-    int first, end; /* parameters of a splat */
+    int first, end; /* parameters first..end - 1 of a splat */
 } kind;
 
-typedef struct bench {
+typedef struct gradient_check {
     gscl_subject *subject;
-    gscl_rectangle part; /* of the image; everything else is relative to it */
-    float *params;       /* as the subject's, moved */
+    gscl_rectangle part; /* of the image; positions below are relative to it */
+    float *params;       /* as the subject's, relative to the part */
     float *target;
-    size_t *chosen; /* splats */
+    size_t *chosen; /* splats whose derivatives are compared */
     size_t chosen_count;
     gscl_fit fit;
     float *gradients; /* of the fit */
     gscl_reference reference;
-    double *exact; /* count * GSCL_PARAMS, of those chosen */
+    double *exact; /* derivatives of the chosen splats, at GSCL_PARAMS for each splat */
     double *planes, *weights;
-} bench;
+} gradient_check;
 
-static int part_width(const bench *b) {
+static int part_width(const gradient_check *b) {
     return b->part.x1 - b->part.x0;
 }
-static int part_height(const bench *b) {
+static int part_height(const gradient_check *b) {
     return b->part.y1 - b->part.y0;
 }
 
-static size_t splat_in_the_middle(const gscl_subject *s) {
+static size_t splat_nearest_centre(const gscl_subject *s) {
     size_t best = 0;
-    double least = INFINITY;
+    double min_distance = INFINITY;
     for (size_t i = 0; i < s->count; i++) {
         const float *p = s->params + i * GSCL_PARAMS;
         double distance = hypot(p[GSCL_X] - 0.5 * s->width, p[GSCL_Y] - 0.5 * s->height);
-        if (distance < least) {
-            least = distance;
+        if (distance < min_distance) {
+            min_distance = distance;
             best = i;
         }
     }
     return best;
 }
 
-/* The start of a stretch of `length` pixels around `at`, within 0..size. */
+/* The first of `length` pixels around `at`, within 0..size. */
 static int start_of(float at, int length, uint32_t size) {
     double last = (double)size - length;
     return (int)fmin(fmax(floor(at - 0.5 * length), 0), last);
 }
 
+static int min_int(int a, int b) {
+    return a < b ? a : b;
+}
+
 static gscl_rectangle part_around(const gscl_subject *s, size_t splat) {
     const float *p = s->params + splat * GSCL_PARAMS;
-    int w = s->width < MOST_SIDE ? (int)s->width : MOST_SIDE, h = s->height < MOST_SIDE ? (int)s->height : MOST_SIDE;
-    int x = start_of(p[GSCL_X], w, s->width), y = start_of(p[GSCL_Y], h, s->height);
+    const int side = gscl_measure_tunables.max_part_side;
+    const int w = min_int((int)s->width, side), h = min_int((int)s->height, side);
+    const int x = start_of(p[GSCL_X], w, s->width), y = start_of(p[GSCL_Y], h, s->height);
     return (gscl_rectangle){x, y, x + w, y + h};
 }
 
-static void cut_target(bench *b) {
+static void copy_target_part(gradient_check *b) {
     const gscl_subject *s = b->subject;
     size_t width = (size_t)part_width(b), plane = (size_t)s->width * s->height;
     float *to = b->target;
@@ -74,8 +76,9 @@ static void cut_target(bench *b) {
             memcpy(to, s->target + (size_t)k * plane + (size_t)y * s->width + b->part.x0, width * sizeof *to);
 }
 
-/* The splats whose centres are in the part, evenly thinned out; `first` in any case. */
-static void choose(bench *b, size_t first) {
+/* Chooses every n-th splat whose centre is in the part, so that there are at most settings.splats.  `first` counts as in
+ * the part. */
+static void choose_splats(gradient_check *b, size_t first) {
     const gscl_subject *s = b->subject;
     size_t found = 0;
     for (size_t i = 0; i < s->count; i++) {
@@ -83,16 +86,15 @@ static void choose(bench *b, size_t first) {
         if (i == first || (p[GSCL_X] >= 0 && p[GSCL_X] < part_width(b) && p[GSCL_Y] >= 0 && p[GSCL_Y] < part_height(b)))
             b->chosen[found++] = i;
     }
-    size_t wanted = found < s->settings.splats ? found : s->settings.splats;
-    for (size_t i = 0; i < wanted; i++)
-        b->chosen[i] = b->chosen[i * found / wanted];
-    b->chosen_count = wanted;
+    b->chosen_count = found < s->settings.splats ? found : s->settings.splats;
+    for (size_t i = 0; i < b->chosen_count; i++)
+        b->chosen[i] = b->chosen[i * found / b->chosen_count];
 }
 
-/* ---- Differences in double precision ---- */
+/* ---- Central differences in double precision ---- */
 
-/* Half the sum of squared errors in a part of the part. */
-static double loss_in(const bench *b, gscl_rectangle where) {
+/* Half the sum of squared errors in a rectangle within the part. */
+static double loss_in(const gradient_check *b, gscl_rectangle where) {
     const gscl_reference *r = &b->reference;
     const size_t width = (size_t)(where.x1 - where.x0), height = (size_t)(where.y1 - where.y0);
     double loss = 0;
@@ -107,54 +109,55 @@ static double loss_in(const bench *b, gscl_rectangle where) {
     return loss;
 }
 
-static gscl_rectangle united(gscl_rectangle a, gscl_rectangle b) {
+static gscl_rectangle union_of(gscl_rectangle a, gscl_rectangle b) {
     return (gscl_rectangle){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
                             a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
-/* The loss changes only where the splat is, before or after. */
-static double difference(bench *b, size_t i, int parameter) {
+/* The derivative of the loss by one parameter.  The loss changes only where the splat is, before or after a step. */
+static double central_difference(gradient_check *b, size_t i, int parameter) {
     const gscl_rectangle all = {0, 0, part_width(b), part_height(b)};
+    const double step = gscl_measure_tunables.difference_step;
     double p[GSCL_PARAMS], above, below;
     for (int k = 0; k < GSCL_PARAMS; k++)
         p[k] = b->params[i * GSCL_PARAMS + (size_t)k];
     const double at = p[parameter];
     gscl_rectangle where = gscl_reference_box(&b->reference, i, all);
-    p[parameter] = at + STEP;
+    p[parameter] = at + step;
     gscl_reference_replace(&b->reference, i, p);
-    where = united(where, gscl_reference_box(&b->reference, i, all));
+    where = union_of(where, gscl_reference_box(&b->reference, i, all));
     above = loss_in(b, where);
-    p[parameter] = at - STEP;
+    p[parameter] = at - step;
     gscl_reference_replace(&b->reference, i, p);
     below = loss_in(b, where);
     p[parameter] = at;
     gscl_reference_replace(&b->reference, i, p);
-    return (above - below) / (2 * STEP);
+    return (above - below) / (2 * step);
 }
 
-static void differentiate(bench *b) {
+static void differentiate_reference(gradient_check *b) {
     const int end = GSCL_COLOUR + b->reference.channels;
     for (size_t i = 0; i < b->chosen_count; i++)
         for (int k = 0; k < end; k++)
             if (k != GSCL_OPACITY || b->reference.opacity)
-                b->exact[b->chosen[i] * GSCL_PARAMS + (size_t)k] = difference(b, b->chosen[i], k);
+                b->exact[b->chosen[i] * GSCL_PARAMS + (size_t)k] = central_difference(b, b->chosen[i], k);
 }
 
-/* ---- The device ---- */
+/* ---- Derivatives on the device ---- */
 
-static void set_exponential(bench *b, int exponential) {
+static void set_exponential(gradient_check *b, int exponential) {
     gscl_kernel_options options = b->fit.renderer.options;
     options.exponential = exponential;
     gscl_renderer_set_options(&b->fit.renderer, GSCL_PROGRAM_FIT, &options);
 }
 
-static gscl_result run(void *opaque, size_t exponential) {
-    bench *b = opaque;
+static gscl_result run_gradients(void *opaque, size_t exponential) {
+    gradient_check *b = opaque;
     set_exponential(b, (int)exponential);
-    return gscl_fit_gradients(&b->fit, b->gradients); /* of all tiles, also those without error */
+    return gscl_fit_gradients(&b->fit, b->gradients); /* no tile is skipped */
 }
 
-static void compare_kind(const bench *b, const kind *k, gscl_gradient_accuracy *a) {
+static void compare_kind(const gradient_check *b, const kind *k, gscl_gradient_accuracy *a) {
     double errors = 0, squares = 0, largest = 0, largest_error = 0;
     a->kind = k->name;
     a->parameters = 0;
@@ -171,7 +174,7 @@ static void compare_kind(const bench *b, const kind *k, gscl_gradient_accuracy *
     a->largest_error = largest > 0 ? largest_error / largest : 0;
 }
 
-/* A circle's one axis is neither of an ellipse's two; what is not turned has no angle. */
+/* Isotropic splats have one axis, which is neither of the reference's two; only rotated splats have an angle. */
 static bool is_compared(const gscl_subject *s, const kind *k) {
     return k->first == GSCL_OPACITY  ? s->options.opacity
            : k->first == GSCL_LOG_S1 ? s->options.shape != GSCL_SHAPE_ISOTROPIC
@@ -179,7 +182,7 @@ static bool is_compared(const gscl_subject *s, const kind *k) {
                                      : true;
 }
 
-static gscl_result measure_variant(bench *b, int exponential, double seconds, gscl_gradient_callback callback,
+static gscl_result measure_variant(gradient_check *b, int exponential, double seconds, gscl_gradient_callback callback,
                                    void *opaque) {
     const gscl_subject *s = b->subject;
     const kind kinds[] = {{"position", GSCL_X, GSCL_LOG_S1},
@@ -202,16 +205,16 @@ static gscl_result measure_variant(bench *b, int exponential, double seconds, gs
     return GSCL_OK;
 }
 
-static gscl_result measure(bench *b, gscl_gradient_callback callback, void *opaque) {
+static gscl_result measure_variants(gradient_check *b, gscl_gradient_callback callback, void *opaque) {
     double seconds[GSCL_EXPONENTIAL_NATIVE + 1];
-    differentiate(b);
-    GSCL_TRY(gscl_subject_time(b->subject, run, b, GSCL_EXPONENTIAL_NATIVE + 1, seconds));
+    differentiate_reference(b);
+    GSCL_TRY(gscl_subject_time(b->subject, run_gradients, b, GSCL_EXPONENTIAL_NATIVE + 1, seconds));
     for (int i = GSCL_EXPONENTIAL_POLYNOMIAL; i <= GSCL_EXPONENTIAL_NATIVE; i++)
         GSCL_TRY(measure_variant(b, i, seconds[i], callback, opaque));
     return GSCL_OK;
 }
 
-static gscl_result open_fit(bench *b) {
+static gscl_result create_fit(gradient_check *b) {
     const gscl_subject *s = b->subject;
     gscl_kernel_options options = s->options;
     options.loss = GSCL_LOSS_KIND_L2;
@@ -221,10 +224,10 @@ static gscl_result open_fit(bench *b) {
     return gscl_fit_append(&b->fit, b->params, s->count);
 }
 
-static gscl_result prepare(bench *b) {
+static gscl_result gradient_check_prepare(gradient_check *b) {
     const gscl_subject *s = b->subject;
     size_t values = s->count * GSCL_PARAMS, channels = (size_t)(s->options.colours + s->options.alpha_channel);
-    const size_t first = splat_in_the_middle(s);
+    const size_t first = splat_nearest_centre(s);
     b->part = part_around(s, first);
     size_t pixels = (size_t)part_width(b) * (size_t)part_height(b);
     b->params = malloc(values * sizeof *b->params);
@@ -241,13 +244,13 @@ static gscl_result prepare(bench *b) {
         b->params[i * GSCL_PARAMS + GSCL_X] -= (float)b->part.x0;
         b->params[i * GSCL_PARAMS + GSCL_Y] -= (float)b->part.y0;
     }
-    cut_target(b);
-    choose(b, first);
+    copy_target_part(b);
+    choose_splats(b, first);
     GSCL_TRY(gscl_reference_create(&b->reference, &s->options, b->params, s->count, s->background, true));
-    return open_fit(b);
+    return create_fit(b);
 }
 
-static void release(bench *b) {
+static void gradient_check_free(gradient_check *b) {
     gscl_fit_free(&b->fit);
     gscl_reference_free(&b->reference);
     free(b->params);
@@ -266,12 +269,12 @@ gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *imag
     if (!callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_result result = gscl_subject_open(&subject, context, image, bytes, size, settings);
-    bench b = {.subject = &subject};
+    gradient_check b = {.subject = &subject};
     if (result == GSCL_OK)
-        result = prepare(&b);
+        result = gradient_check_prepare(&b);
     if (result == GSCL_OK)
-        result = measure(&b, callback, opaque);
-    release(&b);
+        result = measure_variants(&b, callback, opaque);
+    gradient_check_free(&b);
     gscl_subject_close(&subject);
     return result;
 }

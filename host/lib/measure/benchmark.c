@@ -1,4 +1,4 @@
-/* How fast the device runs the kernels, and how fast it could. */
+/* The speed of the device and of the kernels of drawing and fitting. */
 #include <gscl/measure.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,23 +9,17 @@
 #include "decode/ellipse.h"
 #include "fit/fit.h"
 #include "fit/random.h"
+#include "measure/tunables.h"
 #include "runtime/mapping.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
 #define MAX_SERIES 12
 #define MAX_REPETITIONS 1000
-#define WARM_UP 3
-/* Operations of the two best-case kernels (cl/benchmark.cl). */
-#define MULTIPLY_ADD_ITEMS 4096
-#define MULTIPLY_ADD_FLOP (2.0 * GSCL_BENCHMARK_CHAINS * GSCL_BENCHMARK_LENGTH) /* of each lane */
-#define COPY_BYTES (64u << 20)
-/* What an evaluation of a splat at a pixel counts as. */
-#define FORWARD_FLOP 28.0
-#define STEP_FLOP 100.0
-#define GROUP 64
+#define MULTIPLY_ADD_FLOP (2.0 * GSCL_BENCHMARK_CHAINS * GSCL_BENCHMARK_LENGTH) /* of each lane (cl/benchmark.cl) */
+#define GROUP_SIZE 64                                                           /* work-items */
 
-/* Samples of one thing, seconds. */
+/* Samples of one kernel, or of a whole run, in seconds. */
 typedef struct series {
     const char *name;
     size_t count;
@@ -37,7 +31,7 @@ typedef struct bench {
     gscl_benchmark_settings settings;
     gscl_measurement_callback callback;
     void *opaque;
-    gscl_measurement about; /* what the measurements to come have in common */
+    gscl_measurement about; /* fields that the next measurements share */
     size_t count;
     series series[MAX_SERIES];
 } bench;
@@ -61,16 +55,17 @@ static void add_sample(bench *b, const char *name, double seconds) {
     b->series[i].samples[b->series[i].count++] = seconds;
 }
 
-/* Runs it again and again; leaves samples of the whole, under `name`, and of each kernel. */
-static gscl_result sample(bench *b, const char *name, bench_run *run, void *opaque) {
+/* Runs `run` repeatedly and collects samples of the whole run, as `name`, and of each kernel. */
+static gscl_result take_samples(bench *b, const char *name, bench_run *run, void *opaque) {
     b->count = 0;
-    for (uint32_t i = 0; i < WARM_UP + b->settings.repetitions; i++) {
+    const uint32_t warm_up = gscl_measure_tunables.warm_up_runs;
+    for (uint32_t i = 0; i < warm_up + b->settings.repetitions; i++) {
         gscl_context_reset_timings(b->context);
         double start = gscl_now();
         gscl_stage(b->context, GSCL_STAGE_MEASURE);
         GSCL_TRY(run(b, opaque));
         gscl_stage(b->context, GSCL_STAGE_NONE);
-        if (i < WARM_UP)
+        if (i < warm_up)
             continue;
         add_sample(b, name, gscl_now() - start);
         for (const gscl_timing *row = gscl_context_timings(b->context); row; row = row->next)
@@ -80,8 +75,8 @@ static gscl_result sample(bench *b, const char *name, bench_run *run, void *opaq
     return GSCL_OK;
 }
 
-/* Hands the samples of `name` to the caller. */
-static void report(bench *b, const char *name, double work, double flop) {
+/* Reports the samples of `name` to the caller. */
+static void report_samples(bench *b, const char *name, double work, double flop) {
     for (size_t i = 0; i < b->count; i++) {
         series *s = &b->series[i];
         if (strcmp(s->name, name) != 0)
@@ -98,43 +93,44 @@ static void report(bench *b, const char *name, double work, double flop) {
     }
 }
 
-/* ---- What the device can do --------------------------------------------------------------------- */
+/* ---- Peak rates of the device ---- */
 
-static gscl_result multiply_add(bench *b, void *opaque) {
+static gscl_result run_multiply_add(bench *b, void *opaque) {
     const gscl_buffer *sums = opaque;
     const gscl_kernel_options options = {.colours = 1};
     cl_kernel kernel;
     cl_float factor = 0.999f;
     GSCL_TRY(gscl_kernel(b->context, GSCL_PROGRAM_BENCHMARK, &options, "multiply_add", &kernel));
-    return GSCL_LAUNCH(b->context, kernel, MULTIPLY_ADD_ITEMS / GROUP, GROUP, GSCL_ARG(factor), GSCL_ARG_BUFFER(*sums));
+    return GSCL_LAUNCH(b->context, kernel, gscl_measure_tunables.multiply_add_items / GROUP_SIZE, GROUP_SIZE,
+                       GSCL_ARG(factor), GSCL_ARG_BUFFER(*sums));
 }
 
-static gscl_result copy(bench *b, void *opaque) {
+static gscl_result run_copy(bench *b, void *opaque) {
     const gscl_buffer *buffers = opaque;
     const gscl_kernel_options options = {.colours = 1};
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(b->context, GSCL_PROGRAM_BENCHMARK, &options, "copy", &kernel));
-    size_t items = COPY_BYTES / sizeof(float) / (size_t)gscl_mapping_lanes(b->context);
-    return GSCL_LAUNCH(b->context, kernel, items / GROUP, GROUP, GSCL_ARG_BUFFER(buffers[0]),
+    size_t items = gscl_measure_tunables.copy_bytes / sizeof(float) / (size_t)gscl_mapping_lanes(b->context);
+    return GSCL_LAUNCH(b->context, kernel, items / GROUP_SIZE, GROUP_SIZE, GSCL_ARG_BUFFER(buffers[0]),
                        GSCL_ARG_BUFFER(buffers[1]));
 }
 
 static gscl_result measure_device(bench *b, gscl_buffer *buffers) {
-    double flop = MULTIPLY_ADD_FLOP * MULTIPLY_ADD_ITEMS * gscl_mapping_lanes(b->context);
+    double flop = MULTIPLY_ADD_FLOP * gscl_measure_tunables.multiply_add_items * gscl_mapping_lanes(b->context);
     for (int i = 0; i < 2; i++) {
-        GSCL_TRY(gscl_buffer_reserve(b->context, &buffers[i], COPY_BYTES));
-        GSCL_TRY(gscl_buffer_zero(b->context, &buffers[i], 0, COPY_BYTES));
+        GSCL_TRY(gscl_buffer_reserve(b->context, &buffers[i], gscl_measure_tunables.copy_bytes));
+        GSCL_TRY(gscl_buffer_zero(b->context, &buffers[i], 0, gscl_measure_tunables.copy_bytes));
     }
     b->about.unit = "flop";
-    GSCL_TRY(sample(b, "whole", multiply_add, &buffers[0]));
-    report(b, "multiply_add", flop, flop);
+    GSCL_TRY(take_samples(b, "whole", run_multiply_add, &buffers[0]));
+    report_samples(b, "multiply_add", flop, flop);
     b->about.unit = "byte";
-    GSCL_TRY(sample(b, "whole", copy, buffers));
-    report(b, "copy", 2.0 * COPY_BYTES, 0);
+    GSCL_TRY(take_samples(b, "whole", run_copy, buffers));
+    report_samples(b, "copy", 2.0 * gscl_measure_tunables.copy_bytes, 0);
     return GSCL_OK;
 }
 
-/* ---- The kernels of drawing and fitting ------------------------------------------------------------ */
+/* ---- Kernels of drawing and fitting ---- */
 
 /* Roughly normal, of variance 1. */
 static float random_normal(uint64_t *random) {
@@ -144,7 +140,7 @@ static float random_normal(uint64_t *random) {
     return sum - 6;
 }
 
-/* Splats as fits leave them: many small ones, some large, most of them long. */
+/* Splats with sizes and shapes like those of fitted splats: many small ones, some large, most of them long. */
 static void make_scene(const gscl_benchmark_settings *s, float *params) {
     uint64_t random = 1;
     float spacing = sqrtf((float)s->width * (float)s->height / (float)s->splats);
@@ -162,7 +158,7 @@ static void make_scene(const gscl_benchmark_settings *s, float *params) {
     }
 }
 
-/* Pixels inside the splats' outlines: the evaluations that a picture needs. */
+/* Pixels inside the outlines of splats: the evaluations that any renderer needs. */
 static double pixels_inside(const gscl_benchmark_settings *s, const float *params) {
     double inside = 0;
     for (uint32_t i = 0; i < s->splats; i++, params += GSCL_PARAMS) {
@@ -186,7 +182,7 @@ static double pixels_inside(const gscl_benchmark_settings *s, const float *param
     return inside;
 }
 
-/* Evaluations that the lists hold: whole rows of tiles. */
+/* Evaluations of the kernels: whole rows of tiles for each entry of a list. */
 static gscl_result count_evaluations(const gscl_renderer *r, double *evaluations) {
     size_t tiles = (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
     cl_int2 *ranges = malloc(tiles * sizeof *ranges);
@@ -205,14 +201,14 @@ static gscl_result count_evaluations(const gscl_renderer *r, double *evaluations
     return result;
 }
 
-static gscl_result draw(bench *b, void *opaque) {
+static gscl_result run_draw(bench *b, void *opaque) {
     (void)b;
     return gscl_renderer_draw(opaque);
 }
 
-static gscl_result step(bench *b, void *opaque) {
+static gscl_result run_fit_step(bench *b, void *opaque) {
     (void)b;
-    return gscl_fit_step(opaque, 0); /* the splats stay where they are */
+    return gscl_fit_step(opaque, 0); /* with rate 0 the splats do not move */
 }
 
 static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
@@ -222,13 +218,13 @@ static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
     GSCL_TRY(count_evaluations(&fit->renderer, &evaluations));
     b->about.unit = "evaluation";
     b->about.needed = pixels_inside(&b->settings, params);
-    GSCL_TRY(sample(b, "whole", draw, &fit->renderer));
-    report(b, "raster_forward", evaluations, FORWARD_FLOP * evaluations);
-    GSCL_TRY(sample(b, "fit step", step, fit));
+    GSCL_TRY(take_samples(b, "whole", run_draw, &fit->renderer));
+    report_samples(b, "raster_forward", evaluations, gscl_measure_tunables.forward_flop * evaluations);
+    GSCL_TRY(take_samples(b, "fit step", run_fit_step, fit));
     static const char *const parts[] = {"bin", "fit_tiles", "gather_gradients", "adam_step"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-        report(b, parts[i], evaluations, 0);
-    report(b, "fit step", evaluations, STEP_FLOP * evaluations);
+        report_samples(b, parts[i], evaluations, 0);
+    report_samples(b, "fit step", evaluations, gscl_measure_tunables.step_flop * evaluations);
     return GSCL_OK;
 }
 
@@ -265,10 +261,10 @@ static gscl_result measure_kernels(bench *b) {
     return result;
 }
 
-/* ---- */
+/* ---- Entry points ---- */
 
-static gscl_result begin(gscl_context *context, const gscl_benchmark_settings *settings,
-                         gscl_measurement_callback callback, void *opaque, bench **b) {
+static gscl_result bench_create(gscl_context *context, const gscl_benchmark_settings *settings,
+                                gscl_measurement_callback callback, void *opaque, bench **b) {
     if (!context || !callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_benchmark_settings s = defaults;
@@ -291,7 +287,7 @@ gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_se
                                   gscl_measurement_callback callback, void *opaque) {
     bench *b;
     gscl_buffer buffers[2] = {{0}};
-    GSCL_TRY(begin(context, settings, callback, opaque, &b));
+    GSCL_TRY(bench_create(context, settings, callback, opaque, &b));
     gscl_result result = measure_device(b, buffers);
     for (int i = 0; i < 2; i++)
         gscl_buffer_free(&buffers[i]);
@@ -302,7 +298,7 @@ gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_se
 gscl_result gscl_benchmark_kernels(gscl_context *context, const gscl_benchmark_settings *settings,
                                    gscl_measurement_callback callback, void *opaque) {
     bench *b;
-    GSCL_TRY(begin(context, settings, callback, opaque, &b));
+    GSCL_TRY(bench_create(context, settings, callback, opaque, &b));
     gscl_result result = measure_kernels(b);
     free(b);
     return result;

@@ -1,17 +1,16 @@
-/* What the effects of a file cost and give: the file is written again without each of them. */
-#include <gscl/gscl.h>
+/* What the effects of a file cost and gain: the file is written again without each of them. */
 #include <gscl/measure.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cl/constants.h"
-#include "session/encoder.h"
 #include "decode/coded_image.h"
 #include "decode/quantise.h"
 #include "decode/ycocg.h"
+#include "session/encoder.h"
 
-/* The header without an effect; what needs it goes too. */
+/* The header without an effect and without the effects that depend on it. */
 static gsf_header header_without(gsf_header h, gscl_effect effect) {
     switch (effect) {
     case GSCL_EFFECT_CHROMA:
@@ -38,7 +37,7 @@ static gsf_header header_without(gsf_header h, gscl_effect effect) {
     return h;
 }
 
-/* Colours (then alpha) of a picture with these channels, as those of one without. */
+/* Converts a colour (channels, then alpha) from the channels of one header to those of another. */
 static void drop_channels(const gsf_header *from, const gsf_header *to, float colour[4]) {
     float alpha = colour[from->has_chroma ? 3 : 1];
     if (from->has_chroma && !to->has_chroma) {
@@ -47,16 +46,16 @@ static void drop_channels(const gsf_header *from, const gsf_header *to, float co
     }
 }
 
-/* Writes the picture again without an effect. */
-static gscl_result write_without(const gscl_coded_image *picture, gscl_effect effect, uint8_t **bytes, size_t *size) {
-    const gsf_coded_image *file = &picture->file;
+/* Writes the same splats without an effect. */
+static gscl_result write_without(const gscl_coded_image *coded, gscl_effect effect, uint8_t **bytes, size_t *size) {
+    const gsf_coded_image *file = &coded->file;
     gscl_coded_image other = {.file = {.header = header_without(file->header, effect), .steps = file->steps}};
     float background[4] = {0}, *params = malloc(((size_t)file->header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     gscl_result result = params ? gscl_coded_image_reserve(&other, file->header.splat_count) : GSCL_ERROR_OUT_OF_MEMORY;
     if (result == GSCL_OK) {
         if (!other.file.header.has_rotation)
             other.file.steps.angle = 0;
-        gscl_coded_image_params(picture, params, background);
+        gscl_coded_image_params(coded, params, background);
         drop_channels(&file->header, &other.file.header, background);
         for (unsigned k = 0; k < gsf_channel_count(&other.file.header); k++)
             other.file.background[k] = gscl_quantise_background(&other.file.header, background[k]);
@@ -72,15 +71,15 @@ static gscl_result write_without(const gscl_coded_image *picture, gscl_effect ef
     return result;
 }
 
-static gscl_result use_of(gscl_context *context, const gscl_coded_image *picture, size_t size, const gscl_image *image,
-                          double psnr, gscl_effect_use *use) {
+static gscl_result measure_effect(gscl_context *context, const gscl_coded_image *coded, size_t size,
+                                  const gscl_image *image, double psnr, gscl_effect_use *use) {
     uint8_t *bytes;
     size_t smaller;
     double without;
     use->bits = use->gain_db = NAN;
-    if (picture->file.header.coding == GSF_CODING_CODEBOOK)
+    if (coded->file.header.coding == GSF_CODING_CODEBOOK)
         return GSCL_OK;
-    GSCL_TRY(write_without(picture, use->effect, &bytes, &smaller));
+    GSCL_TRY(write_without(coded, use->effect, &bytes, &smaller));
     use->bits = 8.0 * ((double)size - (double)smaller);
     gscl_result result = image ? gscl_file_psnr(context, bytes, smaller, image, &without) : GSCL_OK;
     if (image && result == GSCL_OK)
@@ -92,21 +91,21 @@ static gscl_result use_of(gscl_context *context, const gscl_coded_image *picture
 gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
                                  gscl_effect_use *uses, size_t *count) {
     gscl_info info = {.struct_size = sizeof info};
-    gscl_coded_image picture;
+    gscl_coded_image coded;
     double psnr = NAN;
     if (!bytes || !uses || !count || (image && !context))
         return GSCL_ERROR_INVALID_ARGUMENT;
     GSCL_TRY(gscl_probe(bytes, size, &info));
-    GSCL_TRY(gscl_coded_image_read(&picture, bytes, size));
+    GSCL_TRY(gscl_coded_image_read(&coded, bytes, size));
     gscl_result result = image ? gscl_file_psnr(context, bytes, size, image, &psnr) : GSCL_OK;
     size_t used = 0;
     for (unsigned bit = 0; bit < GSCL_EFFECT_COUNT && result == GSCL_OK; bit++)
         if (info.effects >> bit & 1) {
             uses[used].effect = (gscl_effect)(1u << bit);
-            result = use_of(context, &picture, size, image, psnr, &uses[used++]);
+            result = measure_effect(context, &coded, size, image, psnr, &uses[used++]);
         }
     if (result == GSCL_OK)
         *count = used;
-    gscl_coded_image_free(&picture);
+    gscl_coded_image_free(&coded);
     return result;
 }

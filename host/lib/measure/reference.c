@@ -65,7 +65,7 @@ void gscl_reference_replace(gscl_reference *r, size_t i, const double *p) {
 }
 
 /* The pixels of first..end whose centres may lie within `half` of `at`. */
-static void span(double at, double half, int *first, int *end) {
+static void clip_span(double at, double half, int *first, int *end) {
     double low = floor(at - half - 0.5), high = ceil(at + half + 0.5);
     if (low > *first)
         *first = low < *end ? (int)low : *end;
@@ -75,13 +75,12 @@ static void span(double at, double half, int *first, int *end) {
 
 gscl_rectangle gscl_reference_box(const gscl_reference *r, size_t i, gscl_rectangle bounds) {
     const gscl_reference_splat *s = &r->splats[i];
-    span(s->x, s->half_width, &bounds.x0, &bounds.x1);
-    span(s->y, s->half_height, &bounds.y0, &bounds.y1);
+    clip_span(s->x, s->half_width, &bounds.x0, &bounds.x1);
+    clip_span(s->y, s->half_height, &bounds.y0, &bounds.y1);
     return bounds;
 }
 
-/* Puts a splat of weight `w` (opacity included) on a pixel: `value` and `weight` are `stride` apart from channel to
- * channel. */
+/* Blends a splat of weight `w` (opacity included) into a pixel, whose channels are `stride` apart. */
 static void blend_pixel(const gscl_reference *r, const gscl_reference_splat *s, double dx, double dy, double w,
                         double *value, size_t stride, double *weight) {
     double wave = 0, a = fmin(w, MAX_ALPHA);

@@ -1,13 +1,16 @@
-/* Measurements for gscl/measure.h: speed, accuracy, the value of effects.
+/* Measurements for gscl/measure.h: speed, accuracy, and what effects cost and gain.
  *
  * It may use: all rooms below.
  *
  * In the order in which to read them:
- *   benchmark.c: kernels and the device
- *   subject.h: a file beside its image
- *   accuracy.c, accuracy_quantiser.h, accuracy_gradient.c: errors of each choice
- *   reference.h: the renderer in double precision
- *   effect_cost.c: what each effect costs and gains */
+ *   benchmark.c: the speed of the device and of the kernels
+ *   subject.h: a file and the image that it shows, which the measurements of accuracy share
+ *   reference.h: rendering in double precision
+ *   accuracy.c: errors and times of the ways of drawing
+ *   accuracy_quantiser.h: errors and sizes of quantiser steps
+ *   accuracy_gradient.c: errors of the fit's derivatives
+ *   effect_cost.c: what each effect costs and gains
+ *   tunables.h: the numbers that were chosen by trying */
 #ifndef GSCL_ROOM_LIB_MEASURE_H
 #define GSCL_ROOM_LIB_MEASURE_H
 #endif
