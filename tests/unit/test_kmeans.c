@@ -161,7 +161,7 @@ static void test_no_points_and_no_weight(void **state) {
     assert_true(centroids[0] == 1.0f);
 }
 
-/* Equal starting points: all but one run empty and restart at the farthest points. */
+/* Equal starting points: all clusters but one become empty and restart at the farthest points. */
 static void test_duplicate_warm_start_recovers(void **state) {
     (void)state;
     const float values[4] = {0.0f, 1.0f, 10.0f, 30.0f};
@@ -175,7 +175,7 @@ static void test_duplicate_warm_start_recovers(void **state) {
     assert_true(result.distortion == 0.0);
 }
 
-/* Without iterations nothing moves; code words without members go, the others keep their order. */
+/* Without iterations no centroid moves; code words without members are dropped, the others keep their order. */
 static void test_warm_start_drops_unused(void **state) {
     (void)state;
     const float values[4] = {0.0f, 0.1f, 9.0f, 9.1f};
@@ -191,7 +191,7 @@ static void test_warm_start_drops_unused(void **state) {
     assert_int_equal(assignment[2], 0);
 }
 
-/* The rows beyond the warm ones are drawn among the points that the warm ones do not cover. */
+/* The rows after the warm ones are drawn from the points that are not at a warm centroid. */
 static void test_warm_start_is_completed(void **state) {
     (void)state;
     const float values[3] = {0.0f, 5.0f, 9.0f};

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A word's dimensions in the units of the file (format.h). */
+/* A dimension of a word in the units of the file (format/format.h). */
 static double to_units(int book, int dim, int channels, float value) {
     const double pi = 3.14159265358979323846;
     if (book == GSCL_BOOK_SHAPE && dim < 2)

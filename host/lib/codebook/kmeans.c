@@ -6,19 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Everything one run works on.  Arrays marked * are owned and freed at the end. */
+/* The state of one run.  Arrays marked * are owned and freed at the end. */
 typedef struct kmeans_run {
     const gscl_kmeans_points *points;
     float metric[GSCL_KMEANS_MAX_DIMS];
-    float *centroids;     /* caller's, [wanted][dims] */
+    float *centroids;     /* caller's, [max_clusters][dims] */
     uint32_t *assignment; /* caller's, [count] */
     double *distance;     /* * [count]: squared, to the assigned centroid, not weighted */
-    double *sums;         /* * [wanted][dims + 1]: weighted sums of members, then their weight */
-    uint32_t *members;    /* * [wanted] */
+    double *sums;         /* * [max_clusters][dims + 1]: weighted sums of members, then their weight */
+    uint32_t *members;    /* * [max_clusters] */
     uint32_t clusters;    /* rows of centroids in use */
 } kmeans_run;
 
-/* xorshift64* (Marsaglia, Vigna); the state is never 0. */
+/* xorshift64* (Marsaglia, Vigna); the state is never 0.  The rest of the encoder uses SplitMix64 (fit/random.h).  With that
+ * generator here the draws, and so the bytes of every file of the paper profile, would change. */
 static uint64_t next_random(uint64_t *state) {
     uint64_t x = *state;
     x ^= x >> 12;
@@ -63,7 +64,7 @@ static double squared_distance(const kmeans_run *run, const float *a, const floa
     return sum;
 }
 
-/* Moves every point that is nearer to centroid `k` than to its own over to `k`. */
+/* Assigns to centroid `k` every point that is nearer to it than to its own centroid. */
 static void offer_centroid(kmeans_run *run, uint32_t k) {
     for (uint32_t i = 0; i < run->points->count; i++) {
         const double distance = squared_distance(run, point_at(run, i), centroid_at(run, k));
@@ -74,8 +75,8 @@ static void offer_centroid(kmeans_run *run, uint32_t k) {
     }
 }
 
-/* Assigns every point to its nearest centroid, of equals to the first; returns whether any point
- * changed sides. */
+/* Assigns every point to its nearest centroid, of equally near ones to the first; returns whether any assignment
+ * changed. */
 static bool assign_points(kmeans_run *run) {
     bool changed = false;
     memset(run->members, 0, run->clusters * sizeof *run->members);
@@ -97,23 +98,23 @@ static bool assign_points(kmeans_run *run) {
     return changed;
 }
 
-/* The point that costs most where it is, among those that have company there; `count` when every
- * such point sits on its centroid. */
+/* The point of largest weighted squared distance, among the clusters of two points or more; `count` if all these distances
+ * are 0. */
 static uint32_t farthest_point(const kmeans_run *run) {
     uint32_t farthest = run->points->count;
-    double most = 0.0;
+    double max_cost = 0.0;
     for (uint32_t i = 0; i < run->points->count; i++) {
         const double cost = weight_at(run, i) * run->distance[i];
-        if (cost > most && run->members[run->assignment[i]] > 1) {
-            most = cost;
+        if (cost > max_cost && run->members[run->assignment[i]] > 1) {
+            max_cost = cost;
             farthest = i;
         }
     }
     return farthest;
 }
 
-/* Gives every cluster without members the farthest point, as long as there is one. */
-static bool refill_empty(kmeans_run *run) {
+/* Moves the farthest point to each cluster without members, as long as there is one; returns whether any was moved. */
+static bool refill_empty_clusters(kmeans_run *run) {
     bool moved = false;
     for (uint32_t k = 0; k < run->clusters; k++) {
         if (run->members[k] > 0)
@@ -130,7 +131,7 @@ static bool refill_empty(kmeans_run *run) {
     return moved;
 }
 
-/* Moves every centroid to the weighted mean of its members; one whose members weigh nothing stays. */
+/* Moves every centroid to the weighted mean of its members; it stays if their weights are all 0. */
 static void update_centroids(kmeans_run *run) {
     const uint32_t dims = run->points->dims;
     memset(run->sums, 0, (size_t)run->clusters * (dims + 1) * sizeof *run->sums);
@@ -150,30 +151,30 @@ static void update_centroids(kmeans_run *run) {
     }
 }
 
-/* Draws a point with probability proportional to its weight times its squared distance to the
- * nearest centroid so far (to its weight alone when there is none yet); `count` when all such
- * products are 0: the centroids cover every distinct point. */
+/* Draws a point with probability proportional to its weight times its squared distance to the nearest centroid, or to its
+ * weight alone for the first centroid; `count` if all these products are 0, that is if every distinct point is a
+ * centroid. */
 static uint32_t draw_point(const kmeans_run *run, uint64_t *state) {
     const bool first = run->clusters == 0;
     double total = 0.0;
     for (uint32_t i = 0; i < run->points->count; i++)
         total += weight_at(run, i) * (first ? 1.0 : run->distance[i]);
     double left = random_unit(state) * total;
-    uint32_t projected = run->points->count;
+    uint32_t drawn = run->points->count;
     for (uint32_t i = 0; i < run->points->count; i++) {
         const double part = weight_at(run, i) * (first ? 1.0 : run->distance[i]);
         if (part <= 0.0)
             continue;
-        projected = i; /* the last one with any share, should rounding leave some of `left` */
+        drawn = i; /* rounding may leave some of `left` after the last point */
         if (left < part)
             break;
         left -= part;
     }
-    return projected;
+    return drawn;
 }
 
-/* Keeps the first `warm` centroids and draws the others, up to `wanted` (k-means++). */
-static void seed_centroids(kmeans_run *run, uint32_t warm, uint32_t wanted, uint64_t seed) {
+/* Keeps the first `warm` centroids and draws the others, up to `max_clusters` (k-means++). */
+static void seed_centroids(kmeans_run *run, uint32_t warm, uint32_t max_clusters, uint64_t seed) {
     uint64_t state = state_from_seed(seed);
     for (uint32_t i = 0; i < run->points->count; i++) {
         run->distance[i] = INFINITY;
@@ -181,7 +182,7 @@ static void seed_centroids(kmeans_run *run, uint32_t warm, uint32_t wanted, uint
     }
     for (run->clusters = 0; run->clusters < warm; run->clusters++)
         offer_centroid(run, run->clusters);
-    while (run->clusters < wanted) {
+    while (run->clusters < max_clusters) {
         const uint32_t i = draw_point(run, &state);
         if (i == run->points->count)
             break;
@@ -191,7 +192,7 @@ static void seed_centroids(kmeans_run *run, uint32_t warm, uint32_t wanted, uint
     }
 }
 
-/* Points that all weigh nothing leave k-means++ without a draw: one code word serves them. */
+/* If all weights are 0, k-means++ draws no centroid: the first point becomes the only one. */
 static void ensure_one_centroid(kmeans_run *run) {
     if (run->clusters > 0)
         return;
@@ -199,27 +200,27 @@ static void ensure_one_centroid(kmeans_run *run) {
     run->clusters = 1;
 }
 
-/* Removes centroids without members, moves the rest up and renumbers the assignment. */
-static void drop_empty(kmeans_run *run) {
+/* Removes centroids without members, moves the others up and renumbers the assignment. */
+static void drop_empty_clusters(kmeans_run *run) {
     const size_t row = run->points->dims * sizeof(float);
     uint32_t kept = 0;
     for (uint32_t k = 0; k < run->clusters; k++) {
         if (run->members[k] == 0)
             continue;
         memmove(centroid_at(run, kept), centroid_at(run, k), row);
-        run->members[k] = kept++; /* from here on: the new number */
+        run->members[k] = kept++; /* its new index */
     }
     for (uint32_t i = 0; i < run->points->count; i++)
         run->assignment[i] = run->members[run->assignment[i]];
     run->clusters = kept;
 }
 
-/* Lloyd's iterations; leaves every point at its nearest centroid and returns how many were done. */
-static uint32_t iterate(kmeans_run *run, uint32_t most) {
+/* Lloyd's iterations.  Every point ends at its nearest centroid; returns the number of iterations. */
+static uint32_t run_lloyd(kmeans_run *run, uint32_t max_iterations) {
     uint32_t done = 0;
     assign_points(run);
-    while (done < most) {
-        const bool moved = refill_empty(run);
+    while (done < max_iterations) {
+        const bool moved = refill_empty_clusters(run);
         update_centroids(run);
         const bool changed = assign_points(run);
         done++;
@@ -254,17 +255,17 @@ static bool arguments_valid(const gscl_kmeans_points *points, const gscl_kmeans_
            all_finite(centroids, (size_t)options->warm * points->dims, true);
 }
 
-/* Allocates the working arrays; on failure the caller still calls release_run. */
-static bool prepare_run(kmeans_run *run, uint32_t wanted) {
+/* Allocates the working arrays; on failure the caller calls run_free as well. */
+static bool run_allocate(kmeans_run *run, uint32_t max_clusters) {
     for (uint32_t d = 0; d < run->points->dims; d++)
         run->metric[d] = run->points->metric ? run->points->metric[d] : 1.0f;
     run->distance = malloc(run->points->count * sizeof *run->distance);
-    run->sums = malloc((size_t)wanted * (run->points->dims + 1) * sizeof *run->sums);
-    run->members = malloc(wanted * sizeof *run->members);
+    run->sums = malloc((size_t)max_clusters * (run->points->dims + 1) * sizeof *run->sums);
+    run->members = malloc(max_clusters * sizeof *run->members);
     return run->distance && run->sums && run->members;
 }
 
-static void release_run(kmeans_run *run) {
+static void run_free(kmeans_run *run) {
     free(run->distance);
     free(run->sums);
     free(run->members);
@@ -278,20 +279,20 @@ gscl_kmeans_status gscl_kmeans_cluster(const gscl_kmeans_points *points, const g
     if (points->count == 0)
         return GSCL_KMEANS_OK;
     kmeans_run run = {.points = points, .centroids = centroids, .assignment = assignment};
-    /* More drawn centroids than points would only run empty; warm ones are all looked at. */
-    uint32_t wanted = options->clusters < points->count ? options->clusters : points->count;
-    if (wanted < options->warm)
-        wanted = options->warm;
+    /* More drawn centroids than points would stay empty; warm centroids are all used. */
+    uint32_t max_clusters = options->clusters < points->count ? options->clusters : points->count;
+    if (max_clusters < options->warm)
+        max_clusters = options->warm;
     gscl_kmeans_status status = GSCL_KMEANS_NO_MEMORY;
-    if (prepare_run(&run, wanted)) {
-        seed_centroids(&run, options->warm, wanted, options->seed);
+    if (run_allocate(&run, max_clusters)) {
+        seed_centroids(&run, options->warm, max_clusters, options->seed);
         ensure_one_centroid(&run);
-        result->iterations = iterate(&run, options->iterations);
+        result->iterations = run_lloyd(&run, options->iterations);
         result->distortion = total_distortion(&run);
-        drop_empty(&run);
+        drop_empty_clusters(&run);
         result->clusters = run.clusters;
         status = GSCL_KMEANS_OK;
     }
-    release_run(&run);
+    run_free(&run);
     return status;
 }

@@ -1,7 +1,7 @@
-/* K-means clustering of a few thousand points in at most five dimensions, deterministic.
+/* K-means clustering of a few thousand points in at most five dimensions.
  *
- * The same arguments give the same bits: sums are taken in double precision in the order of the
- * points, and the only randomness is the caller's seed.  No global state, no output. */
+ * The same arguments give the same bits: sums are in double precision and in the order of the points, and the seed of all
+ * random draws is an argument. */
 #ifndef GSCL_KMEANS_H
 #define GSCL_KMEANS_H
 
@@ -17,7 +17,7 @@ typedef enum gscl_kmeans_status {
     GSCL_KMEANS_NO_MEMORY
 } gscl_kmeans_status;
 
-/* What is clustered.  The caller keeps ownership of every array; none is written. */
+/* The points.  The caller keeps ownership of every array; none is written. */
 typedef struct gscl_kmeans_points {
     const float *values;  /* [count][dims], finite, in any unit */
     const float *weights; /* [count], finite and >= 0; NULL: 1 each */
@@ -28,28 +28,28 @@ typedef struct gscl_kmeans_points {
 } gscl_kmeans_points;
 
 typedef struct gscl_kmeans_options {
-    uint32_t clusters;   /* most code words wanted, 1..GSCL_KMEANS_MAX_CLUSTERS */
+    uint32_t clusters;   /* largest number of code words, 1..GSCL_KMEANS_MAX_CLUSTERS */
     uint32_t warm;       /* the first `warm` rows of `centroids` are starting points, 0..clusters;
-                            the rest are seeded by k-means++ */
-    uint32_t iterations; /* most Lloyd iterations; 0: assign to the starting points only */
+                            k-means++ draws the others */
+    uint32_t iterations; /* largest number of Lloyd iterations; 0: assign to the starting points only */
     uint64_t seed;       /* of the k-means++ draws */
 } gscl_kmeans_options;
 
 typedef struct gscl_kmeans_result {
-    uint32_t clusters;   /* code words left, each with a member; at most min(clusters, count) */
-    uint32_t iterations; /* Lloyd iterations done; fewer than allowed when nothing moved any more */
+    uint32_t clusters;   /* code words, each with at least one member; at most min(clusters, count) */
+    uint32_t iterations; /* Lloyd iterations; fewer than allowed once no assignment changes */
     double distortion;   /* sum of weight * squared distance in the metric */
 } gscl_kmeans_result;
 
-/* Clusters the points.  On return `assignment` ([count]) holds for every point the row of its nearest
- * centroid (of equals the first), and `centroids` (in: the warm rows; out: result->clusters rows of
- * [options->clusters][dims], in the points' unit) the code words.
+/* Clusters the points.  `assignment` ([count]) receives for every point the row of its nearest centroid, of equally near
+ * ones the first.  `centroids` ([options->clusters][dims], in the points' unit) has the warm rows and receives
+ * result->clusters rows, the code words.
  *
- * A cluster that runs empty restarts at the point that is farthest from its centroid; code words
- * still without members at the end are dropped and later rows move up, order kept.  Distortion never
- * grows with more iterations, up to the rounding of centroids to float.
+ * A cluster that becomes empty restarts at the point that is farthest from its centroid.  Code words without members at
+ * the end are dropped, and later rows move up in their order.  More iterations do not increase the distortion, up to the
+ * rounding of centroids to float.
  *
- * On failure the outputs hold nothing of use. */
+ * On failure the content of the outputs is undefined. */
 gscl_kmeans_status gscl_kmeans_cluster(const gscl_kmeans_points *points, const gscl_kmeans_options *options,
                                        float *centroids, uint32_t *assignment, gscl_kmeans_result *result);
 
