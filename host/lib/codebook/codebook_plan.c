@@ -23,10 +23,10 @@ double gscl_codebook_splats_for(double bits, int shape_words, int colour_words, 
     const struct gscl_codebook_tunables *t = &gscl_codebook_tunables;
     double books = t->side_bits + word_bits * (3.0 * shape_words + colour_dims * (double)colour_words) -
                    log2_factorial(shape_words) - log2_factorial(colour_words);
-    double each = log2(shape_words) + log2(colour_words) - t->index_saving + 2 * t->position_bits;
-    double n = fmax((bits - books) / each, 1);
+    double splat_bits = log2(shape_words) + log2(colour_words) - t->index_saving + 2 * t->position_bits;
+    double n = fmax((bits - books) / splat_bits, 1);
     for (int i = 0; i < 20; i++) /* the order of n splats saves log2 n! bits: a fixed-point iteration */
-        n = fmax((bits - books) / (each - log2_factorial(n) / n), 1);
+        n = fmax((bits - books) / (splat_bits - log2_factorial(n) / n), 1);
     return n;
 }
 

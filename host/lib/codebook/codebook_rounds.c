@@ -99,7 +99,7 @@ static gscl_result cut_off_splats(gscl_codebook_state *s, size_t size) {
     gsf_coded_image *file = &s->encoder->coded.file;
     const size_t budget = s->plan.bytes;
     while (size > budget && file->header.splat_count > 0) {
-        const size_t excess = (size - budget) / 6 + 1;
+        const size_t excess = (size - budget) / gscl_codebook_tunables.cut_bytes + 1;
         file->header.splat_count -= (uint32_t)(excess < file->header.splat_count ? excess : file->header.splat_count);
         gscl_coded_codebooks_drop_unused(file);
         GSCL_TRY(gscl_file_size(s->encoder->context, &s->encoder->coded, &size));

@@ -58,6 +58,7 @@ const struct gscl_codebook_tunables gscl_codebook_tunables = {
     .max_budget_passes = 16,
     .slack_divisor = 50,
     .slack_bytes = 8,
+    .cut_bytes = 6,
     .min_pass_growth = 1.02,
     .pass_gain = 4,
     .max_pass_gain = 0.5,

@@ -59,15 +59,19 @@ struct gscl_codebook_tunables {
     float position_rate;                  /* learning rate of a position, in geometric means of the splat's axes */
     double lambda_scale;                  /* of the first round: squared error per bit, as a share of the mean */
     double lambda_gain;                   /* exponent of (size / target size) in the update of lambda */
-    double min_lambda_change;             /* factor on lambda after a round, at least */
-    double max_lambda_change;             /* at most */
+    double min_lambda_change;             /* smallest factor on lambda after a round */
+    double max_lambda_change;             /* largest factor */
     double target_share;                  /* share of the budget that the rounds approach */
-    int max_budget_passes;                /* RDO passes after the rounds, until the file all but fits */
-    size_t slack_divisor;                 /* it does when no more than 1 / slack_divisor of the budget */
-    size_t slack_bytes;                   /* and slack_bytes are missing: the last splats are cut off then */
-    double min_pass_growth;               /* factor on lambda from one of these passes to the next, at least; */
-    double pass_gain;                     /* increased by pass_gain times the relative excess, */
-    double max_pass_gain;                 /* but by no more than this */
+
+    /* Meeting the budget (codebook_rounds.c): passes follow while the file exceeds budget + budget / slack_divisor +
+     * slack_bytes.  The last splats are cut off to save the rest. */
+    int max_budget_passes;  /* number of these passes */
+    size_t slack_divisor;   /* of the budget */
+    size_t slack_bytes;     /* bytes */
+    size_t cut_bytes;       /* bytes of excess for each splat that is cut off at a time; more than a splat takes */
+    double min_pass_growth; /* smallest factor on lambda from one of these passes to the next */
+    double pass_gain;       /* increase of this factor for a file of twice the budget */
+    double max_pass_gain;   /* largest increase */
 };
 
 extern const struct gscl_codebook_tunables gscl_codebook_tunables;
