@@ -76,18 +76,18 @@ static int close_all(void **state) {
 
 static void draw_reference(const file *f, bool cut, double *planes) {
     static double weights[WIDTH * HEIGHT];
-    gscl_coded_image picture;
+    gscl_coded_image coded;
     gscl_reference reference;
     float background[4];
-    assert_int_equal(gscl_coded_image_read(&picture, f->bytes, f->size), GSCL_OK);
-    const gscl_kernel_options options = gscl_coded_image_options(&picture.file.header);
-    const size_t count = picture.file.header.splat_count;
+    assert_int_equal(gscl_coded_image_read(&coded, f->bytes, f->size), GSCL_OK);
+    const gscl_kernel_options options = gscl_coded_image_options(&coded.file.header);
+    const size_t count = coded.file.header.splat_count;
     float *params = malloc(count * GSCL_PARAMS * sizeof *params);
-    gscl_coded_image_params(&picture, params, background);
+    gscl_coded_image_params(&coded, params, background);
     assert_int_equal(gscl_reference_create(&reference, &options, params, count, background, cut), GSCL_OK);
     gscl_reference_draw(&reference, (gscl_rectangle){0, 0, WIDTH, HEIGHT}, planes, weights);
     gscl_reference_free(&reference);
-    gscl_coded_image_free(&picture);
+    gscl_coded_image_free(&coded);
     free(params);
 }
 
@@ -96,16 +96,16 @@ static void test_reference_draws_what_the_oracle_draws(void **state) {
     (void)state;
     static double planes[3 * WIDTH * HEIGHT];
     for (int i = 0; i < BLENDS; i++) {
-        oracle_image picture;
-        double apart = 0;
+        oracle_image decoded;
+        double largest = 0;
         draw_reference(&files[i], true, planes);
-        assert_int_equal(oracle_decode(files[i].bytes, files[i].size, &picture), ORACLE_OK);
+        assert_int_equal(oracle_decode(files[i].bytes, files[i].size, &decoded), ORACLE_OK);
         for (int k = 0; k < 3; k++)
             for (int at = 0; at < WIDTH * HEIGHT; at++)
-                apart =
-                    fmax(apart, fabs(fmin(fmax(planes[k * WIDTH * HEIGHT + at], 0), 1) - picture.pixels[3 * at + k]));
-        oracle_free(&picture);
-        assert_true(apart < 2e-5);
+                largest =
+                    fmax(largest, fabs(fmin(fmax(planes[k * WIDTH * HEIGHT + at], 0), 1) - decoded.pixels[3 * at + k]));
+        oracle_free(&decoded);
+        assert_true(largest < 2e-5);
     }
 }
 
@@ -115,16 +115,16 @@ static void test_reference_draws_parts(void **state) {
     static double whole[3 * WIDTH * HEIGHT], part[3 * 20 * 10], weights[20 * 10];
     const gscl_rectangle where = {31, 17, 51, 27};
     for (int i = 0; i < BLENDS; i++) {
-        gscl_coded_image picture;
+        gscl_coded_image coded;
         gscl_reference reference;
         float background[4], *params;
         draw_reference(&files[i], true, whole);
-        assert_int_equal(gscl_coded_image_read(&picture, files[i].bytes, files[i].size), GSCL_OK);
-        const gscl_kernel_options options = gscl_coded_image_options(&picture.file.header);
-        params = malloc(picture.file.header.splat_count * GSCL_PARAMS * sizeof *params);
-        gscl_coded_image_params(&picture, params, background);
+        assert_int_equal(gscl_coded_image_read(&coded, files[i].bytes, files[i].size), GSCL_OK);
+        const gscl_kernel_options options = gscl_coded_image_options(&coded.file.header);
+        params = malloc(coded.file.header.splat_count * GSCL_PARAMS * sizeof *params);
+        gscl_coded_image_params(&coded, params, background);
         assert_int_equal(
-            gscl_reference_create(&reference, &options, params, picture.file.header.splat_count, background, true),
+            gscl_reference_create(&reference, &options, params, coded.file.header.splat_count, background, true),
             GSCL_OK);
         gscl_reference_draw(&reference, where, part, weights);
         for (int k = 0; k < 3; k++)
@@ -133,7 +133,7 @@ static void test_reference_draws_parts(void **state) {
                     assert_true(part[(k * 10 + y) * 20 + x] ==
                                 whole[(k * HEIGHT + where.y0 + y) * WIDTH + where.x0 + x]);
         gscl_reference_free(&reference);
-        gscl_coded_image_free(&picture);
+        gscl_coded_image_free(&coded);
         free(params);
     }
 }

@@ -64,7 +64,7 @@ struct gscl_codebook_tunables {
     double target_share;                  /* share of the budget that the rounds approach */
 
     /* Meeting the budget (codebook_rounds.c): passes follow while the file exceeds budget + budget / slack_divisor +
-     * slack_bytes.  The last splats are cut off to save the rest. */
+     * slack_bytes.  A smaller excess is removed by cutting off the last splats. */
     int max_budget_passes;  /* number of these passes */
     size_t slack_divisor;   /* of the budget */
     size_t slack_bytes;     /* bytes */
