@@ -1,6 +1,6 @@
-/* A second decoder of gscl files, written from format/FORMAT.md alone, in double precision and without optimisation.  Its
- * parts follow the sections of the specification.  It shares no code with the library, so that each can be compared with
- * the other. */
+/* A second decoder of gscl files, written from format/FORMAT.md alone, in double precision and without optimisation.
+ * Its parts follow the sections of the specification.  It shares no code with the library, so that each can be compared
+ * with the other. */
 #ifndef GSCL_ORACLE_H
 #define GSCL_ORACLE_H
 

@@ -162,7 +162,7 @@ static bool is_differenced(const scene *s, size_t i) {
     return (s->count - 1 - i / GSCL_PARAMS) % s->stride == 0 && i % GSCL_PARAMS < GSCL_COLOUR + SCENE_CHANNELS;
 }
 
-/* What the largest gradient, over a natural step, changes the loss by. */
+/* The largest change of the loss by one natural step along a gradient. */
 static double largest_change(const scene *s, const truth *t) {
     double largest = 0.0;
     for (size_t i = 0; i < s->count * GSCL_PARAMS; i++)
@@ -197,7 +197,7 @@ static bool check_backward(const scene *s, const truth *t, const outcome *o, sce
 static bool same_bits(const outcome *a, const outcome *b, char *message, size_t room) {
     if (!memcmp(a->values, b->values, (a->samples + a->gradients) * sizeof(float)) && a->loss == b->loss)
         return true;
-    snprintf(message, room, "another run gives other bits");
+    snprintf(message, room, "a second run has other bits");
     return false;
 }
 

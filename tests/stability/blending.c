@@ -40,17 +40,17 @@ static void stack_of_1000(scene *s) {
 static void stack_of_10000(scene *s) {
     stack(s, scene_scaled(10000, 30));
 }
-/* Thin ones: light reaches the back. */
+/* Low opacities: the rear splats stay visible. */
 static void thin_stack(scene *s) {
     stack(s, scene_scaled(1000, 20));
     for (size_t i = 0; i < s->count; i++)
         s->params[i * GSCL_PARAMS + GSCL_OPACITY] = synthetic_uniform(-9.0, -6.0);
 }
 
-/* Each lets through 1/1000 to 1/20: less than the smallest float after 15 to 35. */
+/* Each has a transmittance of 1/1000 to 1/20: 15 to 35 of them reach less than the smallest float. */
 static void underflow(scene *s) {
     stack(s, scene_scaled(200, 25));
-    s->stride = 1; /* the second splat sees a thousandth of the light: what clamping the first leaves */
+    s->stride = 1; /* the transmittance at the second splat is 1/1000, the least that clamping the first leaves */
     for (size_t i = 0; i < s->count; i++) {
         float *p = s->params + i * GSCL_PARAMS;
         scene_set_axes(p, scene_log_uniform(4.0, 1e3), scene_log_uniform(4.0, 1e3));

@@ -1,5 +1,5 @@
-/* What every scene must stand: forward and backward against the oracle, descent, a file that decodes, the same bits twice;
- * in both mappings. */
+/* The checks of every scene, in both mappings: forward and backward results against the oracle, descent, a file that
+ * decodes, and identical bits in a second run. */
 #ifndef STABILITY_CHECK_H
 #define STABILITY_CHECK_H
 
@@ -21,14 +21,14 @@ extern const char *const stability_mappings[2], *const stability_blends[3];
 int stability_open(void **state);
 int stability_close(void **state);
 
-/* All of it as one test (of splats that kernels do not turn only scene_agrees); writes what it measured into the file that
- * STABILITY_REPORT names. */
+/* All checks as one test; for axis-aligned and isotropic kernels only scene_agrees.  Writes the measured values into
+ * the file that STABILITY_REPORT names. */
 void check_scene(const scene *s);
-/* Forward, backward and finite alone; tells in `message` what is wrong, else returns true. */
+/* Checks forward and backward results.  Returns false with the fault in `message`, or true. */
 bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t room);
-/* Descent from the scene, with a file of it before and after. */
+/* Checks descent from the scene, and a file of its splats before and after. */
 bool scene_encodes(const scene *s, char *message, size_t room);
-/* A file of the scene as it is. */
+/* Checks a file of the scene without fitting. */
 bool scene_file_decodes(const scene *s, char *message, size_t room);
 
 #endif

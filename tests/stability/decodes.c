@@ -23,7 +23,7 @@ bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t
     oracle_image truth;
     bool good = oracle_decode(bytes, size, &truth) == ORACLE_OK;
     if (!good)
-        snprintf(message, room, "the second decoder refuses the file");
+        snprintf(message, room, "the second decoder rejects the file");
     for (int m = 0; m < 2 && good; m++) {
         gscl_image image = {0};
         good = gscl_decode(contexts[m], bytes, size, NULL, &image) == GSCL_OK;

@@ -1,4 +1,4 @@
-/* A file's picture in both mappings against the second decoder. */
+/* Decodes of a file in both mappings against the second decoder. */
 #ifndef STABILITY_DECODES_H
 #define STABILITY_DECODES_H
 
@@ -8,8 +8,8 @@
 
 #include <gscl/gscl.h>
 
-/* No sample is more than 1/255 from what the second decoder draws (FORMAT.md, "Rendering"), in neither context; else false, and
- * `message` tells. */
+/* Whether all samples in both contexts are within 1/255 of the second decoder's (FORMAT.md, "Rendering").  Otherwise
+ * `message` receives the fault. */
 bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t room);
 
 #endif

@@ -51,7 +51,7 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
     if (!good)
         snprintf(message, room, "the splats cannot be written");
     else if (sizes[0] != sizes[1] || memcmp(bytes[0], bytes[1], sizes[0])) {
-        snprintf(message, room, "another file has other bytes");
+        snprintf(message, room, "a second file has other bytes");
         good = false;
     }
     good = good && decodes_alike(contexts, bytes[0], sizes[0], message, room);
@@ -67,8 +67,8 @@ bool scene_file_decodes(const scene *s, char *message, size_t room) {
 
 /* ---- Descent ---- */
 
-/* `params`: in the scene's, out the fitted ones.  A step brings the splats within the library's limits, which no fit of
- * its own leaves: descent starts there, with moments that know nothing of what lay beyond. */
+/* `params`: in the scene's, out the fitted ones.  A first step brings the splats within the library's limits, as in any
+ * fit.  Descent starts from there, with moments reset. */
 static gscl_result descend(gscl_fit *fit, const scene *s, float *params, double *before, double *after) {
     GSCL_TRY(gscl_fit_append(fit, params, s->count));
     GSCL_TRY(gscl_fit_step(fit, 0.1f));

@@ -1,4 +1,4 @@
-/* Pictures that are hard to fit, under ordinary splats. */
+/* Images that are hard to fit, with ordinary splats. */
 #include "scene.h"
 #include "synthetic_scene.h"
 

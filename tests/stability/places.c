@@ -1,10 +1,10 @@
-/* Centres at and beyond borders, and where floats are far apart. */
+/* Centres at and beyond borders, and at coordinates where the spacing of floats is large. */
 #include <math.h>
 
 #include "scene.h"
 #include "synthetic_scene.h"
 
-/* Near enough to be seen, and so far that they are not. */
+/* Some are near enough to have weight in the image, and some are too far. */
 static void outside(scene *s) {
     static const double beyond[] = {0.5, 3.0, 20.0, 1e3, 1e5};
     for (int i = 0; i < 20; i++) {
@@ -22,7 +22,7 @@ static void corners(scene *s) {
     }
 }
 
-/* Every way to be on a border, or the next float beside it, of tiles in x and in y. */
+/* Centres on the borders of tiles in x and in y, and on the next float on either side. */
 static void tile_borders(scene *s) {
     scene_resize(s, 35, (int)scene_scaled(33, 18));
     for (int i = 0; i < 18; i++) {
@@ -34,7 +34,7 @@ static void tile_borders(scene *s) {
     }
 }
 
-/* Outlines that end on the border of a tile, and the next float on either side. */
+/* Outlines that end on the border of a tile, or on the next float on either side. */
 static void touching_outlines(scene *s) {
     scene_resize(s, 35, (int)scene_scaled(33, 18));
     for (int i = 0; i < 12; i++) {

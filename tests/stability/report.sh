@@ -1,5 +1,5 @@
 #!/bin/sh
-# Measures every case anew and writes the tables of STABILITY.md: sh tests/stability/report.sh [BUILD]
+# Measures all cases and writes the tables of STABILITY.md: sh tests/stability/report.sh [BUILD]
 set -eu
 cd "$(dirname "$0")/../.."
 build=${1:-build}
@@ -11,9 +11,9 @@ ninja -C "$build"
 rm -f "$work/rows"
 STABILITY_REPORT=$work/rows meson test -C "$build" --no-rebuild --suite stability --num-processes 1
 
-# Rows of agreement.c: two mappings beside each other, forward and backward in one line.
+# Rows of agreement.c: one line for each case and blend, with both mappings, forward and backward.
 scenes() {
-    echo "| case | blend | forward: bound | cpu | gpu | backward: bound | cpu | gpu | of its bound |"
+    echo "| case | blend | forward: bound | cpu | gpu | backward: bound | cpu | gpu | share of its bound |"
     echo "|---|---|---|---|---|---|---|---|---|"
     awk -F'|' '$1 == "scene" {
         split($3, detail, ", ")
@@ -29,8 +29,8 @@ scenes() {
             split(key, name, "|")
             printf "| %s | %s |", name[1], name[2]
             for (j = 1; j <= 2; j++) {
-                what = j == 1 ? "forward" : "backward"
-                printf " %s | %s | %s |", bound[key, what], measured[key, what, "cpu"], measured[key, what, "gpu"]
+                quantity = j == 1 ? "forward" : "backward"
+                printf " %s | %s | %s |", bound[key, quantity], measured[key, quantity, "cpu"], measured[key, quantity, "gpu"]
             }
             printf " %.0f %% |\n", 100 * share[key]
         }
@@ -38,7 +38,7 @@ scenes() {
 }
 
 others() {
-    echo "| subject | case | | what | bound | measured |"
+    echo "| subject | case | | quantity | bound | measured |"
     echo "|---|---|---|---|---|---|"
     awk -F'|' '$1 != "scene" { printf "| %s | %s | %s | %s | %s | %s |\n", $1, $2, $3, $4, $5, $6 }' "$work/rows"
 }
@@ -52,7 +52,7 @@ others() {
     echo
     scenes
     echo
-    echo "### All else"
+    echo "### Other subjects"
     echo
     others
     sed -n '/^<!-- \/tables -->$/,$p' "$page"

@@ -1,5 +1,5 @@
-/* A scene of the suite: splats, as float parameters that the library's own clamps may never let through, and the picture
- * that they are fitted to.  Kernels and the double-precision oracle get the very same floats. */
+/* A scene of the suite: splats, as float parameters that may lie outside the library's own clamps, and the image that
+ * they are fitted to.  Kernels and the double-precision oracle use the same floats. */
 #ifndef STABILITY_SCENE_H
 #define STABILITY_SCENE_H
 
@@ -17,7 +17,7 @@ typedef struct {
     char name[80];
     int blend;
     int width, height, level; /* of the full-size image; of the pyramid */
-    bool round;               /* all splats are: their angle must have a gradient of exactly 0 */
+    bool round;               /* all splats are isotropic: the gradient of their angle must be exactly 0 */
     int shape;                /* GSCL_SHAPE_...: of the kernels */
     size_t count;
     size_t stride; /* the gradient is differenced for every such splat */
@@ -25,13 +25,13 @@ typedef struct {
     float target[SCENE_PIXELS * SCENE_CHANNELS]; /* of the level */
 } scene;
 
-/* A hard case: fills an ordinary scene (blend set, 40x33 pixels of noise, no splats) with its own. */
+/* A hard case: changes an ordinary scene (blend set, 40x33 pixels of noise, no splats). */
 typedef struct {
     const char *name;
     void (*make)(scene *s);
 } scene_case;
 
-/* The cases of each subject, closed by a NULL name. */
+/* The cases of each subject; the last has a NULL name. */
 extern const scene_case shape_cases[], blending_cases[], place_cases[], image_cases[];
 
 /* An ordinary scene without splats. */
@@ -39,15 +39,15 @@ void scene_begin(scene *s, const char *name, int blend);
 /* Adds a splat somewhere in the image, of axes from 0.7 to 15 pixels and any angle, opacity and colour. */
 float *scene_add(scene *s);
 void scene_set_axes(float *params, double s1, double s2);
-/* From now on no splat is turned, and of GSCL_SHAPE_ISOTROPIC all are circles with the first axis. */
+/* Sets all angles to 0, and for GSCL_SHAPE_ISOTROPIC all second axes to the first. */
 void scene_take_shape(scene *s, int shape);
-/* Another size, and noise to be fitted. */
+/* Sets another size, with noise as the target. */
 void scene_resize(scene *s, int width, int height);
 int scene_level_width(const scene *s);
 int scene_level_height(const scene *s);
 /* Uniform in the logarithm. */
 double scene_log_uniform(double low, double high);
-/* How many of `count` splats or steps a run has time for: few under STABILITY_SMALL. */
+/* The number of `count` splats or steps that a run uses: few with STABILITY_SMALL. */
 size_t scene_scaled(size_t count, size_t few);
 
 #endif

@@ -11,7 +11,7 @@ static void place_on_pixel(const scene *s, float *p) {
     p[GSCL_Y] = (float)synthetic_random((uint32_t)s->height) + 0.5f;
 }
 
-/* Through the centres of pixels, along rows, columns and diagonals, and at any angle. */
+/* Needles through the centres of pixels, along rows, columns and diagonals, and at any angle. */
 static void needles(scene *s, double aspect) {
     for (size_t i = 0; i < scene_scaled(24, 8); i++) {
         float *p = scene_add(s);
@@ -35,7 +35,7 @@ static void needles_6(scene *s) {
     needles(s, 1e6);
 }
 
-/* So close to a pixel's centre that it sees them, and everywhere else. */
+/* Three of four are close enough to a pixel's centre to have weight there; the others are mostly between centres. */
 static void sub_pixel(scene *s) {
     for (size_t i = 0; i < scene_scaled(40, 10); i++) {
         float *p = scene_add(s);
@@ -46,7 +46,7 @@ static void sub_pixel(scene *s) {
     }
 }
 
-static void giants(scene *s) {
+static void large_axes(scene *s) {
     for (size_t i = 0; i < scene_scaled(16, 6); i++) {
         float *p = scene_add(s);
         scene_set_axes(p, 1e6, scene_log_uniform(1e4, 1e6));
@@ -57,7 +57,7 @@ static void giants(scene *s) {
     }
 }
 
-/* 0, pi/2 and pi as floats, their neighbours, and a little beside them. */
+/* 0, pi/2 and pi as floats, the neighbouring floats, and angles slightly beside them. */
 static void right_angles(scene *s) {
     const float beside[] = {0.0f, 1e-6f, -1e-6f, 1e-3f};
     for (int turn = 0; turn < 3; turn++) {
@@ -84,7 +84,7 @@ const scene_case shape_cases[] = {
     {"needles, aspect 10^5", needles_5},
     {"needles, aspect 10^6", needles_6},
     {"axes of 10^-3 px", sub_pixel},
-    {"axes of 10^6 px", giants},
+    {"axes of 10^6 px", large_axes},
     {"angles 0, pi/2, pi", right_angles},
     {"isotropic", isotropic},
     {0},

@@ -20,11 +20,12 @@
 #define USED (GSCL_COLOUR + SCENE_CHANNELS)
 #define UNIT 0x1p-24
 
-/* A moment forgets at 1 - beta: roundings of that many steps add up.  A step of the second moment rounds four times, one of the
- * first three times. */
+/* A moment decays by beta a step, so that the roundings of 1 / (1 - beta) steps add up.  A step rounds the second
+ * moment four times and the first moment three times. */
 #define FIRST_BOUND (3.0 * UNIT / 0.1)
 #define SECOND_BOUND (4.0 * UNIT / 0.01)
-/* Of a step: both moments, both corrections (exp2 of up to 3 ulp, which counts most at the first steps), and the rate. */
+/* Of a step: both moments, both corrections (exp2 of up to 3 ulp, which counts most at the first steps), and the
+ * rate. */
 #define STEP_BOUND (FIRST_BOUND + SECOND_BOUND + 40.0 * UNIT)
 
 /* ---- Gradients ---- */
@@ -241,7 +242,7 @@ static void test_many_steps(void **unused) {
     }
 }
 
-/* Without a gradient nothing moves, not even by a bit. */
+/* Without a gradient no bit of a parameter changes. */
 static void test_no_gradient_moves_nothing(void **unused) {
     (void)unused;
     static outcome o;

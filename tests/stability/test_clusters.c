@@ -1,4 +1,4 @@
-/* K-means on points that leave it little to do, or too much. */
+/* K-means on degenerate sets of points. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,7 @@ static void solve(const problem *p, uint32_t iterations, solution *s) {
     assert_true(isfinite(s->result.distortion));
 }
 
-/* How far a word is from the weighted mean of its members, relative to the members' size. */
+/* The distance of a word from the weighted mean of its members, relative to the size of the members. */
 static double off_mean(const problem *p, const solution *s, uint32_t word, uint32_t dim) {
     double sum = 0.0, weight = 0.0, size = 0.0;
     for (uint32_t i = 0; i < p->count; i++) {

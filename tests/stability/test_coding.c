@@ -12,12 +12,12 @@
 #include "format/range_coder.h"
 #include "report.h"
 
-/* Between symbols the range is at least 2^24, and a total at most 2^16: a symbol's share of the range is cut by less than one
- * part in 2^8 of it, log2(1 + 2^-8) bits; the end takes 4 bytes at most. */
+/* Between symbols the range is at least 2^24, and a total at most 2^16: a symbol's share of the range is cut by less
+ * than one part in 2^8 of it, log2(1 + 2^-8) bits; the end takes 4 bytes at most. */
 #define LOST_BITS 0.00562
 #define END_BITS 32.0
 
-/* A symbol: where its interval begins, how wide it is, and what all add up to. */
+/* A symbol: the start and the width of its interval, and the total of all widths. */
 typedef struct {
     uint32_t cum, freq, total;
 } symbol;
@@ -157,8 +157,8 @@ static void test_ten_million_symbols(void **state) {
 
 #define TOTAL 65536u
 
-/* Encodes `run` symbols whose intervals all contain the point 1/2, so that no byte can be written, and then one on the side
- * that `up` says.  `symbols` gets where each interval of width 2 begins; returns the size. */
+/* Encodes `run` symbols whose intervals all contain the point 1/2, so that no byte can be written, and then one on the
+ * side given by `up`.  `symbols` gets where each interval of width 2 begins; returns the size. */
 static size_t straddle(uint8_t *bytes, size_t capacity, uint32_t run, uint32_t *symbols, bool up) {
     uint64_t distance = UINT64_C(1) << 31; /* from the interval's lower end to the point */
     gsf_range_encoder encoder;
@@ -184,7 +184,7 @@ static symbol straddling_symbol(uint32_t i, uint32_t *state) {
     return (symbol){straddling[i], 2, TOTAL};
 }
 
-/* A carry runs through the bytes that were held back, or does not. */
+/* Runs of held-back bytes, with and without a carry through them. */
 static void check_carry(uint32_t run, bool up) {
     const size_t capacity = 2 * (size_t)run + 64;
     uint8_t *bytes = malloc(capacity);

@@ -18,9 +18,9 @@
 #include "scene.h"
 
 #define BYTES 160 /* of a file, at most */
-/* What a file may lose against the picture's mean colour alone, which costs no splat: in dB, and the rounding of the background
- * and of samples.  In `sum` splats that lie on each other also add up the rounding of their colours, whose codes are 1/32
- * apart: of three, say. */
+/* The loss that a file may have against the mean colour of the image alone, which needs no splat: in dB, and the
+ * rounding of the background and of samples.  In `sum`, overlapping splats also add the rounding of their colours,
+ * whose codes are 1/32 apart; three overlapping splats are allowed for. */
 #define WORST_GAIN_DB 0.1
 #define ROUNDING_MSE 1.0
 #define SUM_MSE (3.0 * (255.0 / 64.0) * (255.0 / 64.0))
@@ -48,7 +48,7 @@ static void *allocate(size_t size) {
     return memory;
 }
 
-/* 16 bits a sample, where steps of 1/65535 are to be seen. */
+/* 16 bits a sample, so that steps of 1/65535 are resolved. */
 static gscl_image image_of(const scene *s) {
     const size_t pixels = (size_t)s->width * (size_t)s->height;
     uint16_t *samples = allocate(pixels * SCENE_CHANNELS * sizeof *samples);

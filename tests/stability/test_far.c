@@ -1,5 +1,5 @@
-/* Needles seen far from their centres, through a view that begins at 16,000 px: where a frame coordinate is a difference of
- * the largest numbers. */
+/* Needles far from their centres, in a view that begins at 16,000 px, where a frame coordinate is a difference of the
+ * largest numbers. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@
 typedef struct {
     const char *name;
     double s1, s2;
-    double nearest; /* centres are so far from the view, and no farther than twice that or the image's corner */
+    double nearest; /* least distance of centres from the view; the largest is twice that, or the image's corner */
 } far_case;
 
 static const far_case cases[] = {

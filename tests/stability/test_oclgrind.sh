@@ -6,7 +6,7 @@
 set -u
 said=$(mktemp)
 trap 'rm -f "$said"' EXIT
-export CMOCKA_MESSAGE_OUTPUT=TAP STABILITY_SMALL=1 STABILITY_BLEND=turn STABILITY_SCENES=12
+export CMOCKA_MESSAGE_OUTPUT=TAP STABILITY_SMALL=1 STABILITY_BLEND=alternate STABILITY_SCENES=12
 unset MALLOC_PERTURB_
 
 # oclgrind exits with 0 whatever it finds: nothing but the program's own good results may be said.

@@ -1,4 +1,4 @@
-/* Both ways of quantising at the ends of their ranges: the codes are valid, the file decodes as the second decoder says. */
+/* Both codings at the ends of their ranges: the codes are valid, and the file decodes as in the second decoder. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -53,7 +53,7 @@ static gscl_coded_image scalar_picture(gsf_blend blend, uint8_t steps, uint32_t 
     return p;
 }
 
-/* A parameter at both ends of what the format holds, beyond them, and as far as floats go. */
+/* A parameter at both ends of its coded range, beyond them, and at the ends of the float range. */
 static float extreme(size_t parameter, int which) {
     static const float ends[9] = {0.0f, -1.0f, 1.0f, -1.125f, 1.125f, -1e10f, 1e10f, -3e38f, 3e38f};
     const float axes[9] = {0.0f, (float)-ln2, GSCL_LOG_LARGEST_AXIS, -30.0f, 30.0f, -1e4f, 1e4f, -3e38f, 3e38f};
@@ -65,7 +65,7 @@ static float extreme(size_t parameter, int which) {
     return parameter == GSCL_THETA ? turns[which] : ends[which];
 }
 
-/* Where the splats' colours end up, at most half a step from the parameter or at the end of the range. */
+/* Coded colours are at most half a step from the parameter, or at the end of the range. */
 static double colour_error(const gscl_coded_image *p, const float *params, const gsf_splat *splat) {
     float back[GSCL_PARAMS];
     int min, max;
@@ -128,7 +128,7 @@ static synthetic_scene *codebook_scene(gsf_blend blend, uint8_t bits, bool wide)
     return s;
 }
 
-/* Words at both ends of each dimension, and places at both ends of the picture. */
+/* Words at both ends of each dimension, and positions at both ends of the image. */
 static void use_ends(gsf_coded_image *p) {
     gsf_codebooks *books = &p->codebooks;
     const uint16_t last = (uint16_t)((1u << books->shape_bits) - 1u);
@@ -165,7 +165,7 @@ static void test_codebook_ends(void **state) {
     }
 }
 
-/* ---- The paper's codebooks, learnt on the device ---- */
+/* ---- The paper's codebooks, clustered on the device ---- */
 
 #define SIDE 32
 #define SPLATS 40
@@ -200,7 +200,7 @@ static void make_splats(const book_case *c, float *params) {
     }
 }
 
-/* Each word of the file has a splat. */
+/* Each word of the file is used by a splat. */
 static void check_words_used(const book_case *c, const gsf_coded_image *file) {
     bool used[2][GSF_MAX_CODEBOOK] = {{false}};
     for (uint32_t i = 0; i < file->header.splat_count; i++)
@@ -215,7 +215,7 @@ static void check_words_used(const book_case *c, const gsf_coded_image *file) {
     }
 }
 
-/* What the device draws of the words is within a step of them, in each dimension. */
+/* The device's words are within a step of the file's, in each dimension. */
 static double word_error(const gscl_codebook *book, const float *projected) {
     double worst = 0.0;
     const gscl_book *shapes = &book->books[GSCL_BOOK_SHAPE];

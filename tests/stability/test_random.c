@@ -1,7 +1,7 @@
-/* Random scenes of every kind of hardness at once, each held to its own bounds.
+/* Random scenes that combine all hard cases, each compared with its own bounds.
  *
- * Seeds that have failed are kept in seeds.txt and come first.  STABILITY_SEED=N runs that seed alone, STABILITY_SCENES=N
- * so many seeds. */
+ * Seeds that have failed are kept in seeds.txt and run first.  STABILITY_SEED=N runs that seed alone.
+ * STABILITY_SCENES=N sets the number of seeds. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,8 +19,8 @@
 #define SCENES 3000
 #define FEW_SCENES 24
 #define MAX_SPLATS 12
-#define WHOLE 10    /* one scene in so many is also fitted and written */
-#define MOST_TOLD 5 /* failing seeds that are printed; all count */
+#define WHOLE 10      /* one scene in so many is also fitted and written */
+#define MAX_PRINTED 5 /* failing seeds that are printed; all count */
 
 static const double pi = 3.14159265358979323846;
 
@@ -119,7 +119,7 @@ static void run_seed(uint32_t seed) {
         largest_share = fmax(largest_share, fmax(errors[0].share, errors[1].share));
         return;
     }
-    if (failures++ < MOST_TOLD)
+    if (failures++ < MAX_PRINTED)
         print_error("%s, %s: %s; to repeat: STABILITY_SEED=%u; keep it in tests/stability/seeds.txt\n", s.name,
                     stability_blends[s.blend], message, seed);
 }

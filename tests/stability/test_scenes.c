@@ -1,4 +1,4 @@
-/* Every hard scene, in every blend mode. */
+/* All hard scenes in all blend modes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,9 +13,9 @@
 
 #define MOST_TESTS 400
 
-static const char *const shapes[] = {"turned", "upright", "circles"}; /* GSCL_SHAPE_... */
+static const char *const shapes[] = {"rotated", "axis-aligned", "isotropic"}; /* GSCL_SHAPE_... */
 
-/* One test. */
+/* One test case. */
 typedef struct {
     const scene_case *of;
     int blend, shape;
@@ -33,13 +33,13 @@ static void test_hard_scene(void **state) {
     check_scene(&s);
 }
 
-/* STABILITY_BLEND: a blend's name, or `turn`: of each case one blend, of all cases all, and none of the images, which no
- * kernel knows. */
+/* STABILITY_BLEND is the name of a blend, or `alternate`: then each case runs in one blend, so that all blends occur,
+ * and the image cases do not run, because no kernel depends on them. */
 static bool is_wanted(const scene_case *subject, size_t number, int blend, int shape) {
     const char *wanted = getenv("STABILITY_BLEND");
     if (shape != GSCL_SHAPE_ROTATED && subject == image_cases)
         return false;
-    if (wanted && !strcmp(wanted, "turn"))
+    if (wanted && !strcmp(wanted, "alternate"))
         return subject != image_cases && (int)(number % 3) == blend && (shape == GSCL_SHAPE_ROTATED || number % 4 == 0);
     return !wanted || !strcmp(wanted, stability_blends[blend]);
 }

@@ -69,7 +69,7 @@ static double ssim_of(const moments *m) {
            variances(m);
 }
 
-/* The part of the loss, times the number of samples, that a pixel of a plane has a say in. */
+/* The part of the loss, times the number of samples, that depends on one pixel of a plane. */
 static double loss_around(const double *a, const double *b, int pixel) {
     const int x = pixel % WIDTH, y = pixel / WIDTH;
     double sum = 0.0;
@@ -92,8 +92,8 @@ static double difference(double *a, const double *b, int pixel, double step) {
     return above - below;
 }
 
-/* Rounding of the window's means against the pixel, over the variances; and of its covariances over the variances, which
- * weighs how far the pixel is from the mean. */
+/* Rounding of the window's means against the pixel, over the variances; and of its covariances over the variances,
+ * which weighs how far the pixel is from the mean. */
 static double bound_of(const double *a, const double *b, int pixel) {
     const int x = pixel % WIDTH, y = pixel / WIDTH;
     double sum = 0.0;
