@@ -1,5 +1,5 @@
 #!/bin/sh
-# Sources look as .clang-format says.  Versions of clang-format differ in small things: only 14 decides.
+# Checks that the sources are formatted by .clang-format.  Only version 14 decides, because versions differ slightly.
 set -eu
 cd "$(dirname "$0")/.."
 formatter=$(command -v clang-format-14 || command -v clang-format)

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Runs every test: sh tests/run.sh
 #
-# Installs what is missing (Debian), builds in folders build*/ and closes with one line, "N passed, N failed".
-# Exits with 0 only when nothing failed.
+# Installs missing packages (Debian), builds in folders build*/ and ends with one line, "N passed, N failed".
+# Exits with 0 only if no test failed.
 set -u
 cd "$(dirname "$0")/.."
 . tests/setup.sh
@@ -13,7 +13,7 @@ failed=0
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# check NAME COMMAND...: one test; its output is shown only when it fails.
+# check NAME COMMAND...: one test, whose output is printed only when it fails.
 check() {
     name=$1
     shift
@@ -31,13 +31,13 @@ check() {
 build() {
     folder=$1
     shift
-    # An old folder looks again for what may have been installed since.
+    # Reconfigures an old folder, so that packages installed since are found.
     again=
     [ ! -f "$folder/build.ninja" ] || again=--reconfigure
     meson setup $again "$folder" "$@" && ninja -C "$folder"
 }
 
-# suite FOLDER [MESON TEST ARGUMENTS]: adds each single test of meson's suites to the count.
+# suite FOLDER [MESON TEST ARGUMENTS]: adds each single test of the suites to the count.
 suite() {
     folder=$1
     shift
@@ -48,10 +48,10 @@ suite() {
     failed=$((failed + ${counts#* }))
 }
 
-# A newcomer's first command, in build/ and out/.
+# The quick start of the README, in build/ and out/.
 check "quickstart" sh tests/quickstart.sh
 
-# Everything, as users build it.
+# All tests of a release build.
 check "build" build build-test -Dtool=enabled -Dtests=enabled
 suite build-test
 check "install" sh tests/install/test_install.sh build-test
@@ -62,10 +62,10 @@ check "clang-tidy" sh tests/check_tidy.sh build-test
 check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
 check "rooms are checked" python3 tests/structure/test_check_rooms.py
 
-# Host code under ASan and UBSan, hard cases of small size; leaks are looked for apart.
+# Host code under ASan and UBSan, with small hard cases; check_leaks.sh checks for leaks.
 check "build with sanitizers" build build-sanitize \
     --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled
-# The kernels are the same ones: what is built need not be built again.
+# The kernels are the same, so the sanitized build uses the cache of the release build.
 [ -d build-sanitize/tests/pocl ] || cp -R build-test/tests/pocl build-sanitize/tests/
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export STABILITY_SMALL=1

@@ -1,9 +1,9 @@
 # For tests/quickstart.sh and tests/run.sh, which read this file with `.`: Debian packages.
 
-# What the library and the tool need, and PoCL, which is an OpenCL device on any CPU.
+# Packages of the library and the tool, and PoCL, an OpenCL device on any CPU.
 build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
     pocl-opencl-icd libpng-dev libopenimageio-dev libcairo2-dev"
-# What the tests need beyond that.
+# Further packages of the tests.
 test_packages="abigail-tools clang clang-format clang-tidy libcmocka-dev oclgrind"
 
 missing_packages() {
@@ -15,7 +15,7 @@ missing_packages() {
     done
 }
 
-# Installs the packages that are missing; asks for nothing and touches nothing when all are there.
+# Installs missing packages, without questions.
 install_packages() {
     if ! command -v dpkg-query >/dev/null; then
         echo "setup: not a Debian system: install the likes of these yourself:" $* >&2

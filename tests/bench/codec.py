@@ -58,7 +58,7 @@ def compare(gscl, a, b):
 
 def measure(gscl, image, rate, options, work):
     """Encodes one image at `rate` bits per pixel; returns bpp, psnr, ssim, ms_ssim and seconds."""
-    coded, decoded = work / "picture.gscl", work / "picture.png"
+    coded, decoded = work / "image.gscl", work / "image.png"
     encode_s, _ = run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q", "--json", *options)
     decode_s, _ = run(gscl, "decode", coded, "-o", decoded)
     quality = compare(gscl, image, decoded)
