@@ -539,7 +539,7 @@ typedef struct {
 static bool on_progress(void *opaque, const gscl_progress *progress) {
     watch *w = opaque;
     assert_true(progress->fraction >= w->last && progress->fraction <= 1.0);
-    assert_true(progress->elapsed_s >= 0.0 && progress->left_s >= 0.0);
+    assert_true(progress->elapsed_s >= 0.0 && progress->remaining_s >= 0.0);
     w->last = progress->fraction;
     return w->calls++ < w->allowed;
 }

@@ -210,13 +210,13 @@ GSCL_API const char *gscl_effect_name(gscl_effect effect);
 
 /* What decided on an effect. */
 typedef enum gscl_effect_reason {
-    GSCL_EFFECT_ASKED = 0,   /* the settings effects_on and effects_off */
-    GSCL_EFFECT_CONTENT = 1, /* the image: whether it contains what the effect represents */
-    GSCL_EFFECT_PROFILE = 2, /* profile and blend */
-    GSCL_EFFECT_TRIAL = 3,   /* trials: short fits of this image with and without the effect */
-    GSCL_EFFECT_PASSES = 4   /* the rate-distortion passes, splat by splat */
+    GSCL_EFFECT_REQUESTED = 0, /* the settings effects_on and effects_off */
+    GSCL_EFFECT_CONTENT = 1,   /* the image: whether it contains what the effect represents */
+    GSCL_EFFECT_PROFILE = 2,   /* profile and blend */
+    GSCL_EFFECT_TRIAL = 3,     /* trials: short fits of this image with and without the effect */
+    GSCL_EFFECT_PASSES = 4     /* the rate-distortion passes, splat by splat */
 } gscl_effect_reason;
-/* Returns "asked", "content", "profile", "trial" or "passes"; NULL for other values.  The text is static. */
+/* Returns "requested", "content", "profile", "trial" or "passes"; NULL for other values.  The text is static. */
 GSCL_API const char *gscl_effect_reason_name(gscl_effect_reason reason);
 
 /* This struct never changes. */
@@ -261,11 +261,11 @@ typedef enum gscl_target {
 } gscl_target;
 
 typedef struct gscl_progress {
-    double fraction;  /* of the expected work, 0..1; never decreases */
-    double psnr;      /* dB of the current fit; 0 while unknown */
-    uint32_t splats;  /* of the current fit */
-    double elapsed_s; /* seconds since the encode began */
-    double left_s;    /* seconds until it ends, an estimate */
+    double fraction;    /* of the expected work, 0..1; never decreases */
+    double psnr;        /* dB of the current fit; 0 while unknown */
+    uint32_t splats;    /* of the current fit */
+    double elapsed_s;   /* seconds since the encode began */
+    double remaining_s; /* seconds until it ends, an estimate */
 } gscl_progress;
 /* Returns true to continue and false to cancel; a cancelled encode returns GSCL_ERROR_CANCELLED. */
 typedef bool (*gscl_progress_callback)(void *opaque, const gscl_progress *progress);

@@ -28,7 +28,7 @@ const char *gscl_effect_name(gscl_effect effect) {
 }
 
 const char *gscl_effect_reason_name(gscl_effect_reason reason) {
-    static const char *const names[] = {"asked", "content", "profile", "trial", "passes"};
+    static const char *const names[] = {"requested", "content", "profile", "trial", "passes"};
     return (size_t)reason < sizeof names / sizeof names[0] ? names[reason] : NULL;
 }
 

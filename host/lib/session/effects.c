@@ -104,7 +104,7 @@ static bool is_trial(const gscl_effects *s, gscl_effect effect) {
 /* Notes a decision: asked for or ruled out where the effect is not open, else for `reason`. */
 static void note_default(gscl_effects *s, gscl_effect effect, gscl_effect_reason reason, bool on) {
     if (!is_trial(s, effect))
-        gscl_effect_note(s, effect, gscl_effect_is_open(s, effect) ? reason : GSCL_EFFECT_ASKED, on, NAN);
+        gscl_effect_note(s, effect, gscl_effect_is_open(s, effect) ? reason : GSCL_EFFECT_REQUESTED, on, NAN);
 }
 
 void gscl_effects_note(gscl_effects *s, const gscl_flat_background *background, const gsf_header *header) {

@@ -20,7 +20,7 @@ gscl_result gscl_progress_report(gscl_context *context, gscl_progress_state *p, 
                               .psnr = p->psnr,
                               .splats = p->splats,
                               .elapsed_s = elapsed,
-                              .left_s = done > 1e-3 ? elapsed * (1 - done) / done : 0};
+                              .remaining_s = done > 1e-3 ? elapsed * (1 - done) / done : 0};
     if (p->callback(p->opaque, &progress))
         return GSCL_OK;
     return gscl_fail(context, GSCL_ERROR_CANCELLED, "cancelled");
