@@ -9,7 +9,7 @@ export ASAN_OPTIONS=detect_leaks=1 CMOCKA_MESSAGE_OUTPUT=TAP POCL_SIGFPE_HANDLER
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-for test in fuzz_format test_format test_format_coding test_kmeans test_metrics test_library; do
+for test in fuzz_format test_format test_format_coding test_kmeans test_metrics test_library test_interface; do
     for attempt in 1 2 3; do
         # Unit tests ignore the arguments, which are for the fuzz targets.  Their kernels are in the cache.
         POCL_CACHE_DIR=$build/tests/pocl/${test#test_} "$build/tests/$test" tests/fuzz/corpus/* >"$log" 2>&1 && continue 2
