@@ -1,5 +1,5 @@
-/* Forward and backward pass of the fit against double precision: what is drawn, the loss, and the gradient of every
- * kind of parameter, in both mappings. */
+/* Forward and backward pass of the fit against double precision: the rendering, the loss, and the gradient of every kind
+ * of parameter, in both mappings. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -92,8 +92,8 @@ typedef struct {
     double loss;
 } truth;
 
-/* Upright splats have no angle; circles have one axis. */
-static void take_shape(const fit_case *c, double *params) {
+/* Axis-aligned splats have no angle; circles have one axis. */
+static void apply_shape(const fit_case *c, double *params) {
     for (size_t i = 0; i < c->count && c->options.shape != GSCL_SHAPE_ROTATED; i++) {
         double *p = params + i * ORACLE_PARAMS;
         p[GSCL_THETA] = 0.0;
@@ -123,7 +123,7 @@ static void make_truth(const fit_case *c, const float *background, truth *t) {
     }
     for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
         t->params[i] = c->params[i];
-    take_shape(c, t->params);
+    apply_shape(c, t->params);
     oracle_fit_draw(&t->fit, t->params, c->count, t->planes);
     t->loss = oracle_fit_loss(&t->fit, t->params, c->count);
     oracle_fit_gradient(&t->fit, t->params, c->count, 1, t->gradient);
@@ -146,7 +146,7 @@ static void check_call(gscl_context *context, const char *name, gscl_result resu
         fail_msg("%s: %s", name, gscl_context_message(context));
 }
 
-/* What the splats look like. */
+/* Renders the splats and reads the planes. */
 static gscl_result render(gscl_fit *fit, float *planes) {
     GSCL_TRY(gscl_renderer_render(&fit->renderer));
     return gscl_buffer_read(fit->context, &fit->renderer.image, 0, planes,
@@ -198,7 +198,7 @@ static void check_forward(const fit_case *c, const truth *t, const outcome *o) {
         apart = fmax(apart, fabs(o->planes[i] - t->planes[i]));
     if (!(apart < 2e-5))
         fail_msg("%s: a sample is off by %g", c->name, apart);
-    /* The library tells the mean of squared (L1: absolute) errors. */
+    /* The library's loss is the mean of squared (L1: absolute) errors. */
     const double loss = ldexp(t->loss, -2 * c->level) * (t->fit.absolute ? 1.0 : 2.0) / samples;
     if (!(fabs(o->loss - loss) <= 1e-5 * loss))
         fail_msg("%s: the loss is %.9g, %.9g expected", c->name, o->loss, loss);
@@ -348,7 +348,8 @@ static void test_ssim_weights(void **state) {
         check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.pyramid.levels[0], 0, found, sizeof found));
         for (int i = 0; i < PLANE; i++)
             if (!(fabs(found[3 * PLANE + i] - wanted[i]) <= 2e-4 * wanted[i]))
-                fail_msg("pixel (%d, %d) weighs %.7g, %.7g expected", i % W, i / W, found[3 * PLANE + i], wanted[i]);
+                fail_msg("pixel (%d, %d) has the weight %.7g, %.7g expected", i % W, i / W, found[3 * PLANE + i],
+                         wanted[i]);
         check_call(contexts[m], "read",
                    gscl_buffer_read(contexts[m], &fit.pyramid.levels[1], 0, found, 4 * HALF_PLANE * sizeof(float)));
         for (int i = 0; i < W / 2 * (H / 2); i++) {
@@ -360,7 +361,7 @@ static void test_ssim_weights(void **state) {
     }
 }
 
-/* The target of more contrast, and its weights, once splats are drawn. */
+/* The target with raised contrast and its weights, adapted to a rendering. */
 static void test_ssim_adaptation(void **state) {
     (void)state;
     enum { W = 149, H = 131, PLANE = W * H };
@@ -448,7 +449,7 @@ static void check_hard(const fit_case *c) {
     }
 }
 
-/* Many splats on each other, as opaque as they come: the alpha blend's clamp, and no light behind. */
+/* Many splats on top of each other with the highest opacities: the alpha blend's clamp, and a transmittance of 0. */
 static void test_opaque_stacks_are_finite(void **state) {
     (void)state;
     for (int options = 0; options < 12; options++) {
@@ -465,7 +466,7 @@ static void test_opaque_stacks_are_finite(void **state) {
     }
 }
 
-/* Needles, giants, dust, splats far outside, extreme opacities and colours. */
+/* Very long, large and small splats, splats far outside, extreme opacities and colours. */
 static void test_hard_scenes_are_finite(void **state) {
     (void)state;
     for (int options = 0; options < 12; options++) {
@@ -486,7 +487,7 @@ static void test_hard_scenes_are_finite(void **state) {
     }
 }
 
-/* A clamped splat's weight has no derivative; its colour has, and so has what lies behind. */
+/* A clamped splat's weight has no derivative; its colour and the splats behind it have one. */
 static void test_clamped_alpha(void **state) {
     (void)state;
     static outcome o;
