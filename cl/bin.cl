@@ -2,9 +2,9 @@
  *
  * One work-item per row of tiles walks the splats in their order, so the lists come out sorted without
  * atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity`
- * entries; what does not fit is left out and row_totals tells the host, which then grows the lists. */
+ * entries.  Further entries are left out; the host reads their number from row_totals and grows the lists. */
 
-/* Tiles of a row that are looked at together. */
+/* Tiles of a row that are processed together. */
 #define BIN_LANES 4
 
 /* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last; none where first > last. */
@@ -23,7 +23,7 @@ inline void rows_touched(__global const float *restrict projected, __global cons
     bottom = LESSER(bottom, right);
     float4 arc_top = height2 - curve * top * top, arc_bottom = height2 - curve * bottom * bottom;
     float4 high = slope * top + sqrt(LARGER(arc_top, zero)), low = slope * bottom - sqrt(LARGER(arc_bottom, zero));
-    /* A little wider than exact: rounding must not lose a row; weights beyond the outline are 0 anyway. */
+    /* A little wider than exact, so that rounding loses no row; weights beyond the outline are 0. */
     float margin = 1e-3f * (1.0f + half_height) + 1e-6f * fabs(projected[GSCL_PROJECTED_Y]);
     /* Rows from the lower end of the tile for the first, from the upper for the last: cutting off rounds down. */
     float4 most = (float4)(GSCL_TILE), from = most - (low - margin - y0), to = high + margin - y0 + 1.0f;
@@ -34,7 +34,7 @@ inline void rows_touched(__global const float *restrict projected, __global cons
     vstore4(convert_int4(to) - 1, 0, last);
 }
 
-/* Lists the splats whose box touches the rows of tiles from `first` to `last`; returns how many. */
+/* Lists the splats whose box touches the rows of tiles from `first` to `last`; returns their number. */
 inline int list_splats(__global const int4 *restrict boxes, int count, int first, int last,
                        __global int *restrict list) {
     int n = 0;
@@ -45,8 +45,8 @@ inline int list_splats(__global const int4 *restrict boxes, int count, int first
     return n;
 }
 
-/* Where there are many, rows of tiles share the walk over all splats: a band of `band_rows` rows has one list.  One
- * work-item a band, `count` places each. */
+/* Lists the splats of each band of `band_rows` rows of tiles, so that not every row goes over all splats.  One work-item
+ * per band; a list has room for `count` splats. */
 __kernel void bin_bands(__global const int4 *restrict boxes, int count, int bands, int band_rows,
                         __global int *restrict listed, __global int *restrict listed_counts) {
     int band = (int)get_global_id(0), first = band * band_rows;
@@ -54,7 +54,7 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
     listed_counts[band] = list_splats(boxes, count, first, first + band_rows - 1, listed + (size_t)band * count);
 }
 
-/* `band_rows` 0: there are no bands, each row lists its own. */
+/* Fills the lists of one row of tiles. */
 __kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
                   __global const int4 *restrict boxes, __global int *restrict listed,
                   __global const int *restrict listed_counts, gscl_bin_settings t, __global uint *restrict entries,
@@ -71,8 +71,8 @@ __kernel void bin(__global const float *restrict projected, __global const float
         int4 box = boxes[i];
         if (ty < box.z || ty > box.w) continue;
         int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 1.0f);
-        ranges[tiles.x].x++; /* begin here, */
-        ranges[tiles.y].y++; /* end here */
+        ranges[tiles.x].x++; /* splats that begin at this tile */
+        ranges[tiles.y].y++; /* splats that end at this tile */
     }
     /* Counts become the first entry of each tile; lists that would not fit are cut short below. */
     int total = 0, open = 0, base = ty * t.row_capacity, end = base + t.row_capacity;

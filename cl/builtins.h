@@ -1,9 +1,9 @@
 /* The part of OpenCL C's header of built-in functions that the kernels use.
  *
- * PoCL 3 has the compiler read the whole of Clang's opencl-c.h, a megabyte, before each program, also where all of the
- * program's kernels have long been compiled: most of the time that loading a program takes.  Build option -D_OPENCL_H_,
- * the guard of that header, keeps it out, and with -DGSCL_BUILTINS this file takes its place (host/lib/kernels.c);
- * otherwise it is empty. */
+ * PoCL 3 reads the whole of Clang's opencl-c.h, a megabyte, before each program, even if the program's kernels are in
+ * its cache.  That takes most of the time of loading a program.  The build option -D_OPENCL_H_, the guard of that header,
+ * keeps it out, and with -DGSCL_BUILTINS this file replaces it (host/lib/runtime/programs.c).  Without that option this
+ * file is empty. */
 #ifdef GSCL_BUILTINS
 #define MAXFLOAT 0x1.fffffep127f
 #define as_int4(x) __builtin_astype((x), int4)
@@ -20,7 +20,7 @@ PURE size_t get_local_id(uint dimension);
 PURE size_t get_group_id(uint dimension);
 BUILTIN __attribute__((convergent)) void barrier(uint fences);
 
-/* For each of the types that numbers come in; with the integers of the same size. */
+/* Functions of a floating-point type and of the integer type of its size. */
 #define OF_FLOATS(real, integer)                   \
     PURE real ceil(real);                          \
     PURE real cos(real);                           \
@@ -62,7 +62,7 @@ PURE int convert_int(float);
 PURE float convert_float(int);
 PURE float pown(float, int);
 
-/* Loads and stores of whole vectors, from where they are used. */
+/* Loads and stores of whole vectors, in the address spaces where the kernels use them. */
 #define OF_MEMORY(space, type, n)                         \
     BUILTIN type##n vload##n(size_t, const space type *); \
     BUILTIN void vstore##n(type##n, size_t, space type *);

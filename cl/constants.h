@@ -24,7 +24,7 @@
 #define GSCL_SUM 2
 
 /* Format: a splat's weight is max(0, exp(-q) - exp(-GSCL_SUPPORT)), continuous at the cut q = GSCL_SUPPORT. */
-#ifndef GSCL_SUPPORT /* other values are for measuring what they cost (host/lib/accuracy.c) */
+#ifndef GSCL_SUPPORT /* other values are for measurements (host/lib/measure/accuracy.c) */
 #define GSCL_SUPPORT 7.0f
 #define GSCL_WEIGHT_FLOOR 9.1188197e-4f
 #endif
@@ -35,23 +35,23 @@
 #define GSCL_MAX_ALPHA 0.999f
 #endif
 
-/* A splat's parameters as the fit sees them, all in pixels of the full-size image. */
+/* A splat's parameters while fitting; lengths are pixels of the full-size image. */
 #define GSCL_X 0
 #define GSCL_Y 1
 #define GSCL_LOG_S1 2 /* natural logarithm of the first axis (sigma, pixels) */
 #define GSCL_LOG_S2 3
-#define GSCL_THETA 4   /* direction of the first axis, radians from +x towards +y */
-#define GSCL_OPACITY 5 /* logit of the opacity; no effect where the opacity effect is off */
-#define GSCL_COLOUR 6  /* up to four channels follow */
-#define GSCL_WAVE_X 10 /* the texture's wave: cycles per pixel along x and y, */
-#define GSCL_WAVE_Y 11
-#define GSCL_WAVE_PHASE 12     /* phase in cycles, */
-#define GSCL_WAVE_AMPLITUDE 13 /* amplitude; 0: none.  Drawn, not fitted */
+#define GSCL_THETA 4           /* direction of the first axis, radians from +x towards +y */
+#define GSCL_OPACITY 5         /* logit of the opacity; no effect where the opacity effect is off */
+#define GSCL_COLOUR 6          /* up to four channels follow */
+#define GSCL_WAVE_X 10         /* of the texture's wave, which is drawn but not fitted: cycles per pixel along x */
+#define GSCL_WAVE_Y 11         /* cycles per pixel along y */
+#define GSCL_WAVE_PHASE 12     /* cycles */
+#define GSCL_WAVE_AMPLITUDE 13 /* 0: no wave */
 #define GSCL_PARAMS 14
 
-/* A splat as the rasteriser sees it ("drawn" record, floats): centre; two rows that take (dx, dy) into
- * the splat's own frame, (u, v), so that gauss = 2^-(u^2 + v^2); opacity; of upright splats 2^-(vy^2), what a step of
- * one row does; four channels; the wave. */
+/* A projected splat (floats): what the rasteriser reads.  (UX, UY) and (VX, VY) take (dx, dy), the place from the
+ * centre, into the splat's own frame (u, v), where gauss = 2^-(u^2 + v^2).  ROW_STEP is 2^-(VY^2) of axis-aligned
+ * splats, the factor of one step to the next row at v = 0. */
 #define GSCL_PROJECTED_X 0
 #define GSCL_PROJECTED_Y 1
 #define GSCL_PROJECTED_UX 2
@@ -67,8 +67,8 @@
 #define GSCL_PROJECTED_WAVE_AMPLITUDE 15
 #define GSCL_PROJECTED 16
 
-/* The outline q = GSCL_SUPPORT ("extent" record, floats): half width and half height; dy on the outline at a given dx:
- * slope * dx +- sqrt(max(0, height2 - curve * dx^2)), and likewise dx at a given dy. */
+/* The bounds of a splat's ellipse q = GSCL_SUPPORT (floats).  On the outline, dy at a given dx is
+ * slope * dx +- sqrt(max(0, height2 - curve * dx^2)); dx at a given dy follows likewise from SLOPE_X, WIDTH2, CURVE_X. */
 #define GSCL_BOUNDS_HALF_WIDTH 0
 #define GSCL_BOUNDS_HALF_HEIGHT 1
 #define GSCL_BOUNDS_SLOPE 2
@@ -79,7 +79,7 @@
 #define GSCL_BOUNDS_CURVE_X 7
 #define GSCL_BOUNDS 8
 
-/* An entry of a tile's list: splat number and the rows of the tile that its outline touches. */
+/* An entry of a tile's list: the number of a splat and the rows of the tile that its outline touches. */
 #define GSCL_ENTRY_SPLAT(e) ((e) >> 8)
 #define GSCL_ENTRY_FIRST_ROW(e) (((e) >> 4) & 15u)
 #define GSCL_ENTRY_LAST_ROW(e) ((e)&15u)
@@ -88,12 +88,12 @@
 /* Format: ln of 2^15 pixels, the longest axis; larger codes saturate. */
 #define GSCL_LOG_LARGEST_AXIS 10.3972077f
 
-/* How kernels come by a Gaussian: a polynomial, or the device's exp2 or native_exp2. */
+/* How kernels evaluate a Gaussian: a polynomial, or the device's exp2 or native_exp2. */
 #define GSCL_EXPONENTIAL_POLYNOMIAL 0
 #define GSCL_EXPONENTIAL_EXACT 1
 #define GSCL_EXPONENTIAL_NATIVE 2
 
-/* Shapes of splats, from the most general: ellipses, upright ellipses (the angle is 0), circles (one axis besides). */
+/* Shapes of splats, from the most general: ellipses, axis-aligned ellipses (angle 0), circles (both axes equal). */
 #define GSCL_SHAPE_ROTATED 0
 #define GSCL_SHAPE_AXIS_ALIGNED 1
 #define GSCL_SHAPE_ISOTROPIC 2
@@ -122,7 +122,7 @@
 #define GSCL_RATE_OPACITY 0.04f  /* logit */
 #define GSCL_MAX_LOGIT 8.0f      /* bound on a fitted opacity, positive and negative */
 
-/* What stands between a parameter and what is drawn while fitting. */
+/* The quantiser through which splats are drawn while fitting. */
 #define GSCL_QUANTISER_NONE 0
 #define GSCL_QUANTISER_SCALAR 1
 #define GSCL_QUANTISER_CODEBOOK 2
@@ -138,11 +138,11 @@
 #define GSCL_STEP_AMPLITUDE 7 /* of a texture */
 #define GSCL_STEP_COUNT 8
 
-/* The best-case multiply-adds (cl/benchmark.cl): so many at once, so often, on each lane. */
-#define GSCL_BENCHMARK_CHAINS 10 /* more than a processor's latency times its units needs */
-#define GSCL_BENCHMARK_LENGTH 4096
+/* Multiply-adds of the benchmark on each lane (cl/benchmark.cl). */
+#define GSCL_BENCHMARK_CHAINS 10   /* independent chains: more than latency times units of a processor */
+#define GSCL_BENCHMARK_LENGTH 4096 /* multiply-adds of each chain */
 
-/* Zeros around the planes of cl/ssim.cl, on each side: a window and a pixel vector. */
+/* Zeros around the planes of cl/ssim.cl, on each side: room for a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
 /* Squared error in place of MS-SSIM (cl/ssim.cl), found by trying: the largest increase of contrast (1: doubled), the
  * least contrast-structure factor of a window that counts, and the exponent on weights without a rendering. */
@@ -201,13 +201,13 @@
 #define GSCL_PHASES 8
 #define GSCL_AMPLITUDES 16
 #define GSCL_OPACITIES 16             /* at most */
-#define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels; each wave is longer than the one before by */
-#define GSCL_OCTAVES_PER_WAVE 0.4375f /* so much */
+#define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels: the shortest */
+#define GSCL_OCTAVES_PER_WAVE 0.4375f /* from one wavelength to the next */
 
-/* Bits of codes while refining: four tables (luma, co, cg, alpha) of GSCL_COLOUR_CODES, centred; then textures; then
- * opacities. */
+/* The table of bits for rate-distortion optimisation: GSCL_COLOUR_CODES entries each for luma, co, cg and alpha, with
+ * code 0 in the middle; then textures; then opacities. */
 #define GSCL_BITS_PLAIN (4 * GSCL_COLOUR_CODES)  /* a splat without a wave */
-#define GSCL_BITS_TEXTURED (GSCL_BITS_PLAIN + 1) /* one with a wave, its phase included */
+#define GSCL_BITS_TEXTURED (GSCL_BITS_PLAIN + 1) /* a splat with a wave, including the phase */
 #define GSCL_BITS_WAVE (GSCL_BITS_PLAIN + 2)
 #define GSCL_BITS_DIRECTION (GSCL_BITS_WAVE + GSCL_WAVES)
 #define GSCL_BITS_AMPLITUDE (GSCL_BITS_DIRECTION + GSCL_DIRECTIONS) /* of amplitude 1, 2, ... */

@@ -1,6 +1,6 @@
 /* Image planes for the fit: pyramid levels and per-pixel error. */
 
-/* Halves a plane by averaging 2x2 pixels; an odd last row or column averages what there is. */
+/* Halves a plane by averaging 2x2 pixels; an odd last row or column is averaged with itself. */
 __kernel void halve(__global const float *restrict from, ulong from_at, int from_width, int from_height,
                     __global float *restrict to, ulong to_at, int width, int height) {
     int i = (int)get_global_id(0);
@@ -13,8 +13,8 @@ __kernel void halve(__global const float *restrict from, ulong from_at, int from
     to[i] = 0.25f * ((row0[x] + row0[x1]) + (row1[x] + row1[x1]));
 }
 
-/* What planes show and those of half the size do not, even with their slopes: squared difference per sample, for each
- * pixel of the smaller ones. */
+/* The residual of planes against those of half the size, interpolated with their slopes: squared difference per sample,
+ * for each pixel of the smaller planes. */
 __kernel void detail(__global const float *restrict planes, __global const float *restrict half_size, int channels,
                      int width, int height, __global float *restrict map) {
     int half_width = (width + 1) / 2, half_height = (height + 1) / 2, at = (int)get_global_id(0);
@@ -39,13 +39,13 @@ __kernel void detail(__global const float *restrict planes, __global const float
 }
 
 /* Squared error per pixel, added over channels.  Where `weighted`, the target has a plane of weights behind it. */
-__kernel void squared_error(__global const float *restrict picture, __global const float *restrict target, int channels,
-                            int weighted, int count, __global float *restrict error) {
+__kernel void squared_error(__global const float *restrict rendering, __global const float *restrict target,
+                            int channels, int weighted, int count, __global float *restrict error) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     float sum = 0.0f;
     for (int k = 0; k < channels; k++) {
-        float e = picture[(size_t)k * count + i] - target[(size_t)k * count + i];
+        float e = rendering[(size_t)k * count + i] - target[(size_t)k * count + i];
         sum = fma(e, e, sum);
     }
     error[i] = weighted ? sum * target[(size_t)channels * count + i] : sum;

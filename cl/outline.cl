@@ -1,7 +1,7 @@
-/* Walking over the pixels inside one splat's outline: what the passes that try other codes do. */
+/* Iterating over the pixels inside one splat's outline, for rate-distortion optimisation. */
 
-/* An outline in an image: its centre, the rows that it touches, and the columns of LANES rows at a time, which take no
- * longer than those of one. */
+/* An outline in an image: its centre, the rows that it touches, and the columns of LANES rows at a time, which are
+ * computed as fast as those of one row. */
 typedef struct {
     float x, y;
     int2 rows; /* first and last; none where first > last */
@@ -10,14 +10,14 @@ typedef struct {
     int first[LANES], last[LANES];
 } outline;
 
-/* Whole numbers from `from` to `to`, within [0, count): first and last.  Cutting off and comparing rounds as ceil and
- * floor do, which take a dozen instructions each; a comparison that is true is -1. */
+/* The first and last integer from `from` to `to`, within [0, count).  Truncation and a comparison round as ceil and
+ * floor do, which take a dozen instructions each; a comparison that is true gives -1. */
 inline void integers_within(pix from, pix to, int count, pix_mask *first, pix_mask *last) {
     from = LESSER(LARGER(from, (pix)(0.0f)), (pix)((float)count));
     to = LESSER(LARGER(to, (pix)(-1.0f)), (pix)((float)(count - 1)));
-    pix_mask least = PIX_INT(from), most = PIX_INT(to);
-    *first = least - (PIX_FLOAT(least) < from);
-    *last = most + (PIX_FLOAT(most) > to);
+    pix_mask low = PIX_INT(from), high = PIX_INT(to);
+    *first = low - (PIX_FLOAT(low) < from);
+    *last = high + (PIX_FLOAT(high) > to);
 }
 
 inline outline outline_of(const projected_splat *a, int width, int height) {
@@ -35,7 +35,7 @@ inline outline outline_of(const projected_splat *a, int width, int height) {
     return o;
 }
 
-/* First and last column of a row, of which the first is asked for first, then each next. */
+/* First and last column of a row.  Must be called for the rows of the outline in ascending order. */
 inline int2 outline_columns(outline *o, int row) {
     int lane = (row - o->rows.x) % LANES;
     if (lane == 0) {
@@ -60,12 +60,12 @@ inline pix projected_weight(pix dx, float dy, const projected_splat *a) {
     return fmax(pix_exp2(fma(-u, u, -v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
-/* The weight with which it is blended. */
+/* The weight with which a splat is blended. */
 inline pix blend_weight(pix dx, float dy, const projected_splat *a) {
     return WITH_OPACITY(projected_weight(dx, dy, a), a->projected);
 }
 
-/* Whether the outline stays within the pixels that this visit owns. */
+/* Whether the outline stays within the pixels that a splat may change. */
 inline bool outline_is_within(const projected_splat *a, int4 owned) {
     float x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
     float y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];

@@ -1,13 +1,13 @@
-/* The pixel vector: LANES neighbouring pixels of a row that one work-item handles at once, ROWS rows of
- * them.  CPU mapping: LANES 16, ROWS 16, a work-item draws a whole tile with explicit vectors.  GPU
- * mapping: LANES 4 or less, ROWS 1, a work-group of 256 / LANES work-items draws a tile.
+/* The pixel vector: a work-item handles LANES neighbouring pixels of a row at once, in ROWS rows.  CPU mapping: LANES
+ * 16, ROWS 16; a work-item draws a whole tile with explicit vectors.  GPU mapping: LANES 4, ROWS 1; a work-group of
+ * 256 / LANES work-items draws a tile.
  *
  * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED (0 or
- * 1), LOSS, CACHED_ROWS (raster.cl).  Only for measuring what exactness costs (host/lib/accuracy.c): DOUBLE, EXPONENTIAL,
+ * 1), LOSS, CACHED_ROWS (raster.cl).  Only for measuring the cost of exactness (host/lib/measure/accuracy.c): DOUBLE, EXPONENTIAL,
  * EARLY_STOP, GSCL_SUPPORT. */
 #pragma OPENCL FP_CONTRACT OFF
 #ifdef __clang__
-/* Vectors longer than the device's are passed otherwise than on a device with longer ones: no matter within a program. */
+/* How vectors longer than the device's are passed depends on the device, which does not matter within a program. */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -32,10 +32,10 @@ typedef float real;
 #define ITEMS (ITEMS_X * ITEMS_Y)
 #define ROTATION (SHAPE == GSCL_SHAPE_ROTATED)
 #define ANISOTROPY (SHAPE != GSCL_SHAPE_ISOTROPIC)
-/* What is done for each row of each splat must not be called: its values would go through memory.  Parameters are not
- * `restrict`: Oclgrind does not know what inlining leaves of that. */
+/* For functions that run for each row of each splat: a call would pass their values through memory.  Their parameters
+ * are not `restrict`, because Oclgrind does not support what inlining makes of that. */
 #define ALWAYS_INLINE __attribute__((always_inline)) inline
-/* Loops over channels and sums must not remain loops: their arrays live in registers. */
+/* For loops over channels and sums: their arrays stay in registers only if the loop is unrolled. */
 #define UNROLL _Pragma("unroll")
 
 #if LANES == 16
@@ -68,7 +68,7 @@ inline real pix_sum(pix v) {
 #error "LANES must be 16 or 4"
 #endif
 
-/* The lane's column as it is stored: the part of a row that lies outside the image is not touched. */
+/* Stores the first `count` lanes: the part of a row that lies outside the image is not written. */
 inline void pix_store_clipped(pix v, __global real *row, int count) {
     if (count >= LANES) {
         PIX_STORE(v, row);
@@ -89,7 +89,7 @@ inline pix pix_load_clipped(__global const real *row, int count) {
 /* 1 in the lanes that lie inside the image, else 0. */
 inline pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), pix_offsets() < (pix)((float)count)); }
 
-/* Where Gaussians end, as u^2 + v^2. */
+/* The cut of Gaussians, as u^2 + v^2. */
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
 
 #if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT

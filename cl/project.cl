@@ -1,4 +1,4 @@
-/* From splats' parameters to what the rasteriser draws, at a pyramid level. */
+/* From splats' parameters to projected splats, at a pyramid level. */
 
 /* Splats after quantisation, in pixels of the full-size image. */
 typedef struct {
@@ -23,7 +23,7 @@ inline void splat_set_axes(splat *s, vfloat log_s1, vfloat log_s2) {
 /* Parameter `k` of the splats whose rows begin at p; `lanes_used` of them exist. */
 #define LOAD_PARAM(p, k, lanes_used) MASK_TAIL(LOAD_LANES((p) + (k), GSCL_PARAMS), lanes_used)
 
-/* All but the axes, which the quantiser sets. */
+/* Loads all but the axes s1 and s2, which splat_set_axes computes. */
 inline splat splat_load(__global const float *restrict p, int lanes_used) {
     splat s;
     s.x = LOAD_PARAM(p, GSCL_X, lanes_used);
@@ -43,11 +43,11 @@ inline splat splat_load(__global const float *restrict p, int lanes_used) {
     return s;
 }
 
-/* Axes as seen at a level that shows 1 pixel for 1 / inv_scale of the full image: a smaller level is
+/* An axis at a level that has 1 pixel for 1 / inv_scale of the full image: a smaller level is
  * box-filtered, which widens a splat by `blur` = ((1 / inv_scale)^2 - 1) / 12 square pixels. */
 inline vfloat axis_at_level(vfloat sigma, float blur) { return sqrt(fma(sigma, sigma, (vfloat)(blur))); }
 
-/* What is drawn of a splat: the records of constants.h in private memory. */
+/* A projected splat and the bounds of its ellipse (constants.h), in private memory. */
 typedef struct {
     vfloat projected[GSCL_PROJECTED];
     vfloat bounds[GSCL_BOUNDS];
@@ -69,7 +69,7 @@ inline projected_splat splat_project(splat s, gscl_view view) {
     a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (vfloat)(0.0f) : exp2(-i2 * i2);
     for (int k = 0; k < CHANNELS; k++) a.projected[GSCL_PROJECTED_COLOUR + k] = s.colour[k];
 #if TEXTURE
-    /* What a level's box filter leaves of the wave. */
+    /* The level's box filter lowers the amplitude. */
     vfloat cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
     a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / view.inv_scale;
     a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / view.inv_scale;
@@ -77,7 +77,7 @@ inline projected_splat splat_project(splat s, gscl_view view) {
     a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * view.blur);
 #endif
 
-    /* Covariance entries; the outline's support function in x and y. */
+    /* Covariance entries; the half sizes of the outline follow from them. */
     vfloat xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
     vfloat xy = c * n * (s1 * s1 - s2 * s2);
     a.bounds[GSCL_BOUNDS_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
@@ -98,7 +98,7 @@ typedef struct {
     vint first_x, last_x, first_y, last_y;
 } tile_boxes;
 
-/* Clamped as floats: a giant's box does not fit an int. */
+/* Clamped as floats: the box of a very large splat does not fit an int. */
 inline vint tile_at(vfloat position, int tiles) {
     return TO_VINT(clamp(floor(position * (1.0f / GSCL_TILE)), (vfloat)(-1.0f), (vfloat)((float)tiles)));
 }
@@ -114,18 +114,18 @@ inline tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
     return b;
 }
 
-/* For values that are never NaN: fmin and fmax take three instructions, and floor and ceil a dozen. */
+/* For values that are never NaN: fmin and fmax take three instructions each. */
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define LARGER(a, b) ((a) > (b) ? (a) : (b))
 
-/* First and last tile of row `ty` of its box that the outline touches; a little more than that (by `slack` = 1, or
- * more) where rounding might lose one. */
+/* First and last tile of row `ty` of its box that the outline touches, widened by a margin for rounding (`slack` times
+ * the least that is needed). */
 ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const float *bounds, int4 box, int ty,
                                  float slack) {
     float half_width = bounds[GSCL_BOUNDS_HALF_WIDTH], half_height = bounds[GSCL_BOUNDS_HALF_HEIGHT];
     float x = projected[GSCL_PROJECTED_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_Y];
     float low = LARGER(y0, -half_height), high = LESSER(y0 + (float)(GSCL_TILE - 1), half_height);
-    high = LARGER(high, low); /* only just touched, or not quite */
+    high = LARGER(high, low); /* the row is touched at its edge, or missed by a rounding error */
     /* dy of the leftmost and of the rightmost point, within the row */
     float right_dy = bounds[GSCL_BOUNDS_SLOPE] * half_width, slope = bounds[GSCL_BOUNDS_SLOPE_X];
     float width2 = bounds[GSCL_BOUNDS_WIDTH2], curve = bounds[GSCL_BOUNDS_CURVE_X];
@@ -135,14 +135,14 @@ ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const
     float margin = slack * (1e-3f * (1.0f + half_width) + 1e-6f * fabs(x));
     left = (x + LARGER(left, -half_width) - margin) * (1.0f / GSCL_TILE);
     right = (x + LESSER(right, half_width) + margin) * (1.0f / GSCL_TILE);
-    /* clamped as floats, since a giant's do not fit an int; the box has no negative tiles */
+    /* Clamped as floats, since those of a very large splat do not fit an int.  The box has no negative tiles. */
     float first = (float)box.x, last = (float)box.y;
     left = LESSER(LARGER(left, first), last + 1.0f);
     right = LESSER(LARGER(right, first - 1.0f), last);
     return (int2)(min((int)left, box.y), max((int)right, box.x));
 }
 
-/* Stores what is drawn of the splats from `i` on, and their boxes of tiles. */
+/* Stores the projection of the splats from `i` on, and their boxes of tiles. */
 inline void splat_store_projected(splat s, gscl_view view, size_t i, __global float *restrict projected,
                                   __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     projected_splat a = splat_project(s, view);
@@ -175,8 +175,8 @@ inline void colour_from_ycocg(vfloat y, vfloat co, vfloat cg, vfloat *restrict c
 }
 #endif
 
-/* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit looks
- * through the quantiser so that it learns to live with it.  steps[GSCL_STEP_SCALE] = 0 switches it off. */
+/* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit draws
+ * splats as the quantiser leaves them, so that it compensates for the rounding.  steps[GSCL_STEP_SCALE] = 0: none. */
 inline splat splat_quantise(splat s, __global const float *restrict steps) {
     float scale = steps[GSCL_STEP_SCALE];
     if (!(scale > 0.0f)) {
@@ -215,7 +215,7 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
     return s;
 }
 
-/* Projects the splats as they are, or through the quantiser. */
+/* Projects the splats as they are, or quantised. */
 __kernel void project(__global const float *restrict params, __global const float *restrict steps, int count,
                       gscl_view view, __global float *restrict projected, __global float *restrict ellipse_bounds,
                       __global int4 *restrict boxes) {

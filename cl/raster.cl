@@ -1,7 +1,7 @@
 /* Rasterisation: weights of splats at pixels and the three ways of blending them. */
 
-/* A splat's weight at a row of pixels, before opacity; also its frame coordinates.  An upright splat is the product of
- * a Gaussian of the column and one of the row, which goes from row to row by multiplication. */
+/* A splat's weight at a row of pixels, before opacity, and its frame coordinates.  An axis-aligned splat is the product
+ * of a Gaussian of the column and a Gaussian of the row, which is updated from row to row by multiplication. */
 typedef struct {
     pix u; /* gauss = 2^-(u^2 + v^2) */
 #if ROTATION
@@ -9,7 +9,7 @@ typedef struct {
 #else
     float v;
     pix column;                     /* 2^-u^2 */
-    float row, row_ratio, row_bend; /* 2^-v^2; its next value by this one; and the ratio's */
+    float row, row_ratio, row_bend; /* 2^-v^2; the ratio of its next value to this; the ratio of two ratios */
 #endif
     pix gauss;
     pix weight; /* max(0, gauss - floor) */
@@ -24,7 +24,7 @@ ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const
     float step = projected[GSCL_PROJECTED_VY];
     s->u = dx * projected[GSCL_PROJECTED_UX];
     s->v = dy * step;
-    /* Exactly 0 where no row is seen: rows may be rounded to more than 1, and have a gradient where they are seen. */
+    /* Exactly 0 outside the support: `row` may be rounded to more than 1 and would then give a gradient there. */
     s->column = select((pix)(0.0f), pix_exp2(-s->u * s->u), s->u * s->u < (pix)(SUPPORT2));
     s->row = exp2(-s->v * s->v);
     s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * projected[GSCL_PROJECTED_ROW_STEP];
@@ -32,13 +32,13 @@ ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const
 #endif
 }
 
-/* With the Gaussian that is known already, */
+/* Sets the weight from a Gaussian. */
 inline void weight_from_gauss(splat_weight *s, pix gauss) {
     s->gauss = gauss;
     s->weight = fmax(gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
-/* or from the coordinates. */
+/* Evaluates the Gaussian from the coordinates. */
 inline void weight_evaluate(splat_weight *s) {
 #if ROTATION
     weight_from_gauss(s, pix_exp2(fma(-s->u, s->u, -s->v * s->v)));
@@ -47,8 +47,8 @@ inline void weight_evaluate(splat_weight *s) {
 #endif
 }
 
-/* A fit sees each row of each splat twice, forward and backward in the same order: CACHED_ROWS Gaussians of a tile are
- * kept from the first time to the second.  0: none. */
+/* A fit evaluates each row of each splat twice, forward and backward in the same order: CACHED_ROWS Gaussians of a tile
+ * are cached from the first time to the second.  0: none. */
 #ifndef CACHED_ROWS
 #define CACHED_ROWS 0
 #endif
@@ -65,7 +65,7 @@ inline void weight_next_row(splat_weight *s, __global const real *restrict proje
 }
 
 #if TEXTURE
-/* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 where it has none. */
+/* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 for a splat without one. */
 inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected) {
     real amplitude = projected[GSCL_PROJECTED_WAVE_AMPLITUDE];
     if (!(amplitude > 0.0f)) return (pix)(0.0f);
@@ -178,7 +178,7 @@ inline void canvas_end(canvas *c, __constant float *background) {
     }
 }
 
-/* Where this work-item stands. */
+/* The pixels of a work-item. */
 typedef struct {
     int x, y;  /* its first pixel, in the image */
     int row0;  /* its first row within the tile */

@@ -1,6 +1,6 @@
 /* Drawing straight into the samples of an image in memory: clamped, straight or premultiplied, interleaved. */
 
-#define SAMPLE_U8 1 /* gscl_sample */
+#define SAMPLE_U8 1 /* as in gscl_sample */
 #define SAMPLE_U16 2
 
 /* Stores `count` values of one channel, `stride` samples apart. */
@@ -18,7 +18,7 @@ inline void store_samples(pix value, int sample, __global uchar *restrict to, si
 }
 
 #if COLOURS == 3 && !ALPHA_CHANNEL && LANES == 16
-/* What most pictures are: 16 pixels of 8-bit RGB. */
+/* 16 pixels of 8-bit RGB: the most frequent case. */
 inline void store_rgb8(const pix *values, __global uchar *restrict to) {
     uchar16 r = convert_uchar16(values[0] * 255.0f + 0.5f), g = convert_uchar16(values[1] * 255.0f + 0.5f),
             b = convert_uchar16(values[2] * 255.0f + 0.5f);
@@ -59,7 +59,7 @@ ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global
         store_samples(alpha, layout.sample, samples, to + colours, layout.channels, count);
 }
 
-/* As raster_forward, into an image in memory with packed rows. */
+/* Like raster_forward, into an image in memory with packed rows. */
 __kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
                              gscl_image_shape shape, gscl_sample_layout layout, __global uchar *restrict samples) {

@@ -1,10 +1,11 @@
 /* Splats side by side: a work-item that projects or updates splats handles SPLAT_LANES of them, one in each lane of
  * its vectors.
  *
- * Build option SPLAT_LANES: 16, what a CPU's vectors are for (a splat by itself takes as long); 1 on GPUs, and where
- * splats are visited one by one.  Bounds in clamp, min and max are vectors too: Oclgrind takes scalar ones wrongly. */
+ * Build option SPLAT_LANES: 16 on CPUs, where a single splat takes as long as a vector of them; 1 on GPUs, and in
+ * programs that process splats one by one.  Bounds in clamp, min and max are vectors too, because Oclgrind evaluates
+ * scalar ones wrongly. */
 #if SPLAT_LANES == 16
-typedef float16 vfloat; /* a value for each of the splats */
+typedef float16 vfloat; /* one value per splat */
 typedef int16 vint;
 #define TO_VINT(x) convert_int16(x)
 #define TO_VFLOAT(x) convert_float16(x)
@@ -13,8 +14,8 @@ typedef int16 vint;
               (p)[6 * (stride)], (p)[7 * (stride)], (p)[8 * (stride)], (p)[9 * (stride)], (p)[10 * (stride)],    \
               (p)[11 * (stride)], (p)[12 * (stride)], (p)[13 * (stride)], (p)[14 * (stride)], (p)[15 * (stride)]))
 #define LOAD_LANES_INT(p) vload16(0, p)
-/* 0 in the lanes behind the last of `lanes_used` splats.  What is found there must not be seen: an argument that is out of
- * range in one lane makes vector functions take another way for all, with other roundings. */
+/* 0 in the lanes behind the last of `lanes_used` splats.  An argument that is out of range in one lane
+ * makes vector functions take another path for all lanes, with other roundings. */
 #define MASK_TAIL(v, lanes_used) \
     select((vfloat)(0.0f), v, (vint)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (lanes_used))
 #define OF_TYPE(name, vector, type)                                     \

@@ -1,10 +1,10 @@
-/* Choosing a splat's wave (the texture effect) by rate and distortion, while the splat is out of the picture.
+/* Choosing a splat's wave (the texture effect) by rate and distortion, while the splat is not in the rendering.
  *
  * A wave a cos(2 pi k.d - h) under the splat's weight s changes the error by 2 a l + a^2 q, with l and q from the
  * sums of s e cos, s e sin, s^2 cos^2, s^2 sin^2 and s^2 sin cos over the splat's pixels; e is the error of the
- * picture with the plain splat in it, added up over the colour channels.  A scan looks at the first two sums alone,
- * for all directions at once, and guesses the others from the splat's Gaussian; the best wave of the scan, the
- * present one and its neighbours are then judged exactly. */
+ * rendering with the plain splat in it, added up over the colour channels.  A scan computes the first two sums alone,
+ * for all directions at once, and estimates the others from the splat's Gaussian; the best wave of the scan, the
+ * present one and its neighbours are then evaluated exactly. */
 
 inline float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
 #if TEXTURE
@@ -18,14 +18,14 @@ inline float wave_bits(const gscl_codes *c, __global const float *restrict table
 }
 
 #if TEXTURE
-#define SCANNED_WAVES 12
+#define SCANNED_WAVES 12                  /* the first of all wavelengths */
 #define VECTORS (GSCL_DIRECTIONS / LANES) /* of directions */
-#define SHORTEST 0.45f                    /* cycles per drawn pixel: finer waves would alias */
-#define WIDEST 6.0f                       /* longest wavelength that is looked at, in major axes */
+#define SHORTEST 0.45f                    /* cycles per pixel of the level: finer waves would alias */
+#define WIDEST 6.0f                       /* longest wavelength of the scan, in major axes */
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
 inline void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes,
-                            __global const float *restrict picture, __global const float *restrict weights,
+                            __global const float *restrict rendering, __global const float *restrict weights,
                             __global const float *restrict target, int width, ulong plane, pix *share, pix *error) {
     size_t at = (size_t)y * width + x;
     pix inside = pix_inside(lanes);
@@ -36,10 +36,10 @@ inline void share_and_error(const projected_splat *plain, const outline *o, int 
     pix e = (pix)(0.0f);
     UNROLL
     for (int k = 0; k < COLOURS; k++) {
-        pix p = PIX_LOAD(picture + k * plane + at), c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
+        pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
         e += fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
     }
-#if WEIGHTED /* both carry the root: sums of products then carry the weight */
+#if WEIGHTED /* The root of the weight on both gives sums of products the weight. */
     pix root = sqrt(PIX_LOAD(target + CHANNELS * plane + at));
     s *= root;
     e *= root;
@@ -53,7 +53,7 @@ typedef struct {
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
-inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __global const float *restrict picture,
+inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __global const float *restrict rendering,
                               __global const float *restrict weights, __global const float *restrict target, int width,
                               int height, ulong plane) {
     outline o = outline_of(plain, width, height);
@@ -62,7 +62,7 @@ inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __glo
         int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
             pix s, e;
-            share_and_error(plain, &o, x, y, columns.y - x + 1, picture, weights, target, width, plane, &s, &e);
+            share_and_error(plain, &o, x, y, columns.y - x + 1, rendering, weights, target, width, plane, &s, &e);
             pix turns = fma(pix_offsets() + ((float)x + 0.5f - o.x), (pix)(cycles.x),
                             (pix)(((float)y + 0.5f - o.y) * cycles.y));
             pix c = s * pix_cos_turns(turns), n = s * pix_cos_turns(turns - 0.25f);
@@ -77,7 +77,7 @@ inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __glo
     return w;
 }
 
-/* Finds the phase and the amplitude that cost least for a wave and direction; returns that cost. */
+/* Finds the phase and the amplitude with the lowest cost for a wave and direction; returns that cost. */
 inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation,
                                __global const float *restrict tables, gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
@@ -102,7 +102,7 @@ inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuat
     return best;
 }
 
-/* Per wave and vector of directions: where the scan stands in a row, and what it has added up. */
+/* The state of the scan for one wave and one vector of directions: rotation along a row, and sums. */
 typedef struct {
     pix step_x, step_y;     /* cycles per pixel */
     pix turn_cos, turn_sin; /* rotation from one pixel to the next */
@@ -131,7 +131,7 @@ inline void scan_add(scan_state *restrict states, int waves, pix shared_error, i
     }
 }
 
-/* What each wave of a state would win, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
+/* The gain of each wave of a state, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
  * (1 +- r) / 2, r = exp(-k' Sigma k). */
 inline pix scan_score(const projected_splat *plain, const scan_state *s) {
     const float *d = plain->projected;
@@ -139,15 +139,15 @@ inline pix scan_score(const projected_splat *plain, const scan_state *s) {
     float v2 = d[GSCL_PROJECTED_VX] * d[GSCL_PROJECTED_VX] + d[GSCL_PROJECTED_VY] * d[GSCL_PROJECTED_VY];
     pix u = fma(s->step_x, (pix)(d[GSCL_PROJECTED_UX]), s->step_y * d[GSCL_PROJECTED_UY]) / u2;
     pix v = fma(s->step_x, (pix)(d[GSCL_PROJECTED_VX]), s->step_y * d[GSCL_PROJECTED_VY]) / v2;
-    /* (2 pi)^2 / (2 ln 2) brings the frame's units to sigmas, 1 / ln 2 e to 2 */
+    /* (2 pi)^2 / (2 ln 2) converts the frame's units to sigmas, 1 / ln 2 the base e to 2. */
     pix r = pix_exp2((2.0f * M_PI_F * M_PI_F / (M_LN2_F * M_LN2_F)) * fma(-u, u, -v * v));
     return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
 }
 
 /* The most promising wave and direction. */
-inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view, __global const float *restrict picture,
-                      __global const float *restrict weights, __global const float *restrict target, int width,
-                      int height, ulong plane) {
+inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
+                      __global const float *restrict rendering, __global const float *restrict weights,
+                      __global const float *restrict target, int width, int height, ulong plane) {
     scan_state states[SCANNED_WAVES * VECTORS];
     int waves = 0;
     while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * WIDEST * major > 1.0f)) waves++;
@@ -166,7 +166,7 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
         for (int x = columns.x; x <= columns.y; x += LANES) {
             pix s, e;
             int lanes = min(columns.y - x + 1, LANES);
-            share_and_error(plain, &o, x, y, lanes, picture, weights, target, width, plane, &s, &e);
+            share_and_error(plain, &o, x, y, lanes, rendering, weights, target, width, plane, &s, &e);
             scan_add(states, waves, s * e, lanes, (float)x + 0.5f - o.x, (float)y + 0.5f - o.y);
         }
     }
@@ -185,10 +185,10 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
     return best;
 }
 
-/* Gives the splat, which is out of the picture, the wave that costs least, or none. */
+/* Gives the splat, which is not in the rendering, the wave with the lowest cost, or none. */
 inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minors,
                            __global const gscl_aspect_entry *aspects, __global const float *restrict tables,
-                           gscl_rdo_settings t, gscl_view view, __global const float *restrict picture,
+                           gscl_rdo_settings t, gscl_view view, __global const float *restrict rendering,
                            __global const float *restrict weights, __global const float *restrict target, int width,
                            int height, ulong plane) {
     gscl_codes now = *c, choice = *c;
@@ -207,7 +207,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minor
         if (w + 1 < GSCL_WAVES) tried[count++] = (int2)(w + 1, d);
         if (w > 0) tried[count++] = (int2)(w - 1, d);
     }
-    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, view, picture, weights, target, width, height, plane);
+    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, view, rendering, weights, target, width, height, plane);
     for (int i = 0; i < count; i++) {
         gscl_codes other = now;
         other.code[GSCL_CODE_WAVE] = tried[i].x;
@@ -217,7 +217,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minor
         projected_splat projected = splat_project(waved, view);
         float2 cycles =
             (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);
-        wave_sums w = wave_sums_of(&plain, cycles, picture, weights, target, width, height, plane);
+        wave_sums w = wave_sums_of(&plain, cycles, rendering, weights, target, width, height, plane);
         float attenuation = projected.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
         float cost = wave_choose_codes(&other, &w, attenuation, tables, t);
         if (cost < best) {
