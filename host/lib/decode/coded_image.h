@@ -1,6 +1,6 @@
-/* A gsf_coded_image that owns its memory, and its way from and to bytes and parameters. */
-#ifndef GSCL_LIB_PICTURE_H
-#define GSCL_LIB_PICTURE_H
+/* A gsf_coded_image that owns its memory, and its conversion from and to bytes and parameters. */
+#ifndef GSCL_LIB_CODED_IMAGE_H
+#define GSCL_LIB_CODED_IMAGE_H
 
 #include <gscl/gscl.h>
 
@@ -14,39 +14,39 @@ typedef struct gscl_coded_image {
     void *scratch;
 } gscl_coded_image;
 
-/* Makes room for `splats` splats of the picture's coding; header and codes are kept. */
-gscl_result gscl_coded_image_reserve(gscl_coded_image *picture, size_t splats);
-/* Frees the arrays; accepts a zeroed picture. */
-void gscl_coded_image_free(gscl_coded_image *picture);
+/* Makes room for `splats` splats of the coding that the header names; header and codes are kept. */
+gscl_result gscl_coded_image_reserve(gscl_coded_image *coded, size_t splats);
+/* Frees the arrays; accepts a zeroed coded image. */
+void gscl_coded_image_free(gscl_coded_image *coded);
 
-/* Reads a file into a picture (which may hold anything before). */
-gscl_result gscl_coded_image_read(gscl_coded_image *picture, const uint8_t *bytes, size_t size);
-/* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that stay with the picture, or NULL. */
-gscl_result gscl_coded_image_read_counted(gscl_coded_image *picture, const uint8_t *bytes, size_t size,
+/* Reads a file; `coded` may hold anything before. */
+gscl_result gscl_coded_image_read(gscl_coded_image *coded, const uint8_t *bytes, size_t size);
+/* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that must live as long as the coded image, or NULL. */
+gscl_result gscl_coded_image_read_counted(gscl_coded_image *coded, const uint8_t *bytes, size_t size,
                                           uint64_t *stream_bits256);
-/* Writes the picture into a new buffer (gscl_free); sorts its splats into the stored order. */
-gscl_result gscl_coded_image_write(gscl_coded_image *picture, uint8_t **bytes, size_t *size);
+/* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
+gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);
 /* The exact size that gscl_coded_image_write would give, without writing.  The splats must be in the stored order. */
-gscl_result gscl_coded_image_size(gscl_coded_image *picture, size_t *size);
+gscl_result gscl_coded_image_size(gscl_coded_image *coded, size_t *size);
 
-/* Sorts the splats into the stored order.  `order`: NULL, or receives where they came from: place i holds what was splat
- * order[i]. */
-gscl_result gscl_coded_image_sort(gscl_coded_image *picture, size_t *order);
+/* Sorts the splats into the stored order.  `order` is NULL or receives their old places: place i then holds the splat
+ * that was at place order[i]. */
+gscl_result gscl_coded_image_sort(gscl_coded_image *coded, size_t *order);
 
 /* The library's result for a format result. */
 gscl_result gscl_result_of_format(gsf_result result);
 /* A message in the context for a format error, naming versions and limits. */
 gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size);
 
-/* The kernels that draw this picture (loss is left 0). */
+/* The options of the kernels that draw the coded image (the loss stays 0). */
 gscl_kernel_options gscl_coded_image_options(const gsf_header *header);
 /* Channels of the decoded image, 1..4. */
 uint32_t gscl_coded_image_channels(const gsf_header *header);
 
 /* Dequantises splat `i` into GSCL_PARAMS parameters. */
-void gscl_coded_image_splat(const gscl_coded_image *picture, uint32_t i, float *params);
+void gscl_coded_image_splat(const gscl_coded_image *coded, uint32_t i, float *params);
 
 /* What the codes stand for: splat_count * GSCL_PARAMS parameters in drawing order, and the background. */
-void gscl_coded_image_params(const gscl_coded_image *picture, float *params, float background[4]);
+void gscl_coded_image_params(const gscl_coded_image *coded, float *params, float background[4]);
 
 #endif

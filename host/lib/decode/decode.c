@@ -8,17 +8,16 @@
 #include "decode/frame.h"
 #include "decode/renderer.h"
 #include "decode/resize.h"
+#include "decode/tunables.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
-
-#define BAND_SAMPLES (16u << 20) /* of a band: 64 MiB of floats */
 
 void gscl_decode_settings_init(gscl_decode_settings *settings, size_t struct_size) {
     const gscl_decode_settings defaults = {0};
     gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
-/* The image that the decode gives, without pixels. */
+/* The image that the decode returns, without pixels. */
 static gscl_image shape_of(const gscl_frame *f, const gsf_header *header, const gscl_decode_settings *s) {
     gscl_sample sample = s->sample != GSCL_SAMPLE_AUTO ? s->sample
                          : header->high_bit_depth      ? GSCL_SAMPLE_U16
@@ -51,10 +50,11 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
     return GSCL_OK;
 }
 
-/* Draws the frame band by band, so that no buffer grows with the picture. */
+/* Draws the frame band by band, so that no buffer grows with the coded. */
 static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
-    uint32_t rows = (uint32_t)(BAND_SAMPLES / ((size_t)f->width * image->channels) / GSCL_TILE * GSCL_TILE);
+    const size_t row_samples = (size_t)f->width * image->channels;
+    uint32_t rows = (uint32_t)((size_t)gscl_decode_tunables.band_samples / row_samples / GSCL_TILE * GSCL_TILE);
     if (rows < GSCL_TILE)
         rows = GSCL_TILE;
     for (uint32_t y = 0; y < f->height; y += rows) {
@@ -92,32 +92,31 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
     return GSCL_OK;
 }
 
-/* `params` and `background`: room for what the device is given. */
-static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *picture, const gscl_frame *f,
+/* `params` and `background`: room for the data that are copied to the device. */
+static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
                                const gscl_image *image, float *params, float background[4]) {
-    const gsf_header *header = &picture->file.header;
+    const gsf_header *header = &coded->file.header;
     gscl_renderer *renderer = NULL;
     gscl_kernel_options options = gscl_coded_image_options(header);
     double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     gscl_stage(context, GSCL_STAGE_DEQUANTISE);
-    gscl_coded_image_params(picture, params, background);
+    gscl_coded_image_params(coded, params, background);
     gscl_resize_splats(params, header->splat_count, scale_x, scale_y);
     if (!(options.shape == GSCL_SHAPE_ISOTROPIC && scale_x == scale_y) && (scale_x != 1 || scale_y != 1))
-        options.shape = GSCL_SHAPE_ROTATED; /* what scaling makes of them */
+        options.shape = GSCL_SHAPE_ROTATED; /* scaling turns the axes */
     gscl_stage(context, GSCL_STAGE_DRAW);
     GSCL_TRY(reuse_renderer(context, &options, &renderer));
     GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));
     return draw_bands(renderer, f, image);
 }
 
-static gscl_result draw(gscl_context *context, const gscl_coded_image *picture, const gscl_frame *f,
+static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
                         const gscl_image *image) {
-    float background[4],
-        *params = malloc(((size_t)picture->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
+    float background[4], *params = malloc(((size_t)coded->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
         return gscl_fail_memory(context);
-    gscl_result result = draw_splats(context, picture, f, image, params, background);
-    gscl_finish(context); /* also after an error nobody reads them any more */
+    gscl_result result = draw_splats(context, coded, f, image, params, background);
+    gscl_finish(context); /* after an error, too, the device may still read `params` */
     free(params);
     return result;
 }
@@ -125,7 +124,7 @@ static gscl_result draw(gscl_context *context, const gscl_coded_image *picture, 
 /* Reads the file, checking each limit as soon as its figure is known: the header before anything is allocated, the work
  * before pixels and memory of the device are. */
 static gscl_result read_within_limits(gscl_context *context, const uint8_t *bytes, size_t size,
-                                      const gscl_decode_settings *s, gscl_coded_image *picture, gscl_frame *f) {
+                                      const gscl_decode_settings *s, gscl_coded_image *coded, gscl_frame *f) {
     gsf_header header;
     gscl_result result = gscl_result_of_format(gsf_read_header(bytes, size, &header));
     if (result != GSCL_OK) {
@@ -134,11 +133,11 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
     }
     GSCL_TRY(gscl_frame_resolve(context, s, &header, f));
     gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
-    result = gscl_coded_image_read(picture, bytes, size);
+    result = gscl_coded_image_read(coded, bytes, size);
     if (result != GSCL_OK)
         gscl_coded_image_fail(context, result, bytes, size);
-    else if ((result = gscl_frame_check_work(context, s, picture, f)) != GSCL_OK)
-        gscl_coded_image_free(picture);
+    else if ((result = gscl_frame_check_work(context, s, coded, f)) != GSCL_OK)
+        gscl_coded_image_free(coded);
     if (result != GSCL_OK)
         gscl_stage(context, GSCL_STAGE_NONE);
     return result;
@@ -154,18 +153,18 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_decode_settings, max_pixels, settings, &s));
     if ((unsigned)s.sample > GSCL_SAMPLE_F32)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)s.sample);
-    gscl_coded_image picture;
+    gscl_coded_image coded;
     gscl_frame f;
-    GSCL_TRY(read_within_limits(context, bytes, size, &s, &picture, &f));
-    gscl_image decoded = shape_of(&f, &picture.file.header, &s);
+    GSCL_TRY(read_within_limits(context, bytes, size, &s, &coded, &f));
+    gscl_image decoded = shape_of(&f, &coded.file.header, &s);
     gscl_result result = provide_pixels(context, &decoded, image);
     if (result == GSCL_OK)
-        result = draw(context, &picture, &f, &decoded);
+        result = draw(context, &coded, &f, &decoded);
     if (result == GSCL_OK)
         *image = decoded;
     else if (!image->pixels)
         free(decoded.pixels);
-    gscl_coded_image_free(&picture);
+    gscl_coded_image_free(&coded);
     gscl_stage(context, GSCL_STAGE_NONE);
     return result;
 }

@@ -68,25 +68,25 @@ static double outline_area(const float *p, const gscl_frame *f) {
     return overlap(p[GSCL_X], half.width, f->x, f->width) * overlap(p[GSCL_Y], half.height, f->y, f->height);
 }
 
-uint64_t gscl_frame_work(const gscl_coded_image *picture, const gscl_frame *f) {
-    const gsf_header *header = &picture->file.header;
+uint64_t gscl_frame_work(const gscl_coded_image *coded, const gscl_frame *f) {
+    const gsf_header *header = &coded->file.header;
     const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     uint64_t work = 0;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
-        gscl_coded_image_splat(picture, i, params);
+        gscl_coded_image_splat(coded, i, params);
         gscl_resize_splats(params, 1, scale_x, scale_y);
         work += (uint64_t)fmax(1, ceil(outline_area(params, f)));
     }
     return work;
 }
 
-gscl_result gscl_frame_check_work(gscl_context *context, const gscl_decode_settings *s, const gscl_coded_image *picture,
+gscl_result gscl_frame_check_work(gscl_context *context, const gscl_decode_settings *s, const gscl_coded_image *coded,
                                   const gscl_frame *f) {
-    const uint64_t bound = picture->file.header.splat_count * gscl_frame_pixels(f); /* at most 2^48 */
+    const uint64_t bound = coded->file.header.splat_count * gscl_frame_pixels(f); /* at most 2^48 */
     if (s->max_work == 0 || bound <= s->max_work)
         return GSCL_OK;
-    const uint64_t work = gscl_frame_work(picture, f);
+    const uint64_t work = gscl_frame_work(coded, f);
     if (work > s->max_work)
         return gscl_fail(context, GSCL_ERROR_LIMIT,
                          "drawing the image takes %" PRIu64 " evaluations; max_work is %" PRIu64, work, s->max_work);

@@ -1,4 +1,4 @@
-/* What a decode draws: the size of the drawn picture, the rectangle of it that is returned, and the limits on both. */
+/* What a decode draws: the size of the drawn coded, the rectangle of it that is returned, and the limits on both. */
 #ifndef GSCL_LIB_FRAME_H
 #define GSCL_LIB_FRAME_H
 
@@ -7,7 +7,7 @@
 #include "decode/coded_image.h"
 
 typedef struct gscl_frame {
-    uint32_t full_width, full_height; /* of the whole drawn picture, pixels */
+    uint32_t full_width, full_height; /* of the whole drawn coded, pixels */
     uint32_t x, y, width, height;     /* the rectangle that is returned */
 } gscl_frame;
 
@@ -20,10 +20,10 @@ gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings
 uint64_t gscl_frame_pixels(const gscl_frame *f);
 
 /* Evaluations of a splat at a pixel, as gscl_info.work defines them. */
-uint64_t gscl_frame_work(const gscl_coded_image *picture, const gscl_frame *f);
+uint64_t gscl_frame_work(const gscl_coded_image *coded, const gscl_frame *f);
 
 /* Checks the work against max_work. */
-gscl_result gscl_frame_check_work(gscl_context *context, const gscl_decode_settings *s, const gscl_coded_image *picture,
+gscl_result gscl_frame_check_work(gscl_context *context, const gscl_decode_settings *s, const gscl_coded_image *coded,
                                   const gscl_frame *f);
 
 #endif

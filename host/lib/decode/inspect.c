@@ -102,20 +102,20 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;
     GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_info, pixels, info));
-    gscl_coded_image picture;
+    gscl_coded_image coded;
     gscl_info own;
     uint64_t stream_bits256[GSF_STREAM_COUNT];
-    GSCL_TRY(gscl_coded_image_read_counted(&picture, bytes, size, stream_bits256));
-    describe(&picture.file.header, size, &own);
-    if (picture.file.header.coding == GSF_CODING_CODEBOOK && picture.file.header.splat_count > 0) {
-        own.shape_words = picture.file.codebooks.shape_count;
-        own.colour_words = picture.file.codebooks.colour_count;
+    GSCL_TRY(gscl_coded_image_read_counted(&coded, bytes, size, stream_bits256));
+    describe(&coded.file.header, size, &own);
+    if (coded.file.header.coding == GSF_CODING_CODEBOOK && coded.file.header.splat_count > 0) {
+        own.shape_words = coded.file.codebooks.shape_count;
+        own.colour_words = coded.file.codebooks.colour_count;
     }
     list_streams(stream_bits256, size, &own);
     const gscl_frame whole = {own.width, own.height, 0, 0, own.width, own.height};
-    own.work = gscl_frame_work(&picture, &whole);
+    own.work = gscl_frame_work(&coded, &whole);
     gscl_struct_write(info, &own);
-    gscl_coded_image_free(&picture);
+    gscl_coded_image_free(&coded);
     return GSCL_OK;
 }
 
@@ -136,22 +136,22 @@ static gscl_splat drawn_splat(const float *params, const gsf_header *header) {
 gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, gscl_splat **splats, size_t *count) {
     if (!bytes || !splats || !count)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    gscl_coded_image picture;
-    GSCL_TRY(gscl_coded_image_read(&picture, bytes, size));
-    size_t n = picture.file.header.splat_count;
+    gscl_coded_image coded;
+    GSCL_TRY(gscl_coded_image_read(&coded, bytes, size));
+    size_t n = coded.file.header.splat_count;
     float background[4], *params = malloc((n + 1) * GSCL_PARAMS * sizeof(float));
     gscl_splat *list = malloc((n + 1) * sizeof *list);
     gscl_result result = params && list ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
     if (result == GSCL_OK) {
-        gscl_coded_image_params(&picture, params, background);
+        gscl_coded_image_params(&coded, params, background);
         for (size_t i = 0; i < n; i++)
-            list[i] = drawn_splat(params + i * GSCL_PARAMS, &picture.file.header);
+            list[i] = drawn_splat(params + i * GSCL_PARAMS, &coded.file.header);
         *splats = list;
         *count = n;
     } else {
         free(list);
     }
     free(params);
-    gscl_coded_image_free(&picture);
+    gscl_coded_image_free(&coded);
     return result;
 }

@@ -4,18 +4,14 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/tunables.h"
 #include "decode/ycocg.h"
 
-#define COLOUR_STEPS 16 /* that the format has */
-
-/* For a colour that many pixels have, */
-#define FINER_LUMA 2 /* as many finer steps are looked at */
-#define FINER_CHROMA 3
-#define ERROR_FOR_BIT 2.0 /* of that colour, in (1/255)^2: what a bit a splat must win */
+#define COLOUR_STEPS 16 /* number of steps that the format offers */
 
 static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 
-/* The nearest code, within its range even where it is far beyond what an int holds. */
+/* The nearest code within its range; x may be beyond the range of int. */
 static int nearest_code(double x, int min, int max) {
     return (int)rint(fmin(fmax(x, min), max));
 }
@@ -40,16 +36,16 @@ void gscl_steps_to_floats(const gsf_steps *s, float *f) {
 
 /* The code whose step is nearest to `factor` times that of `code`; steps are in proportion to code + offset. */
 static uint8_t scaled_code(uint8_t code, int offset, double factor) {
-    double wanted = rint((code + offset) * factor) - offset;
-    return (uint8_t)fmin(fmax(wanted, 0), 15);
+    double scaled = rint((code + offset) * factor) - offset;
+    return (uint8_t)fmin(fmax(scaled, 0), 15);
 }
 
-/* Likewise for colours, where codes name numbers of levels. */
+/* The same for colours, whose codes stand for numbers of levels. */
 static uint8_t scaled_levels(uint8_t code, double factor) {
-    double wanted = gsf_colour_levels(code) / factor;
+    double levels = gsf_colour_levels(code) / factor;
     unsigned best = 0;
     for (unsigned i = 1; i < COLOUR_STEPS; i++)
-        if (fabs(log(gsf_colour_levels(i) / wanted)) < fabs(log(gsf_colour_levels(best) / wanted)))
+        if (fabs(log(gsf_colour_levels(i) / levels)) < fabs(log(gsf_colour_levels(best) / levels)))
             best = i;
     return (uint8_t)best;
 }
@@ -158,7 +154,7 @@ static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, floa
 
 static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, float *params) {
     double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH, cosine = 1, sine = 0;
-    if (t->amplitude > 0) { /* most splats have none, for which these functions would take long */
+    if (t->amplitude > 0) { /* most splats have no wave, and these functions are slow */
         double direction = t->direction * pi / GSF_DIRECTIONS;
         frequency *= exp2(-GSCL_OCTAVES_PER_WAVE * t->wave);
         cosine = cos(direction);
@@ -182,7 +178,7 @@ void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params
     dequantise_texture(p, &s->texture, params);
 }
 
-/* Squared error of a colour that is coded, a pixel, in (1/255)^2. */
+/* Squared error of a colour after coding, per sample, in (1/255)^2. */
 static double coded_colour_error(const gsf_coded_image *p, const float *colour) {
     gsf_splat splat = {0};
     float coded[4] = {0};
@@ -196,20 +192,21 @@ static double coded_colour_error(const gsf_coded_image *p, const float *colour) 
 }
 
 void gscl_fit_steps_to_colour(gsf_coded_image *p, const float *colour) {
-    const gsf_steps usual = p->steps;
-    gsf_steps best = usual;
-    int most_chroma = p->header.has_chroma ? usual.chroma + FINER_CHROMA : usual.chroma;
-    double least = INFINITY;
-    for (int luma = usual.luma; luma <= usual.luma + FINER_LUMA && luma < COLOUR_STEPS; luma++)
-        for (int chroma = usual.chroma; chroma <= most_chroma && chroma < COLOUR_STEPS; chroma++) {
+    const gsf_steps initial = p->steps;
+    gsf_steps best = initial;
+    const int max_luma = initial.luma + gscl_decode_tunables.max_finer_luma;
+    const int max_chroma = initial.chroma + (p->header.has_chroma ? gscl_decode_tunables.max_finer_chroma : 0);
+    double lowest = INFINITY;
+    for (int luma = initial.luma; luma <= max_luma && luma < COLOUR_STEPS; luma++)
+        for (int chroma = initial.chroma; chroma <= max_chroma && chroma < COLOUR_STEPS; chroma++) {
             p->steps.luma = (uint8_t)luma;
             p->steps.chroma = (uint8_t)chroma;
-            double finer_luma = gsf_colour_levels(p->steps.luma) / (double)gsf_colour_levels(usual.luma);
-            double finer_chroma = gsf_colour_levels(p->steps.chroma) / (double)gsf_colour_levels(usual.chroma);
+            double finer_luma = gsf_colour_levels(p->steps.luma) / (double)gsf_colour_levels(initial.luma);
+            double finer_chroma = gsf_colour_levels(p->steps.chroma) / (double)gsf_colour_levels(initial.chroma);
             double bits = log2(finer_luma) + 2 * log2(finer_chroma);
-            double cost = coded_colour_error(p, colour) + ERROR_FOR_BIT * bits;
-            if (cost < least) {
-                least = cost;
+            double cost = coded_colour_error(p, colour) + gscl_decode_tunables.error_per_bit * bits;
+            if (cost < lowest) {
+                lowest = cost;
                 best = p->steps;
             }
         }

@@ -5,13 +5,11 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/tunables.h"
 #include "image/image.h"
 #include "runtime/mapping.h"
 
-#define SPARE_ENTRIES 8  /* behind the last list: searches load vectors of entries */
-#define FEW_ENTRIES 1024 /* that a row of tiles has room for beside one for each splat: few splats may be wide */
-#define MOST_BANDS 32    /* of rows of tiles: work for many cores, and few enough lists for many splats */
-#define FEW_ROWS 64      /* of tiles: no bands */
+#define PADDING_ENTRIES 8 /* after the last list: searches load vectors of entries */
 
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
@@ -93,7 +91,7 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }
 
-/* Reads what the rows of tiles wanted at the last binning, without waiting for it. */
+/* Starts to read the number of entries of each row of tiles at the last binning, without waiting for it. */
 static gscl_result read_totals_async(gscl_renderer *r) {
     size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
     cl_int *totals = realloc(r->totals, size);
@@ -103,7 +101,7 @@ static gscl_result read_totals_async(gscl_renderer *r) {
     return gscl_buffer_read_async(r->context, &r->row_totals, totals, size);
 }
 
-/* The largest number of entries that a row of tiles wanted; measures the occupancy, too. */
+/* The largest number of entries of a row of tiles; sets the occupancy. */
 static cl_int measure_rows(gscl_renderer *r) {
     double total = 0;
     cl_int largest = 0;
@@ -120,18 +118,18 @@ static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
     if ((size_t)capacity * (size_t)r->view.tiles_y > INT_MAX)
         return gscl_fail(r->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be drawn");
     r->row_capacity = capacity;
-    size_t entries = (size_t)capacity * (size_t)r->view.tiles_y + SPARE_ENTRIES;
+    size_t entries = (size_t)capacity * (size_t)r->view.tiles_y + PADDING_ENTRIES;
     return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
 }
 
-/* Which splats touch which band of rows of tiles; *band_rows is 0 where there are no bands. */
+/* Lists the splats of each band of rows of tiles; *band_rows becomes 0 where there are no bands. */
 static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
     cl_kernel kernel;
-    bool few = r->view.tiles_y <= FEW_ROWS;
-    cl_int bands = few ? r->view.tiles_y : MOST_BANDS;
+    bool few = r->view.tiles_y <= gscl_decode_tunables.max_rows_without_bands;
+    cl_int bands = few ? r->view.tiles_y : gscl_decode_tunables.max_bands;
     *band_rows = few ? 0 : (r->view.tiles_y + bands - 1) / bands;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, MOST_BANDS * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(cl_int)));
     if (few)
         return GSCL_OK;
     GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin_bands", &kernel));
@@ -152,11 +150,12 @@ static gscl_result launch_bin(gscl_renderer *r) {
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
 }
 
-/* To begin with: a guess, or what the buffer holds already. */
+/* The first capacity: an estimate, or that of the buffer. */
 static cl_int first_row_capacity(const gscl_renderer *r) {
-    size_t held = r->entries.size / sizeof(cl_uint), guess = (size_t)r->count + FEW_ENTRIES;
-    held = held > SPARE_ENTRIES ? (held - SPARE_ENTRIES) / (size_t)r->view.tiles_y : 0;
-    return (cl_int)(held > guess ? held : guess);
+    size_t held = r->entries.size / sizeof(cl_uint),
+           estimate = (size_t)r->count + (size_t)gscl_decode_tunables.first_entries;
+    held = held > PADDING_ENTRIES ? (held - PADDING_ENTRIES) / (size_t)r->view.tiles_y : 0;
+    return (cl_int)(held > estimate ? held : estimate);
 }
 
 gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
@@ -168,10 +167,10 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
         return GSCL_OK;
     GSCL_TRY(read_totals_async(r));
     GSCL_TRY(gscl_finish(r->context));
-    cl_int largest = measure_rows(r); /* grow early: until the next exact binning the splats move */
-    if (largest + largest / 4 <= r->row_capacity)
+    cl_int largest = measure_rows(r);
+    if (largest + largest / gscl_decode_tunables.spare_part <= r->row_capacity)
         return GSCL_OK;
-    GSCL_TRY(set_row_capacity(r, largest + largest / 2));
+    GSCL_TRY(set_row_capacity(r, largest + largest / gscl_decode_tunables.growth_part));
     return launch_bin(r);
 }
 
@@ -212,7 +211,7 @@ static gscl_result read_samples(gscl_renderer *r, size_t row, void *pixels, size
     return GSCL_OK;
 }
 
-/* A guess of what the lists hold is nearly always enough, and waiting for them takes as long as filling them. */
+/* The estimated capacity is nearly always enough, and waiting for the exact one takes as long as filling the lists. */
 gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, void *pixels, size_t stride) {
     size_t row = (size_t)r->width * (size_t)layout.channels * gscl_sample_size((gscl_sample)layout.sample);
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->samples, row * (size_t)r->height));

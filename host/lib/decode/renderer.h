@@ -18,7 +18,7 @@ typedef struct gscl_renderer {
     cl_int count;         /* splats */
     cl_int row_capacity;  /* list entries that each row of tiles owns */
     double occupancy;     /* mean entries of a tile at the last exact binning */
-    cl_int *totals;       /* entries that each row of tiles wanted, as last read from row_totals */
+    cl_int *totals;       /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
     gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
     gscl_buffer samples;
@@ -37,25 +37,25 @@ gscl_result gscl_renderer_set_view(gscl_renderer *renderer, int level, uint32_t 
 /* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device. */
 gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
                                      const float *background);
-/* Likewise, without waiting: they must stay where they are until the queue has come to it (gscl_buffer_write_async). */
+/* The same without waiting: both must stay valid until the queue has reached the copy (gscl_buffer_write_async). */
 gscl_result gscl_renderer_set_splats_async(gscl_renderer *renderer, const float *params, size_t count,
                                            const float *background);
 /* Makes room for `count` splats without touching those that are there. */
 gscl_result gscl_renderer_reserve(gscl_renderer *renderer, size_t count);
-/* Quantiser steps to look through (GSCL_STEP_COUNT floats), or NULL for none. */
+/* Sets the steps of the quantiser through which splats are projected (GSCL_STEP_COUNT floats), or NULL for none. */
 gscl_result gscl_renderer_set_steps(gscl_renderer *renderer, const float *steps);
 
-/* Parameters -> drawn records, outlines and boxes. */
+/* Computes the projected splats, the bounds of their ellipses and their boxes of tiles from the parameters. */
 gscl_result gscl_renderer_project(gscl_renderer *renderer);
-/* Fills the tiles' lists.  `exact` makes sure that they hold everything, with a quarter to spare, at the
- * price of waiting for the device; otherwise a list that overflows is cut short. */
+/* Fills the tiles' lists.  `exact` waits for the device and enlarges the lists where they are too short; otherwise a
+ * list that overflows is cut short. */
 gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
 /* Draws the binned splats into renderer->image: planes of width * height floats. */
 gscl_result gscl_renderer_draw(gscl_renderer *renderer);
-/* All three. */
+/* Projects, bins and draws. */
 gscl_result gscl_renderer_render(gscl_renderer *renderer);
-/* Likewise, but straight into an image in memory, rows `stride` bytes apart.  Waits once, for the image, unless a list
- * turns out to have been too short: then it draws again. */
+/* The same into an image in memory, rows `stride` bytes apart.  Waits once, for the image, unless a list was too short:
+ * then it draws again. */
 gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
 
 /* Floats from the start of one plane of renderer->image to the next. */

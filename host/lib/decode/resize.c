@@ -8,7 +8,7 @@ static double box_variance(double scale) {
     return scale < 1 ? (1 / (scale * scale) - 1) / 12 : 0;
 }
 
-/* Transforms one covariance and takes it apart into axes and angle again. */
+/* Transforms a covariance and decomposes it into axes and angle. */
 static void resize_shape(float *p, double sx, double sy) {
     double v1 = exp(2.0 * p[GSCL_LOG_S1]), v2 = exp(2.0 * p[GSCL_LOG_S2]);
     double c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]);

@@ -9,7 +9,8 @@
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
  *   frame.h: the rectangle that a decode returns, and its limits
- *   decode.c, inspect.c: the public functions */
+ *   decode.c, inspect.c: the public functions
+ *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_DECODE_H
 #define GSCL_ROOM_LIB_DECODE_H
 #endif

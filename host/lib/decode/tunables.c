@@ -1,0 +1,15 @@
+#include "decode/tunables.h"
+
+const struct gscl_decode_tunables gscl_decode_tunables = {
+    .band_samples = 16 << 20,
+
+    .first_entries = 1024,
+    .spare_part = 4,
+    .growth_part = 2,
+    .max_rows_without_bands = 64,
+    .max_bands = 32,
+
+    .max_finer_luma = 2,
+    .max_finer_chroma = 3,
+    .error_per_bit = 2.0,
+};

@@ -1,0 +1,30 @@
+/* Numbers of drawing and quantising that were found by trying. */
+#ifndef GSCL_LIB_DECODE_TUNABLES_H
+#define GSCL_LIB_DECODE_TUNABLES_H
+
+struct gscl_decode_tunables {
+    /* Samples of a band of the drawn image: a larger image is drawn in several bands, so that the device needs room for
+     * one band only. */
+    int band_samples;
+
+    /* Entries that a row of tiles has room for at first, in addition to one for each splat. */
+    int first_entries;
+    /* Part 1 / spare_part of a row's entries must be spare after an exact binning; otherwise the lists are enlarged by
+     * the part 1 / growth_part.  Splats move until the next exact binning. */
+    int spare_part;
+    int growth_part;
+    /* Up to so many rows of tiles each row makes its own list of splats.  More rows share the lists of max_bands
+     * bands. */
+    int max_rows_without_bands;
+    int max_bands;
+
+    /* Finer steps of luma and of chroma that are tried for the colour of a flat background: steps. */
+    int max_finer_luma;
+    int max_finer_chroma;
+    /* Squared error of that colour, in (1/255)^2, that a bit per splat must save. */
+    double error_per_bit;
+};
+
+extern const struct gscl_decode_tunables gscl_decode_tunables;
+
+#endif
