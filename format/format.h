@@ -41,15 +41,14 @@ gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, v
 /* An upper bound of the size of the written file. */
 size_t gsf_write_bound(const gsf_coded_image *image);
 
-/* Writes the image and returns its size in *size.  Ignores header.version, and sets it.  Codes of
- * effects that are off are ignored, and zero afterwards.  GSF_INVALID also when the splats together cover more
- * pixels than FORMAT.md's "Limits" allow.  Sorts image->splats (or ->indexed) into the
- * stored order in place, so that afterwards the image equals what gsf_read would return.
- * The file is a function of the image alone. */
+/* Writes the image and sets *size to the size of the file.  Sets header.version, sorts image->splats (or ->indexed) into
+ * the stored order in place and zeroes the codes of effects that are off, so that afterwards the image equals the one
+ * that gsf_read would return.  The file is a function of the image alone.  Returns GSF_INVALID when a value is outside
+ * the format's limits, or when the splats together cover more pixels than FORMAT.md's "Limits" allow. */
 gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch);
 
-/* The size of the file that gsf_write would give, exactly, without writing it.  The splats must be in the stored order
- * (gsf_sort) and the codes of effects that are off must be zero. */
+/* Counts the exact size of the file that gsf_write would write, without writing it.  The splats must be in the stored
+ * order (gsf_sort) and the codes of effects that are off must be zero. */
 gsf_result gsf_size(gsf_coded_image *image, size_t *size, void *scratch);
 
 /* Sorts the splats into the stored order without writing: `alpha` depends on it.  Zeroes the codes of

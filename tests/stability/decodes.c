@@ -10,10 +10,10 @@ static bool close_to(const oracle_image *truth, const gscl_image *image, char *m
     const int allowed = high_bit_depth ? 257 : 1;
     for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; i++) {
         const int found = high_bit_depth ? ((const uint16_t *)image->pixels)[i] : ((const uint8_t *)image->pixels)[i];
-        const int wanted = (int)oracle_round(truth->pixels[i], high_bit_depth ? 65535 : 255);
-        if (abs(found - wanted) <= allowed)
+        const int expected = (int)oracle_round(truth->pixels[i], high_bit_depth ? 65535 : 255);
+        if (abs(found - expected) <= allowed)
             continue;
-        snprintf(message, room, "sample %zu of the decoded file is %d, %d expected", i, found, wanted);
+        snprintf(message, room, "sample %zu of the decoded file is %d, %d expected", i, found, expected);
         return false;
     }
     return true;

@@ -21,7 +21,7 @@
 /* A hard case: points and their weights, k, and the rows that are given to begin with. */
 typedef struct {
     const char *name;
-    uint32_t count, dims, clusters, warm, wanted; /* wanted: words that must be left, 0 for any number */
+    uint32_t count, dims, clusters, warm, expected; /* expected: number of words in the result, 0 for any */
     bool weighted, scaled;
     float values[POINTS * DIMS], weights[POINTS], metric[DIMS], start[CLUSTERS * DIMS];
 } problem;
@@ -65,8 +65,8 @@ static void check_problem(const problem *p) {
     assert_memory_equal(&first, &second, sizeof first);
     if (first.result.iterations >= MOST_ITERATIONS)
         fail_msg("%s: no end after %u iterations", p->name, first.result.iterations);
-    if (p->wanted && first.result.clusters != p->wanted)
-        fail_msg("%s: %u words, %u expected", p->name, first.result.clusters, p->wanted);
+    if (p->expected && first.result.clusters != p->expected)
+        fail_msg("%s: %u words, %u expected", p->name, first.result.clusters, p->expected);
     for (uint32_t k = 0; k < first.result.clusters; k++)
         for (uint32_t d = 0; d < p->dims; d++)
             worst = fmax(worst, off_mean(p, &first, k, d));
@@ -91,7 +91,7 @@ static void test_equal_points(void **state) {
     problem *p = cloud("all points equal", POINTS, 4, CLUSTERS);
     for (uint32_t i = 4; i < POINTS * 4; i++)
         p->values[i] = p->values[i % 4];
-    p->wanted = 1;
+    p->expected = 1;
     check_problem(p);
     p->warm = CLUSTERS; /* as many equal words */
     p->name = "all points equal, words too";
@@ -103,22 +103,22 @@ static void test_equal_points(void **state) {
 static void test_few_points(void **state) {
     (void)state;
     problem *p = cloud("fewer points than k", CLUSTERS - 10, 3, CLUSTERS);
-    p->wanted = CLUSTERS - 10;
+    p->expected = CLUSTERS - 10;
     check_problem(p);
     p = cloud("one point", 1, 5, CLUSTERS);
-    p->wanted = 1;
+    p->expected = 1;
     check_problem(p);
     p = cloud("two values, many points", POINTS, 1, CLUSTERS);
     for (uint32_t i = 0; i < POINTS; i++)
         p->values[i] = (float)(i % 2);
-    p->wanted = 2;
+    p->expected = 2;
     check_problem(p);
 }
 
 static void test_one_cluster(void **state) {
     (void)state;
     problem *p = cloud("k = 1", POINTS, 5, 1);
-    p->wanted = 1;
+    p->expected = 1;
     check_problem(p);
 }
 
@@ -126,7 +126,7 @@ static void test_one_cluster(void **state) {
 static void test_empty_clusters(void **state) {
     (void)state;
     problem *p = cloud("words far from all points", POINTS, 2, CLUSTERS);
-    p->warm = p->wanted = CLUSTERS;
+    p->warm = p->expected = CLUSTERS;
     for (uint32_t i = 0; i < CLUSTERS * 2; i++)
         p->start[i] = 1e6f * (float)(1 + i);
     check_problem(p);
@@ -135,7 +135,7 @@ static void test_empty_clusters(void **state) {
 static void test_duplicated_words(void **state) {
     (void)state;
     problem *p = cloud("duplicated words", POINTS, 3, CLUSTERS);
-    p->warm = p->wanted = CLUSTERS;
+    p->warm = p->expected = CLUSTERS;
     for (uint32_t i = 0; i < CLUSTERS * 3; i++)
         p->start[i] = i / 3 % 2 ? 0.25f : 0.5f;
     check_problem(p);
@@ -147,7 +147,7 @@ static void test_scales(void **state) {
     problem *p = cloud("coordinates from 10^-30 to 10^30", POINTS, DIMS, CLUSTERS);
     for (uint32_t i = 0; i < POINTS * DIMS; i++)
         p->values[i] *= scales[i % DIMS];
-    p->wanted = CLUSTERS;
+    p->expected = CLUSTERS;
     check_problem(p);
     p->scaled = true;
     p->name = "likewise, and a metric that makes them equal";

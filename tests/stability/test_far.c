@@ -65,7 +65,7 @@ static gscl_result draw(gscl_context *context, int blend, const float *params, f
 }
 
 static void check_case(const far_case *c, int blend, int mapping) {
-    static double wanted[SAMPLES], bounds[SAMPLES], gradient_bounds[SPLATS * ORACLE_PARAMS], target[SAMPLES];
+    static double expected[SAMPLES], bounds[SAMPLES], gradient_bounds[SPLATS * ORACLE_PARAMS], target[SAMPLES];
     float params[SPLATS * GSCL_PARAMS], planes[SAMPLES];
     double seen[SPLATS * ORACLE_PARAMS], worst = 0.0, largest = 0.0;
     oracle_fit fit = {.blend = (oracle_blend)blend,
@@ -78,16 +78,16 @@ static void check_case(const far_case *c, int blend, int mapping) {
     make_splats(c, params);
     for (int i = 0; i < SPLATS * GSCL_PARAMS; i++)
         seen[i] = params[i] - (i % GSCL_PARAMS <= GSCL_Y ? ORIGIN : 0.0);
-    oracle_fit_draw(&fit, seen, SPLATS, wanted);
+    oracle_fit_draw(&fit, seen, SPLATS, expected);
     oracle_fit_bounds(&fit, seen, SPLATS, bounds, gradient_bounds);
     assert_int_equal(draw(stability_context(mapping), blend, params, planes), GSCL_OK);
     for (int i = 0; i < SAMPLES; i++) {
-        const double error = fabs(planes[i] - wanted[i]);
+        const double error = fabs(planes[i] - expected[i]);
         worst = fmax(worst, 255.0 * error);
         largest = fmax(largest, 255.0 * bounds[i]);
         if (!(error <= bounds[i]))
             fail_msg("%s, %s, %s mapping: sample %d is %.9g, %.9g expected, at most %.3g apart", c->name,
-                     stability_blends[blend], stability_mappings[mapping], i, planes[i], wanted[i], bounds[i]);
+                     stability_blends[blend], stability_mappings[mapping], i, planes[i], expected[i], bounds[i]);
     }
     char detail[40];
     snprintf(detail, sizeof detail, "%s, %s", stability_blends[blend], stability_mappings[mapping]);

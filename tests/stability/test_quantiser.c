@@ -236,7 +236,7 @@ static double word_error(const gscl_codebook *book, const float *projected) {
     return worst;
 }
 
-static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl_coded_image *picture, double *error) {
+static void cluster(gscl_context *context, gscl_fit *fit, const book_case *c, gscl_coded_image *coded, double *error) {
     static float params[SPLATS * GSCL_PARAMS], projected[SPLATS * GSCL_PARAMS];
     gscl_codebook book;
     uint64_t random = 9;
@@ -245,7 +245,7 @@ static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl
     check_call(context, c->name, gscl_codebook_create(&book, fit, c->bits, c->bits, c->bits));
     for (int round = 0; round < (c->equal ? 0 : 3); round++) {
         check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, round > 0, &random));
-        check_call(context, c->name, gscl_codebook_sort(&book, picture));
+        check_call(context, c->name, gscl_codebook_sort(&book, coded));
         check_call(context, c->name, gscl_codebook_step_straight_through(&book, 1.0f));
     }
     check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, true, &random));
@@ -254,7 +254,7 @@ static void learn(gscl_context *context, gscl_fit *fit, const book_case *c, gscl
     for (size_t i = 0; i < c->splats * GSCL_PARAMS; i++)
         assert_true(isfinite(projected[i]));
     *error = word_error(&book, projected);
-    check_call(context, c->name, gscl_codebook_quantise(&book, picture));
+    check_call(context, c->name, gscl_codebook_quantise(&book, coded));
     gscl_codebook_free(&book);
 }
 
@@ -263,37 +263,37 @@ static void check_books(gscl_context *context, const book_case *c, double *error
     const gscl_kernel_options options = {
         .blend = GSCL_ALPHA, .colours = 3, .opacity = 1, .loss = GSCL_LOSS_KIND_EXTERNAL};
     gscl_fit fit;
-    gscl_coded_image picture = {0};
+    gscl_coded_image coded = {0};
     uint8_t *bytes = NULL;
     size_t size;
-    picture.file.header = (gsf_header){.blend = GSF_BLEND_ALPHA,
-                                       .coding = GSF_CODING_CODEBOOK,
-                                       .layout = GSF_RGB,
-                                       .has_chroma = true,
-                                       .has_opacity = true,
-                                       .has_rotation = true,
-                                       .has_anisotropy = true,
-                                       .width = SIDE,
-                                       .height = SIDE};
+    coded.file.header = (gsf_header){.blend = GSF_BLEND_ALPHA,
+                                     .coding = GSF_CODING_CODEBOOK,
+                                     .layout = GSF_RGB,
+                                     .has_chroma = true,
+                                     .has_opacity = true,
+                                     .has_rotation = true,
+                                     .has_anisotropy = true,
+                                     .width = SIDE,
+                                     .height = SIDE};
     check_call(context, c->name, gscl_fit_create(&fit, context, &options, SIDE, SIDE, 0, target));
-    learn(context, &fit, c, &picture, error);
-    check_words_used(c, &picture.file);
-    assert_int_equal(gscl_coded_image_write(&picture, &bytes, &size), GSCL_OK);
+    cluster(context, &fit, c, &coded, error);
+    check_words_used(c, &coded.file);
+    assert_int_equal(gscl_coded_image_write(&coded, &bytes, &size), GSCL_OK);
     check_bytes(c->name, bytes, size);
     gscl_free(bytes);
-    gscl_coded_image_free(&picture);
+    gscl_coded_image_free(&coded);
     gscl_fit_free(&fit);
 }
 
-static void test_learnt_codebooks(void **state) {
+static void test_clustered_codebooks(void **state) {
     (void)state;
     static const book_case cases[] = {
-        {"learnt words, b = 1", 1, 8, 8, SPLATS, false},
-        {"learnt words, b = 16", 16, 8, 8, SPLATS, false},
-        {"learnt words, all splats equal (min = max)", 8, 8, 8, SPLATS, true},
-        {"learnt words, fewer splats than words", 8, 64, 64, 5, false},
-        {"learnt words, k = 1", 16, 1, 1, SPLATS, false},
-        {"learnt words, one splat", 1, 8, 8, 1, false},
+        {"clustered words, b = 1", 1, 8, 8, SPLATS, false},
+        {"clustered words, b = 16", 16, 8, 8, SPLATS, false},
+        {"clustered words, all splats equal (min = max)", 8, 8, 8, SPLATS, true},
+        {"clustered words, fewer splats than words", 8, 64, 64, 5, false},
+        {"clustered words, k = 1", 16, 1, 1, SPLATS, false},
+        {"clustered words, one splat", 1, 8, 8, 1, false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         for (int m = 0; m < 2; m++) {
@@ -310,7 +310,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parameters_beyond_all_ends),
         cmocka_unit_test(test_codebook_ends),
-        cmocka_unit_test(test_learnt_codebooks),
+        cmocka_unit_test(test_clustered_codebooks),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }

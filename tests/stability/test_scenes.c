@@ -36,12 +36,12 @@ static void test_hard_scene(void **state) {
 /* STABILITY_BLEND is the name of a blend, or `alternate`: then each case runs in one blend, so that all blends occur,
  * and the image cases do not run, because no kernel depends on them. */
 static bool is_wanted(const scene_case *subject, size_t number, int blend, int shape) {
-    const char *wanted = getenv("STABILITY_BLEND");
+    const char *selected = getenv("STABILITY_BLEND");
     if (shape != GSCL_SHAPE_ROTATED && subject == image_cases)
         return false;
-    if (wanted && !strcmp(wanted, "alternate"))
+    if (selected && !strcmp(selected, "alternate"))
         return subject != image_cases && (int)(number % 3) == blend && (shape == GSCL_SHAPE_ROTATED || number % 4 == 0);
-    return !wanted || !strcmp(wanted, stability_blends[blend]);
+    return !selected || !strcmp(selected, stability_blends[blend]);
 }
 
 static hard_test hard[MOST_TESTS];

@@ -111,14 +111,14 @@ static double bound_of(const double *a, const double *b, int pixel) {
 
 /* ---- Comparison ---- */
 
-static gscl_result differentiate(gscl_context *context, const float *picture, const float *target, float *slope) {
+static gscl_result differentiate(gscl_context *context, const float *rendering, const float *target, float *slope) {
     const gscl_kernel_options options = {.blend = 0, .colours = 1};
     gscl_ssim ssim = {0};
     gscl_buffer buffers[3] = {{0}, {0}, {0}};
     const size_t bytes = PIXELS * sizeof(float);
     GSCL_TRY(gscl_buffer_reserve_image(context, &buffers[0], bytes));
     GSCL_TRY(gscl_buffer_reserve_image(context, &buffers[1], bytes));
-    GSCL_TRY(gscl_buffer_write(context, &buffers[0], 0, picture, bytes));
+    GSCL_TRY(gscl_buffer_write(context, &buffers[0], 0, rendering, bytes));
     GSCL_TRY(gscl_buffer_write(context, &buffers[1], 0, target, bytes));
     GSCL_TRY(gscl_ssim_derivative(&ssim, context, &options, WIDTH, HEIGHT, &buffers[0], &buffers[1], (float)WEIGHT,
                                   &buffers[2]));
@@ -129,28 +129,28 @@ static gscl_result differentiate(gscl_context *context, const float *picture, co
     return GSCL_OK;
 }
 
-static void check_pair(const char *name, const float *picture, const float *target) {
+static void check_pair(const char *name, const float *rendering, const float *target) {
     static double a[PIXELS], b[PIXELS];
     float slopes[2][PIXELS], again[PIXELS];
     double worst[2] = {0}, largest_bound = 0.0;
     for (int i = 0; i < PIXELS; i++) {
-        a[i] = picture[i];
+        a[i] = rendering[i];
         b[i] = target[i];
     }
     for (int m = 0; m < 2; m++) {
-        assert_int_equal(differentiate(contexts[m], picture, target, slopes[m]), GSCL_OK);
-        assert_int_equal(differentiate(contexts[m], picture, target, again), GSCL_OK);
+        assert_int_equal(differentiate(contexts[m], rendering, target, slopes[m]), GSCL_OK);
+        assert_int_equal(differentiate(contexts[m], rendering, target, again), GSCL_OK);
         assert_memory_equal(slopes[m], again, sizeof again);
     }
     for (int i = 0; i < PIXELS; i++) {
-        const double wanted = (8.0 * difference(a, b, i, STEP) - difference(a, b, i, 2.0 * STEP)) / (12.0 * STEP);
+        const double expected = (8.0 * difference(a, b, i, STEP) - difference(a, b, i, 2.0 * STEP)) / (12.0 * STEP);
         const double bound = bound_of(a, b, i) + 1e-9;
         largest_bound = fmax(largest_bound, bound);
         for (int m = 0; m < 2; m++) {
-            worst[m] = fmax(worst[m], fabs(slopes[m][i] - wanted));
-            if (!(fabs(slopes[m][i] - wanted) <= bound))
+            worst[m] = fmax(worst[m], fabs(slopes[m][i] - expected));
+            if (!(fabs(slopes[m][i] - expected) <= bound))
                 fail_msg("%s: pixel %d: the slope is %.9g, %.9g expected, at most %.3g apart", name, i, slopes[m][i],
-                         wanted, bound);
+                         expected, bound);
         }
     }
     report("SSIM", name, "cpu", "slope of the loss", largest_bound, worst[0]);
@@ -159,7 +159,7 @@ static void check_pair(const char *name, const float *picture, const float *targ
 
 /* ---- Cases ---- */
 
-static float picture[PIXELS], target[PIXELS];
+static float rendering[PIXELS], target[PIXELS];
 
 static void fill(float *plane, float value, float noise) {
     for (int i = 0; i < PIXELS; i++)
@@ -172,31 +172,31 @@ static void test_flat(void **state) {
     static const char *const names[] = {"flat 0.4 on 0.4", "flat 1 on 1", "flat 0 on 0", "flat 0.4 on 0.5",
                                         "flat 0 on 1"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        fill(picture, values[i][0], 0.0f);
+        fill(rendering, values[i][0], 0.0f);
         fill(target, values[i][1], 0.0f);
-        check_pair(names[i], picture, target);
+        check_pair(names[i], rendering, target);
     }
 }
 
 static void test_flat_and_noise(void **state) {
     (void)state;
-    fill(picture, 0.5f, 0.0f);
+    fill(rendering, 0.5f, 0.0f);
     fill(target, 0.5f, 0.3f);
-    check_pair("flat on noise", picture, target);
-    check_pair("noise on flat", target, picture);
-    fill(picture, 0.5f, 0.3f);
-    check_pair("noise on noise", picture, target);
+    check_pair("flat on noise", rendering, target);
+    check_pair("noise on flat", target, rendering);
+    fill(rendering, 0.5f, 0.3f);
+    check_pair("noise on noise", rendering, target);
 }
 
 static void test_nearly_flat(void **state) {
     (void)state;
-    fill(picture, 0.8f, 0.0f);
+    fill(rendering, 0.8f, 0.0f);
     for (int i = 0; i < PIXELS; i++)
         target[i] = (float)(30000 + i) / 65535.0f;
-    check_pair("flat on a 16-bit gradient", picture, target);
+    check_pair("flat on a 16-bit gradient", rendering, target);
     fill(target, 0.0f, 0.0f);
     target[9 * WIDTH + 11] = 1.0f;
-    check_pair("flat on one hot pixel", picture, target);
+    check_pair("flat on one hot pixel", rendering, target);
     check_pair("one hot pixel on itself", target, target);
 }
 
