@@ -1,11 +1,11 @@
 /* Choosing codes by rate and distortion.
  *
- * A pass visits each splat once.  It takes the splat out of the rendering, evaluates a handful of other codes and the
+ * A pass changes each splat once.  It takes the splat out of the rendering, evaluates a handful of other codes and the
  * rendering without the splat, and puts back what costs least: squared error + lambda * bits.  The change of error is
  * exact: the rendering P and (in `normalized`) the sum of weights D are kept per pixel and changed in place.  While the
  * splat is out, giving it weight w and colour c changes a pixel to P + s (c - P), s = w / (D + w) (`sum`: P + w c).  The
  * error is therefore a quadratic in c, whose coefficients one walk over the outline adds up; the best colour codes need
- * no further walk.  Splats that are visited at once do not touch each other's pixels (host/lib/scalar/rdo_groups.h). */
+ * no further walk.  Splats that are changed at once do not touch each other's pixels (host/lib/scalar/rdo_groups.h). */
 
 /* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
 typedef struct {
@@ -148,31 +148,31 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry 
            c->code[GSCL_CODE_Y] < m->cells_y;
 }
 
-/* Whether the outline stays within the pixels of the visit. */
-inline bool visit_contains(gscl_rdo_visit visit, const projected_splat *a) {
-    return outline_is_within(a, (int4)(visit.x0, visit.x1, visit.y0, visit.y1));
+/* Whether the outline stays within the pixels of the task. */
+inline bool task_contains(gscl_rdo_task task, const projected_splat *a) {
+    return outline_is_within(a, (int4)(task.x0, task.x1, task.y0, task.y1));
 }
 
 /* First: takes the splats of a group out of the rendering. */
-__kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_visit *restrict visits,
+__kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                          __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                          __global float *restrict rendering, __global float *restrict weights) {
-    int visit = (int)get_global_id(0);
-    if (visit >= pass.count) return;
-    gscl_codes now = all[visits[pass.start + visit].splat];
+    int task = (int)get_global_id(0);
+    if (task >= pass.count) return;
+    gscl_codes now = all[tasks[pass.start + task].splat];
     splat s = codes_splat(&now, tables->minors, tables->aspects, pass.settings);
     projected_splat a = splat_project(s, pass.view);
     rendering_change(&a, -1.0f, rendering, weights, pass.width, pass.height, (ulong)pass.width * (ulong)pass.height);
 }
 
 /* Second: evaluates one move of one splat. */
-__kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_visit *restrict visits,
+__kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                            __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                            __global const float *restrict rendering, __global const float *restrict weights,
                            __global const float *restrict target, __global gscl_move_outcome *restrict outcomes) {
-    int visit = (int)get_global_id(0) / MOVES, move = (int)get_global_id(0) % MOVES;
-    if (visit >= pass.count) return;
-    gscl_rdo_visit own = visits[pass.start + visit];
+    int task = (int)get_global_id(0) / MOVES, move = (int)get_global_id(0) % MOVES;
+    if (task >= pass.count) return;
+    gscl_rdo_task own = tasks[pass.start + task];
     gscl_codes now = all[own.splat];
     gscl_move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
     __global const float *bits = tables->bits;
@@ -181,7 +181,7 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_visit *re
     if (possible) {
         splat s = codes_splat(&now, tables->minors, tables->aspects, pass.settings);
         projected_splat a = splat_project(s, pass.view);
-        if (move == 0 || visit_contains(own, &a)) {
+        if (move == 0 || task_contains(own, &a)) {
             quadratic q = error_of_colour(&a, rendering, weights, target, pass.width, pass.height,
                                           (ulong)pass.width * (ulong)pass.height);
             outcome.cost = colour_descend(&q, &now, bits, pass.settings);
@@ -192,20 +192,20 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_visit *re
             for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[GSCL_CODE_LUMA + k];
         }
     }
-    outcomes[(size_t)visit * MOVES + move] = outcome;
+    outcomes[(size_t)task * MOVES + move] = outcome;
 }
 
 /* Third: puts the splat with the best codes into the rendering.  A splat that is not worth its bits gets minor code
  * -1. */
-__kernel void rdo_commit(gscl_rdo_pass pass, __global const gscl_rdo_visit *restrict visits,
+__kernel void rdo_commit(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                          __global gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                          __global float *restrict rendering, __global float *restrict weights,
                          __global const float *restrict target, __global const gscl_move_outcome *restrict outcomes) {
-    int visit = (int)get_global_id(0), best = -1;
-    if (visit >= pass.count) return;
-    int i = visits[pass.start + visit].splat;
+    int task = (int)get_global_id(0), best = -1;
+    if (task >= pass.count) return;
+    int i = tasks[pass.start + task].splat;
     ulong plane = (ulong)pass.width * (ulong)pass.height;
-    outcomes += (size_t)visit * MOVES;
+    outcomes += (size_t)task * MOVES;
     float lowest = pass.cost_of_dropping;
     for (int move = 0; move < MOVES; move++)
         if (outcomes[move].cost < lowest) {

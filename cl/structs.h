@@ -112,10 +112,10 @@ typedef struct gscl_rdo_tables {
 } gscl_rdo_tables;
 
 /* A splat that is changed in a pass. */
-typedef struct gscl_rdo_visit {
+typedef struct gscl_rdo_task {
     cl_int splat;
     cl_int x0, x1, y0, y1; /* pixels that its outline may touch after the pass; no other of its group touches them */
-} gscl_rdo_visit;
+} gscl_rdo_task;
 
 /* Steps of the codes and the price of a bit. */
 typedef struct gscl_rdo_settings {
@@ -128,12 +128,12 @@ typedef struct gscl_rdo_settings {
     cl_int min[4], max[4]; /* of the codes luma, co, cg, alpha */
 } gscl_rdo_settings;
 
-/* The settings of a pass, and the visits of one group. */
+/* The settings of a pass, and the tasks of one group. */
 typedef struct gscl_rdo_pass {
     gscl_rdo_settings settings;
     gscl_view view;
     cl_int width, height;      /* of the level, pixels */
-    cl_int start, count;       /* visits of the group: visits[start .. start + count) */
+    cl_int start, count;       /* tasks of the group: tasks[start .. start + count) */
     cl_float bits_per_splat;   /* bits that each splat costs besides its codes */
     cl_float cost_of_dropping; /* 0 (no change of error, no bits), or more than any other where none may be dropped */
 } gscl_rdo_pass;

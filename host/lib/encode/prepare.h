@@ -10,7 +10,7 @@ gscl_result gscl_encode_prepare(gscl_encoder *encoder, const gscl_image *image);
 /* Sets encoder->target.  Refuses a budget below the smallest file of this image. */
 gscl_result gscl_encode_resolve_target(gscl_encoder *encoder);
 
-/* Whether the background alone is the result: the image is flat, or no splats are asked for. */
+/* Whether the background alone is the result: the image is flat, or the target is no splats. */
 bool gscl_encode_is_background_only(const gscl_encoder *encoder);
 
 #endif

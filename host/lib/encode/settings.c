@@ -10,7 +10,7 @@ void gscl_encode_settings_init(gscl_encode_settings *settings, size_t struct_siz
     gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
-gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *s) {
+static gscl_result check_ranges(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
         s->tune > GSCL_TUNE_SSIM || s->target > GSCL_TARGET_SPLATS)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
@@ -22,28 +22,37 @@ gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_
     if (s->target == GSCL_TARGET_SPLATS && s->target_value > GSCL_MAX_SPLATS)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%.0f splats are more than %d", s->target_value,
                          GSCL_MAX_SPLATS);
-    if (s->codebook_size != 0 && s->profile != GSCL_PROFILE_PAPER)
-        return gscl_fail(context, GSCL_ERROR_CONFLICT, "a codebook size needs the paper profile");
     if (s->codebook_size == 1 || s->codebook_size > GSF_MAX_CODEBOOK)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u code words are not in 2..%d", s->codebook_size,
                          GSF_MAX_CODEBOOK);
-    if (s->step_factor != 0 && s->profile == GSCL_PROFILE_PAPER)
-        return gscl_fail(context, GSCL_ERROR_CONFLICT, "quantiser steps are the default profile's");
     if (s->step_factor != 0 && !(s->step_factor >= 0.25 && s->step_factor <= 4))
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%g times the quantiser's steps are not in 0.25..4",
                          s->step_factor);
-    if (s->profile == GSCL_PROFILE_PAPER && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
-        return gscl_fail(context, GSCL_ERROR_CONFLICT,
-                         "the paper profile blends by alpha; choose another profile for other blends");
-    bool squared = s->loss == GSCL_LOSS_AUTO || s->loss == GSCL_LOSS_L2;
-    if (s->tune == GSCL_TUNE_SSIM && (s->profile == GSCL_PROFILE_PAPER || !squared))
-        return gscl_fail(context, GSCL_ERROR_CONFLICT,
-                         "tuning for SSIM weighs squared errors; it needs the default profile and the loss L2");
     return GSCL_OK;
 }
 
+static const char *contradiction(const gscl_encode_settings *s) {
+    const bool paper = s->profile == GSCL_PROFILE_PAPER;
+    const bool squared = s->loss == GSCL_LOSS_AUTO || s->loss == GSCL_LOSS_L2;
+    if (s->codebook_size != 0 && !paper)
+        return "a codebook size needs the paper profile";
+    if (s->step_factor != 0 && paper)
+        return "quantiser steps are the default profile's";
+    if (paper && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
+        return "the paper profile blends by alpha; choose another profile for other blends";
+    if (s->tune == GSCL_TUNE_SSIM && (paper || !squared))
+        return "tuning for SSIM weights squared errors; it needs the default profile and the loss L2";
+    return NULL;
+}
+
+gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *s) {
+    GSCL_TRY(check_ranges(context, s));
+    const char *why = contradiction(s);
+    return why ? gscl_fail(context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;
+}
+
 void gscl_encode_settings_resolve(gscl_encode_settings *s) {
-    bool paper = s->profile == GSCL_PROFILE_PAPER;
+    const bool paper = s->profile == GSCL_PROFILE_PAPER;
     if (s->blend == GSCL_BLEND_AUTO)
         s->blend = paper ? GSCL_BLEND_ALPHA : GSCL_BLEND_NORMALIZED;
     if (s->loss == GSCL_LOSS_AUTO)

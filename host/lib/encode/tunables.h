@@ -4,7 +4,7 @@
 
 struct gscl_encode_tunables {
     double auto_bpp;   /* bits per pixel of GSCL_TARGET_AUTO */
-    double auto_bytes; /* bytes; GSCL_TARGET_AUTO has at least these */
+    double auto_bytes; /* bytes; smallest budget of GSCL_TARGET_AUTO */
     int few_splats;    /* so few splats may be worse than the background alone */
 
     /* The search for effects. */
@@ -21,9 +21,9 @@ struct gscl_encode_tunables {
     double tolerance_db;    /* dB above the target that are accepted */
     double db_per_doubling; /* dB; first guess of how PSNR grows when the bytes double */
     double first_bpp;       /* bits per pixel of the first trial */
-    double min_bytes;       /* bytes of the first trial, at least */
+    double min_bytes;       /* bytes; smallest first trial */
     double max_bpp;         /* bits per pixel of the largest file that is tried */
-    double max_bytes;       /* bytes; the largest file that is tried is at least this large */
+    double max_bytes;       /* bytes; where max_bpp is less, the largest file that is tried */
 };
 
 extern const struct gscl_encode_tunables gscl_encode_tunables;

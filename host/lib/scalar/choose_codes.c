@@ -44,12 +44,12 @@ gscl_result gscl_scalar_densify(gscl_scalar_state *s) {
                              steps < tunables->max_densify_steps ? steps : tunables->max_densify_steps);
 }
 
-void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double goal, double gain) {
-    /* At this lambda the file would go on shrinking: the goal is compared with the size after the next pass. */
+void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double target_size, double gain) {
+    /* At this lambda the file would go on shrinking: the target is compared with the size after the next pass. */
     const double before = (double)size_before, size = (double)s->size;
     const double next = size < before ? size * size / before : size;
-    s->lambda_scale =
-        fmin(fmax(s->lambda_scale * pow(next / goal, gain), tunables->min_lambda_scale), tunables->max_lambda_scale);
+    s->lambda_scale = fmin(fmax(s->lambda_scale * pow(next / target_size, gain), tunables->min_lambda_scale),
+                           tunables->max_lambda_scale);
 }
 
 /* The first pass, without textures.  Splats are added as long as the budget clearly holds more of them. */

@@ -15,8 +15,8 @@ gscl_result gscl_scalar_pass(gscl_scalar_state *state, bool scan_textures);
 gscl_result gscl_scalar_densify(gscl_scalar_state *state);
 /* Whether the image can use no more splats. */
 bool gscl_scalar_has_max_splats(const gscl_scalar_state *state);
-/* Sets lambda so that the next pass leaves about `goal` bytes; `before`: the size before the last pass. */
-void gscl_scalar_update_lambda(gscl_scalar_state *state, size_t before, double goal, double gain);
+/* Sets lambda so that the next pass leaves about `target_size` bytes; `before`: the size before the last pass. */
+void gscl_scalar_update_lambda(gscl_scalar_state *state, size_t before, double target_size, double gain);
 
 /* Clears the header's texture effect where no splat has a wave, and notes the decision. */
 void gscl_scalar_drop_unused_effects(gscl_scalar_state *state);

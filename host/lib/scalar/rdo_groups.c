@@ -10,28 +10,28 @@
 
 #define CELL 16 /* pixels */
 
-/* What visits are sorted by. */
+/* What tasks are sorted by. */
 typedef struct gscl_rdo_key {
     int group;
-    int64_t area; /* of the box, pixels: about what the visit costs */
-    gscl_rdo_visit visit;
+    int64_t area; /* of the box, pixels: about what the task costs */
+    gscl_rdo_task task;
 } key;
 
 void gscl_rdo_groups_free(gscl_rdo_groups *g) {
-    free(g->visits);
+    free(g->tasks);
     free(g->keys);
     free(g->cells);
     *g = (gscl_rdo_groups){0};
 }
 
-static gscl_result reserve_visits(gscl_rdo_groups *g, gscl_context *context, size_t count) {
+static gscl_result reserve_tasks(gscl_rdo_groups *g, gscl_context *context, size_t count) {
     if (count <= g->capacity)
         return GSCL_OK;
-    free(g->visits);
+    free(g->tasks);
     free(g->keys);
-    g->visits = malloc(count * sizeof *g->visits);
+    g->tasks = malloc(count * sizeof *g->tasks);
     g->keys = malloc(count * sizeof *g->keys);
-    g->capacity = g->visits && g->keys ? count : 0;
+    g->capacity = g->tasks && g->keys ? count : 0;
     return g->capacity ? GSCL_OK : gscl_fail_memory(context);
 }
 
@@ -48,18 +48,18 @@ static gscl_result reserve_cells(gscl_rdo_groups *g, gscl_context *context, size
 }
 
 /* The pixels of the level that a splat may touch after the pass: its box with room to grow. */
-static gscl_rdo_visit visit_of(const gscl_renderer *r, const float *params, size_t splat) {
+static gscl_rdo_task task_of(const gscl_renderer *r, const float *params, size_t splat) {
     const gscl_half_size half =
         gscl_ellipse_half_size(params[GSCL_LOG_S1], params[GSCL_LOG_S2], params[GSCL_THETA], r->view.blur,
                                sqrt(2.0 * GSCL_SUPPORT) * gscl_rdo_tunables.growth);
     const double half_width = half.width * r->view.inv_scale + gscl_rdo_tunables.growth_pixels;
     const double half_height = half.height * r->view.inv_scale + gscl_rdo_tunables.growth_pixels;
     const double x = params[GSCL_X] * r->view.inv_scale, y = params[GSCL_Y] * r->view.inv_scale;
-    return (gscl_rdo_visit){.splat = (cl_int)splat,
-                            .x0 = (cl_int)floor(x - half_width),
-                            .x1 = (cl_int)ceil(x + half_width),
-                            .y0 = (cl_int)floor(y - half_height),
-                            .y1 = (cl_int)ceil(y + half_height)};
+    return (gscl_rdo_task){.splat = (cl_int)splat,
+                           .x0 = (cl_int)floor(x - half_width),
+                           .x1 = (cl_int)ceil(x + half_width),
+                           .y0 = (cl_int)floor(y - half_height),
+                           .y1 = (cl_int)ceil(y + half_height)};
 }
 
 static int cell_of(cl_int pixel, int cells) {
@@ -67,8 +67,8 @@ static int cell_of(cl_int pixel, int cells) {
     return cell < cells ? cell : cells - 1;
 }
 
-/* The first group that has no splat in the cells of this visit, or -1; marks the cells. */
-static int find_group(gscl_rdo_groups *g, int columns, int rows, const gscl_rdo_visit *v) {
+/* The first group that has no splat in the cells of this task, or -1; marks the cells. */
+static int find_group(gscl_rdo_groups *g, int columns, int rows, const gscl_rdo_task *v) {
     const int x0 = cell_of(v->x0, columns), x1 = cell_of(v->x1, columns);
     const int y0 = cell_of(v->y0, rows), y1 = cell_of(v->y1, rows);
     uint64_t taken = 0;
@@ -92,26 +92,26 @@ static int compare_keys(const void *a, const void *b) {
         return p->group < q->group ? -1 : 1;
     if (p->area != q->area)
         return p->area < q->area ? -1 : 1;
-    return p->visit.splat < q->visit.splat ? -1 : p->visit.splat > q->visit.splat;
+    return p->task.splat < q->task.splat ? -1 : p->task.splat > q->task.splat;
 }
 
 gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t count) {
     const int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
-    size_t visits = 0, sizes[GSCL_RDO_GROUPS] = {0};
-    GSCL_TRY(reserve_visits(g, r->context, count));
+    size_t tasks = 0, sizes[GSCL_RDO_GROUPS] = {0};
+    GSCL_TRY(reserve_tasks(g, r->context, count));
     GSCL_TRY(reserve_cells(g, r->context, (size_t)columns * (size_t)rows));
     for (size_t i = 0; i < count; i++) {
-        const gscl_rdo_visit v = visit_of(r, params + i * GSCL_PARAMS, i);
+        const gscl_rdo_task v = task_of(r, params + i * GSCL_PARAMS, i);
         const int group = find_group(g, columns, rows, &v);
         if (group < 0)
             continue;
-        g->keys[visits++] = (key){group, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
+        g->keys[tasks++] = (key){group, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
         sizes[group]++;
     }
     /* Within a group the largest come last: devices that hand out work in ever smaller shares then finish together. */
-    qsort(g->keys, visits, sizeof *g->keys, compare_keys);
-    for (size_t i = 0; i < visits; i++)
-        g->visits[i] = g->keys[i].visit;
+    qsort(g->keys, tasks, sizeof *g->keys, compare_keys);
+    for (size_t i = 0; i < tasks; i++)
+        g->tasks[i] = g->keys[i].task;
     g->largest = 0;
     for (int i = 0; i < GSCL_RDO_GROUPS; i++) {
         g->start[i + 1] = g->start[i] + sizes[i];

@@ -10,11 +10,11 @@
 #define GSCL_RDO_GROUPS 64 /* one bit each in the map of cells */
 
 typedef struct gscl_rdo_groups {
-    size_t capacity;        /* splats that fit in `visits` and `keys` */
-    gscl_rdo_visit *visits; /* by group */
+    size_t capacity;      /* splats that fit in `tasks` and `keys` */
+    gscl_rdo_task *tasks; /* by group */
     struct gscl_rdo_key *keys;
-    size_t start[GSCL_RDO_GROUPS + 1]; /* visits of each group; the last is the number of all */
-    size_t largest;                    /* visits of the largest group */
+    size_t start[GSCL_RDO_GROUPS + 1]; /* tasks of each group; the last is the number of all */
+    size_t largest;                    /* tasks of the largest group */
     size_t cell_capacity;
     uint64_t *cells; /* groups that have a splat in each cell of the image */
 } gscl_rdo_groups;

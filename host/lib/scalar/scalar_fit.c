@@ -37,9 +37,9 @@ static gscl_result create_fit(gscl_scalar_state *s) {
 
 /* The finest level for this part of the steps: the level must contain the detail that the splats should fit. */
 static int level_due(const gscl_scalar_state *s, double fraction) {
-    const double sparse = gscl_scalar_sparseness(s);
-    const double quarter = fmin(tunables->quarter_until * sparse, tunables->max_quarter_until);
-    const double half = fmin(tunables->half_until * sparse, tunables->max_half_until);
+    const double spacing = gscl_scalar_relative_spacing(s);
+    const double quarter = fmin(tunables->quarter_until * spacing, tunables->max_quarter_until);
+    const double half = fmin(tunables->half_until * spacing, tunables->max_half_until);
     const int level = fraction < quarter ? 2 : fraction < half ? 1 : 0;
     return s->source->first_level + (level > s->finest ? level : s->finest);
 }

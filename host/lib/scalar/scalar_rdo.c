@@ -19,7 +19,7 @@ typedef struct rdo_pass {
 } rdo_pass;
 
 void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo) {
-    gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_visits,
+    gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_tasks,
                               &rdo->outcomes,     &rdo->rendering,     &rdo->weights};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
@@ -62,10 +62,10 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
         rdo->codes[i] = gscl_rdo_codes_of(&file->splats[i]);
     gscl_rdo_tables_make(rdo->tables, file, &p->shared.settings, rdo->codes, p->count);
     GSCL_TRY(gscl_rdo_groups_make(&rdo->groups, &p->fit->renderer, rdo->params, p->count));
-    const size_t visits = rdo->groups.start[GSCL_RDO_GROUPS];
+    const size_t tasks = rdo->groups.start[GSCL_RDO_GROUPS];
     GSCL_TRY(gscl_buffer_upload(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
     GSCL_TRY(gscl_buffer_upload(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
-    GSCL_TRY(gscl_buffer_upload(context, &rdo->device_visits, rdo->groups.visits, visits * sizeof(gscl_rdo_visit)));
+    GSCL_TRY(gscl_buffer_upload(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task)));
     return gscl_buffer_reserve(context, &rdo->outcomes,
                                rdo->groups.largest * count_moves(p->fit) * sizeof(gscl_move_outcome));
 }
@@ -103,14 +103,14 @@ static gscl_result rdo_change_group(rdo_pass *p, int group) {
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_remove", &remove));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_evaluate", &evaluate));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_commit", &commit));
-    GSCL_TRY(GSCL_LAUNCH(r->context, remove, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_visits),
+    GSCL_TRY(GSCL_LAUNCH(r->context, remove, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
                          GSCL_ARG_BUFFER(rdo->device_codes), GSCL_ARG_BUFFER(rdo->device_tables),
                          GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights)));
     GSCL_TRY(GSCL_LAUNCH(r->context, evaluate, count * count_moves(p->fit), 1, GSCL_ARG(shared),
-                         GSCL_ARG_BUFFER(rdo->device_visits), GSCL_ARG_BUFFER(rdo->device_codes),
+                         GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
                          GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(rdo->rendering),
                          GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(rdo->outcomes)));
-    return GSCL_LAUNCH(r->context, commit, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_visits),
+    return GSCL_LAUNCH(r->context, commit, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
                        GSCL_ARG_BUFFER(rdo->device_codes), GSCL_ARG_BUFFER(rdo->device_tables),
                        GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target),
                        GSCL_ARG_BUFFER(rdo->outcomes));

@@ -19,7 +19,7 @@ static void choose_quantiser_steps(const gscl_scalar_state *s) {
         gscl_fit_steps_to_colour(file, s->source->background.colour);
 }
 
-double gscl_scalar_sparseness(const gscl_scalar_state *s) {
+double gscl_scalar_relative_spacing(const gscl_scalar_state *s) {
     return sqrt(s->source_pixels / (double)(s->target + 1)) / gscl_scalar_tunables.full_size_distance;
 }
 
@@ -33,10 +33,10 @@ static size_t estimate_splats(size_t bytes) {
 static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
     s->target = s->bytes ? estimate_splats(s->bytes) : plan->target.splats;
-    const double sparse = fmin(fmax(gscl_scalar_sparseness(s) - 1, 0), 1);
-    s->surplus = s->has_choice ? plan->preset->surplus + t->sparse_surplus * sparse : 1.0;
+    const double spacing = fmin(fmax(gscl_scalar_relative_spacing(s) - 1, 0), 1);
+    s->surplus = s->has_choice ? plan->preset->surplus + t->wide_surplus * spacing : 1.0;
     s->steps = plan->preset->steps;
-    s->steps += (int)(t->sparse_steps * sparse * s->steps);
+    s->steps += (int)(t->wide_steps * spacing * s->steps);
     if (s->target > s->max_splats)
         s->target = s->max_splats;
     s->start = (size_t)ceil((double)s->target * t->start_share);

@@ -55,8 +55,8 @@ void gscl_scalar_begin(gscl_scalar_state *state, gscl_encoder *encoder, const gs
 /* Frees what the stages made, but for the result. */
 void gscl_scalar_end(gscl_scalar_state *state);
 
-/* Distance from splat to splat in the source, in units of the distance at which a fit at full size is due. */
-double gscl_scalar_sparseness(const gscl_scalar_state *state);
+/* Distance from splat to splat in the source, in units of the tunable full_size_distance. */
+double gscl_scalar_relative_spacing(const gscl_scalar_state *state);
 /* Reads the fit's splats and turns them into codes. */
 gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
 /* Puts the coded splats into the fit. */

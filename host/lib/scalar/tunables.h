@@ -4,7 +4,7 @@
 
 #include <gscl/gscl.h>
 
-/* What an effort pays for. */
+/* The settings of an effort. */
 typedef struct gscl_effort_preset {
     int steps;           /* of the fit */
     int passes;          /* rate-distortion passes, besides the first and those that meet the budget */
@@ -22,24 +22,24 @@ struct gscl_scalar_tunables {
     double start_share;             /* of the splats that exist at the first step */
     double expected_bits_per_splat; /* bits; first estimate of how many splats a budget holds */
     double min_bits_per_splat;      /* bits; a fit that is half done takes less than it will at the end */
-    double sparse_surplus;          /* surplus added where splats are sparse */
-    double sparse_steps;            /* share of the steps added where splats are sparse: there a step is quick */
+    double wide_surplus;            /* surplus added where splats are far apart */
+    double wide_steps;              /* share of the steps added where splats are far apart: there a step is quick */
     int densify_rounds;             /* in which the other splats are added */
     double densify_until;           /* share of the steps; then the number of splats stays */
     int measure_round;              /* after this round real bits per splat replace the estimate */
 
     /* Levels of the pyramid. */
     int small_image_pixels;    /* pixels; up to here the finest level costs next to no time */
-    double full_size_distance; /* pixels from splat to splat, at which the three figures below hold as they are */
-    double quarter_until;      /* share of the steps at a quarter of the size; more where splats are sparser */
-    double half_until;         /* share of the steps until which half the size is enough; more where sparser */
-    double max_quarter_until;  /* largest quarter_until of sparse splats */
-    double max_half_until;     /* largest half_until of sparse splats */
+    double full_size_distance; /* pixels from splat to splat, at which the two shares below hold as they are */
+    double quarter_until;      /* share of the steps at a quarter of the size, for splats at full_size_distance */
+    double half_until;         /* share of the steps until full size is due, for splats at full_size_distance */
+    double max_quarter_until;  /* largest share at a quarter of the size, for splats that are further apart */
+    double max_half_until;     /* largest share until full size is due, for splats that are further apart */
     int level_check_interval;  /* steps until a finer level that was refused is considered again */
     double min_level_residual; /* share of the fit's error; a level with a smaller residual is skipped */
     double rounding_residual;  /* squared error per sample: residual of noise by rounding to 8 bits,
                                     (3/4 + 1/64) / 12 / 255^2 */
-    double probe_distance;     /* pixels from splat to splat; sparser probe fits use a coarser level */
+    double probe_distance;     /* pixels from splat to splat; probe fits of splats further apart use a coarser level */
 
     /* The fit. */
     double learning_rate;     /* factor of the learning rates in cl/update.cl */

@@ -13,7 +13,7 @@ bool gscl_effect_is_on(const gscl_effects *s, gscl_effect effect, bool automatic
     return gscl_effect_is_open(s, effect) ? automatic : (s->on & effect) != 0;
 }
 
-/* The reason why effects that the settings ask for are impossible; NULL when they are possible. */
+/* Why the effects of the settings are impossible; NULL when they are possible. */
 static const char *contradiction(const gscl_encode_settings *s, const gscl_image *image) {
     const bool paper = s->profile == GSCL_PROFILE_PAPER;
     const uint32_t on = s->effects_on, off = s->effects_off;
@@ -37,10 +37,10 @@ static const char *contradiction(const gscl_encode_settings *s, const gscl_image
 gscl_result gscl_effects_check(gscl_context *context, const gscl_encode_settings *s, const gscl_image *image) {
     for (uint32_t effect = 1; effect < 1u << GSCL_EFFECT_COUNT; effect <<= 1)
         if (s->effects_on & s->effects_off & effect)
-            return gscl_fail(context, GSCL_ERROR_CONFLICT, "%s is both asked for and ruled out",
+            return gscl_fail(context, GSCL_ERROR_CONFLICT, "%s is both switched on and switched off",
                              gscl_effect_name((gscl_effect)effect));
     if ((s->effects_on | s->effects_off) >> GSCL_EFFECT_COUNT)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "an effect is not one that there is");
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown effect");
     const char *why = contradiction(s, image);
     return why ? gscl_fail(context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;
 }
@@ -101,7 +101,7 @@ static bool is_trial(const gscl_effects *s, gscl_effect effect) {
     return false;
 }
 
-/* Notes a decision: asked for or ruled out where the effect is not open, else for `reason`. */
+/* Notes a decision, for `reason` unless the settings made it. */
 static void note_default(gscl_effects *s, gscl_effect effect, gscl_effect_reason reason, bool on) {
     if (!is_trial(s, effect))
         gscl_effect_note(s, effect, gscl_effect_is_open(s, effect) ? reason : GSCL_EFFECT_REQUESTED, on, NAN);

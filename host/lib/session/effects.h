@@ -1,4 +1,4 @@
-/* Effects of one encode: what the caller asked for, what was decided, and why. */
+/* Effects of one encode: which are on, and who decided it. */
 #ifndef GSCL_LIB_EFFECTS_H
 #define GSCL_LIB_EFFECTS_H
 
@@ -8,7 +8,7 @@
 
 /* The effects as far as they are decided.  A copy with other masks serves for a trial. */
 typedef struct gscl_effects {
-    uint32_t on, off; /* masks: asked for or ruled out, by the settings or by a trial; the others are open */
+    uint32_t on, off; /* masks: switched on or off by the settings or by a trial; the others are open */
     bool paper, alpha_blend;
     gscl_content content;
     size_t decision_count;
@@ -18,12 +18,12 @@ typedef struct gscl_effects {
 /* Refuses effects that contradict each other, the other settings, or the image. */
 gscl_result gscl_effects_check(gscl_context *context, const gscl_encode_settings *settings, const gscl_image *image);
 
-/* Takes over what the settings ask for or rule out; no decision is noted yet.  `settings` hold no AUTO. */
+/* The effects that the settings switch on or off; no decision is noted yet.  `settings` hold no AUTO. */
 gscl_effects gscl_effects_of_settings(const gscl_encode_settings *settings, const gscl_content *content);
 
-/* Whether the encoder may decide. */
+/* Whether neither the settings nor a trial switched the effect on or off. */
 bool gscl_effect_is_open(const gscl_effects *effects, gscl_effect effect);
-/* Whether an effect is on: as asked for or ruled out, else `automatic`. */
+/* Whether an effect is on: `automatic` where it is open. */
 bool gscl_effect_is_on(const gscl_effects *effects, gscl_effect effect, bool automatic);
 
 /* Sets the header's channels: chroma and alpha.  They are known before the source planes exist. */

@@ -69,13 +69,13 @@ static gscl_result preview_fit(gscl_renderer *preview, const gscl_fit *fit) {
     return gscl_buffer_copy(fit->context, &r->background, &preview->background, 0, (size_t)r->channels * sizeof(float));
 }
 
-static gscl_result preview_coded_image(gscl_renderer *preview, const gscl_fit *fit, const gscl_coded_image *picture) {
-    gscl_kernel_options options = gscl_coded_image_options(&picture->file.header);
-    size_t count = picture->file.header.splat_count;
+static gscl_result preview_coded_image(gscl_renderer *preview, const gscl_fit *fit, const gscl_coded_image *coded) {
+    gscl_kernel_options options = gscl_coded_image_options(&coded->file.header);
+    size_t count = coded->file.header.splat_count;
     float background[4], *params = malloc((count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
         return gscl_fail_memory(fit->context);
-    gscl_coded_image_params(picture, params, background);
+    gscl_coded_image_params(coded, params, background);
     gscl_result result = open_preview(preview, fit, &options, count);
     if (result == GSCL_OK)
         result = gscl_renderer_set_steps(preview, NULL);

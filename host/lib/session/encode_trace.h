@@ -1,4 +1,4 @@
-/* What an encode reports of itself (gscl_encode_report): the time of its stages and, where the settings ask for it, the
+/* The report of an encode (gscl_encode_report): the times of its stages and, where the settings switch it on, the
  * convergence trace of its fit. */
 #ifndef GSCL_LIB_ENCODE_TRACE_H
 #define GSCL_LIB_ENCODE_TRACE_H
@@ -6,10 +6,10 @@
 #include "session/encoder.h"
 #include "fit/fit.h"
 
-/* One encode's report while it is being filled in. */
+/* The report of an encode that is running. */
 struct gscl_encode_trace {
     gscl_encode_report *report;
-    bool has_points; /* the settings ask for the convergence trace */
+    bool has_points; /* the convergence trace is recorded */
     double start_s;
     gscl_stage_time_sum before[GSCL_STAGE_COUNT]; /* of the context's clock when the encode began */
     gscl_renderer preview;                        /* draws trace points, so that the fit's buffers stay as they are */
@@ -18,16 +18,16 @@ struct gscl_encode_trace {
 /* Begins to measure the context's stages.  `report` is overwritten. */
 void gscl_encode_trace_begin(gscl_encode_trace *trace, gscl_context *context, gscl_encode_report *report,
                              bool has_points);
-/* The encode is over: writes its times into the report.  Accepts a trace that has ended or, zeroed, never began. */
+/* Writes the times into the report at the end of the encode.  Accepts a trace that has ended or, zeroed, never began. */
 void gscl_encode_trace_end(gscl_encode_trace *trace, gscl_context *context);
 
 /* Discards the trace points of a fit that another one follows. */
 void gscl_trace_restart(gscl_encoder *encoder);
 /* Steps from one trace point to the next in a fit of `steps` steps. */
 int gscl_trace_interval(int steps);
-/* Adds a trace point: the fit's splats, seen through its quantiser, after `steps` steps. */
+/* Adds a trace point of the fit after `steps` steps, drawn through its quantiser. */
 gscl_result gscl_trace_fit(gscl_encoder *encoder, gscl_fit *fit, int steps);
-/* Adds a trace point: a coded image. */
+/* Adds a trace point of a coded image. */
 gscl_result gscl_trace_coded_image(gscl_encoder *encoder, gscl_fit *fit, const gscl_coded_image *coded, int steps);
 
 #endif

@@ -1,4 +1,4 @@
-/* Progress of an encode: tells the caller's callback and hears whether to go on. */
+/* Progress of an encode: calls the caller's callback, which may cancel the encode. */
 #ifndef GSCL_LIB_PROGRESS_H
 #define GSCL_LIB_PROGRESS_H
 
@@ -8,15 +8,15 @@ typedef struct gscl_progress_state {
     gscl_progress_callback callback;
     void *opaque;
     double start_s;
-    double from, to; /* the part of the whole that the current stage covers */
+    double from, to; /* share of the encode at which the current stage begins and ends */
     double psnr;
     uint32_t splats;
 } gscl_progress_state;
 
 void gscl_progress_begin(gscl_progress_state *progress, const gscl_encode_settings *settings);
-/* What follows covers this part of the whole. */
+/* Begins a stage that covers this share of the encode, 0..1. */
 void gscl_progress_stage(gscl_progress_state *progress, double from, double to);
-/* `fraction` of the stage is done.  GSCL_ERROR_CANCELLED when the caller wants to stop. */
+/* Reports that `fraction` of the stage is done.  GSCL_ERROR_CANCELLED when the callback returns false. */
 gscl_result gscl_progress_report(gscl_context *context, gscl_progress_state *progress, double fraction);
 
 #endif
