@@ -27,10 +27,16 @@ static float *picture_plain_from(int from) {
     return planes;
 }
 
+static gscl_flat_background find_in(const float *planes, int channels) {
+    gscl_flat_background flat;
+    assert_true(gscl_find_flat_background(planes, WIDTH, HEIGHT, channels, &flat));
+    return flat;
+}
+
 static void test_finds_colour_and_shares(void **state) {
     (void)state;
     float *planes = picture_plain_from(20);
-    gscl_flat_background ground = gscl_find_flat_background(planes, WIDTH, HEIGHT, 3);
+    gscl_flat_background ground = find_in(planes, 3);
     for (int k = 0; k < 3; k++)
         assert_float_equal(ground.colour[k], plain[k], 0.5 / 255);
     assert_float_equal(ground.pixels, 0.8, 1e-3);      /* a pixel of noise may have the colour, too */
@@ -41,25 +47,25 @@ static void test_finds_colour_and_shares(void **state) {
 static void test_one_other_pixel_makes_a_tile_busy(void **state) {
     (void)state;
     float *planes = picture_plain_from(0);
-    assert_true(gscl_find_flat_background(planes, WIDTH, HEIGHT, 3).tiles == 1);
+    assert_true(find_in(planes, 3).tiles == 1);
     planes[PIXELS - 1] = 1.0f; /* in the last tile, which is cut off */
-    assert_float_equal(gscl_find_flat_background(planes, WIDTH, HEIGHT, 3).tiles, 20.0 / 21.0, 1e-9);
+    assert_float_equal(find_in(planes, 3).tiles, 20.0 / 21.0, 1e-9);
     free(planes);
 }
 
 static void test_ground_in_busy_tiles(void **state) {
     (void)state;
     float *planes = picture_plain_from(20);
-    gscl_flat_background ground = gscl_find_flat_background(planes, WIDTH, HEIGHT, 3);
+    gscl_flat_background ground = find_in(planes, 3);
     /* 12 of the 32 columns of busy tiles, were the last tile a whole one */
     assert_float_equal(gscl_background_share_of_non_flat_tiles(&ground), 12.0 / 32.0, 0.1);
     free(planes);
     planes = picture_plain_from(0);
-    ground = gscl_find_flat_background(planes, WIDTH, HEIGHT, 3);
+    ground = find_in(planes, 3);
     assert_true(gscl_background_share_of_non_flat_tiles(&ground) == 0);
     free(planes);
     planes = picture_plain_from(32);
-    ground = gscl_find_flat_background(planes, WIDTH, HEIGHT, 3);
+    ground = find_in(planes, 3);
     assert_true(gscl_background_share_of_non_flat_tiles(&ground) < 0.1); /* the border is a border of tiles */
     free(planes);
 }
@@ -67,7 +73,7 @@ static void test_ground_in_busy_tiles(void **state) {
 static void test_too_small_a_part_is_no_ground(void **state) {
     (void)state;
     float *planes = picture_plain_from(80);
-    gscl_flat_background ground = gscl_find_flat_background(planes, WIDTH, HEIGHT, 3);
+    gscl_flat_background ground = find_in(planes, 3);
     assert_true(ground.pixels == 0 && ground.tiles == 0);
     free(planes);
 }
@@ -75,7 +81,7 @@ static void test_too_small_a_part_is_no_ground(void **state) {
 static void test_grey(void **state) {
     (void)state;
     float *planes = picture_plain_from(50);
-    gscl_flat_background ground = gscl_find_flat_background(planes, WIDTH, HEIGHT, 1);
+    gscl_flat_background ground = find_in(planes, 1);
     assert_float_equal(ground.colour[0], plain[0], 2.0 / 255);
     assert_true(ground.pixels > 0.49 && ground.pixels < 0.53);
     free(planes);

@@ -147,7 +147,7 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
                         gscl_image *image) {
     if (!context || !bytes || !image)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    context->message[0] = 0;
+    gscl_forget_message(context);
     gscl_decode_settings s;
     gscl_decode_settings_default(&s);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_decode_settings, max_pixels, settings, &s));
@@ -166,5 +166,5 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
         free(decoded.pixels);
     gscl_coded_image_free(&coded);
     gscl_stage(context, GSCL_STAGE_NONE);
-    return result;
+    return gscl_complete_message(context, result);
 }

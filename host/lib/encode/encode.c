@@ -158,7 +158,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
                         uint8_t **bytes, size_t *size, gscl_encode_report *report) {
     if (!context || !bytes || !size)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    context->message[0] = 0;
+    gscl_forget_message(context);
     gscl_encoder e = {.context = context};
     gscl_encode_settings_default(&e.settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_encode_settings, trace, settings, &e.settings));
@@ -173,7 +173,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     encoder_end(&e);
     if (result != GSCL_OK) {
         free(file.bytes);
-        return result;
+        return gscl_complete_message(context, result);
     }
     *bytes = file.bytes;
     *size = file.size;

@@ -26,9 +26,10 @@ bool gscl_matches_background(const float *planes, size_t pixels, int channels, c
     return true;
 }
 
-/* The mean colour of the fullest bin; where there is a ground, most of the bin is that. */
-static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4]) {
-    size_t bins = (size_t)1 << (BITS * channels), fullest = 0, members = 0;
+/* The mean colour of the fullest bin; where there is a ground, most of the bin is that.  `members`: the pixels
+ * in the bin.  False: out of memory. */
+static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4], size_t *members) {
+    size_t bins = (size_t)1 << (BITS * channels), fullest = 0;
     uint32_t *counts = calloc(bins, sizeof *counts);
     if (!counts)
         return false;
@@ -36,7 +37,7 @@ static bool fullest_bin(const float *planes, size_t pixels, int channels, float 
         counts[bin_of(planes, pixels, channels, i)]++;
     for (size_t b = 1; b < bins; b++)
         fullest = counts[b] > counts[fullest] ? b : fullest;
-    members = counts[fullest];
+    *members = counts[fullest];
     free(counts);
     double sums[4] = {0};
     for (size_t i = 0; i < pixels; i++) {
@@ -46,8 +47,8 @@ static bool fullest_bin(const float *planes, size_t pixels, int channels, float 
             sums[k] += planes[(size_t)k * pixels + i];
     }
     for (int k = 0; k < channels; k++)
-        colour[k] = (float)(sums[k] / (double)members);
-    return members >= SHARE * (double)pixels;
+        colour[k] = (float)(sums[k] / (double)*members);
+    return true;
 }
 
 /* The part of the tiles that hold nothing else. */
@@ -67,18 +68,21 @@ static double ground_tiles(const float *planes, size_t width, size_t height, int
     return (double)plain / (double)tiles;
 }
 
-gscl_flat_background gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels) {
-    gscl_flat_background ground = {.pixels = 0};
-    size_t pixels = (size_t)width * height, same = 0;
-    if (!fullest_bin(planes, pixels, channels, ground.colour))
-        return ground;
+bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels,
+                               gscl_flat_background *flat) {
+    size_t pixels = (size_t)width * height, members, same = 0;
+    *flat = (gscl_flat_background){.pixels = 0};
+    if (!fullest_bin(planes, pixels, channels, flat->colour, &members))
+        return false;
+    if ((double)members < SHARE * (double)pixels)
+        return true;
     for (size_t i = 0; i < pixels; i++)
-        same += gscl_matches_background(planes, pixels, channels, ground.colour, i);
+        same += gscl_matches_background(planes, pixels, channels, flat->colour, i);
     if ((double)same < SHARE * (double)pixels)
-        return ground;
-    ground.pixels = (double)same / (double)pixels;
-    ground.tiles = ground_tiles(planes, width, height, channels, ground.colour);
-    return ground;
+        return true;
+    flat->pixels = (double)same / (double)pixels;
+    flat->tiles = ground_tiles(planes, width, height, channels, flat->colour);
+    return true;
 }
 
 double gscl_background_share_of_non_flat_tiles(const gscl_flat_background *ground) {

@@ -13,8 +13,9 @@ typedef struct gscl_flat_background {
     double tiles;  /* the part of the tiles (cl/constants.h) that hold nothing else */
 } gscl_flat_background;
 
-/* `planes`: `channels` (1 to 4) planes of width * height values in 0..1. */
-gscl_flat_background gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels);
+/* `planes`: `channels` (1 to 4) planes of width * height values in 0..1.  False: out of memory. */
+bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels,
+                               gscl_flat_background *flat);
 /* About the part of the other tiles' pixels that has it: small where one border divides the ground from the rest. */
 double gscl_background_share_of_non_flat_tiles(const gscl_flat_background *ground);
 /* Whether pixel `at` has that colour; `pixels`: of a plane. */

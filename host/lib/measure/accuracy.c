@@ -207,8 +207,9 @@ gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image
                                   const gscl_accuracy_settings *settings, gscl_accuracy_callback callback,
                                   void *opaque) {
     gscl_subject subject;
+    gscl_forget_message(context);
     if (!callback)
-        return GSCL_ERROR_INVALID_ARGUMENT;
+        return gscl_complete_message(context, GSCL_ERROR_INVALID_ARGUMENT);
     gscl_result result = gscl_subject_open(&subject, context, image, bytes, size, settings);
     variant_set b = {.subject = &subject};
     if (result == GSCL_OK)
@@ -220,5 +221,5 @@ gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image
     free(b.uncut);
     free(b.planes);
     gscl_subject_close(&subject);
-    return result;
+    return gscl_complete_message(context, result);
 }

@@ -266,8 +266,9 @@ gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *imag
                                    const gscl_accuracy_settings *settings, gscl_gradient_callback callback,
                                    void *opaque) {
     gscl_subject subject;
+    gscl_forget_message(context);
     if (!callback)
-        return GSCL_ERROR_INVALID_ARGUMENT;
+        return gscl_complete_message(context, GSCL_ERROR_INVALID_ARGUMENT);
     gscl_result result = gscl_subject_open(&subject, context, image, bytes, size, settings);
     gradient_check b = {.subject = &subject};
     if (result == GSCL_OK)
@@ -276,5 +277,5 @@ gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *imag
         result = measure_variants(&b, callback, opaque);
     gradient_check_free(&b);
     gscl_subject_close(&subject);
-    return result;
+    return gscl_complete_message(context, result);
 }

@@ -287,19 +287,21 @@ gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_se
                                   gscl_measurement_callback callback, void *opaque) {
     bench *b;
     gscl_buffer buffers[2] = {{0}};
+    gscl_forget_message(context);
     GSCL_TRY(bench_create(context, settings, callback, opaque, &b));
     gscl_result result = measure_device(b, buffers);
     for (int i = 0; i < 2; i++)
         gscl_buffer_free(&buffers[i]);
     free(b);
-    return result;
+    return gscl_complete_message(context, result);
 }
 
 gscl_result gscl_benchmark_kernels(gscl_context *context, const gscl_benchmark_settings *settings,
                                    gscl_measurement_callback callback, void *opaque) {
     bench *b;
+    gscl_forget_message(context);
     GSCL_TRY(bench_create(context, settings, callback, opaque, &b));
     gscl_result result = measure_kernels(b);
     free(b);
-    return result;
+    return gscl_complete_message(context, result);
 }

@@ -91,13 +91,16 @@ static gscl_result measure_effect(gscl_context *context, const gscl_coded_image 
 gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
                                  gscl_effect_use *uses, size_t *count) {
     gscl_info info = {.struct_size = sizeof info};
-    gscl_coded_image coded;
+    gscl_coded_image coded = {.capacity = 0};
     double psnr = NAN;
+    gscl_forget_message(context);
     if (!bytes || !uses || !count || (image && !context))
-        return GSCL_ERROR_INVALID_ARGUMENT;
-    GSCL_TRY(gscl_probe(bytes, size, &info));
-    GSCL_TRY(gscl_coded_image_read(&coded, bytes, size));
-    gscl_result result = image ? gscl_file_psnr(context, bytes, size, image, &psnr) : GSCL_OK;
+        return gscl_complete_message(context, GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_result result = gscl_probe(bytes, size, &info);
+    if (result == GSCL_OK)
+        result = gscl_coded_image_read(&coded, bytes, size);
+    if (result == GSCL_OK && image)
+        result = gscl_file_psnr(context, bytes, size, image, &psnr);
     size_t used = 0;
     for (unsigned bit = 0; bit < GSCL_EFFECT_COUNT && result == GSCL_OK; bit++)
         if (info.effects >> bit & 1) {
@@ -107,5 +110,5 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
     if (result == GSCL_OK)
         *count = used;
     gscl_coded_image_free(&coded);
-    return result;
+    return gscl_complete_message(context, result);
 }

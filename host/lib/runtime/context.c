@@ -21,6 +21,17 @@ gscl_result(gscl_fail_memory)(gscl_context *context) {
     return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+void gscl_forget_message(gscl_context *context) {
+    if (context)
+        context->message[0] = 0;
+}
+
+gscl_result gscl_complete_message(gscl_context *context, gscl_result result) {
+    if (context && result != GSCL_OK && !context->message[0])
+        return gscl_fail(context, result, "%s", gscl_result_text(result));
+    return result;
+}
+
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...) {
     if (!context->log)
         return;

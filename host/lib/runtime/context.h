@@ -63,6 +63,11 @@ gscl_result gscl_fail_memory(gscl_context *context);
 #define gscl_fail_memory(context) ((void)gscl_fail_memory(context), GSCL_ERROR_OUT_OF_MEMORY)
 #endif
 
+/* Public calls begin without a message, and end with one when they fail: errors of functions that have no context get the
+ * text of their result.  `context` may be NULL. */
+void gscl_forget_message(gscl_context *context);
+gscl_result gscl_complete_message(gscl_context *context, gscl_result result);
+
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif

@@ -20,8 +20,9 @@ gscl_result gscl_source_create(gscl_source *s, gscl_context *context, const gscl
         return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory for an image of %ux%u", image->width,
                          image->height);
     gscl_image_to_planes(image, header->has_chroma ? 3 : 1, header->has_alpha, s->first_level, s->planes);
-    s->background = gscl_find_flat_background(s->planes, s->width, s->height, (int)channels);
-    return GSCL_OK;
+    return gscl_find_flat_background(s->planes, s->width, s->height, (int)channels, &s->background)
+               ? GSCL_OK
+               : gscl_fail_memory(context);
 }
 
 void gscl_source_free(gscl_source *s) {

@@ -1,0 +1,205 @@
+/* The host's memory runs out: each allocation of the library fails once, and each failure comes back as a result with a
+ * message.  Linked with --wrap for the allocating functions. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+#include <gscl/measure.h>
+
+#define WIDTH 40
+#define HEIGHT 24
+#define SPLATS 6
+#define MAX_FAILURES 60 /* encodes of one test that are tried with a failure; later allocations repeat earlier ones */
+
+static int allocations, failing; /* since the last reset; the number of the one that fails, 0: none */
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+
+static bool fails(void) {
+    return ++allocations == failing;
+}
+
+void *__wrap_malloc(size_t size) {
+    return fails() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size) {
+    return fails() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size) {
+    return fails() ? NULL : __real_realloc(memory, size);
+}
+
+static void fail_allocation(int number) {
+    allocations = 0;
+    failing = number;
+}
+
+static int open_context(void **state) {
+    gscl_context *context;
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.timing = true;
+    const gscl_result result = gscl_context_create(&context, &settings);
+    *state = context;
+    return result == GSCL_OK ? 0 : -1;
+}
+
+static int close_context(void **state) {
+    gscl_context *context = *state;
+    gscl_context_free(&context);
+    return 0;
+}
+
+static void assert_explained(const gscl_context *context, gscl_result result) {
+
+    if (result != GSCL_ERROR_OUT_OF_MEMORY)
+        fail_msg("allocation %d failed, and the result is %d", failing, result);
+    assert_non_null(strstr(gscl_context_message(context), "memory"));
+}
+
+/* A failure to shrink a block has no consequence; any other is explained. */
+static void assert_same_or_explained(const gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size,
+                                     const uint8_t *expected, size_t expected_size) {
+    if (result != GSCL_OK) {
+        assert_explained(context, result);
+        return;
+    }
+    assert_int_equal(size, expected_size);
+    assert_memory_equal(bytes, expected, size);
+}
+
+/* A coloured slope. */
+static gscl_image make_image(uint8_t pixels[3 * WIDTH * HEIGHT]) {
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        pixels[3 * i] = (uint8_t)(5 * (i % WIDTH) + i / WIDTH);
+        pixels[3 * i + 1] = (uint8_t)(9 * (i / WIDTH));
+        pixels[3 * i + 2] = (uint8_t)(255 - 6 * (i % WIDTH));
+    }
+    return (gscl_image){.width = WIDTH, .height = HEIGHT, .channels = 3, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
+}
+
+static gscl_result encode(gscl_context *context, gscl_profile profile, uint8_t **bytes, size_t *size) {
+    uint8_t pixels[3 * WIDTH * HEIGHT];
+    const gscl_image image = make_image(pixels);
+    gscl_encode_settings settings;
+    gscl_encode_settings_default(&settings);
+    settings.profile = profile;
+    settings.effort = 0;
+    settings.target = GSCL_TARGET_SPLATS;
+    settings.target_value = SPLATS;
+    return gscl_encode(context, &image, &settings, bytes, size, NULL);
+}
+
+static void encode_without_memory(gscl_context *context, gscl_profile profile) {
+    uint8_t *expected, *bytes;
+    size_t expected_size, size;
+    fail_allocation(0);
+    assert_int_equal(encode(context, profile, &expected, &expected_size), GSCL_OK); /* builds the programs */
+    gscl_free(expected);
+    fail_allocation(0);
+    assert_int_equal(encode(context, profile, &expected, &expected_size), GSCL_OK);
+    const int count = allocations, step = count / MAX_FAILURES + 1;
+    assert_true(count > 10);
+    for (int number = 1; number <= count; number += number < MAX_FAILURES / 2 ? 1 : step) {
+        bytes = NULL;
+        fail_allocation(number);
+        const gscl_result result = encode(context, profile, &bytes, &size);
+        assert_true(allocations >= number);
+        assert_same_or_explained(context, result, bytes, size, expected, expected_size);
+        gscl_free(bytes);
+    }
+    fail_allocation(0);
+    gscl_free(expected);
+}
+
+static void test_encode(void **state) {
+    encode_without_memory(*state, GSCL_PROFILE_DEFAULT);
+}
+
+static void test_encode_with_codebooks(void **state) {
+    encode_without_memory(*state, GSCL_PROFILE_PAPER);
+}
+
+/* A context that drew the file before keeps its arrays: each decode has a context of its own. */
+static void test_decode(void **state) {
+    uint8_t *bytes;
+    size_t size;
+    assert_int_equal(encode(*state, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
+    gscl_result result = GSCL_ERROR_OUT_OF_MEMORY;
+    for (int number = 1; result != GSCL_OK; number++) {
+        gscl_image decoded = {0};
+        void *fresh;
+        assert_int_equal(open_context(&fresh), 0);
+        fail_allocation(number);
+        result = gscl_decode(fresh, bytes, size, NULL, &decoded);
+        const bool failed = allocations >= number;
+        fail_allocation(0);
+        if (failed)
+            assert_explained(fresh, result);
+        gscl_free(decoded.pixels);
+        close_context(&fresh);
+    }
+    gscl_free(bytes);
+}
+
+static void test_context(void **state) {
+    (void)state;
+    gscl_result result = GSCL_ERROR_OUT_OF_MEMORY;
+    for (int number = 1; result != GSCL_OK; number++) {
+        gscl_context *context;
+        fail_allocation(number);
+        result = gscl_context_create(&context, NULL);
+        fail_allocation(0);
+        assert_true(result == GSCL_OK || !context || strlen(gscl_context_message(context)) > 0);
+        gscl_context_free(&context);
+    }
+}
+
+static void ignore_gradient(void *opaque, const gscl_gradient_accuracy *error) {
+    (void)opaque;
+    (void)error;
+}
+
+static void ignore_accuracy(void *opaque, const gscl_accuracy *accuracy) {
+    (void)opaque;
+    (void)accuracy;
+}
+
+static void test_measurements(void **state) {
+    gscl_context *context = *state;
+    uint8_t *bytes, pixels[3 * WIDTH * HEIGHT];
+    size_t size;
+    const gscl_image image = make_image(pixels);
+    assert_int_equal(encode(context, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
+    for (int number = 1; number <= 4; number++) {
+        gscl_effect_use uses[GSCL_EFFECT_COUNT];
+        size_t count;
+        fail_allocation(number);
+        assert_explained(context, gscl_measure_accuracy(context, &image, bytes, size, NULL, ignore_accuracy, NULL));
+        fail_allocation(number);
+        assert_explained(context, gscl_measure_gradients(context, &image, bytes, size, NULL, ignore_gradient, NULL));
+        fail_allocation(number);
+        assert_explained(context, gscl_inspect_effects(context, bytes, size, &image, uses, &count));
+    }
+    fail_allocation(0);
+    gscl_free(bytes);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_encode),  cmocka_unit_test(test_encode_with_codebooks), cmocka_unit_test(test_decode),
+        cmocka_unit_test(test_context), cmocka_unit_test(test_measurements),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
