@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 /* Along one line, whose values are `stride` apart. */
-static void blur_line(float *line, size_t stride, int n, int radius, double *sums) {
+static void sum_line(float *line, size_t stride, int n, int radius, double *sums) {
     double total = 0;
     for (int i = 0; i < n; i++)
         sums[i] = total += line[(size_t)i * stride];
@@ -15,7 +15,7 @@ static void blur_line(float *line, size_t stride, int n, int radius, double *sum
 
 void gscl_box_sum(float *map, int width, int height, int radius, double *scratch) {
     for (int y = 0; y < height; y++)
-        blur_line(map + (size_t)y * (size_t)width, 1, width, radius, scratch);
+        sum_line(map + (size_t)y * (size_t)width, 1, width, radius, scratch);
     for (int x = 0; x < width; x++)
-        blur_line(map + x, (size_t)width, height, radius, scratch);
+        sum_line(map + x, (size_t)width, height, radius, scratch);
 }

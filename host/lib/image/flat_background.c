@@ -4,32 +4,30 @@
 #include <stdlib.h>
 
 #include "cl/constants.h"
-
-#define BITS 4               /* of each channel, when colours are counted */
-#define SHARE 0.25           /* of the pixels: a ground has so many */
-#define SAME (1.5f / 255.0f) /* colours that differ by less are one */
+#include "image/tunables.h"
 
 static size_t bin_of(const float *planes, size_t pixels, int channels, size_t at) {
+    const int bits = gscl_image_tunables.histogram_bits;
     size_t bin = 0;
     for (int k = 0; k < channels; k++) {
         float v = planes[(size_t)k * pixels + at];
         v = v < 0.0f ? 0.0f : v > 1.0f ? 1.0f : v;
-        bin = bin << BITS | (size_t)(v * ((1 << BITS) - 0.01f));
+        bin = bin << bits | (size_t)(v * ((float)(1 << bits) - 0.01f));
     }
     return bin;
 }
 
 bool gscl_matches_background(const float *planes, size_t pixels, int channels, const float colour[4], size_t at) {
     for (int k = 0; k < channels; k++)
-        if (fabsf(planes[(size_t)k * pixels + at] - colour[k]) > SAME)
+        if (fabsf(planes[(size_t)k * pixels + at] - colour[k]) > gscl_image_tunables.colour_tolerance)
             return false;
     return true;
 }
 
-/* The mean colour of the fullest bin; where there is a ground, most of the bin is that.  `members`: the pixels
+/* The mean colour of the fullest bin of the histogram, most of which is the flat background if there is one.  `members`: the pixels
  * in the bin.  False: out of memory. */
 static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4], size_t *members) {
-    size_t bins = (size_t)1 << (BITS * channels), fullest = 0;
+    size_t bins = (size_t)1 << (gscl_image_tunables.histogram_bits * channels), fullest = 0;
     uint32_t *counts = calloc(bins, sizeof *counts);
     if (!counts)
         return false;
@@ -51,9 +49,9 @@ static bool fullest_bin(const float *planes, size_t pixels, int channels, float 
     return true;
 }
 
-/* The part of the tiles that hold nothing else. */
-static double ground_tiles(const float *planes, size_t width, size_t height, int channels, const float colour[4]) {
-    size_t tiles = 0, plain = 0;
+/* The part of the tiles in which all pixels have this colour. */
+static double flat_tiles(const float *planes, size_t width, size_t height, int channels, const float colour[4]) {
+    size_t tiles = 0, flat_count = 0;
     for (size_t top = 0; top < height; top += GSCL_TILE)
         for (size_t left = 0; left < width; left += GSCL_TILE) {
             size_t bottom = top + GSCL_TILE < height ? top + GSCL_TILE : height;
@@ -63,9 +61,9 @@ static double ground_tiles(const float *planes, size_t width, size_t height, int
                 for (size_t x = left; x < right && same; x++)
                     same = gscl_matches_background(planes, width * height, channels, colour, y * width + x);
             tiles++;
-            plain += same;
+            flat_count += same;
         }
-    return (double)plain / (double)tiles;
+    return (double)flat_count / (double)tiles;
 }
 
 bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels,
@@ -74,17 +72,17 @@ bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t hei
     *flat = (gscl_flat_background){.pixels = 0};
     if (!fullest_bin(planes, pixels, channels, flat->colour, &members))
         return false;
-    if ((double)members < SHARE * (double)pixels)
+    if ((double)members < gscl_image_tunables.min_background * (double)pixels)
         return true;
     for (size_t i = 0; i < pixels; i++)
         same += gscl_matches_background(planes, pixels, channels, flat->colour, i);
-    if ((double)same < SHARE * (double)pixels)
+    if ((double)same < gscl_image_tunables.min_background * (double)pixels)
         return true;
     flat->pixels = (double)same / (double)pixels;
-    flat->tiles = ground_tiles(planes, width, height, channels, flat->colour);
+    flat->tiles = flat_tiles(planes, width, height, channels, flat->colour);
     return true;
 }
 
-double gscl_background_share_of_non_flat_tiles(const gscl_flat_background *ground) {
-    return ground->tiles < 1 ? (ground->pixels - ground->tiles) / (1 - ground->tiles) : 0;
+double gscl_background_share_of_non_flat_tiles(const gscl_flat_background *flat) {
+    return flat->tiles < 1 ? (flat->pixels - flat->tiles) / (1 - flat->tiles) : 0;
 }

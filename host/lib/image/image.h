@@ -4,7 +4,7 @@
 
 #include "runtime/context.h"
 
-/* What an image needs of the codec. */
+/* The properties of an image that decide which features of the codec it uses. */
 typedef struct gscl_content {
     bool chroma;         /* some pixel is not grey */
     bool alpha;          /* some pixel is not opaque */
@@ -12,7 +12,7 @@ typedef struct gscl_content {
     bool high_bit_depth; /* more than 8 bits a sample */
 } gscl_content;
 
-/* Checks size, kind and finiteness, with a message that says what is wrong, and looks at the content. */
+/* Checks size, kind and finiteness, with a message that names the fault, and determines the content. */
 gscl_result gscl_image_examine(gscl_context *context, const gscl_image *image, gscl_content *content);
 
 /* Size of a side at a pyramid level: rounded up. */

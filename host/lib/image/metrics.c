@@ -68,8 +68,7 @@ static void measure_error(const image_pair *pair, gscl_comparison *comparison) {
 
 /* ---- Structural similarity --------------------------------------------------------------------- */
 
-/* What the window sees, summed with its weights: of a, b, a^2 + b^2 and a b, which is all that SSIM needs.
- * One row of each. */
+/* Weighted sums over windows of a, b, a^2 + b^2 and a b, from which SSIM follows: one row of each. */
 typedef struct window_rows {
     double *a, *b, *squares, *product;
 } window_rows;

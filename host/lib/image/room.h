@@ -6,7 +6,8 @@
  *   image.h: from interleaved samples to planes
  *   metrics.h: PSNR, SSIM, MS-SSIM
  *   flat_background.h: the uniform background of drawings
- *   box_sum.h: sums over square windows */
+ *   box_sum.h: sums over square windows
+ *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_IMAGE_H
 #define GSCL_ROOM_LIB_IMAGE_H
 #endif
