@@ -5,11 +5,12 @@
 
 FOLDER holds PNG photographs; the drawings on which effects depend come from scenes.py and scenes_held_out.py.  Tunables are the
 fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers to the nearest, 0 is left out)
-in a copy of the sources; PSNR and the encoder's seconds are compared with those of the defaults.  The table also says how far
-the seed alone moves the mean PSNR: a smaller difference means nothing.
+in a copy of the sources; PSNR and processor time are compared with those of the defaults.  Each room has a section of its own in
+TUNABLES.md, which also says how far the seed alone moves the mean PSNR: a smaller difference means nothing.
 """
-import argparse
 import concurrent.futures
+import json
+import os
 import pathlib
 import queue
 import re
@@ -17,6 +18,7 @@ import shutil
 import statistics
 import subprocess
 import tempfile
+import threading
 
 import codec
 import document
@@ -29,6 +31,7 @@ DRAWINGS = {scenes: ("dots", "sepia", "windows"), scenes_held_out: ("photo_frame
 PAPER_ROOM = "codebook"
 SEEDS = (1, 2, 3)
 FACTORS = (0.5, 2)
+LONGEST_S = 120  # of one encode
 
 
 def fields_of(room):
@@ -52,7 +55,10 @@ class Tree:
 
     def __init__(self, folder):
         self.sources, self.build = folder / "sources", folder / "build"
-        shutil.copytree(ROOT, self.sources, ignore=shutil.ignore_patterns("build*", ".git", "out"))
+        files = subprocess.run(["git", "-C", ROOT, "ls-files"], check=True, capture_output=True, text=True).stdout.splitlines()
+        for name in files:
+            (self.sources / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, self.sources / name)
         subprocess.run(["meson", "setup", self.build, self.sources, "-Dtests=disabled"], check=True, stdout=subprocess.DEVNULL)
 
     def gscl(self, room=None, old="", new=""):
@@ -67,17 +73,27 @@ class Tree:
         return self.build / "gscl" if done.returncode == 0 else None
 
 
+def encode(words):
+    """Runs gscl encode; returns (its report, seconds of processor time), or None where it failed or took minutes."""
+    with tempfile.TemporaryFile("w+") as output:
+        process = subprocess.Popen([str(word) for word in words], stdout=output, stderr=subprocess.DEVNULL)
+        timer = threading.Timer(LONGEST_S, process.kill)
+        timer.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        timer.cancel()
+        output.seek(0)
+        return (json.load(output), usage.ru_utime + usage.ru_stime) if status == 0 else None
+
+
 def measure(gscl, images, rate, options, seed, work):
-    """(mean PSNR, mean seconds) or a word that says what went wrong."""
+    """(mean PSNR, mean processor seconds), or None where an encode failed."""
     psnrs, seconds = [], []
     for image in images:
-        words = [gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed, "-q", "--json", *options]
-        done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300)
-        if done.returncode:
+        done = encode([gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed, "-q", "--json", *options])
+        if done is None:
             return None
-        report = codec.json.loads(done.stdout)
-        psnrs.append(report["psnr"] if report["psnr"] is not None else 99.0)
-        seconds.append(report["seconds"])
+        psnrs.append(done[0]["psnr"] if done[0]["psnr"] is not None else 99.0)
+        seconds.append(done[1])
     return statistics.mean(psnrs), statistics.mean(seconds)
 
 
@@ -96,16 +112,30 @@ def cell(result, default):
     return f"{result[0] - default[0]:+.2f} dB, x{result[1] / default[1]:.2f}"
 
 
+def lines_of(room, profiles, results, pictures, rate):
+    """The section of a room."""
+    default = results[profiles[0]]
+    spread = statistics.stdev(results[task][0] for task in profiles)
+    profile = "paper profile, effort 2" if room == PAPER_ROOM else "default profile"
+    yield document.origin("sh tests/bench/bench.sh tunables FOLDER", pictures)
+    yield f"{profile}, {rate} bits a pixel: {default[0]:.2f} dB; standard deviation over {len(profiles)} seeds {spread:.2f} dB.\n"
+    rows = []
+    for name, _, text in fields_of(room):
+        found = {task[3]: result for task, result in results.items() if task[1] == name}
+        rows.append([f"`{name}`", text.split("=")[1].strip(), *(cell(found[f], default) if f in found else "-" for f in FACTORS)])
+    yield document.table(["tunable", "default", "half: PSNR, time", "twice: PSNR, time"], rows)
+
+
 def main():
     parser = codec.parser(__doc__)
     parser.add_argument("--rooms", help="separated by commas (default: all that have tunables)")
     parser.add_argument("--rate", type=float, default=0.066, help="bits per pixel (default %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")
-    document.add_option(parser, "TUNABLES.md", "tunables")
+    document.add_option(parser, "TUNABLES.md", "tunables-ROOM")
     arguments = parser.parse_args()
-    section = document.section_of(arguments)
     rooms = arguments.rooms.split(",") if arguments.rooms else sorted(
         path.parent.name for path in (ROOT / "host/lib").glob("*/tunables.c"))
+    sections = {room: document.Section(arguments.document, f"tunables-{room}") if arguments.document else None for room in rooms}
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         images = codec.images_of(arguments.folder, arguments.only)
@@ -124,29 +154,15 @@ def main():
                 gscl = tree.gscl(room, text, new) if name else tree.gscl()
                 options = ["--profile", "paper", "--effort", "2"] if room == PAPER_ROOM else []
                 return measure(gscl, images, arguments.rate, options, seed, tree.build) if gscl else None
-            except subprocess.TimeoutExpired:
-                return None
             finally:
                 trees.put(tree)
 
-        defaults = [(room, "", "", 1, "", seed) for room in ("", PAPER_ROOM) for seed in SEEDS]
-        tasks = defaults + [(*variant, SEEDS[0]) for variant in variants_of(rooms)]
-        with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-            results = dict(zip(tasks, pool.map(run, tasks)))
-    lines = [document.origin("sh tests/bench/bench.sh tunables FOLDER", len(images))]
-    for room in ("", PAPER_ROOM):
-        psnrs = [results[task][0] for task in defaults if task[0] == room]
-        profile = "paper profile (effort 2)" if room else "default profile"
-        lines.append(f"{profile}: {psnrs[0]:.2f} dB; standard deviation over seeds {statistics.stdev(psnrs):.2f} dB.  \n")
-    for room in rooms:
-        default = results[defaults[len(SEEDS) if room == PAPER_ROOM else 0]]
-        rows = []
-        for name, value, text in fields_of(room):
-            cells = [cell(results[task], default) if task in results else "-"
-                     for factor in FACTORS for task in [next((t for t in tasks if t[:2] == (room, name) and t[3] == factor), None)]]
-            rows.append([f"`{name}`", text.split("=")[1].strip(), *cells])
-        lines.append(f"\n`host/lib/{room}/tunables.c`\n\n" + document.table(["tunable", "default", "half", "twice"], rows))
-    document.publish(section, *lines)
+        for room, section in sections.items():
+            profiles = [(room, "", "", 1, "", seed) for seed in SEEDS]
+            tasks = profiles + [(*variant, SEEDS[0]) for variant in variants_of([room])]
+            with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+                results = dict(zip(tasks, pool.map(run, tasks)))
+            document.publish(section, *lines_of(room, profiles, results, len(images), arguments.rate))
 
 
 if __name__ == "__main__":
