@@ -7,7 +7,7 @@ const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
     {3300, 14, 0, 1.08, 0.5}, {6000, 20, 0, 1.08, 0.5},
 };
 
-const gscl_effort_preset gscl_probe_preset = {.steps = 180, .surplus = 1.08};
+const gscl_effort_preset gscl_probe_preset = {.steps = 180, .passes = 2, .surplus = 1.08, .lambda_scale = 0.5};
 
 const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .start_share = 0.3,
