@@ -51,9 +51,9 @@ static gscl_result reserve_cells(gscl_rdo_groups *g, gscl_context *context, size
 static gscl_rdo_task task_of(const gscl_renderer *r, const float *params, size_t splat) {
     const gscl_half_size half =
         gscl_ellipse_half_size(params[GSCL_LOG_S1], params[GSCL_LOG_S2], params[GSCL_THETA], r->view.blur,
-                               sqrt(2.0 * GSCL_SUPPORT) * gscl_rdo_tunables.growth);
-    const double half_width = half.width * r->view.inv_scale + gscl_rdo_tunables.growth_pixels;
-    const double half_height = half.height * r->view.inv_scale + gscl_rdo_tunables.growth_pixels;
+                               sqrt(2.0 * GSCL_SUPPORT) * gscl_scalar_tunables.rdo_growth);
+    const double half_width = half.width * r->view.inv_scale + gscl_scalar_tunables.rdo_growth_pixels;
+    const double half_height = half.height * r->view.inv_scale + gscl_scalar_tunables.rdo_growth_pixels;
     const double x = params[GSCL_X] * r->view.inv_scale, y = params[GSCL_Y] * r->view.inv_scale;
     return (gscl_rdo_task){.splat = (cl_int)splat,
                            .x0 = (cl_int)floor(x - half_width),

@@ -73,7 +73,7 @@ static void count_codes(const code_list *list, int which, int min, double *count
 
 /* Turns counts into bits.  Counts borrow from their neighbours, and no code is impossible. */
 static void bits_of_counts(const double *counts, int n, float *bits) {
-    const double floor = gscl_rdo_tunables.count_floor, spread = gscl_rdo_tunables.count_spread;
+    const double floor = gscl_scalar_tunables.rdo_count_floor, spread = gscl_scalar_tunables.rdo_count_spread;
     double total = 0;
     for (int i = 0; i < n; i++)
         total += counts[i] + floor;
@@ -116,9 +116,9 @@ static void make_colour_tables(gscl_rdo_tables *t, const gscl_rdo_settings *sett
 /* Some splats are assumed to take a wave, any wave: before the first scan there are none to count. */
 static void make_texture_tables(gscl_rdo_tables *t, const code_list *list) {
     double waves[GSCL_WAVES], directions[GSCL_DIRECTIONS], amplitudes[GSCL_AMPLITUDES];
-    double count = (double)list->count, textured = gscl_rdo_tunables.textured_share * count;
+    double count = (double)list->count, textured = gscl_scalar_tunables.rdo_textured_share * count;
     for (int i = 0; i < GSCL_WAVES; i++)
-        waves[i] = directions[i] = amplitudes[i] = gscl_rdo_tunables.texture_count;
+        waves[i] = directions[i] = amplitudes[i] = gscl_scalar_tunables.rdo_texture_count;
     for (size_t i = 0; i < list->count; i++) {
         const cl_int *code = list->codes[i].code;
         if (code[GSCL_CODE_AMPLITUDE] == 0)
@@ -128,7 +128,7 @@ static void make_texture_tables(gscl_rdo_tables *t, const code_list *list) {
         directions[code[GSCL_CODE_DIRECTION]]++;
         amplitudes[code[GSCL_CODE_AMPLITUDE] - 1]++;
     }
-    count *= 1 + gscl_rdo_tunables.textured_share;
+    count *= 1 + gscl_scalar_tunables.rdo_textured_share;
     t->bits[GSCL_BITS_PLAIN] = (float)-log2(fmax(count - textured, 1) / (count + 1));
     t->bits[GSCL_BITS_TEXTURED] = (float)(log2(GSCL_PHASES) - log2(fmax(textured, 1) / (count + 1)));
     bits_of_counts(waves, GSCL_WAVES, t->bits + GSCL_BITS_WAVE);

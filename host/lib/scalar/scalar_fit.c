@@ -153,7 +153,7 @@ static gscl_result prepare_step(gscl_scalar_state *s, int step, int *round, bool
         GSCL_TRY(densify_in_round(s, ++*round));
     if (s->encoder->settings.blend == GSCL_BLEND_ALPHA && step % tunables->sort_interval == 0)
         GSCL_TRY(sort_for_alpha(s));
-    if (is_step_at(s, step, tunables->adapt_at[0]) || is_step_at(s, step, tunables->adapt_at[1]))
+    if (is_step_at(s, step, tunables->adapt_at) || is_step_at(s, step, tunables->adapt_again_at))
         GSCL_TRY(gscl_fit_adapt_target(&s->fit));
     return GSCL_OK;
 }

@@ -33,7 +33,8 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,
     .quantise_from = 0.25,
-    .adapt_at = {0.6, 0.95},
+    .adapt_at = 0.6,
+    .adapt_again_at = 0.95,
     .report_interval = 25,
     .sort_interval = 25,
     .fit_share = 0.75,
@@ -57,13 +58,11 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .max_slack_passes = 4,
     .min_lambda_scale = 0.02,
     .max_lambda_scale = 1e4,
-};
 
-const struct gscl_rdo_tunables gscl_rdo_tunables = {
-    .growth = 1.3,
-    .growth_pixels = 3.0,
-    .count_floor = 0.05,
-    .count_spread = 0.25,
-    .textured_share = 0.05,
-    .texture_count = 1.0,
+    .rdo_growth = 1.3,
+    .rdo_growth_pixels = 3.0,
+    .rdo_count_floor = 0.05,
+    .rdo_count_spread = 0.25,
+    .rdo_textured_share = 0.05,
+    .rdo_texture_count = 1.0,
 };

@@ -45,7 +45,8 @@ struct gscl_scalar_tunables {
     double learning_rate;     /* factor of the learning rates in cl/update.cl */
     double min_learning_rate; /* share of learning_rate at the last step */
     double quantise_from;     /* share of the steps, from which on the fit draws through the quantiser */
-    double adapt_at[2];       /* shares of the steps at which, tuned for SSIM, the target is adapted to the splats */
+    double adapt_at;          /* share of the steps at which, tuned for SSIM, the target is adapted to the splats */
+    double adapt_again_at;    /* share of the steps at which it is adapted once more */
     int report_interval;      /* steps between progress reports */
     int sort_interval;        /* steps between sortings in blend alpha */
     double fit_share;         /* share of the time, for the progress report */
@@ -69,21 +70,18 @@ struct gscl_scalar_tunables {
     double slack_factor;       /* of lambda in a pass that uses bytes that are left */
     int max_final_passes;      /* passes that bring a file below its budget */
     int max_slack_passes;      /* passes that use bytes that are left */
-    double min_lambda_scale, max_lambda_scale;
+    double min_lambda_scale;   /* bounds of lambda_scale */
+    double max_lambda_scale;
+
+    /* One rate-distortion pass. */
+    double rdo_growth;         /* factor by which a splat's box may grow in a pass */
+    double rdo_growth_pixels;  /* pixels by which it may grow besides */
+    double rdo_count_floor;    /* occurrences that each code counts as having, besides its own */
+    double rdo_count_spread;   /* share of a count that comes from its neighbours: the entropy coder spreads, too */
+    double rdo_textured_share; /* of the splats that are assumed to take a wave */
+    double rdo_texture_count;  /* occurrences that each texture code is assumed to have, besides its own */
 };
 
 extern const struct gscl_scalar_tunables gscl_scalar_tunables;
-
-/* The rate-distortion passes. */
-struct gscl_rdo_tunables {
-    double growth;         /* factor by which a splat's box may grow in a pass */
-    double growth_pixels;  /* pixels by which it may grow besides */
-    double count_floor;    /* occurrences that each code counts as having, besides its own */
-    double count_spread;   /* share of its neighbours' occurrences in those of a code: the entropy coder spreads, too */
-    double textured_share; /* of the splats that are assumed to take a wave */
-    double texture_count;  /* occurrences that each texture code is assumed to have, besides its own */
-};
-
-extern const struct gscl_rdo_tunables gscl_rdo_tunables;
 
 #endif
