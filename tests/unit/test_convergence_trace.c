@@ -1,4 +1,4 @@
-/* What gscl_encode reports of itself: stages and trace of the fit. */
+/* The report of gscl_encode: times of the stages and the convergence trace. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,8 +36,8 @@ static void encode(gscl_profile profile, gscl_target target, double value, bool 
     synthetic_image_free(&image);
 }
 
-/* Measuring trace is no part of the time, nor of a stage. */
-static void test_stages_are_the_whole(void **state) {
+/* Recording the trace is no part of the time, nor of a stage. */
+static void test_stages_add_up_to_the_encode(void **state) {
     (void)state;
     for (int trace = 0; trace < 2; trace++) {
         outcome o;
@@ -54,7 +54,7 @@ static void test_stages_are_the_whole(void **state) {
     }
 }
 
-/* Rounds come in order, grow better, and the last is nearly the file. */
+/* Points are in order, the PSNR rises, and the last is close to that of the file. */
 static void check_trace(const gscl_encode_report *r) {
     const gscl_trace_point *first = &r->trace[0], *last = &r->trace[r->trace_count - 1];
     assert_in_range(r->trace_count, 10, GSCL_MAX_TRACE_POINTS);
@@ -80,7 +80,7 @@ static void test_trace(void **state) {
     }
 }
 
-/* A search for a quality fits again and again: trace are those of one fit. */
+/* A search for a PSNR fits several times; the trace is that of the last fit. */
 static void test_trace_of_the_last_fit(void **state) {
     (void)state;
     outcome o;
@@ -91,8 +91,8 @@ static void test_trace_of_the_last_fit(void **state) {
     gscl_free(o.bytes);
 }
 
-/* The context forgets an encode that failed. */
-static void test_failure_leaves_no_recorder(void **state) {
+/* An encode that fails leaves no trace in the context. */
+static void test_failure_leaves_no_trace(void **state) {
     (void)state;
     float pixels[4] = {0, 0, 0, NAN};
     const gscl_image image = {.width = 2, .height = 2, .channels = 1, .sample = GSCL_SAMPLE_F32, .pixels = pixels};
@@ -107,10 +107,10 @@ static void test_failure_leaves_no_recorder(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stages_are_the_whole),
+        cmocka_unit_test(test_stages_add_up_to_the_encode),
         cmocka_unit_test(test_trace),
         cmocka_unit_test(test_trace_of_the_last_fit),
-        cmocka_unit_test(test_failure_leaves_no_recorder),
+        cmocka_unit_test(test_failure_leaves_no_trace),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

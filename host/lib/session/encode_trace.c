@@ -15,7 +15,7 @@ void gscl_encode_trace_begin(gscl_encode_trace *t, gscl_context *context, gscl_e
     context->clock.users++;
 }
 
-/* What a stage took since the trace began. */
+/* Runs and time of a stage since the trace began. */
 static gscl_stage_time_sum stage_time(const gscl_encode_trace *t, const gscl_context *context, int stage) {
     const gscl_stage_time_sum *now = &context->clock.sums[stage], *before = &t->before[stage];
     return (gscl_stage_time_sum){.count = now->count - before->count, .seconds = now->seconds - before->seconds};
@@ -85,7 +85,7 @@ static gscl_result preview_coded_image(gscl_renderer *preview, const gscl_fit *f
     return result;
 }
 
-/* What the preview shows, against the image. */
+/* PSNR of the preview against the source. */
 static gscl_result measure_preview(gscl_renderer *preview, gscl_fit *fit, double *psnr) {
     double mse = INFINITY; /* of no splats: never drawn */
     if (preview->count > 0) {

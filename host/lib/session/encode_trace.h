@@ -3,8 +3,8 @@
 #ifndef GSCL_LIB_ENCODE_TRACE_H
 #define GSCL_LIB_ENCODE_TRACE_H
 
-#include "session/encoder.h"
 #include "fit/fit.h"
+#include "session/encoder.h"
 
 /* The report of an encode that is running. */
 struct gscl_encode_trace {
