@@ -1,5 +1,7 @@
 """Effects: automatic decisions, options, and the bits and gains of each effect."""
 import unittest
+from math import exp
+from random import Random
 
 from images import Image, flat, scene
 from tool import FAST, ToolTest, main
@@ -14,6 +16,21 @@ def dots(width, height):
             inside = (x % 16 - 7.5) ** 2 + (y % 16 - 7.5) ** 2 < 14
             samples += colours[(x // 16 + y // 16) % 3] if inside else (240, 236, 220)
     return Image(width, height, 3, 8, samples)
+
+
+def lights(width, height, count=160, seed=7):
+    """Small round lights of many brightnesses at random places on black."""
+    random = Random(seed)
+    planes = [0.0] * (3 * width * height)
+    for _ in range(count):
+        x, y, sigma = random.uniform(0, width), random.uniform(0, height), random.uniform(0.8, 2.2)
+        colour = [random.uniform(80, 255) for _ in range(3)]
+        for row in range(max(int(y) - 7, 0), min(int(y) + 8, height)):
+            for column in range(max(int(x) - 7, 0), min(int(x) + 8, width)):
+                weight = exp(-((column + 0.5 - x) ** 2 + (row + 0.5 - y) ** 2) / (2 * sigma ** 2))
+                for k in range(3):
+                    planes[3 * (row * width + column) + k] += colour[k] * weight
+    return Image(width, height, 3, 8, [min(round(value), 255) for value in planes])
 
 
 def grey_of(image):
@@ -50,15 +67,15 @@ class Automatic(ToolTest):
         self.assertEqual(self.effects(flat(64, 48, (9, 9, 9))), set())
         self.assertEqual(self.effects(flat(64, 48, (9, 10, 9))), {"chroma"})
 
-    def test_circles_for_dots(self):
-        self.write_png("dots.png", dots(256, 192))
-        report = self.gscl_json("encode", "dots.png", "-o", "dots.gscl", "--bytes", "1400", "--effort", "1")
+    def test_circles_for_lights(self):
+        self.write_png("lights.png", lights(256, 192))
+        report = self.gscl_json("encode", "lights.png", "-o", "lights.gscl", "--bytes", "1400", "--effort", "1")
         decisions = {decision["name"]: decision for decision in report["effects"]}
         for name in ("rotation", "anisotropy"):
             self.assertEqual((decisions[name]["on"], decisions[name]["reason"]), (False, "trial"))
             self.assertLess(decisions[name]["gain_db"], 0)
         self.assertEqual((decisions["opacity"]["on"], decisions["opacity"]["reason"]), (True, "content"))  # flat background
-        streams = {stream["name"] for stream in self.gscl_json("info", "dots.gscl")["streams"]}
+        streams = {stream["name"] for stream in self.gscl_json("info", "lights.gscl")["streams"]}
         self.assertNotIn("angle", streams)
         # The effect search is one stage; the stages after it are reported as without it.
         stages = {stage["name"]: stage for stage in report["stages"]}
