@@ -41,7 +41,7 @@ static void destroy(gsf_coded_image *image) {
     free(image->codebooks.colour_words);
 }
 
-static void check(bool condition, const char *message) {
+static void require(bool condition, const char *message) {
     if (!condition) {
         fprintf(stderr, "fuzz_format: %s\n", message);
         abort();
@@ -52,7 +52,7 @@ static void check(bool condition, const char *message) {
 static uint8_t *write_image(gsf_coded_image *image, size_t *size, void *scratch) {
     const size_t bound = gsf_write_bound(image);
     uint8_t *bytes = allocate(bound);
-    check(gsf_write(image, bytes, bound, size, scratch) == GSF_OK, "an image that was read cannot be written");
+    require(gsf_write(image, bytes, bound, size, scratch) == GSF_OK, "an image that was read cannot be written");
     return bytes;
 }
 
@@ -62,9 +62,9 @@ static void check_rewriting(gsf_coded_image *image, void *scratch) {
     gsf_coded_image again;
     uint8_t *bytes = write_image(image, &size, scratch);
     create(&again, &image->header);
-    check(gsf_read(bytes, size, &again, scratch) == GSF_OK, "a file that was written cannot be read");
+    require(gsf_read(bytes, size, &again, scratch) == GSF_OK, "a file that was written cannot be read");
     uint8_t *bytes_again = write_image(&again, &size_again, scratch);
-    check(size == size_again && memcmp(bytes, bytes_again, size) == 0, "writing is not stable");
+    require(size == size_again && memcmp(bytes, bytes_again, size) == 0, "writing is not stable");
     destroy(&again);
     free(bytes_again);
     free(bytes);

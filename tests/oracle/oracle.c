@@ -47,7 +47,7 @@ oracle_result oracle_read(const uint8_t *bytes, size_t size, oracle_image *image
     return result;
 }
 
-static bool draw(oracle_image *image) {
+static bool draw_image(oracle_image *image) {
     const size_t pixels = (size_t)image->header.width * image->header.height;
     double *values = calloc(pixels * image->header.channels, sizeof *values);
     double *weights = calloc(pixels, sizeof *weights);
@@ -64,7 +64,7 @@ static bool draw(oracle_image *image) {
 
 oracle_result oracle_decode(const uint8_t *bytes, size_t size, oracle_image *image) {
     const oracle_result result = oracle_read(bytes, size, image);
-    if (result == ORACLE_OK && !draw(image))
+    if (result == ORACLE_OK && !draw_image(image))
         return ORACLE_OUT_OF_MEMORY;
     return result;
 }

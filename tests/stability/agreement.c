@@ -38,9 +38,9 @@ typedef struct {
     double *planes, *bounds;            /* of all samples */
     double *gradient, *gradient_bounds; /* of all parameters */
     double *natural;                    /* their natural steps */
-} truth;
+} reference;
 
-static double *doubles(size_t count) {
+static double *allocate_doubles(size_t count) {
     double *values = calloc(count + 1, sizeof *values);
     assert_non_null(values);
     return values;
@@ -50,10 +50,11 @@ static size_t samples_of(const scene *s) {
     return (size_t)scene_level_width(s) * (size_t)scene_level_height(s) * SCENE_CHANNELS;
 }
 
-static truth make_truth(const scene *s, const float background[4]) {
+static reference reference_create(const scene *s, const float background[4]) {
     const size_t samples = samples_of(s), parameters = s->count * GSCL_PARAMS;
-    double *target = doubles(samples), *params = doubles(parameters);
-    truth t = {doubles(samples), doubles(samples), doubles(parameters), doubles(parameters), doubles(parameters)};
+    double *target = allocate_doubles(samples), *params = allocate_doubles(parameters);
+    reference t = {allocate_doubles(samples), allocate_doubles(samples), allocate_doubles(parameters),
+                   allocate_doubles(parameters), allocate_doubles(parameters)};
     oracle_fit fit = {.blend = (oracle_blend)s->blend,
                       .colours = SCENE_CHANNELS,
                       .opacity = true,
@@ -71,10 +72,10 @@ static truth make_truth(const scene *s, const float background[4]) {
     oracle_fit_draw(&fit, params, s->count, t.planes);
     oracle_fit_gradient(&fit, params, s->count, s->stride, t.gradient);
     oracle_fit_bounds(&fit, params, s->count, t.bounds, t.gradient_bounds);
-    const bool turned = s->shape == GSCL_SHAPE_ROTATED, round = s->shape == GSCL_SHAPE_ISOTROPIC;
+    const bool rotated = s->shape == GSCL_SHAPE_ROTATED, isotropic = s->shape == GSCL_SHAPE_ISOTROPIC;
     for (size_t i = 0; i < s->count; i++) {
-        oracle_shape_gradient(t.gradient + i * GSCL_PARAMS, turned, round);
-        oracle_shape_gradient(t.gradient_bounds + i * GSCL_PARAMS, turned, round);
+        oracle_shape_gradient(t.gradient + i * GSCL_PARAMS, rotated, isotropic);
+        oracle_shape_gradient(t.gradient_bounds + i * GSCL_PARAMS, rotated, isotropic);
     }
     for (size_t i = 0; i < parameters; i++)
         t.natural[i] = oracle_natural_step(&fit, params + i / GSCL_PARAMS * GSCL_PARAMS, i % GSCL_PARAMS);
@@ -83,7 +84,7 @@ static truth make_truth(const scene *s, const float background[4]) {
     return t;
 }
 
-static void free_truth(truth *t) {
+static void reference_free(reference *t) {
     free(t->planes);
     free(t->bounds);
     free(t->gradient);
@@ -109,7 +110,7 @@ static gscl_result run_fit(gscl_fit *fit, const scene *s, outcome *o) {
     return gscl_buffer_read(fit->context, &fit->renderer.image, 0, o->values, o->samples * sizeof(float));
 }
 
-static gscl_result run(gscl_context *context, const scene *s, outcome *o) {
+static gscl_result run_scene(gscl_context *context, const scene *s, outcome *o) {
     const gscl_kernel_options options = {.blend = s->blend, .colours = SCENE_CHANNELS, .opacity = 1, .shape = s->shape};
     gscl_fit fit;
     *o = (outcome){.samples = samples_of(s), .gradients = s->count * GSCL_PARAMS};
@@ -125,24 +126,24 @@ static gscl_result run(gscl_context *context, const scene *s, outcome *o) {
 
 /* ---- Comparison ---- */
 
-static bool all_finite(const outcome *o, char *message, size_t room) {
+static bool outcome_is_finite(const outcome *o, char *message, size_t capacity) {
     for (size_t i = 0; i < o->samples + o->gradients; i++) {
         const size_t p = i - o->samples;
         if (isfinite(o->values[i]))
             continue;
         if (i < o->samples)
-            snprintf(message, room, "sample %zu is %g", i, o->values[i]);
+            snprintf(message, capacity, "sample %zu is %g", i, o->values[i]);
         else
-            snprintf(message, room, "splat %zu, parameter %zu: gradient %g", p / GSCL_PARAMS, p % GSCL_PARAMS,
+            snprintf(message, capacity, "splat %zu, parameter %zu: gradient %g", p / GSCL_PARAMS, p % GSCL_PARAMS,
                      o->values[i]);
         return false;
     }
     if (!isfinite(o->loss))
-        snprintf(message, room, "the loss is %g", o->loss);
+        snprintf(message, capacity, "the loss is %g", o->loss);
     return isfinite(o->loss);
 }
 
-static bool check_forward(const truth *t, const outcome *o, scene_errors *e, char *message, size_t room) {
+static bool check_forward(const reference *t, const outcome *o, scene_errors *e, char *message, size_t capacity) {
     for (size_t i = 0; i < o->samples; i++) {
         const double error = fabs(o->values[i] - t->planes[i]), bound = t->bounds[i];
         e->forward = fmax(e->forward, 255.0 * error);
@@ -150,8 +151,8 @@ static bool check_forward(const truth *t, const outcome *o, scene_errors *e, cha
         e->share = bound > 0.0 ? fmax(e->share, error / bound) : e->share;
         if (error <= bound)
             continue;
-        snprintf(message, room, "sample %zu is %.9g, %.9g expected, at most %.3g apart", i, o->values[i], t->planes[i],
-                 bound);
+        snprintf(message, capacity, "sample %zu is %.9g, %.9g expected, at most %.3g apart", i, o->values[i],
+                 t->planes[i], bound);
         return false;
     }
     return true;
@@ -163,15 +164,15 @@ static bool is_differenced(const scene *s, size_t i) {
 }
 
 /* The largest change of the loss by one natural step along a gradient. */
-static double largest_change(const scene *s, const truth *t) {
+static double largest_change(const scene *s, const reference *t) {
     double largest = 0.0;
     for (size_t i = 0; i < s->count * GSCL_PARAMS; i++)
         largest = fmax(largest, fabs(t->gradient[i]) * t->natural[i]);
     return largest;
 }
 
-static bool check_backward(const scene *s, const truth *t, const outcome *o, scene_errors *e, char *message,
-                           size_t room) {
+static bool check_backward(const scene *s, const reference *t, const outcome *o, scene_errors *e, char *message,
+                           size_t capacity) {
     const double largest = largest_change(s, t);
     for (size_t i = 0; i < o->gradients; i++) {
         const double found = o->values[o->samples + i], error = fabs(found - t->gradient[i]);
@@ -184,52 +185,52 @@ static bool check_backward(const scene *s, const truth *t, const outcome *o, sce
             e->backward_bound = fmax(e->backward_bound, bound * t->natural[i] / largest);
         }
         e->share = bound > 0.0 ? fmax(e->share, error / bound) : e->share;
-        if (error <= bound && !(s->round && is_angle && found != 0.0))
+        if (error <= bound && !(s->isotropic && is_angle && found != 0.0))
             continue;
         const size_t kind = i % GSCL_PARAMS < GSCL_COLOUR ? i % GSCL_PARAMS : GSCL_COLOUR;
-        snprintf(message, room, "splat %zu, %s: gradient %.9g, %.9g expected, at most %.3g apart", i / GSCL_PARAMS,
+        snprintf(message, capacity, "splat %zu, %s: gradient %.9g, %.9g expected, at most %.3g apart", i / GSCL_PARAMS,
                  kinds[kind], found, t->gradient[i], bound);
         return false;
     }
     return true;
 }
 
-static bool same_bits(const outcome *a, const outcome *b, char *message, size_t room) {
+static bool same_bits(const outcome *a, const outcome *b, char *message, size_t capacity) {
     if (!memcmp(a->values, b->values, (a->samples + a->gradients) * sizeof(float)) && a->loss == b->loss)
         return true;
-    snprintf(message, room, "a second run has other bits");
+    snprintf(message, capacity, "a second run has other bits");
     return false;
 }
 
 static bool outcomes_agree(const scene *s, const outcome outcomes[4], scene_errors errors[2], char *message,
-                           size_t room) {
-    truth t = make_truth(s, outcomes[0].background);
+                           size_t capacity) {
+    reference t = reference_create(s, outcomes[0].background);
     bool good = true;
     for (int m = 0; m < 2 && good; m++) {
         char what[200] = "";
-        good = all_finite(&outcomes[m], what, sizeof what) &&
+        good = outcome_is_finite(&outcomes[m], what, sizeof what) &&
                check_forward(&t, &outcomes[m], &errors[m], what, sizeof what) &&
                check_backward(s, &t, &outcomes[m], &errors[m], what, sizeof what) &&
                (!outcomes[m + 2].values || same_bits(&outcomes[m], &outcomes[m + 2], what, sizeof what));
         if (!good)
-            snprintf(message, room, "%s mapping: %s", stability_mappings[m], what);
+            snprintf(message, capacity, "%s mapping: %s", stability_mappings[m], what);
     }
-    free_truth(&t);
+    reference_free(&t);
     return good;
 }
 
-bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t room) {
+bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t capacity) {
     outcome outcomes[4] = {{0}}; /* of both mappings, twice */
     const int runs = (int)scene_scaled(4, 2);
     bool good = true;
     memset(errors, 0, 2 * sizeof *errors);
     for (int i = 0; i < runs; i++) {
-        if (run(contexts[i % 2], s, &outcomes[i]) == GSCL_OK)
+        if (run_scene(contexts[i % 2], s, &outcomes[i]) == GSCL_OK)
             continue;
-        snprintf(message, room, "%s mapping: %s", stability_mappings[i % 2], gscl_context_message(contexts[i % 2]));
+        snprintf(message, capacity, "%s mapping: %s", stability_mappings[i % 2], gscl_context_message(contexts[i % 2]));
         good = false;
     }
-    good = good && outcomes_agree(s, outcomes, errors, message, room);
+    good = good && outcomes_agree(s, outcomes, errors, message, capacity);
     for (int i = 0; i < 4; i++)
         free(outcomes[i].values);
     return good;

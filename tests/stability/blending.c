@@ -4,26 +4,26 @@
 #include "scene.h"
 #include "synthetic_scene.h"
 
-static void opacity(scene *s, float logit) {
+static void add_splats_of_opacity(scene *s, float logit) {
     for (size_t i = 0; i < scene_scaled(16, 6); i++)
         scene_add(s)[GSCL_OPACITY] = logit;
 }
 
 /* exp(-x) overflows, so that the opacity is exactly 0; likewise 1. */
 static void opacity_0(scene *s) {
-    opacity(s, -INFINITY);
+    add_splats_of_opacity(s, -INFINITY);
 }
 static void opacity_1e8(scene *s) {
-    opacity(s, (float)log(1e-8 / (1.0 - 1e-8)));
+    add_splats_of_opacity(s, (float)log(1e-8 / (1.0 - 1e-8)));
 }
 static void opacity_almost_1(scene *s) {
-    opacity(s, (float)log((1.0 - 1e-7) / 1e-7));
+    add_splats_of_opacity(s, (float)log((1.0 - 1e-7) / 1e-7));
 }
 static void opacity_1(scene *s) {
-    opacity(s, INFINITY);
+    add_splats_of_opacity(s, INFINITY);
 }
 
-static void stack(scene *s, size_t count) {
+static void add_stack(scene *s, size_t count) {
     scene_resize(s, 5, 3);
     s->stride = 1 + count / 30;
     for (size_t i = 0; i < count; i++) {
@@ -35,21 +35,21 @@ static void stack(scene *s, size_t count) {
 }
 
 static void stack_of_1000(scene *s) {
-    stack(s, scene_scaled(1000, 20));
+    add_stack(s, scene_scaled(1000, 20));
 }
 static void stack_of_10000(scene *s) {
-    stack(s, scene_scaled(10000, 30));
+    add_stack(s, scene_scaled(10000, 30));
 }
 /* Low opacities: the rear splats stay visible. */
 static void thin_stack(scene *s) {
-    stack(s, scene_scaled(1000, 20));
+    add_stack(s, scene_scaled(1000, 20));
     for (size_t i = 0; i < s->count; i++)
         s->params[i * GSCL_PARAMS + GSCL_OPACITY] = synthetic_uniform(-9.0, -6.0);
 }
 
 /* Each has a transmittance of 1/1000 to 1/20: 15 to 35 of them reach less than the smallest float. */
 static void underflow(scene *s) {
-    stack(s, scene_scaled(200, 25));
+    add_stack(s, scene_scaled(200, 25));
     s->stride = 1; /* the transmittance at the second splat is 1/1000, the least that clamping the first leaves */
     for (size_t i = 0; i < s->count; i++) {
         float *p = s->params + i * GSCL_PARAMS;

@@ -25,10 +25,10 @@ int stability_close(void **state);
  * the file that STABILITY_REPORT names. */
 void check_scene(const scene *s);
 /* Checks forward and backward results.  Returns false with the fault in `message`, or true. */
-bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t room);
+bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t capacity);
 /* Checks descent from the scene, and a file of its splats before and after. */
-bool scene_encodes(const scene *s, char *message, size_t room);
+bool scene_encodes(const scene *s, char *message, size_t capacity);
 /* Checks a file of the scene without fitting. */
-bool scene_file_decodes(const scene *s, char *message, size_t room);
+bool scene_file_decodes(const scene *s, char *message, size_t capacity);
 
 #endif

@@ -5,33 +5,34 @@
 
 #include "oracle.h"
 
-static bool close_to(const oracle_image *truth, const gscl_image *image, char *message, size_t room) {
+static bool image_is_close(const oracle_image *expected_image, const gscl_image *image, char *message,
+                           size_t capacity) {
     const bool high_bit_depth = image->sample == GSCL_SAMPLE_U16;
     const int allowed = high_bit_depth ? 257 : 1;
     for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; i++) {
         const int found = high_bit_depth ? ((const uint16_t *)image->pixels)[i] : ((const uint8_t *)image->pixels)[i];
-        const int expected = (int)oracle_round(truth->pixels[i], high_bit_depth ? 65535 : 255);
+        const int expected = (int)oracle_round(expected_image->pixels[i], high_bit_depth ? 65535 : 255);
         if (abs(found - expected) <= allowed)
             continue;
-        snprintf(message, room, "sample %zu of the decoded file is %d, %d expected", i, found, expected);
+        snprintf(message, capacity, "sample %zu of the decoded file is %d, %d expected", i, found, expected);
         return false;
     }
     return true;
 }
 
-bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t room) {
-    oracle_image truth;
-    bool good = oracle_decode(bytes, size, &truth) == ORACLE_OK;
+bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t capacity) {
+    oracle_image expected_image;
+    bool good = oracle_decode(bytes, size, &expected_image) == ORACLE_OK;
     if (!good)
-        snprintf(message, room, "the second decoder rejects the file");
+        snprintf(message, capacity, "the second decoder rejects the file");
     for (int m = 0; m < 2 && good; m++) {
         gscl_image image = {0};
         good = gscl_decode(contexts[m], bytes, size, NULL, &image) == GSCL_OK;
         if (!good)
-            snprintf(message, room, "%s", gscl_context_message(contexts[m]));
-        good = good && close_to(&truth, &image, message, room);
+            snprintf(message, capacity, "%s", gscl_context_message(contexts[m]));
+        good = good && image_is_close(&expected_image, &image, message, capacity);
         gscl_free(image.pixels);
     }
-    oracle_free(&truth);
+    oracle_free(&expected_image);
     return good;
 }

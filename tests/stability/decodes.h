@@ -10,6 +10,6 @@
 
 /* Whether all samples in both contexts are within 1/255 of the second decoder's (FORMAT.md, "Rendering").  Otherwise
  * `message` receives the fault. */
-bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t room);
+bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t capacity);
 
 #endif

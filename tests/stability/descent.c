@@ -38,7 +38,8 @@ static gscl_coded_image picture_of(const scene *s, const float *params, const fl
     return p;
 }
 
-static bool file_decodes(const scene *s, const float *params, const float background[4], char *message, size_t room) {
+static bool file_decodes(const scene *s, const float *params, const float background[4], char *message,
+                         size_t capacity) {
     gscl_context *const contexts[2] = {stability_context(0), stability_context(1)};
     uint8_t *bytes[2] = {NULL, NULL};
     size_t sizes[2] = {0, 0};
@@ -49,20 +50,20 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
         gscl_coded_image_free(&p);
     }
     if (!good)
-        snprintf(message, room, "the splats cannot be written");
+        snprintf(message, capacity, "the splats cannot be written");
     else if (sizes[0] != sizes[1] || memcmp(bytes[0], bytes[1], sizes[0])) {
-        snprintf(message, room, "a second file has other bytes");
+        snprintf(message, capacity, "a second file has other bytes");
         good = false;
     }
-    good = good && decodes_alike(contexts, bytes[0], sizes[0], message, room);
+    good = good && decodes_alike(contexts, bytes[0], sizes[0], message, capacity);
     gscl_free(bytes[0]);
     gscl_free(bytes[1]);
     return good;
 }
 
-bool scene_file_decodes(const scene *s, char *message, size_t room) {
+bool scene_file_decodes(const scene *s, char *message, size_t capacity) {
     static const float grey[4] = {0.5f, 0.5f, 0.5f, 0.5f};
-    return file_decodes(s, s->params, grey, message, room);
+    return file_decodes(s, s->params, grey, message, capacity);
 }
 
 /* ---- Descent ---- */
@@ -90,7 +91,7 @@ static bool all_finite(const float *values, size_t count) {
     return true;
 }
 
-static bool descends(const scene *s, int mapping, float *params, float background[4], char *message, size_t room) {
+static bool descends(const scene *s, int mapping, float *params, float background[4], char *message, size_t capacity) {
     const gscl_kernel_options options = {.blend = s->blend, .colours = SCENE_CHANNELS, .opacity = 1};
     gscl_context *context = stability_context(mapping);
     gscl_fit fit;
@@ -102,17 +103,17 @@ static bool descends(const scene *s, int mapping, float *params, float backgroun
     memcpy(background, fit.background, sizeof fit.background);
     gscl_fit_free(&fit);
     if (result != GSCL_OK)
-        snprintf(message, room, "%s", gscl_context_message(context));
+        snprintf(message, capacity, "%s", gscl_context_message(context));
     else if (!all_finite(params, s->count * GSCL_PARAMS))
-        snprintf(message, room, "a fitted parameter is not finite");
+        snprintf(message, capacity, "a fitted parameter is not finite");
     else if (!(after < before || after < 1e-6))
-        snprintf(message, room, "the loss does not fall: %g, then %g", before, after);
+        snprintf(message, capacity, "the loss does not fall: %g, then %g", before, after);
     else
         return true;
     return false;
 }
 
-bool scene_encodes(const scene *s, char *message, size_t room) {
+bool scene_encodes(const scene *s, char *message, size_t capacity) {
     const size_t bytes = s->count * GSCL_PARAMS * sizeof(float);
     float *params = malloc(bytes + 1), background[4];
     bool good = true;
@@ -122,10 +123,10 @@ bool scene_encodes(const scene *s, char *message, size_t room) {
         memcpy(params, s->params, bytes);
         good = descends(s, m, params, background, what, sizeof what);
         if (!good)
-            snprintf(message, room, "%s mapping: %s", stability_mappings[m], what);
+            snprintf(message, capacity, "%s mapping: %s", stability_mappings[m], what);
     }
-    good = good && file_decodes(s, params, background, message, room) &&
-           (scene_scaled(2, 1) == 1 || file_decodes(s, s->params, background, message, room));
+    good = good && file_decodes(s, params, background, message, capacity) &&
+           (scene_scaled(2, 1) == 1 || file_decodes(s, s->params, background, message, capacity));
     free(params);
     return good;
 }

@@ -2,14 +2,14 @@
 #include "scene.h"
 #include "synthetic_scene.h"
 
-static void fit(scene *s, int width, int height) {
+static void resize_and_add_splats(scene *s, int width, int height) {
     scene_resize(s, width, height);
     for (int i = 0; i < 10; i++)
         scene_add(s);
 }
 
 /* A colour of the same hue everywhere. */
-static void paint(scene *s, float (*value)(int x, int y)) {
+static void paint_target(scene *s, float (*value)(int x, int y)) {
     static const float hue[SCENE_CHANNELS] = {1.0f, 0.8f, 0.6f};
     const int pixels = s->width * s->height;
     for (int i = 0; i < pixels * SCENE_CHANNELS; i++)
@@ -32,43 +32,43 @@ static float ramp(int x, int y) { /* steps of one in 65535 */
 }
 
 static void one_colour(scene *s) {
-    fit(s, s->width, s->height);
-    paint(s, grey);
+    resize_and_add_splats(s, s->width, s->height);
+    paint_target(s, grey);
 }
 static void one_pixel(scene *s) {
-    fit(s, 1, 1);
+    resize_and_add_splats(s, 1, 1);
 }
 static void one_row(scene *s) {
-    fit(s, (int)scene_scaled(61, 19), 1);
+    resize_and_add_splats(s, (int)scene_scaled(61, 19), 1);
 }
 static void one_column(scene *s) {
-    fit(s, 1, (int)scene_scaled(61, 19));
+    resize_and_add_splats(s, 1, (int)scene_scaled(61, 19));
 }
 static void primes(scene *s) {
-    fit(s, (int)scene_scaled(37, 17), (int)scene_scaled(31, 7));
+    resize_and_add_splats(s, (int)scene_scaled(37, 17), (int)scene_scaled(31, 7));
 }
 static void checkerboard(scene *s) {
-    fit(s, s->width, s->height);
-    paint(s, checkers);
+    resize_and_add_splats(s, s->width, s->height);
+    paint_target(s, checkers);
 }
 static void white_noise(scene *s) {
-    fit(s, s->width, s->height);
+    resize_and_add_splats(s, s->width, s->height);
     for (int i = 0; i < s->width * s->height * SCENE_CHANNELS; i++)
         s->target[i] = (float)synthetic_random(2);
 }
 static void hot_pixel(scene *s) {
-    fit(s, s->width, s->height);
-    paint(s, hot);
+    resize_and_add_splats(s, s->width, s->height);
+    paint_target(s, hot);
 }
-static void deep_gradient(scene *s) {
-    fit(s, s->width, s->height);
-    paint(s, ramp);
+static void gradient_16_bits(scene *s) {
+    resize_and_add_splats(s, s->width, s->height);
+    paint_target(s, ramp);
 }
 
 const scene_case image_cases[] = {
-    {"image of one colour", one_colour}, {"image of one pixel", one_pixel},
-    {"image of one row", one_row},       {"image of one column", one_column},
-    {"image of prime sizes", primes},    {"checkerboard", checkerboard},
-    {"white noise", white_noise},        {"one hot pixel", hot_pixel},
-    {"16-bit gradient", deep_gradient},  {0},
+    {"image of one colour", one_colour},   {"image of one pixel", one_pixel},
+    {"image of one row", one_row},         {"image of one column", one_column},
+    {"image of prime sizes", primes},      {"checkerboard", checkerboard},
+    {"white noise", white_noise},          {"one hot pixel", hot_pixel},
+    {"16-bit gradient", gradient_16_bits}, {0},
 };

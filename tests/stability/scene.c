@@ -30,7 +30,7 @@ void scene_begin(scene *s, const char *name, int blend) {
     snprintf(s->name, sizeof s->name, "%s", name);
     s->blend = blend;
     s->level = 0;
-    s->round = false;
+    s->isotropic = false;
     s->shape = GSCL_SHAPE_ROTATED;
     s->count = 0;
     s->stride = 1;

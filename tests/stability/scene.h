@@ -17,7 +17,7 @@ typedef struct {
     char name[80];
     int blend;
     int width, height, level; /* of the full-size image; of the pyramid */
-    bool round;               /* all splats are isotropic: the gradient of their angle must be exactly 0 */
+    bool isotropic;           /* all splats are isotropic: the gradient of their angle must be exactly 0 */
     int shape;                /* GSCL_SHAPE_...: of the kernels */
     size_t count;
     size_t stride; /* the gradient is differenced for every such splat */

@@ -60,8 +60,8 @@ static void large_axes(scene *s) {
 /* 0, pi/2 and pi as floats, the neighbouring floats, and angles slightly beside them. */
 static void right_angles(scene *s) {
     const float beside[] = {0.0f, 1e-6f, -1e-6f, 1e-3f};
-    for (int turn = 0; turn < 3; turn++) {
-        const float angle = (float)(turn * pi / 2.0);
+    for (int quarter = 0; quarter < 3; quarter++) {
+        const float angle = (float)(quarter * pi / 2.0);
         for (int i = 0; i < 6; i++) {
             float *p = scene_add(s);
             scene_set_axes(p, scene_log_uniform(4.0, 20.0), scene_log_uniform(0.3, 2.0));
@@ -71,7 +71,7 @@ static void right_angles(scene *s) {
 }
 
 static void isotropic(scene *s) {
-    s->round = true;
+    s->isotropic = true;
     for (size_t i = 0; i < scene_scaled(20, 6); i++) {
         float *p = scene_add(s);
         p[GSCL_LOG_S2] = p[GSCL_LOG_S1];

@@ -16,7 +16,7 @@
 
 #define SIDE 64
 #define STEPS 100000
-#define TURN 512 /* steps after which gradients change sign */
+#define HALF_PERIOD 512 /* steps after which gradients change sign */
 #define USED (GSCL_COLOUR + SCENE_CHANNELS)
 #define UNIT 0x1p-24
 
@@ -33,7 +33,7 @@
 typedef float (*gradient_maker)(long step);
 
 static float flips(long step) {
-    return step / TURN % 2 ? -1.0f : 1.0f;
+    return step / HALF_PERIOD % 2 ? -1.0f : 1.0f;
 }
 static float none(long step) {
     (void)step;
@@ -48,7 +48,7 @@ static float huge(long step) {
 static float huge_once(long step) {
     return step < 10 ? 1e10f : 0.0f;
 }
-static float awakes(long step) {
+static float tiny_then_1(long step) {
     return step < STEPS / 2 ? 1e-30f : flips(step);
 }
 static float near_epsilon(long step) {
@@ -65,7 +65,7 @@ static const struct {
     {"gradient 10^10", huge, ~(1u << GSCL_THETA)},
     {"gradient 1", flips, ~(1u << GSCL_THETA)},
     {"gradient 10^10 ten times, then 0", huge_once, ~(1u << GSCL_THETA)},
-    {"gradient 10^-30, then 1", awakes, ~(1u << GSCL_THETA)},
+    {"gradient 10^-30, then 1", tiny_then_1, ~(1u << GSCL_THETA)},
     {"gradient as small as epsilon", near_epsilon, ~(1u << GSCL_THETA)},
     {"gradient of the angle, 1", flips, 1u << GSCL_THETA},
     {"gradient of one axis, 1", flips, 1u << GSCL_LOG_S1},
@@ -87,10 +87,10 @@ static double within(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
-static void turn(double *x, double *y, double c, double s) {
-    const double turned = c * *x - s * *y;
+static void rotate(double *x, double *y, double c, double s) {
+    const double rotated = c * *x - s * *y;
     *y = c * *y + s * *x;
-    *x = turned;
+    *x = rotated;
 }
 
 static void rates_of(const double *p, double *rates) {
@@ -123,7 +123,7 @@ static void true_step(state *s, size_t which, long step, const gscl_limits *boun
     rates_of(s->p, rates);
     for (size_t k = 0; k < USED; k++)
         steps[k] = gradient_of(which, k, step);
-    turn(&steps[GSCL_X], &steps[GSCL_Y], c, -n);
+    rotate(&steps[GSCL_X], &steps[GSCL_Y], c, -n);
     for (size_t k = 0; k < USED; k++) {
         s->m[k] = beta1 * s->m[k] + (1.0 - beta1) * steps[k];
         s->v[k] = beta2 * s->v[k] + (1.0 - beta2) * steps[k] * steps[k];
@@ -131,7 +131,7 @@ static void true_step(state *s, size_t which, long step, const gscl_limits *boun
         s->largest_v[k] = fmax(s->largest_v[k], s->v[k]);
         steps[k] = rates[k] * s->m[k] * correct1 / (sqrt(s->v[k] * correct2) + 1e-10);
     }
-    turn(&steps[GSCL_X], &steps[GSCL_Y], c, n);
+    rotate(&steps[GSCL_X], &steps[GSCL_Y], c, n);
     for (size_t k = 0; k < USED; k++)
         s->p[k] -= steps[k];
     keep_within(s->p, bounds);
@@ -193,7 +193,7 @@ static void run_fit(gscl_context *context, long count, outcome *o, gscl_limits *
 
 /* Steps that errors of a parameter can add up over: all for the angle, which has no bounds to come back from. */
 static double parameter_bound(size_t parameter, const double *rates, long count, double size) {
-    const double steps = parameter == GSCL_THETA ? (double)count : fmin((double)count, 2.0 * TURN);
+    const double steps = parameter == GSCL_THETA ? (double)count : fmin((double)count, 2.0 * HALF_PERIOD);
     return steps * (rates[parameter] * STEP_BOUND + UNIT * size);
 }
 

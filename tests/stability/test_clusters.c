@@ -15,7 +15,7 @@
 #define POINTS 2000
 #define CLUSTERS 64
 #define DIMS 5
-#define MOST_ITERATIONS 500
+#define MAX_ITERATIONS 500
 #define ROUNDED 0x1p-24 /* of a mean in double precision to float */
 
 /* A hard case: points and their weights, k, and the rows that are given to begin with. */
@@ -32,7 +32,7 @@ typedef struct {
     gscl_kmeans_result result;
 } solution;
 
-static void solve(const problem *p, uint32_t iterations, solution *s) {
+static void cluster_problem(const problem *p, uint32_t iterations, solution *s) {
     const gscl_kmeans_points points = {p->values, p->weighted ? p->weights : NULL, p->scaled ? p->metric : NULL,
                                        p->count, p->dims};
     const gscl_kmeans_options options = {.clusters = p->clusters, .warm = p->warm, .iterations = iterations, .seed = 3};
@@ -60,10 +60,10 @@ static double off_mean(const problem *p, const solution *s, uint32_t word, uint3
 static void check_problem(const problem *p) {
     static solution first, second;
     double worst = 0.0;
-    solve(p, MOST_ITERATIONS, &first);
-    solve(p, MOST_ITERATIONS, &second);
+    cluster_problem(p, MAX_ITERATIONS, &first);
+    cluster_problem(p, MAX_ITERATIONS, &second);
     assert_memory_equal(&first, &second, sizeof first);
-    if (first.result.iterations >= MOST_ITERATIONS)
+    if (first.result.iterations >= MAX_ITERATIONS)
         fail_msg("%s: no end after %u iterations", p->name, first.result.iterations);
     if (p->expected && first.result.clusters != p->expected)
         fail_msg("%s: %u words, %u expected", p->name, first.result.clusters, p->expected);

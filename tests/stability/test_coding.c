@@ -59,7 +59,7 @@ static void check_oracle(const uint8_t *bytes, size_t size, uint32_t count, symb
     assert_false(oracle_decoder_failed(&decoder));
 }
 
-static size_t encode(uint8_t *bytes, size_t capacity, uint32_t count, symbol_maker make, double *entropy) {
+static size_t encode_symbols(uint8_t *bytes, size_t capacity, uint32_t count, symbol_maker make, double *entropy) {
     uint32_t state = 1;
     gsf_range_encoder encoder;
     gsf_range_encoder_init(&encoder, bytes, capacity);
@@ -79,8 +79,8 @@ static void check_stream(const char *name, uint32_t count, symbol_maker make) {
     uint8_t *bytes = malloc(capacity), *again = malloc(capacity);
     double entropy;
     assert_true(bytes && again);
-    const size_t size = encode(bytes, capacity, count, make, &entropy);
-    assert_int_equal(encode(again, capacity, count, make, &entropy), size);
+    const size_t size = encode_symbols(bytes, capacity, count, make, &entropy);
+    assert_int_equal(encode_symbols(again, capacity, count, make, &entropy), size);
     assert_memory_equal(bytes, again, size);
     check_library(bytes, size, count, make);
     check_oracle(bytes, size, count, make);

@@ -88,7 +88,8 @@ static void check_words_used(const uint8_t *bytes, size_t size) {
     gscl_coded_image_free(&p);
 }
 
-static void encode(gscl_context *context, const gscl_image *image, const mode *m, uint8_t **bytes, size_t *size) {
+static void encode_in_mode(gscl_context *context, const gscl_image *image, const mode *m, uint8_t **bytes,
+                           size_t *size) {
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
     settings.profile = m->profile;
@@ -124,7 +125,7 @@ static void check_encode(const scene *s, const gscl_image *image, const mode *m,
     size_t sizes[2];
     char message[200];
     for (int i = 0; i < 2; i++)
-        encode(contexts[mapping], image, m, &bytes[i], &sizes[i]);
+        encode_in_mode(contexts[mapping], image, m, &bytes[i], &sizes[i]);
     assert_int_equal(sizes[0], sizes[1]);
     assert_memory_equal(bytes[0], bytes[1], sizes[0]);
     if (!decodes_alike(contexts, bytes[0], sizes[0], message, sizeof message))

@@ -52,7 +52,7 @@ static void make_splats(const far_case *c, float params[SPLATS * GSCL_PARAMS]) {
 
 static const float background[4] = {0.3f, 0.5f, 0.7f, 0.0f};
 
-static gscl_result draw(gscl_context *context, int blend, const float *params, float *planes) {
+static gscl_result draw_needles(gscl_context *context, int blend, const float *params, float *planes) {
     const gscl_kernel_options options = {.blend = blend, .colours = SCENE_CHANNELS, .opacity = 1};
     gscl_renderer r;
     GSCL_TRY(gscl_renderer_create(&r, context, &options));
@@ -80,7 +80,7 @@ static void check_case(const far_case *c, int blend, int mapping) {
         seen[i] = params[i] - (i % GSCL_PARAMS <= GSCL_Y ? ORIGIN : 0.0);
     oracle_fit_draw(&fit, seen, SPLATS, expected);
     oracle_fit_bounds(&fit, seen, SPLATS, bounds, gradient_bounds);
-    assert_int_equal(draw(stability_context(mapping), blend, params, planes), GSCL_OK);
+    assert_int_equal(draw_needles(stability_context(mapping), blend, params, planes), GSCL_OK);
     for (int i = 0; i < SAMPLES; i++) {
         const double error = fabs(planes[i] - expected[i]);
         worst = fmax(worst, 255.0 * error);

@@ -243,8 +243,8 @@ static void cluster(gscl_context *context, gscl_fit *fit, const book_case *c, gs
     make_splats(c, params);
     check_call(context, c->name, gscl_fit_append(fit, params, c->splats));
     check_call(context, c->name, gscl_codebook_create(&book, fit, c->bits, c->bits, c->bits));
-    for (int round = 0; round < (c->equal ? 0 : 3); round++) {
-        check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, round > 0, &random));
+    for (int iteration = 0; iteration < (c->equal ? 0 : 3); iteration++) {
+        check_call(context, c->name, gscl_codebook_cluster(&book, c->shapes, c->colours, iteration > 0, &random));
         check_call(context, c->name, gscl_codebook_sort(&book, coded));
         check_call(context, c->name, gscl_codebook_step_straight_through(&book, 1.0f));
     }

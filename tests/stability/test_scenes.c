@@ -11,7 +11,7 @@
 
 #include "check.h"
 
-#define MOST_TESTS 400
+#define MAX_TESTS 400
 
 static const char *const shapes[] = {"rotated", "axis-aligned", "isotropic"}; /* GSCL_SHAPE_... */
 
@@ -35,7 +35,7 @@ static void test_hard_scene(void **state) {
 
 /* STABILITY_BLEND is the name of a blend, or `alternate`: then each case runs in one blend, so that all blends occur,
  * and the image cases do not run, because no kernel depends on them. */
-static bool is_wanted(const scene_case *subject, size_t number, int blend, int shape) {
+static bool is_selected(const scene_case *subject, size_t number, int blend, int shape) {
     const char *selected = getenv("STABILITY_BLEND");
     if (shape != GSCL_SHAPE_ROTATED && subject == image_cases)
         return false;
@@ -44,12 +44,12 @@ static bool is_wanted(const scene_case *subject, size_t number, int blend, int s
     return !selected || !strcmp(selected, stability_blends[blend]);
 }
 
-static hard_test hard[MOST_TESTS];
+static hard_test hard[MAX_TESTS];
 static size_t hard_count;
 
 static void add_tests(const scene_case *subject, size_t number, int shape) {
     for (int blend = 0; blend < 3; blend++) {
-        if (hard_count == MOST_TESTS || !is_wanted(subject, number, blend, shape))
+        if (hard_count == MAX_TESTS || !is_selected(subject, number, blend, shape))
             continue;
         hard_test *test = &hard[hard_count++];
         *test = (hard_test){.of = &subject[number], .blend = blend, .shape = shape};
@@ -60,7 +60,7 @@ static void add_tests(const scene_case *subject, size_t number, int shape) {
 
 int main(void) {
     static const scene_case *const subjects[] = {shape_cases, blending_cases, place_cases, image_cases};
-    static struct CMUnitTest tests[MOST_TESTS];
+    static struct CMUnitTest tests[MAX_TESTS];
     for (int shape = GSCL_SHAPE_ROTATED; shape <= GSCL_SHAPE_ISOTROPIC; shape++)
         for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++)
             for (size_t j = 0; subjects[i][j].name; j++)

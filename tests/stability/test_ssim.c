@@ -161,7 +161,7 @@ static void check_pair(const char *name, const float *rendering, const float *ta
 
 static float rendering[PIXELS], target[PIXELS];
 
-static void fill(float *plane, float value, float noise) {
+static void fill_plane(float *plane, float value, float noise) {
     for (int i = 0; i < PIXELS; i++)
         plane[i] = value + synthetic_uniform(-noise, noise);
 }
@@ -172,29 +172,29 @@ static void test_flat(void **state) {
     static const char *const names[] = {"flat 0.4 on 0.4", "flat 1 on 1", "flat 0 on 0", "flat 0.4 on 0.5",
                                         "flat 0 on 1"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        fill(rendering, values[i][0], 0.0f);
-        fill(target, values[i][1], 0.0f);
+        fill_plane(rendering, values[i][0], 0.0f);
+        fill_plane(target, values[i][1], 0.0f);
         check_pair(names[i], rendering, target);
     }
 }
 
 static void test_flat_and_noise(void **state) {
     (void)state;
-    fill(rendering, 0.5f, 0.0f);
-    fill(target, 0.5f, 0.3f);
+    fill_plane(rendering, 0.5f, 0.0f);
+    fill_plane(target, 0.5f, 0.3f);
     check_pair("flat on noise", rendering, target);
     check_pair("noise on flat", target, rendering);
-    fill(rendering, 0.5f, 0.3f);
+    fill_plane(rendering, 0.5f, 0.3f);
     check_pair("noise on noise", rendering, target);
 }
 
 static void test_nearly_flat(void **state) {
     (void)state;
-    fill(rendering, 0.8f, 0.0f);
+    fill_plane(rendering, 0.8f, 0.0f);
     for (int i = 0; i < PIXELS; i++)
         target[i] = (float)(30000 + i) / 65535.0f;
     check_pair("flat on a 16-bit gradient", rendering, target);
-    fill(target, 0.0f, 0.0f);
+    fill_plane(target, 0.0f, 0.0f);
     target[9 * WIDTH + 11] = 1.0f;
     check_pair("flat on one hot pixel", rendering, target);
     check_pair("one hot pixel on itself", target, target);

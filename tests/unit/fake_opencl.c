@@ -4,7 +4,7 @@
 
 fake_opencl fake;
 
-/* The handle of the second device; never given to the real implementation. */
+/* The handle of the second device, which never reaches the real implementation. */
 static char second_device;
 #define SECOND_DEVICE ((cl_device_id)(void *)&second_device)
 static cl_device_id first_device;
@@ -24,8 +24,8 @@ cl_context __wrap_clCreateContext(const cl_context_properties *, cl_uint, const 
 cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *,
                                      const size_t *, cl_uint, const cl_event *, cl_event *);
 
-/* Answers as OpenCL does: fails when there is too little room. */
-static cl_int answer(const void *from, size_t length, size_t size, void *to, size_t *needed) {
+/* Copies a value as clGet*Info does; it fails when the buffer is too small. */
+static cl_int copy_info(const void *from, size_t length, size_t size, void *to, size_t *needed) {
     if (needed)
         *needed = length;
     if (to && size < length)
@@ -35,7 +35,7 @@ static cl_int answer(const void *from, size_t length, size_t size, void *to, siz
     return CL_SUCCESS;
 }
 
-cl_int __wrap_clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *devices,
+cl_int __wrap_clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *devices,
                              cl_uint *count) {
     cl_uint real = 0;
     cl_device_id all[64];
@@ -48,7 +48,7 @@ cl_int __wrap_clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_ui
     if (count)
         *count = real;
     if (devices)
-        memcpy(devices, all, (room < real ? room : real) * sizeof *devices);
+        memcpy(devices, all, (capacity < real ? capacity : real) * sizeof *devices);
     return CL_SUCCESS;
 }
 
@@ -58,16 +58,16 @@ cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info parameter, siz
     if (fake.failing_info && parameter == fake.failing_info)
         return CL_OUT_OF_RESOURCES;
     if (parameter == CL_DEVICE_AVAILABLE && unavailable)
-        return answer(&no, sizeof no, size, value, needed);
+        return copy_info(&no, sizeof no, size, value, needed);
     if (parameter == CL_DEVICE_NAME && fake.device_name)
-        return answer(fake.device_name, strlen(fake.device_name) + 1, size, value, needed);
+        return copy_info(fake.device_name, strlen(fake.device_name) + 1, size, value, needed);
     return __real_clGetDeviceInfo(device == SECOND_DEVICE ? first_device : device, parameter, size, value, needed);
 }
 
 cl_int __wrap_clGetPlatformInfo(cl_platform_id platform, cl_platform_info parameter, size_t size, void *value,
                                 size_t *needed) {
     if (parameter == CL_PLATFORM_NAME && fake.platform_name)
-        return answer(fake.platform_name, strlen(fake.platform_name) + 1, size, value, needed);
+        return copy_info(fake.platform_name, strlen(fake.platform_name) + 1, size, value, needed);
     return __real_clGetPlatformInfo(platform, parameter, size, value, needed);
 }
 

@@ -8,14 +8,14 @@
 
 typedef void(CL_CALLBACK *fake_notice)(const char *text, const void *details, size_t size, void *data);
 
-/* All zero: nothing is faked. */
+/* With all fields zero every call reaches the real implementation. */
 typedef struct fake_opencl {
     const char *device_name, *platform_name; /* NULL: the real ones */
     bool second_device;                      /* each platform has one more device, a copy of its first */
     bool first_unavailable, second_unavailable;
     cl_device_info failing_info; /* clGetDeviceInfo fails for this parameter; 0: for none */
-    cl_int launch_error;         /* what clEnqueueNDRangeKernel returns instead of launching; 0: it launches */
-    fake_notice notice;          /* what the last clCreateContext was given */
+    cl_int launch_error;         /* result of clEnqueueNDRangeKernel instead of a launch; 0: it launches */
+    fake_notice notice;          /* argument of the last clCreateContext */
     void *notice_data;
 } fake_opencl;
 

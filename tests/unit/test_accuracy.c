@@ -17,7 +17,7 @@
 #include "measure/reference.h"
 #include "synthetic_image.h"
 
-#define WIDTH 90 /* no multiple of a tile */
+#define WIDTH 90 /* not a multiple of a tile */
 #define HEIGHT 70
 #define BLENDS 3
 #define MAX_ROWS 40
@@ -32,7 +32,7 @@ typedef struct {
 } file;
 static file files[BLENDS]; /* normalized, alpha, sum */
 
-static file encode(gscl_blend blend) {
+static file encode_with_blend(gscl_blend blend) {
     file f;
     gscl_encode_settings settings;
     gscl_encode_report report = {.struct_size = sizeof report};
@@ -58,7 +58,7 @@ static int open_all(void **state) {
     }
     image = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
     for (int i = 0; i < BLENDS; i++)
-        files[i] = encode((gscl_blend)(GSCL_BLEND_NORMALIZED + i));
+        files[i] = encode_with_blend((gscl_blend)(GSCL_BLEND_NORMALIZED + i));
     return 0;
 }
 
@@ -143,15 +143,15 @@ static void test_reference_draws_parts(void **state) {
 typedef struct {
     gscl_accuracy row;
     char variant[32];
-} kept_row;
+} accuracy_row;
 
 typedef struct {
-    kept_row rows[MAX_ROWS];
+    accuracy_row rows[MAX_ROWS];
     size_t count;
-} kept;
+} accuracy_rows;
 
-static void keep(void *opaque, const gscl_accuracy *accuracy) {
-    kept *k = opaque;
+static void append_row(void *opaque, const gscl_accuracy *accuracy) {
+    accuracy_rows *k = opaque;
     assert_true(k->count < MAX_ROWS);
     k->rows[k->count].row = *accuracy;
     strncpy(k->rows[k->count++].variant, accuracy->variant, 31);
@@ -159,14 +159,14 @@ static void keep(void *opaque, const gscl_accuracy *accuracy) {
 
 static const gscl_accuracy_settings quick = {sizeof quick, .repetitions = 1, .splats = 12};
 
-static void measure(gscl_context *context, const file *f, kept *k) {
+static void measure_file(gscl_context *context, const file *f, accuracy_rows *k) {
     memset(k, 0, sizeof *k);
-    if (gscl_measure_accuracy(context, &image, f->bytes, f->size, &quick, keep, k) != GSCL_OK)
+    if (gscl_measure_accuracy(context, &image, f->bytes, f->size, &quick, append_row, k) != GSCL_OK)
         fail_msg("%s", gscl_context_message(context));
 }
 
 /* The rows of one choice, in order; their number. */
-static size_t rows_of(const kept *k, const char *choice, const gscl_accuracy **rows) {
+static size_t rows_of(const accuracy_rows *k, const char *choice, const gscl_accuracy **rows) {
     size_t count = 0;
     for (size_t i = 0; i < k->count; i++)
         if (strcmp(k->rows[i].row.choice, choice) == 0)
@@ -174,7 +174,7 @@ static size_t rows_of(const kept *k, const char *choice, const gscl_accuracy **r
     return count;
 }
 
-static void check_all(const kept *k, gscl_blend blend, double psnr) {
+static void check_all(const accuracy_rows *k, gscl_blend blend, double psnr) {
     for (size_t i = 0; i < k->count; i++) {
         const gscl_accuracy *a = &k->rows[i].row;
         assert_true(isfinite(a->largest_error) && isfinite(a->mean_error) && isfinite(a->psnr));
@@ -188,7 +188,7 @@ static void check_all(const kept *k, gscl_blend blend, double psnr) {
 }
 
 /* The larger the radius of the cut-off, the smaller the error against Gaussians that are not cut off. */
-static void check_support(const kept *k) {
+static void check_support(const accuracy_rows *k) {
     const gscl_accuracy *rows[MAX_ROWS];
     const size_t count = rows_of(k, "support", rows);
     assert_true(count >= 5 && rows[0]->value == 2 && rows[count - 1]->value == 6);
@@ -197,7 +197,7 @@ static void check_support(const kept *k) {
     assert_true(rows[count - 1]->mean_error < 1e-3 && rows[0]->mean_error > 0.1);
 }
 
-static void check_arithmetic(const kept *k) {
+static void check_arithmetic(const accuracy_rows *k) {
     const gscl_accuracy *rows[MAX_ROWS];
     const size_t exponentials = rows_of(k, "exponential", rows);
     assert_int_equal(exponentials, 3);
@@ -209,7 +209,7 @@ static void check_arithmetic(const kept *k) {
         assert_true(rows[1]->largest_error < 1e-9 && rows[1]->largest_error < 1e-4 * rows[0]->largest_error);
 }
 
-static void check_early_stop(const kept *k, bool expected) {
+static void check_early_stop(const accuracy_rows *k, bool expected) {
     const gscl_accuracy *rows[MAX_ROWS];
     const size_t count = rows_of(k, "early stop", rows);
     assert_true((count > 0) == expected);
@@ -219,7 +219,7 @@ static void check_early_stop(const kept *k, bool expected) {
         assert_true(rows[count - 1]->largest_error > rows[0]->largest_error);
 }
 
-static void check_quantiser(const kept *k, bool expected) {
+static void check_quantiser(const accuracy_rows *k, bool expected) {
     const gscl_accuracy *rows[MAX_ROWS];
     const size_t count = rows_of(k, "quantiser", rows);
     assert_true((count > 0) == expected);
@@ -233,11 +233,11 @@ static void check_quantiser(const kept *k, bool expected) {
 
 static void test_choices(void **state) {
     (void)state;
-    static kept k;
+    static accuracy_rows k;
     for (int i = 0; i < BLENDS; i++)
         for (int m = 0; m < 2; m++) {
             const bool alpha = GSCL_BLEND_NORMALIZED + i == GSCL_BLEND_ALPHA;
-            measure(contexts[m], &files[i], &k);
+            measure_file(contexts[m], &files[i], &k);
             check_all(&k, (gscl_blend)(GSCL_BLEND_NORMALIZED + i), files[i].psnr);
             check_support(&k);
             check_arithmetic(&k);

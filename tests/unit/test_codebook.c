@@ -1,4 +1,4 @@
-/* The paper profile's codebooks: what an RDO pass chooses, what is dropped, what is kept from pass to pass. */
+/* The paper profile's codebooks: the choices of an RDO pass, dropped splats and words, buffers that passes reuse. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +26,7 @@
 #define SPLATS 12
 #define SHAPES 4
 #define COLOURS 6
-#define WORD_BITS 16 /* words are all but exact */
+#define WORD_BITS 16 /* rounding of words is negligible */
 #define POSITION_BITS 6
 #define FREE_BITS 1e-12 /* lambda: only the error counts */
 #define MAX_PASSES 60
@@ -39,7 +39,7 @@ typedef struct {
     gscl_codebook_rdo rdo;
 } scene;
 
-static void check(const scene *s, gscl_result result) {
+static void check_call(const scene *s, gscl_result result) {
     if (result != GSCL_OK)
         fail_msg("%s", gscl_context_message(s->context));
 }
@@ -83,12 +83,12 @@ static void scene_open(scene *s, gscl_context *context) {
     make_target(planes);
     for (int i = 0; i < SPLATS; i++)
         make_splat(params + i * GSCL_PARAMS);
-    check(s, gscl_fit_create(&s->fit, context, &options, WIDTH, HEIGHT, 0, planes));
-    check(s, gscl_fit_append(&s->fit, params, SPLATS));
-    check(s, gscl_codebook_create(&s->codebook, &s->fit, POSITION_BITS, WORD_BITS, WORD_BITS));
-    check(s, gscl_codebook_cluster(&s->codebook, SHAPES, COLOURS, false, &random));
-    check(s, gscl_codebook_sort(&s->codebook, &s->coded));
-    check(s, gscl_codebook_rdo_create(&s->rdo, &s->codebook));
+    check_call(s, gscl_fit_create(&s->fit, context, &options, WIDTH, HEIGHT, 0, planes));
+    check_call(s, gscl_fit_append(&s->fit, params, SPLATS));
+    check_call(s, gscl_codebook_create(&s->codebook, &s->fit, POSITION_BITS, WORD_BITS, WORD_BITS));
+    check_call(s, gscl_codebook_cluster(&s->codebook, SHAPES, COLOURS, false, &random));
+    check_call(s, gscl_codebook_sort(&s->codebook, &s->coded));
+    check_call(s, gscl_codebook_rdo_create(&s->rdo, &s->codebook));
 }
 
 static void scene_close(scene *s) {
@@ -98,18 +98,18 @@ static void scene_close(scene *s) {
     gscl_coded_image_free(&s->coded);
 }
 
-/* Squared error of the rendering that the host copies describe. */
+/* Squared error of the rendering of the splats in the host arrays. */
 static double rendering_error(scene *s) {
     double error;
-    check(s, gscl_codebook_upload(&s->codebook));
-    check(s, gscl_codebook_project(&s->codebook));
-    check(s, gscl_fit_rendering_error(&s->fit, &error));
+    check_call(s, gscl_codebook_upload(&s->codebook));
+    check_call(s, gscl_codebook_project(&s->codebook));
+    check_call(s, gscl_fit_rendering_error(&s->fit, &error));
     return error;
 }
 
 static void run_pass(scene *s, double lambda, bool keep_all) {
-    check(s, gscl_codebook_project(&s->codebook));
-    check(s, gscl_codebook_rdo_run(&s->rdo, lambda, keep_all));
+    check_call(s, gscl_codebook_project(&s->codebook));
+    check_call(s, gscl_codebook_rdo_run(&s->rdo, lambda, keep_all));
 }
 
 /* Runs passes until one changes nothing. */
@@ -163,7 +163,7 @@ static void test_passes_reach_a_minimum(void **state) {
     }
 }
 
-/* With a large lambda no splat is worth its bits, unless all are to be kept. */
+/* With a large lambda an RDO pass drops all splats, unless it must keep them. */
 static void test_lambda_and_keep_all(void **state) {
     (void)state;
     for (int m = 0; m < 2; m++)
@@ -197,7 +197,7 @@ static void test_unused_words_are_dropped(void **state) {
     scene_close(&s);
 }
 
-/* Passes use the arrays and buffers that were made at first, also when splats are dropped. */
+/* Passes use the arrays and buffers allocated at first, also when splats are dropped. */
 static void test_passes_keep_their_memory(void **state) {
     (void)state;
     scene s;
@@ -217,27 +217,27 @@ static void test_steps_of_words_lower_the_error(void **state) {
         scene s;
         scene_open(&s, contexts[m]);
         const double before = rendering_error(&s);
-        check(&s, gscl_codebook_restart_optimiser(&s.codebook));
+        check_call(&s, gscl_codebook_restart_optimiser(&s.codebook));
         for (int step = 0; step < 30; step++)
-            check(&s, gscl_codebook_step(&s.codebook, 0.5f));
-        check(&s, gscl_codebook_read_back(&s.codebook));
+            check_call(&s, gscl_codebook_step(&s.codebook, 0.5f));
+        check_call(&s, gscl_codebook_read_back(&s.codebook));
         assert_true(rendering_error(&s) < 0.8 * before);
         scene_close(&s);
     }
 }
 
-/* With as many words as splats the straight-through estimator is a free fit: clustering follows each step exactly. */
+/* With as many words as splats straight-through steps are as free as an ordinary fit, because clustering reproduces each step exactly. */
 static void test_straight_through_steps_lower_the_error(void **state) {
     (void)state;
     for (int m = 0; m < 2; m++) {
         scene s;
         uint64_t random = 5;
         scene_open(&s, contexts[m]);
-        check(&s, gscl_codebook_cluster(&s.codebook, SPLATS, SPLATS, false, &random));
+        check_call(&s, gscl_codebook_cluster(&s.codebook, SPLATS, SPLATS, false, &random));
         const double before = rendering_error(&s);
         for (int step = 0; step < 30; step++) {
-            check(&s, gscl_codebook_step_straight_through(&s.codebook, 0.5f));
-            check(&s, gscl_codebook_cluster(&s.codebook, SPLATS, SPLATS, true, &random));
+            check_call(&s, gscl_codebook_step_straight_through(&s.codebook, 0.5f));
+            check_call(&s, gscl_codebook_cluster(&s.codebook, SPLATS, SPLATS, true, &random));
         }
         assert_true(rendering_error(&s) < 0.8 * before);
         scene_close(&s);
@@ -251,7 +251,7 @@ static void test_coded_words_are_dropped(void **state) {
     scene s;
     scene_open(&s, contexts[0]);
     gsf_coded_image *file = &s.coded.file;
-    check(&s, gscl_codebook_quantise(&s.codebook, &s.coded));
+    check_call(&s, gscl_codebook_quantise(&s.codebook, &s.coded));
     const int words = file->codebooks.shape_count + file->codebooks.colour_count;
     file->header.splat_count = 3;
     gscl_coded_image_params(&s.coded, before, background);
@@ -263,7 +263,7 @@ static void test_coded_words_are_dropped(void **state) {
     scene_close(&s);
 }
 
-/* A larger file holds more splats, larger books leave fewer. */
+/* A larger file holds more splats, and larger codebooks leave bytes for fewer. */
 static void test_plan(void **state) {
     (void)state;
     double before = 0;

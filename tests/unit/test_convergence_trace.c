@@ -21,7 +21,7 @@ typedef struct {
     gscl_encode_report report;
 } outcome;
 
-static void encode(gscl_profile profile, gscl_target target, double value, bool trace, outcome *o) {
+static void encode_with_trace(gscl_profile profile, gscl_target target, double value, bool trace, outcome *o) {
     gscl_image image = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
@@ -36,12 +36,12 @@ static void encode(gscl_profile profile, gscl_target target, double value, bool 
     synthetic_image_free(&image);
 }
 
-/* Recording the trace is no part of the time, nor of a stage. */
+/* The time to record the trace counts neither in the total nor in a stage. */
 static void test_stages_add_up_to_the_encode(void **state) {
     (void)state;
     for (int trace = 0; trace < 2; trace++) {
         outcome o;
-        encode(GSCL_PROFILE_DEFAULT, GSCL_TARGET_BYTES, 500, trace, &o);
+        encode_with_trace(GSCL_PROFILE_DEFAULT, GSCL_TARGET_BYTES, 500, trace, &o);
         double seconds = 0;
         for (uint32_t i = 0; i < o.report.stage_count; i++) {
             assert_true(o.report.stages[i].count > 0 && o.report.stages[i].seconds >= 0);
@@ -70,8 +70,8 @@ static void test_trace(void **state) {
     (void)state;
     for (int profile = GSCL_PROFILE_DEFAULT; profile <= GSCL_PROFILE_PAPER; profile++) {
         outcome with, without;
-        encode((gscl_profile)profile, GSCL_TARGET_BYTES, 600, true, &with);
-        encode((gscl_profile)profile, GSCL_TARGET_BYTES, 600, false, &without);
+        encode_with_trace((gscl_profile)profile, GSCL_TARGET_BYTES, 600, true, &with);
+        encode_with_trace((gscl_profile)profile, GSCL_TARGET_BYTES, 600, false, &without);
         check_trace(&with.report);
         assert_int_equal(with.size, without.size);
         assert_memory_equal(with.bytes, without.bytes, with.size);
@@ -84,7 +84,7 @@ static void test_trace(void **state) {
 static void test_trace_of_the_last_fit(void **state) {
     (void)state;
     outcome o;
-    encode(GSCL_PROFILE_DEFAULT, GSCL_TARGET_PSNR, 24, true, &o);
+    encode_with_trace(GSCL_PROFILE_DEFAULT, GSCL_TARGET_PSNR, 24, true, &o);
     assert_true(o.report.trials > 1);
     for (uint32_t i = 1; i < o.report.trace_count; i++)
         assert_true(o.report.trace[i].steps >= o.report.trace[i - 1].steps);
@@ -101,7 +101,7 @@ static void test_failure_leaves_no_trace(void **state) {
     outcome o = {.report = {.struct_size = sizeof o.report}};
     assert_int_equal(gscl_encode(context, &image, NULL, &bytes, &size, &o.report), GSCL_ERROR_IMAGE_NOT_FINITE);
     assert_int_equal(o.report.stage_count, 0);
-    encode(GSCL_PROFILE_DEFAULT, GSCL_TARGET_BYTES, 500, false, &o);
+    encode_with_trace(GSCL_PROFILE_DEFAULT, GSCL_TARGET_BYTES, 500, false, &o);
     gscl_free(o.bytes);
 }
 

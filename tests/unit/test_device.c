@@ -1,4 +1,4 @@
-/* Devices that this machine does not have: long names, unavailable ones, ones that fail to describe themselves. */
+/* Devices that this machine does not have: long names, unavailable devices, devices whose clGetDeviceInfo fails. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@ static gscl_result open_device(const char *selector, gscl_context **context) {
     return gscl_context_create(context, &settings);
 }
 
-/* Opens the device and frees the context; keeps its message. */
+/* Opens the device and frees the context, but copies its message. */
 static gscl_result try_device(const char *selector, char message[512]) {
     gscl_context *context;
     const gscl_result result = open_device(selector, &context);
@@ -69,10 +69,10 @@ static void test_long_names_are_shortened(void **state) {
     const gscl_device_info *device = gscl_context_device(context);
     const char *const texts[] = {device->device_name, device->platform_name};
     for (size_t i = 0; i < 2; i++) {
-        const size_t kept = strlen(texts[i]) - 3;
+        const size_t length = strlen(texts[i]) - 3;
         assert_true(strlen(texts[i]) > 100 && ends_with(texts[i], "..."));
-        assert_memory_equal(texts[i], name, kept);
-        assert_true(kept % 2 == 1); /* characters of two bytes are whole */
+        assert_memory_equal(texts[i], name, length);
+        assert_true(length % 2 == 1); /* no character of two bytes is split */
     }
     gscl_context_free(&context);
 }
@@ -152,7 +152,7 @@ static void test_every_description_is_checked(void **state) {
     }
 }
 
-/* A list of devices that does not fit ends readably. */
+/* The message shortens long names of the devices that it lists. */
 static void test_ambiguous_devices_are_named(void **state) {
     (void)state;
     char name[LONG_NAME + 1], message[512];

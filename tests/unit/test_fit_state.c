@@ -113,7 +113,7 @@ static int skipped_tiles(gscl_fit *fit) {
     return count;
 }
 
-/* Tiles are skipped where the splats match the image; new splats end that. */
+/* Tiles are skipped where the splats match the image, until new splats arrive. */
 static void test_new_splats_end_skipping(void **unused) {
     (void)unused;
     gscl_fit fit;

@@ -39,7 +39,7 @@ static void test_finds_colour_and_shares(void **state) {
     gscl_flat_background flat = find_in(planes, 3);
     for (int k = 0; k < 3; k++)
         assert_float_equal(flat.colour[k], flat_colour[k], 0.5 / 255);
-    assert_float_equal(flat.pixels, 0.8, 1e-3);      /* a pixel of noise may have the colour, too */
+    assert_float_equal(flat.pixels, 0.8, 1e-3);      /* a pixel of noise may have the same colour */
     assert_float_equal(flat.tiles, 5.0 / 7.0, 1e-9); /* columns 20 to 31 share a tile with noise */
     free(planes);
 }
@@ -57,7 +57,7 @@ static void test_background_in_non_flat_tiles(void **state) {
     (void)state;
     float *planes = planes_flat_from(20);
     gscl_flat_background flat = find_in(planes, 3);
-    /* 12 of the 32 columns of busy tiles, were the last tile a whole one */
+    /* Background covers 12 of the 32 columns of non-flat tiles.  The tolerance allows for the cut-off last tile. */
     assert_float_equal(gscl_background_share_of_non_flat_tiles(&flat), 12.0 / 32.0, 0.1);
     free(planes);
     planes = planes_flat_from(0);
@@ -66,7 +66,7 @@ static void test_background_in_non_flat_tiles(void **state) {
     free(planes);
     planes = planes_flat_from(32);
     flat = find_in(planes, 3);
-    assert_true(gscl_background_share_of_non_flat_tiles(&flat) < 0.1); /* the border is a border of tiles */
+    assert_true(gscl_background_share_of_non_flat_tiles(&flat) < 0.1); /* the noise ends on a border of tiles */
     free(planes);
 }
 

@@ -152,7 +152,7 @@ static void fill_indexed(const gsf_coded_image *image, gsf_indexed_splat *splat)
 }
 
 /* Random content that the header allows. */
-static void fill(gsf_coded_image *image) {
+static void fill_image(gsf_coded_image *image) {
     const gsf_header *h = &image->header;
     for (unsigned i = 0; i < gsf_channel_count(h); i++)
         image->background[i] = (uint16_t)pick(h->high_bit_depth ? 65536 : 256);
@@ -244,7 +244,7 @@ static void test_random_images(void **unused) {
         header.height = 1 + pick(900);
         header.splat_count = pick(120);
         create(&f, &header);
-        fill(&f.image);
+        fill_image(&f.image);
         check_round_trip(&f);
         destroy(&f);
     }
@@ -261,7 +261,7 @@ static void check_size(uint32_t width, uint32_t height, uint32_t splats, gsf_cod
     header.splat_count = splats;
     header.coding = coding;
     create(&f, &header);
-    fill(&f.image);
+    fill_image(&f.image);
     check_round_trip(&f);
     destroy(&f);
 }
@@ -380,7 +380,7 @@ static void test_sorting(void **unused) {
     create(&f, &header);
     create(&g, &header);
     random_state = 3;
-    fill(&f.image);
+    fill_image(&f.image);
     g.image.steps = f.image.steps;
     for (uint32_t i = 0; i < header.splat_count; i++)
         g.image.splats[i] = f.image.splats[header.splat_count - 1 - i];
@@ -397,7 +397,7 @@ static void test_little_space(void **unused) {
     gsf_header header = photo;
     header.splat_count = 50;
     create(&f, &header);
-    fill(&f.image);
+    fill_image(&f.image);
     assert_int_equal(write_fixture(&f), GSF_OK);
     const size_t whole = f.size;
     uint8_t *exact = allocate(whole, 1);
@@ -421,7 +421,7 @@ static void create_small(fixture *f, gsf_coding coding) {
     header.coding = coding;
     create(f, &header);
     random_state = 9;
-    fill(&f->image);
+    fill_image(&f->image);
 }
 
 static void test_writer_refuses_scalar(void **unused) {
@@ -519,7 +519,7 @@ static void check_damage(gsf_coding coding, uint32_t splats) {
     header.splat_count = splats;
     create(&f, &header);
     random_state = 13;
-    fill(&f.image);
+    fill_image(&f.image);
     assert_int_equal(write_fixture(&f), GSF_OK);
     for (size_t size = 0; size < f.size; size++) {
         create_reader(&reader);

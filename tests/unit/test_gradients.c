@@ -19,7 +19,7 @@
 #include "image/image.h"
 #include "synthetic_scene.h"
 
-#define WIDTH 43 /* of the full-size image: no multiple of a tile or a vector, odd at level 1 */
+#define WIDTH 43 /* of the full-size image: not a multiple of a tile or a vector, odd at level 1 */
 #define HEIGHT 37
 #define SAMPLES (WIDTH * HEIGHT * 4)
 #define SPLATS 12
@@ -90,7 +90,7 @@ typedef struct {
     double target[SAMPLES], planes[SAMPLES], weights[WIDTH * HEIGHT];
     double gradient[SPLATS * ORACLE_PARAMS];
     double loss;
-} truth;
+} reference;
 
 /* Axis-aligned splats have no angle; circles have one axis. */
 static void apply_shape(const fit_case *c, double *params) {
@@ -102,7 +102,7 @@ static void apply_shape(const fit_case *c, double *params) {
     }
 }
 
-static void make_truth(const fit_case *c, const float *background, truth *t) {
+static void reference_create(const fit_case *c, const float *background, reference *t) {
     t->fit = (oracle_fit){.blend = (oracle_blend)c->options.blend,
                           .colours = c->options.colours,
                           .alpha_channel = c->options.alpha_channel,
@@ -175,7 +175,7 @@ static int kind_of(size_t param) {
 }
 
 /* Each kind's largest error must stay below `allowed` times its largest gradient. */
-static void check_gradient(const fit_case *c, const truth *t, const outcome *o, double allowed) {
+static void check_gradient(const fit_case *c, const reference *t, const outcome *o, double allowed) {
     double largest[GSCL_COLOUR + 1] = {0}, error[GSCL_COLOUR + 1] = {0};
     for (size_t i = 0; i < c->count * GSCL_PARAMS; i++) {
         if (!is_used(c, i % GSCL_PARAMS))
@@ -191,7 +191,7 @@ static void check_gradient(const fit_case *c, const truth *t, const outcome *o, 
     }
 }
 
-static void check_forward(const fit_case *c, const truth *t, const outcome *o) {
+static void check_forward(const fit_case *c, const reference *t, const outcome *o) {
     const int samples = pixels_of(c) * channels_of(c);
     double apart = 0.0;
     for (int i = 0; i < samples; i++)
@@ -205,11 +205,11 @@ static void check_forward(const fit_case *c, const truth *t, const outcome *o) {
 }
 
 static void check_case(const fit_case *c, double allowed) {
-    static truth t;
+    static reference t;
     static outcome outcomes[2];
     for (int i = 0; i < 2; i++)
         run_case(contexts[i], c, &outcomes[i]);
-    make_truth(c, outcomes[0].background, &t);
+    reference_create(c, outcomes[0].background, &t);
     for (int i = 0; i < 2; i++) {
         check_forward(c, &t, &outcomes[i]);
         check_gradient(c, &t, &outcomes[i], allowed);
@@ -334,12 +334,12 @@ static void test_ssim_weights(void **state) {
     (void)state;
     enum { W = 150, H = 129, PLANE = W * H, HALF_PLANE = 75 * 65 };
     static float planes[3 * PLANE], found[4 * PLANE];
-    static double wanted_planes[3 * PLANE], wanted[PLANE];
+    static double expected_planes[3 * PLANE], expected[PLANE];
     for (int i = 0; i < 3 * PLANE; i++)
         planes[i] = i % W < W / 2 ? 0.004f * (float)(i % W) : synthetic_uniform(0.2, i % PLANE < PLANE / 2 ? 0.3 : 0.9);
     for (int i = 0; i < 3 * PLANE; i++)
-        wanted_planes[i] = planes[i];
-    oracle_ssim_weights(wanted_planes, 3, W, H, 2, wanted);
+        expected_planes[i] = planes[i];
+    oracle_ssim_weights(expected_planes, 3, W, H, 2, expected);
     for (int m = 0; m < 2; m++) {
         gscl_fit fit;
         const gscl_kernel_options options = {.colours = 3, .weighted = 1};
@@ -347,13 +347,13 @@ static void test_ssim_weights(void **state) {
         assert_int_equal(fit.pyramid.last_level, 2);
         check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.pyramid.levels[0], 0, found, sizeof found));
         for (int i = 0; i < PLANE; i++)
-            if (!(fabs(found[3 * PLANE + i] - wanted[i]) <= 2e-4 * wanted[i]))
+            if (!(fabs(found[3 * PLANE + i] - expected[i]) <= 2e-4 * expected[i]))
                 fail_msg("pixel (%d, %d) has the weight %.7g, %.7g expected", i % W, i / W, found[3 * PLANE + i],
-                         wanted[i]);
+                         expected[i]);
         check_call(contexts[m], "read",
                    gscl_buffer_read(contexts[m], &fit.pyramid.levels[1], 0, found, 4 * HALF_PLANE * sizeof(float)));
         for (int i = 0; i < W / 2 * (H / 2); i++) {
-            const double *at = wanted + 2 * (i / (W / 2)) * W + 2 * (i % (W / 2));
+            const double *at = expected + 2 * (i / (W / 2)) * W + 2 * (i % (W / 2));
             const double mean = (at[0] + at[1] + at[W] + at[W + 1]) / 4.0;
             assert_float_equal(found[3 * HALF_PLANE + i], mean, 2e-4 * mean);
         }
@@ -366,7 +366,7 @@ static void test_ssim_adaptation(void **state) {
     (void)state;
     enum { W = 149, H = 131, PLANE = W * H };
     static float planes[3 * PLANE], projected[3 * PLANE], found[4 * PLANE], params[SPLATS * GSCL_PARAMS];
-    static double wanted_planes[3 * PLANE], picture[3 * PLANE], wanted[4 * PLANE];
+    static double expected_planes[3 * PLANE], rendering[3 * PLANE], expected[4 * PLANE];
     synthetic_random_state = 3;
     for (int i = 0; i < 3 * PLANE; i++)
         planes[i] =
@@ -387,14 +387,14 @@ static void test_ssim_adaptation(void **state) {
         check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.adapted_target, 0, found, sizeof found));
         check_call(contexts[m], "planes", render(&fit, projected));
         for (int i = 0; i < 3 * PLANE; i++) {
-            wanted_planes[i] = planes[i];
-            picture[i] = projected[i];
+            expected_planes[i] = planes[i];
+            rendering[i] = projected[i];
         }
-        oracle_ssim_adapt(wanted_planes, picture, 3, W, H, fit.pyramid.last_level, wanted);
+        oracle_ssim_adapt(expected_planes, rendering, 3, W, H, fit.pyramid.last_level, expected);
         for (int i = 0; i < 4 * PLANE; i++)
-            if (!(fabs(found[i] - wanted[i]) <= 5e-4))
+            if (!(fabs(found[i] - expected[i]) <= 5e-4))
                 fail_msg("plane %d, pixel (%d, %d) is %.7g, %.7g expected", i / PLANE, i % W, i / W % H, found[i],
-                         wanted[i]);
+                         expected[i]);
         check_call(contexts[m], "level", gscl_fit_set_level(&fit, 1));
         assert_ptr_equal(gscl_fit_weighted_target(&fit), &fit.pyramid.levels[1]);
         gscl_fit_free(&fit);

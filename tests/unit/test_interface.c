@@ -1,4 +1,4 @@
-/* The public interface as old programs and servers use it: structs of another size, versions, and limits of a decode. */
+/* Compatibility of the public interface: structs of another size, versions, and limits of a decode. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -112,7 +112,7 @@ static void test_versions_agree(void **state) {
     assert_int_equal(gscl_version_number(), GSCL_VERSION_NUMBER);
 }
 
-/* ---- Sizes that no version has ---- */
+/* ---- Sizes of structs that no version has ---- */
 
 static void check_refused_sizes(gscl_result (*use)(void *sized), void *sized, size_t newest) {
     const size_t wrong[] = {0, 1, sizeof(size_t), newest + 1, SIZE_MAX};
@@ -286,7 +286,7 @@ static void test_results_of_an_old_program(void **state) {
 
 /* ---- Limits of a decode ---- */
 
-/* The header of the file with the largest picture of the format, and nothing behind it. */
+/* The header of a file with the largest image that the format allows, without a payload. */
 static size_t put_huge_header(uint8_t *huge, size_t capacity) {
     gsf_header header;
     size_t header_size;
@@ -320,7 +320,7 @@ static void test_header_is_refused_without_allocating(void **state) {
     assert_message_has_number(info.splats);
     assert_int_equal(allocated_bytes, 0);
     assert_null(image.pixels);
-    /* Limits that the header meets: the missing payload is found. */
+    /* The header is within these limits, so that the missing payload is the error. */
     s.max_pixels = info.pixels;
     s.max_work = info.splats;
     const gscl_result result = gscl_decode(context, huge, huge_size, &s, &image);
@@ -371,7 +371,7 @@ static void test_work_is_refused_before_pixels_are_allocated(void **state) {
     assert_true(allocated_bytes > 0 && allocated_bytes < (size_t)8192 * 8192 / 16);
 }
 
-/* The same figure from what gscl_read_splats returns. */
+/* The same figure, computed from the splats that gscl_read_splats returns. */
 static void test_work_is_the_area_of_outlines(void **state) {
     (void)state;
     gscl_splat *splats;

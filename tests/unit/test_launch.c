@@ -1,4 +1,4 @@
-/* Launches that fail, in a library whose runtime/opencl.c is compiled with its debug checks. */
+/* Launches that fail, with runtime/opencl.c compiled with its debug checks. */
 #include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -12,7 +12,7 @@
 #include "fit/fit.h"
 #include "one_context.h"
 
-#define WIDTH 94 /* not of whole tiles */
+#define WIDTH 94 /* not a multiple of a tile */
 #define HEIGHT 70
 #define CHANNELS 3
 
@@ -53,7 +53,7 @@ static void test_single_pixels_leave_a_residual(void **unused) {
 static float one_checkered_tile(int x, int y, int channel) {
     return x < GSCL_TILE && y < GSCL_TILE ? checkers(x, y, channel) : 0.5f;
 }
-/* One tile of thirty is more than the hundredth that is left out. */
+/* One tile of thirty exceeds the share of 1 % that the residual ignores. */
 static void test_a_small_object_counts_in_full(void **unused) {
     (void)unused;
     double all = residual_of(checkers), one = residual_of(one_checkered_tile);

@@ -37,28 +37,28 @@ static void assert_result(gscl_result result, gscl_result expected) {
                  gscl_result_text(expected));
 }
 
-static file encode(const gscl_image *image, const gscl_encode_settings *settings) {
+static file encode_file(const gscl_image *image, const gscl_encode_settings *settings) {
     file f = {NULL, 0};
     assert_result(gscl_encode(context, image, settings, &f.bytes, &f.size, NULL), GSCL_OK);
     return f;
 }
 
-/* Encodes a synthetic picture into some splats. */
+/* Encodes a synthetic image into some splats. */
 static file encode_some(synthetic_image_kind kind, uint32_t width, uint32_t height, uint32_t channels, double splats) {
     gscl_image image = synthetic_image(kind, width, height, channels, GSCL_SAMPLE_U8);
     const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, splats);
-    const file f = encode(&image, &settings);
+    const file f = encode_file(&image, &settings);
     synthetic_image_free(&image);
     return f;
 }
 
-static gscl_image decode(const file *f, const gscl_decode_settings *settings) {
+static gscl_image decode_file(const file *f, const gscl_decode_settings *settings) {
     gscl_image image = {0};
     assert_result(gscl_decode(context, f->bytes, f->size, settings, &image), GSCL_OK);
     return image;
 }
 
-/* A failed encode leaves its out-parameters alone and says why. */
+/* A failed encode leaves its out-parameters unchanged and sets a message. */
 static void refuse_encode(const gscl_image *image, const gscl_encode_settings *settings, gscl_result expected) {
     file f = {NULL, 77};
     assert_result(gscl_encode(context, image, settings, &f.bytes, &f.size, NULL), expected);
@@ -144,7 +144,7 @@ static void test_devices(void **state) {
     assert_int_equal(try_device("no such device"), GSCL_ERROR_UNKNOWN_DEVICE);
     assert_int_equal(try_device("99.0"), GSCL_ERROR_UNKNOWN_DEVICE);
     assert_int_equal(try_device("0.99"), GSCL_ERROR_UNKNOWN_DEVICE);
-    /* Several devices of one platform: its name is not enough. */
+    /* The name of a platform with several devices is ambiguous. */
     for (const gscl_device_info *device = devices; device->next; device = device->next) {
         if (!strcmp(device->platform_name, device->next->platform_name))
             assert_int_equal(try_device(device->platform_name), GSCL_ERROR_AMBIGUOUS_DEVICE);
@@ -279,12 +279,12 @@ static void test_every_truncation(void **state) {
     const file f = encode_some(SYNTHETIC_SHAPES, 40, 30, 3, 25);
     size_t damaged = 0;
     for (size_t size = 0; size < f.size; size++) {
-        /* An exact copy, so that tools see every read behind its end. */
+        /* The copy has exactly that size, so that a sanitizer detects reads beyond it. */
         uint8_t *cut = malloc(size ? size : 1);
         assert_non_null(cut);
         memcpy(cut, f.bytes, size);
         const gscl_result result = try_decode(cut, size);
-        /* A cut payload may decode to something shorter: then it is just damaged. */
+        /* A cut payload may decode to something shorter: then the result is GSCL_ERROR_DAMAGED. */
         damaged += result == GSCL_ERROR_DAMAGED;
         if (result != GSCL_ERROR_DAMAGED)
             assert_result(result, size < 4 ? GSCL_ERROR_NOT_GSCL : GSCL_ERROR_TRUNCATED);
@@ -337,7 +337,7 @@ static void check_smallest_budget(synthetic_image_kind kind, uint32_t channels, 
     settings.target_value = (double)smallest - 1.0;
     refuse_encode(&image, &settings, GSCL_ERROR_BUDGET_TOO_SMALL);
     settings.target_value = (double)smallest;
-    const file f = encode(&image, &settings);
+    const file f = encode_file(&image, &settings);
     assert_true(f.size <= smallest);
     assert_result(try_decode(f.bytes, f.size), GSCL_OK);
     gscl_free(f.bytes);
@@ -394,7 +394,7 @@ static void test_bits_per_pixel(void **state) {
     (void)state;
     gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 80, 70, 3, GSCL_SAMPLE_U8);
     const gscl_encode_settings settings = quick(GSCL_TARGET_BPP, 0.6);
-    const file f = encode(&image, &settings);
+    const file f = encode_file(&image, &settings);
     assert_in_range(f.size, 0.97 * 0.6 * 80 * 70 / 8, 0.6 * 80 * 70 / 8);
     gscl_free(f.bytes);
     synthetic_image_free(&image);
@@ -408,8 +408,8 @@ static void test_psnr(void **state) {
     file f = {NULL, 0};
     assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
     if (report.psnr < 22.0 || report.psnr > 22.3)
-        fail_msg("22 to 22.3 dB wanted, got %g", report.psnr);
-    gscl_image decoded = decode(&f, NULL);
+        fail_msg("the PSNR is %g dB, 22 to 22.3 dB expected", report.psnr);
+    gscl_image decoded = decode_file(&f, NULL);
     gscl_comparison comparison = {.struct_size = sizeof comparison};
     assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
     assert_true(fabs(comparison.psnr - report.psnr) < 1e-6);
@@ -422,13 +422,13 @@ static void test_psnr(void **state) {
     synthetic_image_free(&image);
 }
 
-/* The default target has room for an icon. */
+/* The default target suffices for an icon. */
 static void test_default_target(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1}, {2, 1}, {96, 64}, {192, 128}};
     for (int i = 0; i < 4; i++) {
         gscl_image image = synthetic_image(SYNTHETIC_SHAPES, sizes[i][0], sizes[i][1], 3, GSCL_SAMPLE_U8);
-        const file f = encode(&image, NULL);
+        const file f = encode_file(&image, NULL);
         assert_in_range(f.size, 1, i < 3 ? 256 : 384);
         gscl_free(f.bytes);
         synthetic_image_free(&image);
@@ -437,7 +437,7 @@ static void test_default_target(void **state) {
 
 /* ---- Textures ---- */
 
-/* A wave of 3 pixels across a round window, which no few plain splats can show. */
+/* A wave of 3 pixels in a round window, which a few splats without texture cannot represent. */
 static gscl_image striped_image(void) {
     gscl_image image = synthetic_image(SYNTHETIC_FLAT, 96, 64, 1, GSCL_SAMPLE_U8);
     uint8_t *pixels = image.pixels;
@@ -450,7 +450,7 @@ static gscl_image striped_image(void) {
     return image;
 }
 
-/* Of a file of 120 bytes. */
+/* The PSNR of a file of at most 120 bytes. */
 static double psnr_of(const gscl_image *image, int effort, uint64_t seed, uint32_t *effects) {
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 120);
     gscl_encode_report report = {.struct_size = sizeof report};
@@ -466,8 +466,8 @@ static double psnr_of(const gscl_image *image, int effort, uint64_t seed, uint32
     return report.psnr;
 }
 
-/* Stripes call for textures, which a fit of so few splats does not find from every start; the lowest effort does not
- * look for them. */
+/* Stripes benefit from textures, but a fit of so few splats does not find them from every seed.  The lowest effort does not
+ * search for them. */
 static void test_textures(void **state) {
     (void)state;
     uint32_t effects;
@@ -485,9 +485,9 @@ static void test_textures(void **state) {
     synthetic_image_free(&stripes);
 }
 
-/* ---- Flat and long pictures ---- */
+/* ---- Flat and long images ---- */
 
-static void test_flat_pictures(void **state) {
+static void test_flat_images(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1}, {50, 40}, {16384, 2}};
     for (int i = 0; i < 24; i++) {
@@ -495,12 +495,12 @@ static void test_flat_pictures(void **state) {
         gscl_image image =
             synthetic_image(SYNTHETIC_FLAT, sizes[i % 3][0], sizes[i % 3][1], 1 + (uint32_t)(i / 3 % 4), sample);
         const gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 24);
-        const file f = encode(&image, &settings);
+        const file f = encode_file(&image, &settings);
         assert_in_range(f.size, 1, 24);
-        gscl_image decoded = decode(&f, NULL);
+        gscl_image decoded = decode_file(&f, NULL);
         assert_int_equal(decoded.channels, image.channels);
         assert_int_equal(decoded.sample, image.sample);
-        /* Colours are kept multiplied by alpha: where that is below 1 they may be a step away. */
+        /* Colours are stored premultiplied by alpha: where alpha is below 1 they may differ by a step. */
         const double step = image.channels % 2 ? 0.0 : 1.01 / (i / 12 ? 65535.0 : 255.0);
         for (size_t s = 0; s < synthetic_sample_count(&image); s++) {
             const bool is_alpha = s % image.channels == image.channels - 1;
@@ -512,13 +512,13 @@ static void test_flat_pictures(void **state) {
     }
 }
 
-static void test_long_pictures(void **state) {
+static void test_long_images(void **state) {
     (void)state;
     for (int tall = 0; tall < 2; tall++) {
         const uint32_t width = tall ? 1 : GSCL_MAX_DIMENSION, height = tall ? GSCL_MAX_DIMENSION : 1;
         const file f = encode_some(SYNTHETIC_GRADIENT, width, height, 3, 20);
         gscl_image image = synthetic_image(SYNTHETIC_GRADIENT, width, height, 3, GSCL_SAMPLE_U8),
-                   decoded = decode(&f, NULL);
+                   decoded = decode_file(&f, NULL);
         gscl_comparison comparison = {.struct_size = sizeof comparison};
         assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
         if (!(comparison.psnr > 18.0))
@@ -551,7 +551,7 @@ static void test_progress_and_cancel(void **state) {
     watch w = {0, 1000000, 0.0};
     settings.progress = on_progress;
     settings.progress_opaque = &w;
-    file f = encode(&image, &settings);
+    file f = encode_file(&image, &settings);
     gscl_free(f.bytes);
     const int calls = w.calls;
     assert_true(calls > 1);
@@ -561,7 +561,7 @@ static void test_progress_and_cancel(void **state) {
         assert_int_equal(w.calls, allowed + 1);
     }
     settings.progress = NULL;
-    f = encode(&image, &settings);
+    f = encode_file(&image, &settings);
     gscl_free(f.bytes);
     synthetic_image_free(&image);
 }
@@ -573,12 +573,12 @@ static void test_same_bytes_every_time(void **state) {
     for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend++) {
         gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 400);
         settings.blend = blend;
-        const file first = encode(&image, &settings);
+        const file first = encode_file(&image, &settings);
         const file other = encode_some(SYNTHETIC_SHAPES, 40, 90, 3, 40);
-        const file second = encode(&image, &settings);
+        const file second = encode_file(&image, &settings);
         assert_int_equal(gscl_context_create(&fresh, NULL), GSCL_OK);
         context = fresh;
-        const file third = encode(&image, &settings);
+        const file third = encode_file(&image, &settings);
         context = shared;
         gscl_context_free(&fresh);
         assert_true(first.size == second.size && !memcmp(first.bytes, second.bytes, first.size));
@@ -597,7 +597,7 @@ static void test_decode_into_callers_memory(void **state) {
     (void)state;
     enum { STRIDE = 37 * 3 + 11 };
     const file f = encode_some(SYNTHETIC_SHAPES, 37, 21, 3, 12);
-    gscl_image whole = decode(&f, NULL);
+    gscl_image whole = decode_file(&f, NULL);
     uint8_t memory[STRIDE * 21];
     memset(memory, 0xA7, sizeof memory);
     gscl_image mine = {
@@ -632,22 +632,22 @@ static void test_decode_into_rows_that_are_too_short(void **state) {
     gscl_free(f.bytes);
 }
 
-/* Every crop shows the same as that part of the whole. */
+/* Every crop equals that part of the whole. */
 static void check_crops(const file *f, gscl_decode_settings settings) {
     static const uint32_t crops[][4] = {{0, 0, 1, 1}, {16, 16, 16, 16}, {5, 9, 30, 20}, {47, 0, 3, 40}, {49, 39, 1, 1}};
-    gscl_image whole = decode(f, &settings);
+    gscl_image whole = decode_file(f, &settings);
     for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
         const uint32_t *c = crops[i];
         settings.crop_x = c[0];
         settings.crop_y = c[1];
         settings.crop_width = c[2];
         settings.crop_height = c[3];
-        gscl_image part = decode(f, &settings);
+        gscl_image part = decode_file(f, &settings);
         assert_int_equal(part.width, c[2]);
         assert_int_equal(part.height, c[3]);
         for (uint32_t y = 0; y < c[3]; y++) {
             const uint8_t *row = (uint8_t *)whole.pixels + ((c[1] + y) * whole.width + c[0]) * 3;
-            for (uint32_t x = 0; x < c[2] * 3; x++) /* a splat's place in its frame is rounded differently */
+            for (uint32_t x = 0; x < c[2] * 3; x++) /* coordinates relative to another frame are rounded differently */
                 assert_in_range(((uint8_t *)part.pixels)[y * c[2] * 3 + x] + 1, row[x], row[x] + 2);
         }
         gscl_free(part.pixels);
@@ -688,11 +688,11 @@ static void test_sizes(void **state) {
     const file f = encode_some(SYNTHETIC_GRADIENT, 50, 40, 3, 20);
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
-    gscl_image whole = decode(&f, NULL), image = {0};
+    gscl_image whole = decode_file(&f, NULL), image = {0};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         settings.width = sizes[i][0];
         settings.height = sizes[i][1];
-        gscl_image scaled = decode(&f, &settings);
+        gscl_image scaled = decode_file(&f, &settings);
         assert_int_equal(scaled.width, sizes[i][0]);
         assert_int_equal(scaled.height, sizes[i][1]);
         assert_true(fabs(mean_of(&scaled) - mean_of(&whole)) < 0.05);
@@ -717,7 +717,7 @@ static void test_sample_types(void **state) {
             gscl_decode_settings_default(&settings);
             settings.sample = samples[i];
             settings.premultiplied = premultiplied;
-            images[i] = decode(&f, &settings);
+            images[i] = decode_file(&f, &settings);
             assert_true(images[i].sample == samples[i] && images[i].premultiplied == premultiplied);
         }
         for (size_t i = 0; i < synthetic_sample_count(&images[0]); i++) {
@@ -734,7 +734,7 @@ static void test_sample_types(void **state) {
     gscl_free(f.bytes);
 }
 
-/* ---- Looking into files ---- */
+/* ---- Inspecting files ---- */
 
 static void check_info(const file *f, uint32_t channels, uint32_t splats) {
     gscl_info probe = {.struct_size = sizeof probe}, inspect = {.struct_size = sizeof inspect};
@@ -801,8 +801,8 @@ int main(void) {
         cmocka_unit_test(test_psnr),
         cmocka_unit_test(test_default_target),
         cmocka_unit_test(test_textures),
-        cmocka_unit_test(test_flat_pictures),
-        cmocka_unit_test(test_long_pictures),
+        cmocka_unit_test(test_flat_images),
+        cmocka_unit_test(test_long_images),
         cmocka_unit_test(test_progress_and_cancel),
         cmocka_unit_test(test_same_bytes_every_time),
         cmocka_unit_test(test_decode_into_callers_memory),

@@ -1,4 +1,4 @@
-/* The host's memory runs out: each allocation of the library fails once, and each failure comes back as a result with a
+/* The host runs out of memory: each allocation of the library fails once, and each failure comes back as a result with a
  * message.  Linked with --wrap for the allocating functions. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #define WIDTH 40
 #define HEIGHT 24
 #define SPLATS 6
-#define MAX_FAILURES 60 /* encodes of one test that are tried with a failure; later allocations repeat earlier ones */
+#define MAX_FAILURES 60 /* encodes of one test with a failing allocation; later allocations repeat earlier ones */
 
 static int allocations, failing; /* since the last reset; the number of the one that fails, 0: none */
 
@@ -68,7 +68,7 @@ static void assert_explained(const gscl_context *context, gscl_result result) {
     assert_non_null(strstr(gscl_context_message(context), "memory"));
 }
 
-/* A failure to shrink a block has no consequence; any other is explained. */
+/* A failure to shrink a block has no consequence; any other sets a message. */
 static void assert_same_or_explained(const gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size,
                                      const uint8_t *expected, size_t expected_size) {
     if (result != GSCL_OK) {
@@ -79,7 +79,7 @@ static void assert_same_or_explained(const gscl_context *context, gscl_result re
     assert_memory_equal(bytes, expected, size);
 }
 
-/* A coloured slope. */
+/* A coloured gradient. */
 static gscl_image make_image(uint8_t pixels[3 * WIDTH * HEIGHT]) {
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         pixels[3 * i] = (uint8_t)(5 * (i % WIDTH) + i / WIDTH);
@@ -89,7 +89,7 @@ static gscl_image make_image(uint8_t pixels[3 * WIDTH * HEIGHT]) {
     return (gscl_image){.width = WIDTH, .height = HEIGHT, .channels = 3, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
 }
 
-static gscl_result encode(gscl_context *context, gscl_profile profile, uint8_t **bytes, size_t *size) {
+static gscl_result encode_with_profile(gscl_context *context, gscl_profile profile, uint8_t **bytes, size_t *size) {
     uint8_t pixels[3 * WIDTH * HEIGHT];
     const gscl_image image = make_image(pixels);
     gscl_encode_settings settings;
@@ -105,16 +105,17 @@ static void encode_without_memory(gscl_context *context, gscl_profile profile) {
     uint8_t *expected, *bytes;
     size_t expected_size, size;
     fail_allocation(0);
-    assert_int_equal(encode(context, profile, &expected, &expected_size), GSCL_OK); /* builds the programs */
+    assert_int_equal(encode_with_profile(context, profile, &expected, &expected_size),
+                     GSCL_OK); /* builds the programs */
     gscl_free(expected);
     fail_allocation(0);
-    assert_int_equal(encode(context, profile, &expected, &expected_size), GSCL_OK);
+    assert_int_equal(encode_with_profile(context, profile, &expected, &expected_size), GSCL_OK);
     const int count = allocations, step = count / MAX_FAILURES + 1;
     assert_true(count > 10);
     for (int number = 1; number <= count; number += number < MAX_FAILURES / 2 ? 1 : step) {
         bytes = NULL;
         fail_allocation(number);
-        const gscl_result result = encode(context, profile, &bytes, &size);
+        const gscl_result result = encode_with_profile(context, profile, &bytes, &size);
         assert_true(allocations >= number);
         assert_same_or_explained(context, result, bytes, size, expected, expected_size);
         gscl_free(bytes);
@@ -131,11 +132,11 @@ static void test_encode_with_codebooks(void **state) {
     encode_without_memory(*state, GSCL_PROFILE_PAPER);
 }
 
-/* A context that drew the file before keeps its arrays: each decode has a context of its own. */
+/* Each decode has a context of its own, because a context that drew the file before reuses its arrays. */
 static void test_decode(void **state) {
     uint8_t *bytes;
     size_t size;
-    assert_int_equal(encode(*state, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
+    assert_int_equal(encode_with_profile(*state, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
     gscl_result result = GSCL_ERROR_OUT_OF_MEMORY;
     for (int number = 1; result != GSCL_OK; number++) {
         gscl_image decoded = {0};
@@ -181,7 +182,7 @@ static void test_measurements(void **state) {
     uint8_t *bytes, pixels[3 * WIDTH * HEIGHT];
     size_t size;
     const gscl_image image = make_image(pixels);
-    assert_int_equal(encode(context, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
+    assert_int_equal(encode_with_profile(context, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
     for (int number = 1; number <= 4; number++) {
         gscl_effect_use uses[GSCL_EFFECT_COUNT];
         size_t count;

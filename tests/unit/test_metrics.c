@@ -19,7 +19,7 @@ static gscl_image image_of(uint32_t width, uint32_t height, uint32_t channels, v
         .width = width, .height = height, .channels = channels, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
 }
 
-/* The test picture that the reference values were computed on: waves, and on the second one grain as well. */
+/* The image that the reference values were computed on: waves, and on the second one grain as well. */
 static void draw_waves(uint32_t width, uint32_t height, uint32_t channels) {
     uint32_t state = 12345;
     for (uint32_t i = 0; i < width * height * channels; i++) {
@@ -38,12 +38,12 @@ static gscl_comparison compare(uint32_t width, uint32_t height, uint32_t channel
     return comparison;
 }
 
-static void assert_near(double value, double wanted, double tolerance) {
-    if (!(fabs(value - wanted) <= tolerance))
-        fail_msg("%.12g is not within %g of %.12g", value, tolerance, wanted);
+static void assert_near(double value, double expected, double tolerance) {
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.12g is not within %g of %.12g", value, tolerance, expected);
 }
 
-static void fill(uint8_t *pixels, size_t count, uint8_t value) {
+static void fill_pixels(uint8_t *pixels, size_t count, uint8_t value) {
     for (size_t i = 0; i < count; i++)
         pixels[i] = value;
 }
@@ -63,8 +63,8 @@ static void test_equal_images(void **state) {
 /* Between two flat images only SSIM's luminance factor is left: (2 a b + C1) / (a^2 + b^2 + C1). */
 static void test_flat_images(void **state) {
     (void)state;
-    fill(pixels_a, MAX_SAMPLES, 100);
-    fill(pixels_b, MAX_SAMPLES, 110);
+    fill_pixels(pixels_a, MAX_SAMPLES, 100);
+    fill_pixels(pixels_b, MAX_SAMPLES, 110);
     const gscl_comparison comparison = compare(176, 176, 1);
     const double c1 = 2.55 * 2.55, luminance = (2.0 * 100.0 * 110.0 + c1) / (100.0 * 100.0 + 110.0 * 110.0 + c1);
     assert_near(comparison.mse, 100.0, 1e-3);
@@ -99,13 +99,13 @@ static void test_reference_values(void **state) {
         {250, 190, 3, 325.173291228, 0.891238247, 0.975794095},
     };
     for (size_t i = 0; i < sizeof references / sizeof *references; i++) {
-        const reference *wanted = &references[i];
-        draw_waves(wanted->width, wanted->height, wanted->channels);
-        const gscl_comparison comparison = compare(wanted->width, wanted->height, wanted->channels);
-        assert_near(comparison.mse, wanted->mse, 1e-4);
-        assert_near(comparison.psnr, 10.0 * log10(255.0 * 255.0 / wanted->mse), 1e-5);
-        assert_near(comparison.ssim, wanted->ssim, 1e-6);
-        assert_near(comparison.ms_ssim, wanted->ms_ssim, 1e-6);
+        const reference *expected = &references[i];
+        draw_waves(expected->width, expected->height, expected->channels);
+        const gscl_comparison comparison = compare(expected->width, expected->height, expected->channels);
+        assert_near(comparison.mse, expected->mse, 1e-4);
+        assert_near(comparison.psnr, 10.0 * log10(255.0 * 255.0 / expected->mse), 1e-5);
+        assert_near(comparison.ssim, expected->ssim, 1e-6);
+        assert_near(comparison.ms_ssim, expected->ms_ssim, 1e-6);
     }
 }
 

@@ -1,4 +1,4 @@
-/* The search for a PSNR, on curves of PSNR against size that are known. */
+/* The search for a PSNR, on given curves of PSNR against size. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,10 +24,10 @@ static double psnr_of(const curve *c, double bytes) {
 
 typedef struct {
     gscl_psnr_search search;
-    double best_bytes, best_db; /* the last that reached the target */
+    double best_bytes, best_db; /* of the last trial that reached the target */
 } outcome;
 
-static outcome run(const curve *c, double target) {
+static outcome run_search(const curve *c, double target) {
     outcome o = {.search = gscl_psnr_search_begin(target, PIXELS)};
     while (!o.search.done) {
         const double bytes = o.search.bytes, psnr = psnr_of(c, bytes);
@@ -50,23 +50,23 @@ static void test_smooth_curves_are_met(void **state) {
             const curve c = {.at_1000 = 22, .db = db};
             if (psnr_of(&c, gscl_psnr_search_begin(target, PIXELS).max_bytes) < target)
                 continue;
-            const outcome o = run(&c, target);
+            const outcome o = run_search(&c, target);
             assert_true(o.best_db >= target && o.best_db <= target + gscl_encode_tunables.tolerance_db);
         }
 }
 
-/* A curve with steps of 2 dB has no size in the target band: the smallest size that reaches the target is left. */
+/* A curve with steps of 2 dB has no size in the target band: the search returns the smallest size that reaches the target. */
 static void test_steps_end_the_search(void **state) {
     (void)state;
     const curve c = {.at_1000 = 22, .db = 2.5, .step = 2};
-    const outcome o = run(&c, 25);
+    const outcome o = run_search(&c, 25);
     assert_true(o.best_db == 26);
 }
 
 static void test_unreachable_target_ends_at_the_largest_size(void **state) {
     (void)state;
     const curve c = {.at_1000 = 22, .db = 0.1};
-    const outcome o = run(&c, 60);
+    const outcome o = run_search(&c, 60);
     assert_true(o.best_bytes == 0);
     assert_true(o.search.low_bytes == o.search.max_bytes);
 }

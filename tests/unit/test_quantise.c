@@ -1,4 +1,4 @@
-/* Steps of colour for the colour of a flat background; numbers of blend modes, YCoCg, sizes of ellipses. */
+/* Colour steps chosen for a flat background, numbers of blend modes, YCoCg, and bounds of ellipses. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -62,15 +62,15 @@ static void test_colours_between_codes_get_finer_steps(void **state) {
     assert_true(coded_error(&coded, cream, 3) < before / 2);
 }
 
-static void test_a_little_is_not_worth_finer_steps(void **state) {
+static void test_small_gains_keep_the_steps(void **state) {
     (void)state;
-    const float nearly[3] = {0.4028f, 0.4028f, 0.4028f}; /* 0.87 / 255 off; with the next steps 0.71 / 255 */
+    const float nearly[3] = {0.4028f, 0.4028f, 0.4028f}; /* 0.87 / 255 off; with the next finer steps 0.71 / 255 */
     gsf_coded_image coded = coded_image_of(GSF_RGB, true);
     gscl_fit_steps_to_colour(&coded, nearly);
     assert_steps(&coded, initial.luma, initial.chroma);
 }
 
-static void test_grey_looks_at_luma_alone(void **state) {
+static void test_grey_uses_luma_alone(void **state) {
     (void)state;
     const float dark[2] = {13 / 255.0f, 1};
     gsf_coded_image coded = coded_image_of(GSF_GREY, false);
@@ -130,8 +130,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_colours_with_a_code_keep_the_steps),
         cmocka_unit_test(test_colours_between_codes_get_finer_steps),
-        cmocka_unit_test(test_a_little_is_not_worth_finer_steps),
-        cmocka_unit_test(test_grey_looks_at_luma_alone),
+        cmocka_unit_test(test_small_gains_keep_the_steps),
+        cmocka_unit_test(test_grey_uses_luma_alone),
         cmocka_unit_test(test_no_steps_beyond_the_finest),
         cmocka_unit_test(test_blends_convert_both_ways),
         cmocka_unit_test(test_ycocg_and_back),

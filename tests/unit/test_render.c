@@ -1,4 +1,4 @@
-/* The renderer: drawing straight into samples is the same as drawing into floats, whatever the lists had room for. */
+/* The renderer: rendering directly to samples equals rendering to floats, also when the lists of splats overflow first. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,12 +17,12 @@
 #define CHANNELS 3
 #define SPLATS 100
 
-static void check(gscl_context *context, gscl_result result) {
+static void check_call(gscl_context *context, gscl_result result) {
     if (result != GSCL_OK)
         fail_msg("%s", gscl_context_message(context));
 }
 
-/* Every splat is seen in every tile: far more entries than the lists have room for to begin with. */
+/* Every splat covers every tile, which are far more entries than the initial lists hold. */
 static void make_splats(float *params) {
     for (int i = 0; i < SPLATS; i++) {
         float *p = params + (size_t)i * GSCL_PARAMS, at = (float)i / SPLATS;
@@ -35,15 +35,15 @@ static void make_splats(float *params) {
     }
 }
 
-static gscl_renderer create(gscl_context *context) {
+static gscl_renderer create_renderer(gscl_context *context) {
     const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = CHANNELS};
     const float background[4] = {0.1f, 0.5f, 0.9f};
     static float params[SPLATS * GSCL_PARAMS];
     gscl_renderer r;
     make_splats(params);
-    check(context, gscl_renderer_create(&r, context, &options));
-    check(context, gscl_renderer_set_view(&r, 0, 0, 0, WIDTH, HEIGHT));
-    check(context, gscl_renderer_set_splats(&r, params, SPLATS, background));
+    check_call(context, gscl_renderer_create(&r, context, &options));
+    check_call(context, gscl_renderer_set_view(&r, 0, 0, 0, WIDTH, HEIGHT));
+    check_call(context, gscl_renderer_set_splats(&r, params, SPLATS, background));
     return r;
 }
 
@@ -51,16 +51,16 @@ static void check_overflowing_lists(gscl_context *context) {
     static float planes[CHANNELS * WIDTH * HEIGHT];
     static uint8_t samples[WIDTH * HEIGHT * CHANNELS];
     const gscl_sample_layout rgb8 = {CHANNELS, GSCL_SAMPLE_U8, 0};
-    gscl_renderer exact = create(context), straight = create(context);
-    check(context, gscl_renderer_render(&exact));
-    check(context, gscl_buffer_read(context, &exact.image, 0, planes, sizeof planes));
-    check(context, gscl_renderer_samples(&straight, rgb8, samples, WIDTH * CHANNELS));
+    gscl_renderer exact = create_renderer(context), direct = create_renderer(context);
+    check_call(context, gscl_renderer_render(&exact));
+    check_call(context, gscl_buffer_read(context, &exact.image, 0, planes, sizeof planes));
+    check_call(context, gscl_renderer_samples(&direct, rgb8, samples, WIDTH * CHANNELS));
     for (size_t i = 0; i < WIDTH * HEIGHT; i++)
         for (size_t k = 0; k < CHANNELS; k++)
             assert_int_equal(samples[i * CHANNELS + k], floorf(planes[k * WIDTH * HEIGHT + i] * 255.0f + 0.5f));
-    assert_true(straight.row_capacity >= SPLATS * ((WIDTH + GSCL_TILE - 1) / GSCL_TILE));
+    assert_true(direct.row_capacity >= SPLATS * ((WIDTH + GSCL_TILE - 1) / GSCL_TILE));
     gscl_renderer_free(&exact);
-    gscl_renderer_free(&straight);
+    gscl_renderer_free(&direct);
 }
 
 static void test_overflowing_lists_are_drawn_again(void **unused) {

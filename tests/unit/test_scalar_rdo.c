@@ -1,4 +1,4 @@
-/* The rate-distortion passes: they end in a minimum of the error, and what they keep from pass to pass changes nothing. */
+/* The rate-distortion passes: they end in a minimum of the error, and buffers that they reuse do not change their result. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,12 +34,12 @@ typedef struct {
     gscl_scalar_rdo rdo;
 } scene;
 
-static void check(const scene *s, gscl_result result) {
+static void check_call(const scene *s, gscl_result result) {
     if (result != GSCL_OK)
         fail_msg("%s", gscl_context_message(s->context));
 }
 
-/* Smooth on the left, waves and noise on the right: the weights of its pixels are far apart. */
+/* The left half is smooth, the right half has waves and noise, so that the weights of pixels differ much. */
 static void make_target(float *planes) {
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
         const int x = i % WIDTH, y = i / WIDTH % HEIGHT;
@@ -80,8 +80,8 @@ static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool we
     make_target(planes);
     gscl_kernel_options options = gscl_coded_image_options(&s->coded.file.header);
     options.weighted = weighted;
-    check(s, gscl_fit_create(&s->fit, context, &options, WIDTH, HEIGHT, 0, planes));
-    check(s, gscl_coded_image_reserve(&s->coded, SPLATS));
+    check_call(s, gscl_fit_create(&s->fit, context, &options, WIDTH, HEIGHT, 0, planes));
+    check_call(s, gscl_coded_image_reserve(&s->coded, SPLATS));
     for (int i = 0; i < SPLATS; i++)
         make_splat(s, &s->coded.file.splats[i]);
     for (int k = 0; k < 3; k++)
@@ -94,15 +94,15 @@ static void close_scene(scene *s) {
     gscl_coded_image_free(&s->coded);
 }
 
-/* The (weighted) squared error of the coded image, drawn afresh. */
+/* The (weighted) squared error of the coded image, drawn anew. */
 static double error_of(scene *s) {
     static float errors[WIDTH * HEIGHT];
     float *params = malloc((SPLATS + 1) * GSCL_PARAMS * sizeof *params), background[4];
     double sum = 0.0;
     assert_non_null(params);
     gscl_coded_image_params(&s->coded, params, background);
-    check(s, gscl_fit_replace(&s->fit, params, s->coded.file.header.splat_count));
-    check(s, gscl_fit_error(&s->fit, errors));
+    check_call(s, gscl_fit_replace(&s->fit, params, s->coded.file.header.splat_count));
+    check_call(s, gscl_fit_error(&s->fit, errors));
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         sum += errors[i];
     free(params);
@@ -113,7 +113,7 @@ static void run_passes(scene *s, double lambda_scale, bool keep_all) {
     for (int pass = 0; pass < PASSES; pass++) {
         const gscl_scalar_rdo_settings settings = {
             .lambda_scale = lambda_scale, .keep_all = keep_all, .scan_textures = pass % 2 == 0};
-        check(s, gscl_scalar_rdo_pass(&s->rdo, &s->fit, &s->coded, &settings));
+        check_call(s, gscl_scalar_rdo_pass(&s->rdo, &s->fit, &s->coded, &settings));
     }
 }
 
@@ -123,12 +123,12 @@ static void check_minimum(scene *s, int variant) {
     const double slack = s->kind == ELLIPSES ? 1e-4 : 5e-3;
     const double least = error_of(s);
     for (uint32_t i = 0; i < s->coded.file.header.splat_count; i++) {
-        gsf_splat *splat = &s->coded.file.splats[i], kept = *splat;
+        gsf_splat *splat = &s->coded.file.splats[i], original = *splat;
         int16_t *const codes[] = {&splat->luma, &splat->co, &splat->cg};
         for (int k = 0; k < 6; k++) {
             *codes[k / 2] = (int16_t)(*codes[k / 2] + (k % 2 ? 1 : -1));
             const double error = error_of(s);
-            *splat = kept;
+            *splat = original;
             if (!(error >= least * (1 - slack)))
                 fail_msg("variant %d: splat %u: the error is %.7g, but %.7g with another colour", variant, i, least,
                          error);
@@ -165,8 +165,8 @@ static void test_expensive_bits_drop_all_splats(void **state) {
 static void check_same_files(scene *a, scene *b) {
     uint8_t *a_bytes, *b_bytes;
     size_t a_size, b_size;
-    check(a, gscl_coded_image_write(&a->coded, &a_bytes, &a_size));
-    check(b, gscl_coded_image_write(&b->coded, &b_bytes, &b_size));
+    check_call(a, gscl_coded_image_write(&a->coded, &a_bytes, &a_size));
+    check_call(b, gscl_coded_image_write(&b->coded, &b_bytes, &b_size));
     assert_int_equal(a_size, b_size);
     assert_memory_equal(a_bytes, b_bytes, b_size);
     gscl_free(a_bytes);
@@ -174,31 +174,31 @@ static void check_same_files(scene *a, scene *b) {
 }
 
 /* A pass with arrays and buffers that a larger scene has used leaves the same codes as a pass with new ones. */
-static void test_kept_buffers_change_nothing(void **state) {
+static void test_reused_buffers_change_nothing(void **state) {
     (void)state;
     const gscl_scalar_rdo_settings settings = {.lambda_scale = 0.1, .keep_all = true, .scan_textures = true};
     for (int m = 0; m < 2; m++) {
-        scene kept, fresh;
-        open_scene(&kept, contexts[m], GSF_BLEND_NORMALIZED, false, true, TRANSLUCENT);
+        scene reused, fresh;
+        open_scene(&reused, contexts[m], GSF_BLEND_NORMALIZED, false, true, TRANSLUCENT);
         for (int pass = 0; pass < 8; pass++) /* enough to fill all groups, were they not emptied */
-            check(&kept, gscl_scalar_rdo_pass(&kept.rdo, &kept.fit, &kept.coded, &settings));
-        const cl_mem rendering = kept.rdo.rendering.memory, codes = kept.rdo.device_codes.memory;
-        const gscl_scalar_rdo rdo = kept.rdo;
-        kept.rdo = (gscl_scalar_rdo){0};
-        close_scene(&kept);
-        open_scene(&kept, contexts[m], GSF_BLEND_SUM, true, false, ELLIPSES);
+            check_call(&reused, gscl_scalar_rdo_pass(&reused.rdo, &reused.fit, &reused.coded, &settings));
+        const cl_mem rendering = reused.rdo.rendering.memory, codes = reused.rdo.device_codes.memory;
+        const gscl_scalar_rdo rdo = reused.rdo;
+        reused.rdo = (gscl_scalar_rdo){0};
+        close_scene(&reused);
+        open_scene(&reused, contexts[m], GSF_BLEND_SUM, true, false, ELLIPSES);
         open_scene(&fresh, contexts[m], GSF_BLEND_SUM, true, false, ELLIPSES);
-        kept.rdo = rdo;
-        kept.coded.file.header.splat_count = fresh.coded.file.header.splat_count = SPLATS / 2;
+        reused.rdo = rdo;
+        reused.coded.file.header.splat_count = fresh.coded.file.header.splat_count = SPLATS / 2;
         for (int pass = 0; pass < 3; pass++) {
-            check(&kept, gscl_scalar_rdo_pass(&kept.rdo, &kept.fit, &kept.coded, &settings));
-            check(&fresh, gscl_scalar_rdo_pass(&fresh.rdo, &fresh.fit, &fresh.coded, &settings));
+            check_call(&reused, gscl_scalar_rdo_pass(&reused.rdo, &reused.fit, &reused.coded, &settings));
+            check_call(&fresh, gscl_scalar_rdo_pass(&fresh.rdo, &fresh.fit, &fresh.coded, &settings));
             gscl_scalar_rdo_free(&fresh.rdo);
         }
-        assert_ptr_equal(kept.rdo.rendering.memory, rendering);
-        assert_ptr_equal(kept.rdo.device_codes.memory, codes);
-        check_same_files(&kept, &fresh);
-        close_scene(&kept);
+        assert_ptr_equal(reused.rdo.rendering.memory, rendering);
+        assert_ptr_equal(reused.rdo.device_codes.memory, codes);
+        check_same_files(&reused, &fresh);
+        close_scene(&reused);
         close_scene(&fresh);
     }
 }
@@ -207,7 +207,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_free_bits_reach_a_minimum),
         cmocka_unit_test(test_expensive_bits_drop_all_splats),
-        cmocka_unit_test(test_kept_buffers_change_nothing),
+        cmocka_unit_test(test_reused_buffers_change_nothing),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }

@@ -1,4 +1,4 @@
-/* Where time goes (gscl_context_timings), and what a benchmark refuses. */
+/* Timings of stages and kernels (gscl_context_timings), and settings that a benchmark refuses. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static gscl_context *new_context(bool timing) {
     return context;
 }
 
-/* Encodes a slope and decodes it again. */
+/* Encodes a gradient and decodes it again. */
 static void encode_and_decode(gscl_context *context) {
     uint8_t pixels[WIDTH * HEIGHT], *bytes;
     size_t size;
@@ -40,7 +40,7 @@ static void encode_and_decode(gscl_context *context) {
     gscl_free(bytes);
 }
 
-static const gscl_timing *find(const gscl_context *context, const char *name, bool is_kernel) {
+static const gscl_timing *find_timing(const gscl_context *context, const char *name, bool is_kernel) {
     for (const gscl_timing *row = gscl_context_timings(context); row; row = row->next)
         if (row->is_kernel == is_kernel && strcmp(row->name, name) == 0)
             return row;
@@ -48,7 +48,7 @@ static const gscl_timing *find(const gscl_context *context, const char *name, bo
     return NULL;
 }
 
-static void test_nothing_is_measured_unasked(void **state) {
+static void test_no_timings_without_the_setting(void **state) {
     (void)state;
     gscl_context *context = new_context(false);
     encode_and_decode(context);
@@ -64,11 +64,11 @@ static void test_stages_and_kernels(void **state) {
     gscl_context *context = new_context(true);
     encode_and_decode(context);
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
-        const gscl_timing *row = find(context, stages[i], false);
+        const gscl_timing *row = find_timing(context, stages[i], false);
         assert_true(row->count > 0 && row->seconds > 0 && row->kernel_seconds <= row->seconds);
     }
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
-        assert_true(find(context, kernels[i], true)->seconds > 0);
+        assert_true(find_timing(context, kernels[i], true)->seconds > 0);
     gscl_context_free(&context);
 }
 
@@ -94,7 +94,7 @@ static void test_reset(void **state) {
     for (const gscl_timing *row = gscl_context_timings(context); row; row = row->next)
         assert_true(row->count == 0 && row->seconds == 0 && row->kernel_seconds == 0);
     encode_and_decode(context);
-    assert_int_equal(find(context, "write", false)->count, 1);
+    assert_int_equal(find_timing(context, "write", false)->count, 1);
     gscl_context_free(&context);
 }
 
@@ -127,8 +127,10 @@ static void test_benchmark_refuses(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing_is_measured_unasked), cmocka_unit_test(test_stages_and_kernels),
-        cmocka_unit_test(test_kernels_are_in_stages),       cmocka_unit_test(test_reset),
+        cmocka_unit_test(test_no_timings_without_the_setting),
+        cmocka_unit_test(test_stages_and_kernels),
+        cmocka_unit_test(test_kernels_are_in_stages),
+        cmocka_unit_test(test_reset),
         cmocka_unit_test(test_benchmark_refuses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
