@@ -1,6 +1,6 @@
 /* Binning: for every tile the ascending list of the splats whose outline touches it.
  *
- * One work-item per row of tiles walks the splats in their order, so the lists come out sorted without
+ * One work-item per row of tiles goes over the splats in their order, so the lists come out sorted without
  * atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity`
  * entries.  Further entries are left out; the host reads their number from row_totals and grows the lists. */
 
@@ -25,11 +25,11 @@ inline void rows_touched(__global const float *restrict projected, __global cons
     float4 high = slope * top + sqrt(LARGER(arc_top, zero)), low = slope * bottom - sqrt(LARGER(arc_bottom, zero));
     /* A little wider than exact, so that rounding loses no row; weights beyond the outline are 0. */
     float margin = 1e-3f * (1.0f + half_height) + 1e-6f * fabs(projected[GSCL_PROJECTED_Y]);
-    /* Rows from the lower end of the tile for the first, from the upper for the last: cutting off rounds down. */
-    float4 most = (float4)(GSCL_TILE), from = most - (low - margin - y0), to = high + margin - y0 + 1.0f;
-    from = LESSER(LARGER(from, zero), most);
+    /* Rows from the lower end of the tile for the first, from the upper for the last: truncation rounds down. */
+    float4 height = (float4)(GSCL_TILE), from = height - (low - margin - y0), to = high + margin - y0 + 1.0f;
+    from = LESSER(LARGER(from, zero), height);
     from = left > right ? zero : from; /* beside the outline */
-    to = LESSER(LARGER(to, zero), most);
+    to = LESSER(LARGER(to, zero), height);
     vstore4(GSCL_TILE - convert_int4(from), 0, first);
     vstore4(convert_int4(to) - 1, 0, last);
 }
@@ -45,8 +45,8 @@ inline int list_splats(__global const int4 *restrict boxes, int count, int first
     return n;
 }
 
-/* Lists the splats of each band of `band_rows` rows of tiles, so that not every row goes over all splats.  One work-item
- * per band; a list has room for `count` splats. */
+/* Lists the splats of each band of `band_rows` rows of tiles, so that not every row goes over all splats.  One
+ * work-item per band; a list has room for `count` splats. */
 __kernel void bin_bands(__global const int4 *restrict boxes, int count, int bands, int band_rows,
                         __global int *restrict listed, __global int *restrict listed_counts) {
     int band = (int)get_global_id(0), first = band * band_rows;

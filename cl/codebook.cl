@@ -22,7 +22,7 @@ inline float from_stored(int book, int dim, float value) {
     return value;
 }
 
-/* Rounds words to what the file can hold: `levels` + 1 uniform values from the least to the largest of each dimension
+/* Rounds words to values of the file: `levels` + 1 uniform values from the least to the largest of each dimension
  * (paper eq. 7-8).  One work-item for each dimension of the book. */
 __kernel void book_quantise(__global const float *restrict words, int book, int count, int levels,
                             __global float *restrict stored) {

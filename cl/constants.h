@@ -30,7 +30,7 @@
 #endif
 /* Format: weight of the background in `normalized`. */
 #define GSCL_EPSILON 9.765625e-4f
-/* Format: the largest a splat's alpha may be in `alpha`; bounds 1 / (1 - a) by 1000. */
+/* Format: the largest alpha of a splat in blend `alpha`; bounds 1 / (1 - a) by 1000. */
 #ifndef GSCL_MAX_ALPHA
 #define GSCL_MAX_ALPHA 0.999f
 #endif
@@ -40,16 +40,17 @@
 #define GSCL_Y 1
 #define GSCL_LOG_S1 2 /* natural logarithm of the first axis (sigma, pixels) */
 #define GSCL_LOG_S2 3
-#define GSCL_THETA 4           /* direction of the first axis, radians from +x towards +y */
-#define GSCL_OPACITY 5         /* logit of the opacity; no effect where the opacity effect is off */
-#define GSCL_COLOUR 6          /* up to four channels follow */
-#define GSCL_WAVE_X 10         /* of the texture's wave, which is drawn but not fitted: cycles per pixel along x */
+#define GSCL_THETA 4   /* direction of the first axis, radians from +x towards +y */
+#define GSCL_OPACITY 5 /* logit of the opacity; no effect where the opacity effect is off */
+#define GSCL_COLOUR 6  /* up to four channels follow */
+/* The wave of the texture is drawn but not fitted. */
+#define GSCL_WAVE_X 10         /* cycles per pixel along x */
 #define GSCL_WAVE_Y 11         /* cycles per pixel along y */
 #define GSCL_WAVE_PHASE 12     /* cycles */
 #define GSCL_WAVE_AMPLITUDE 13 /* 0: no wave */
 #define GSCL_PARAMS 14
 
-/* A projected splat (floats): what the rasteriser reads.  (UX, UY) and (VX, VY) take (dx, dy), the place from the
+/* A projected splat as the rasteriser reads it (floats).  (UX, UY) and (VX, VY) take (dx, dy), the place from the
  * centre, into the splat's own frame (u, v), where gauss = 2^-(u^2 + v^2).  ROW_STEP is 2^-(VY^2) of axis-aligned
  * splats, the factor of one step to the next row at v = 0. */
 #define GSCL_PROJECTED_X 0
@@ -68,7 +69,8 @@
 #define GSCL_PROJECTED 16
 
 /* The bounds of a splat's ellipse q = GSCL_SUPPORT (floats).  On the outline, dy at a given dx is
- * slope * dx +- sqrt(max(0, height2 - curve * dx^2)); dx at a given dy follows likewise from SLOPE_X, WIDTH2, CURVE_X. */
+ *     slope * dx +- sqrt(max(0, height2 - curve * dx^2));
+ * dx at a given dy follows likewise from SLOPE_X, WIDTH2, CURVE_X. */
 #define GSCL_BOUNDS_HALF_WIDTH 0
 #define GSCL_BOUNDS_HALF_HEIGHT 1
 #define GSCL_BOUNDS_SLOPE 2
@@ -92,6 +94,11 @@
 #define GSCL_EXPONENTIAL_POLYNOMIAL 0
 #define GSCL_EXPONENTIAL_EXACT 1
 #define GSCL_EXPONENTIAL_NATIVE 2
+
+/* Kinds of samples of an image in memory, numbered as in gscl_sample. */
+#define GSCL_SAMPLE_KIND_U8 1
+#define GSCL_SAMPLE_KIND_U16 2
+#define GSCL_SAMPLE_KIND_F32 3
 
 /* Shapes of splats, from the most general: ellipses, axis-aligned ellipses (angle 0), circles (both axes equal). */
 #define GSCL_SHAPE_ROTATED 0
@@ -117,15 +124,10 @@
  * constant. */
 #define GSCL_RATE_POSITION 0.06f /* in lengths of an axis, along it */
 #define GSCL_RATE_SHAPE 0.08f    /* ln sigma */
-#define GSCL_RATE_ANGLE 0.06f    /* radians, of a round splat; less for elongated ones */
+#define GSCL_RATE_ANGLE 0.06f    /* radians, of a circular splat; less for elongated ones */
 #define GSCL_RATE_COLOUR 0.012f  /* of the range 0..1 */
 #define GSCL_RATE_OPACITY 0.04f  /* logit */
 #define GSCL_MAX_LOGIT 8.0f      /* bound on a fitted opacity, positive and negative */
-
-/* The quantiser through which splats are drawn while fitting. */
-#define GSCL_QUANTISER_NONE 0
-#define GSCL_QUANTISER_SCALAR 1
-#define GSCL_QUANTISER_CODEBOOK 2
 
 /* Quantiser settings (floats) of scalar coding, in the units of the parameters. */
 #define GSCL_STEP_SCALE 0    /* step of ln sigma */
@@ -144,11 +146,10 @@
 
 /* Zeros around the planes of cl/ssim.cl, on each side: room for a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
-/* Squared error in place of MS-SSIM (cl/ssim.cl), found by trying: the largest increase of contrast (1: doubled), the
- * least contrast-structure factor of a window that counts, and the exponent on weights without a rendering. */
-#define GSCL_SSIM_MAX_CONTRAST_GAIN 0.5f
-#define GSCL_SSIM_MIN_SIMILARITY 0.1f
-#define GSCL_SSIM_WEIGHT_EXPONENT 0.8f
+/* Squared error in place of MS-SSIM (cl/ssim.cl), found by trying. */
+#define GSCL_SSIM_MAX_CONTRAST_GAIN 0.5f /* largest increase of contrast; 1: doubled */
+#define GSCL_SSIM_MIN_SIMILARITY 0.1f    /* lower bound of the contrast-structure factor of a window */
+#define GSCL_SSIM_WEIGHT_EXPONENT 0.8f   /* on weights without a rendering */
 
 /* A slot of the fit holds a splat's sums over one tile (cl/fit.cl).  Sums that the effects leave without use have no
  * place in it, so that the later places follow from the shape of splats (GSCL_SHAPE_...) and from what they have. */

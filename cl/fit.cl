@@ -1,9 +1,9 @@
 /* Gradients of one step of the fit over a tile: a forward pass that renders it, the loss, and a backward pass from the
  * loss to every splat of the tile.
  *
- * Each entry of a tile's list has its own gradient slot for its sums over the tile's pixels, so no two work-groups write
- * to the same place and no float atomics are needed (update.cl adds a splat's slots in a fixed order).  With
- * h = dL/dweight and t = h * opacity * gauss, a slot holds
+ * Each entry of a tile's list has its own gradient slot for its sums over the tile's pixels, so no two work-groups
+ * write to the same place and no float atomics are needed (update.cl adds a splat's slots in a fixed order).
+ * With h = dL/dweight and t = h * opacity * gauss, a slot holds
  *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, and [w dL/dwave times the wave a
  *     quarter of a turn on, whose phase moves with the splat].
  * A circle has one sum instead of t u^2 and t v^2. */

@@ -15,8 +15,8 @@ __kernel void halve(__global const float *restrict from, ulong from_at, int from
 
 /* The residual of planes against those of half the size, interpolated with their slopes: squared difference per sample,
  * for each pixel of the smaller planes. */
-__kernel void detail(__global const float *restrict planes, __global const float *restrict half_size, int channels,
-                     int width, int height, __global float *restrict map) {
+__kernel void level_residual(__global const float *restrict planes, __global const float *restrict half_size,
+                             int channels, int width, int height, __global float *restrict map) {
     int half_width = (width + 1) / 2, half_height = (height + 1) / 2, at = (int)get_global_id(0);
     if (at >= half_width * half_height) return;
     int x = at % half_width, y = at / half_width;
@@ -60,7 +60,8 @@ __kernel void add_enlarged(__global const float *restrict from, gscl_enlargement
     to[to_at + i] = fma(t.share, from[(size_t)y * t.from_width + x], to[to_at + i]);
 }
 
-/* Raises the contrast of `channels` planes: by gains, around means, that are of half the size (ssim_contrast_gains). */
+/* Raises the contrast of `channels` planes around local means.  Gains and means are planes of half the size
+ * (ssim_contrast_gains). */
 __kernel void raise_contrast(__global const float *restrict from, __global const float *restrict gains, int channels,
                              int width, int height, __global float *restrict to) {
     int i = (int)get_global_id(0);

@@ -3,8 +3,8 @@
  * 256 / LANES work-items draws a tile.
  *
  * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED (0 or
- * 1), LOSS, CACHED_ROWS (raster.cl).  Only for measuring the cost of exactness (host/lib/measure/accuracy.c): DOUBLE, EXPONENTIAL,
- * EARLY_STOP, GSCL_SUPPORT. */
+ * 1), LOSS, CACHED_ROWS (raster.cl).  The options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT
+ * serve measurements of accuracy only (host/lib/measure/accuracy.c). */
 #pragma OPENCL FP_CONTRACT OFF
 #ifdef __clang__
 /* How vectors longer than the device's are passed depends on the device, which does not matter within a program. */
@@ -97,8 +97,8 @@ inline pix pix_exp2(pix y) { return exp2(y); }
 #elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
 inline pix pix_exp2(pix y) { return native_exp2(y); }
 #else
-/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  The nearest integer comes
- * from adding and taking away 1.5 * 2^23, whose low bits then also shift into the exponent; the rest is a
+/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  Adding and subtracting 1.5 * 2^23
+ * rounds to the nearest integer, whose low bits are also shifted into the exponent.  The remainder goes through a
  * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
 inline pix pix_exp2(pix y) {
     y = fmax(y, (pix)(-SUPPORT2));

@@ -3,8 +3,8 @@
 /* Splats after quantisation, in pixels of the full-size image. */
 typedef struct {
     vfloat x, y, theta, opacity;
-    vfloat log_s1, log_s2; /* axes, */
-    vfloat s1, s2;         /* pixels: splat_set_axes */
+    vfloat log_s1, log_s2; /* natural logarithms of the axes */
+    vfloat s1, s2;         /* the axes, pixels (splat_set_axes) */
     vfloat colour[CHANNELS];
 #if TEXTURE
     vfloat wave_x, wave_y, wave_phase, wave_amplitude;
@@ -114,7 +114,7 @@ inline tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
     return b;
 }
 
-/* For values that are never NaN: fmin and fmax take three instructions each. */
+/* For values that are never NaN; fmin and fmax take three instructions each. */
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define LARGER(a, b) ((a) > (b) ? (a) : (b))
 

@@ -15,7 +15,7 @@ typedef struct {
     pix weight; /* max(0, gauss - floor) */
 } splat_weight;
 
-/* At a row, `dx` and `dy` from the centre, that the outline touches. */
+/* Begins at a row that the outline touches, `dx` and `dy` from the centre. */
 ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const real *projected) {
 #if ROTATION
     s->u = fma(dx, (pix)(projected[GSCL_PROJECTED_UX]), (pix)(dy * projected[GSCL_PROJECTED_UY]));

@@ -1,18 +1,15 @@
 /* Drawing straight into the samples of an image in memory: clamped, straight or premultiplied, interleaved. */
 
-#define SAMPLE_U8 1 /* as in gscl_sample */
-#define SAMPLE_U16 2
-
 /* Stores `count` values of one channel, `stride` samples apart. */
 inline void store_samples(pix value, int sample, __global uchar *restrict to, size_t first, int stride, int count) {
     float values[LANES];
-    if (sample == SAMPLE_U8) value = value * 255.0f + 0.5f;
-    if (sample == SAMPLE_U16) value = value * 65535.0f + 0.5f;
+    if (sample == GSCL_SAMPLE_KIND_U8) value = value * 255.0f + 0.5f;
+    if (sample == GSCL_SAMPLE_KIND_U16) value = value * 65535.0f + 0.5f;
     PIX_STORE(value, values);
     for (int i = 0; i < count; i++) {
         size_t at = first + (size_t)(i * stride);
-        if (sample == SAMPLE_U8) to[at] = (uchar)values[i];
-        else if (sample == SAMPLE_U16) ((__global ushort *)to)[at] = (ushort)values[i];
+        if (sample == GSCL_SAMPLE_KIND_U8) to[at] = (uchar)values[i];
+        else if (sample == GSCL_SAMPLE_KIND_U16) ((__global ushort *)to)[at] = (ushort)values[i];
         else ((__global float *)to)[at] = values[i];
     }
 }
@@ -40,7 +37,7 @@ ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global
     UNROLL
     for (int k = 0; k < CHANNELS; k++) values[k] = clamp(values[k], 0.0f, 1.0f);
 #if COLOURS == 3 && !ALPHA_CHANNEL && LANES == 16
-    if (layout.sample == SAMPLE_U8 && layout.channels == 3 && count >= LANES) {
+    if (layout.sample == GSCL_SAMPLE_KIND_U8 && layout.channels == 3 && count >= LANES) {
         store_rgb8(values, samples + to);
         return;
     }

@@ -1,11 +1,12 @@
 /* Choosing codes by rate and distortion.
  *
- * A pass changes each splat once.  It takes the splat out of the rendering, evaluates a handful of other codes and the
- * rendering without the splat, and puts back what costs least: squared error + lambda * bits.  The change of error is
- * exact: the rendering P and (in `normalized`) the sum of weights D are kept per pixel and changed in place.  While the
- * splat is out, giving it weight w and colour c changes a pixel to P + s (c - P), s = w / (D + w) (`sum`: P + w c).  The
- * error is therefore a quadratic in c, whose coefficients one walk over the outline adds up; the best colour codes need
- * no further walk.  Splats that are changed at once do not touch each other's pixels (host/lib/scalar/rdo_groups.h). */
+ * A pass changes each splat once.  It removes the splat from the rendering, evaluates a few other codes and the
+ * rendering without the splat, and commits the choice of least cost: squared error + lambda * bits.  The change of
+ * error is exact: the rendering P and (in `normalized`) the sum of weights D are kept per pixel and changed in place.
+ * While the splat is removed, adding it with weight w and colour c changes a pixel to P + s (c - P), s = w / (D + w)
+ * (`sum`: P + w c).  The error is therefore a quadratic in c, whose coefficients are summed in one pass over the
+ * outline; choosing colour codes needs no further pass.  Splats that are changed at once do not touch each other's
+ * pixels (host/lib/scalar/rdo_groups.h). */
 
 /* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
 typedef struct {
@@ -105,7 +106,8 @@ inline float colour_descend(const quadratic *q, gscl_codes *c, __global const fl
 
 /* Moves to neighbouring codes.  Move 0 changes nothing but the colour. */
 #define MOVES (GSCL_RDO_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
-#define MOVE_ANGLE 7 /* one step up; the next move is one step down, and likewise: */
+/* Each of these moves is one step up; the move after it is one step down. */
+#define MOVE_ANGLE 7
 #define MOVE_X 9
 #define MOVE_Y 11
 #define MOVE_OPACITY 13
@@ -153,7 +155,7 @@ inline bool task_contains(gscl_rdo_task task, const projected_splat *a) {
     return outline_is_within(a, (int4)(task.x0, task.x1, task.y0, task.y1));
 }
 
-/* First: takes the splats of a group out of the rendering. */
+/* First kernel for a group: removes its splats from the rendering. */
 __kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                          __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                          __global float *restrict rendering, __global float *restrict weights) {
@@ -165,7 +167,7 @@ __kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_task *restr
     rendering_change(&a, -1.0f, rendering, weights, pass.width, pass.height, (ulong)pass.width * (ulong)pass.height);
 }
 
-/* Second: evaluates one move of one splat. */
+/* Second kernel for a group: evaluates one move of one splat. */
 __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                            __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                            __global const float *restrict rendering, __global const float *restrict weights,
@@ -195,8 +197,8 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *res
     outcomes[(size_t)task * MOVES + move] = outcome;
 }
 
-/* Third: puts the splat with the best codes into the rendering.  A splat that is not worth its bits gets minor code
- * -1. */
+/* Third kernel for a group: adds the splats with their best codes to the rendering.  The minor code of a splat that is
+ * not worth its bits becomes -1. */
 __kernel void rdo_commit(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                          __global gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                          __global float *restrict rendering, __global float *restrict weights,

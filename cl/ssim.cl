@@ -106,7 +106,8 @@ __kernel void ssim_blur_columns(__global const float *restrict maps, gscl_ssim_s
     }
 }
 
-/* Transposed horizontal blur: a pixel's sum over the windows that begin left of it, of a map after ssim_blur_columns. */
+/* Transposed horizontal blur: a pixel's sum over the windows that begin left of it, of a map after
+ * ssim_blur_columns. */
 inline pix map_sum(__global const float *restrict sums, size_t at) {
     pix sum = (pix)(0.0f);
     for (int t = 0; t < TAPS; t++) sum = fma((pix)(window[t]), PIX_LOAD(sums + at - t), sum);
@@ -141,8 +142,8 @@ __kernel void ssim_derivative(__global const float *restrict sums, __global cons
 #define MAP_CONTRAST_GAIN 1 /* 1 / S - 1 */
 #define MAP_MEAN 2          /* of the target */
 
-/* Evaluates each window: writes three padded images, MAP_...  `moments`: ssim_blur_rows of the rendering and the target;
- * without a rendering, of the target with itself. */
+/* Evaluates each window: writes three padded images, MAP_...  `moments`: ssim_blur_rows of the rendering and the
+ * target; without a rendering, of the target with itself. */
 __kernel void ssim_evaluate_windows(__global const float *restrict moments, gscl_ssim_shape shape, int has_rendering,
                                     __global float *restrict maps) {
     int x, y, k;

@@ -44,7 +44,7 @@ typedef struct gscl_bin_settings {
 /* Samples of an image in memory. */
 typedef struct gscl_sample_layout {
     cl_int channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
-    cl_int sample;        /* gscl_sample, not AUTO */
+    cl_int sample;        /* GSCL_SAMPLE_KIND_... */
     cl_int premultiplied; /* 0 or 1 */
 } gscl_sample_layout;
 
@@ -91,20 +91,20 @@ typedef struct gscl_codes {
     cl_int code[GSCL_CODE_COUNT]; /* by GSCL_CODE_... */
 } gscl_codes;
 
-/* What a code of the minor axis means and costs. */
+/* Meaning and cost of one code of the minor axis. */
 typedef struct gscl_minor_entry {
     cl_float step;           /* of the position grid, pixels */
     cl_int cells_x, cells_y; /* of the position grid */
     cl_float bits;           /* of the code and of a position on the grid */
 } gscl_minor_entry;
 
-/* What a code of the aspect ratio means and costs. */
+/* Meaning and cost of one code of the aspect ratio. */
 typedef struct gscl_aspect_entry {
     cl_int angles; /* number of angle codes */
     cl_float bits; /* of the code and of an angle */
 } gscl_aspect_entry;
 
-/* What codes mean and cost. */
+/* Meanings and costs of all codes. */
 typedef struct gscl_rdo_tables {
     gscl_minor_entry minors[GSCL_MAX_SCALE + 1];
     gscl_aspect_entry aspects[GSCL_MAX_SCALE + 1];
@@ -124,7 +124,7 @@ typedef struct gscl_rdo_settings {
     cl_float luma_step, chroma_step, alpha_step;
     cl_float amplitude_step; /* of a texture */
     cl_float opacity_levels;
-    cl_int scan;           /* 1: every splat is offered new waves; 0: only those near its own */
+    cl_int scan;           /* 1: all waves are tried for each splat; 0: only those near its own */
     cl_int min[4], max[4]; /* of the codes luma, co, cg, alpha */
 } gscl_rdo_settings;
 

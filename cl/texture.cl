@@ -20,8 +20,8 @@ inline float wave_bits(const gscl_codes *c, __global const float *restrict table
 #if TEXTURE
 #define SCANNED_WAVES 12                  /* the first of all wavelengths */
 #define VECTORS (GSCL_DIRECTIONS / LANES) /* of directions */
-#define SHORTEST 0.45f                    /* cycles per pixel of the level: finer waves would alias */
-#define WIDEST 6.0f                       /* longest wavelength of the scan, in major axes */
+#define MAX_SCAN_FREQUENCY 0.45f          /* cycles per pixel of the level: finer waves would alias */
+#define MAX_SCAN_WAVELENGTH 6.0f          /* in major axes */
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
 inline void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes,
@@ -39,7 +39,7 @@ inline void share_and_error(const projected_splat *plain, const outline *o, int 
         pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
         e += fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
     }
-#if WEIGHTED /* The root of the weight on both gives sums of products the weight. */
+#if WEIGHTED /* With the root of the weight on both, sums of products are weighted. */
     pix root = sqrt(PIX_LOAD(target + CHANNELS * plane + at));
     s *= root;
     e *= root;
@@ -88,9 +88,9 @@ inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuat
         float q = co * co * w->cos2 + 2.0f * co * si * w->both + si * si * w->sin2;
         if (!(l < 0.0f)) continue;
         other.code[GSCL_CODE_PHASE] = phase;
-        float wanted = rint(-l / (fmax(q, 1e-12f) * step));
-        for (int less = 0; less < 2; less++) {
-            other.code[GSCL_CODE_AMPLITUDE] = (int)clamp(wanted - (float)less, 1.0f, (float)GSCL_AMPLITUDES);
+        float nearest = rint(-l / (fmax(q, 1e-12f) * step));
+        for (int below = 0; below < 2; below++) {
+            other.code[GSCL_CODE_AMPLITUDE] = (int)clamp(nearest - (float)below, 1.0f, (float)GSCL_AMPLITUDES);
             float a = (float)other.code[GSCL_CODE_AMPLITUDE] * step;
             float cost = a * fma(a, q, 2.0f * l) + t.lambda * wave_bits(&other, tables);
             if (cost < best) {
@@ -144,13 +144,13 @@ inline pix scan_score(const projected_splat *plain, const scan_state *s) {
     return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
 }
 
-/* The most promising wave and direction. */
+/* The wave and direction with the highest score. */
 inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
                       __global const float *restrict rendering, __global const float *restrict weights,
                       __global const float *restrict target, int width, int height, ulong plane) {
     scan_state states[SCANNED_WAVES * VECTORS];
     int waves = 0;
-    while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * WIDEST * major > 1.0f)) waves++;
+    while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * MAX_SCAN_WAVELENGTH * major > 1.0f)) waves++;
     for (int i = 0; i < waves * VECTORS; i++) {
         pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
         float cycles = wave_frequency(i / VECTORS) / view.inv_scale;
@@ -173,7 +173,7 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
     int2 best = (int2)(0, 0);
     float highest = -1.0f;
     for (int i = 0; i < waves * VECTORS; i++) {
-        if (wave_frequency(i / VECTORS) > SHORTEST * view.inv_scale) continue;
+        if (wave_frequency(i / VECTORS) > MAX_SCAN_FREQUENCY * view.inv_scale) continue;
         float scores[LANES];
         PIX_STORE(scan_score(plain, states + i), scores);
         for (int j = 0; j < LANES; j++)
@@ -185,7 +185,7 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
     return best;
 }
 
-/* Gives the splat, which is not in the rendering, the wave with the lowest cost, or none. */
+/* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
 inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minors,
                            __global const gscl_aspect_entry *aspects, __global const float *restrict tables,
                            gscl_rdo_settings t, gscl_view view, __global const float *restrict rendering,

@@ -61,7 +61,7 @@ inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __g
         size_t i = first + (size_t)owner;
         int4 box = boxes[i];
         for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
-            /* at least the tiles whose lists the splat is in */
+            /* a superset of the tiles that list the splat */
             int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 2.0f);
             for (int tx = tiles.x; tx <= tiles.y; tx++) {
                 int slot = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], (uint)i);
@@ -78,8 +78,8 @@ inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __g
 /* Sum `k` of each splat. */
 #define LANE_SUM(k) LOAD_LANES(sums + (k), SLOT)
 
-/* Chain rule from the sums, which are in the splats' own frames, to the parameters.  `s`, `projected`: the splats as they
- * were drawn. */
+/* Chain rule from the sums, which are in the splats' own frames, to the parameters.  `s`, `projected`: the splats as
+ * they were drawn. */
 inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict sums, splat s,
                                __global const float *restrict projected, gscl_view view) {
     vfloat e1 = axis_at_level(s.s1, view.blur), e2 = axis_at_level(s.s2, view.blur);
@@ -104,7 +104,7 @@ inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict 
     for (int k = 0; k < CHANNELS; k++) gradient[GSCL_COLOUR + k] = LANE_SUM(SLOT_COLOUR + k);
 }
 
-/* Parameters that are fitted, and which of them have an effect with these build options. */
+/* The number of fitted parameters, and whether parameter `k` is one of them with these build options. */
 #define FITTED (GSCL_COLOUR + CHANNELS)
 #define IS_FITTED(k) (((k) != GSCL_THETA || ROTATION) && ((k) != GSCL_OPACITY || OPACITY))
 
@@ -129,8 +129,8 @@ inline void learning_rates(vfloat *restrict rates, const vfloat *restrict p) {
     for (int k = 0; k < CHANNELS; k++) rates[GSCL_COLOUR + k] = (vfloat)(GSCL_RATE_COLOUR);
 }
 
-/* Adam for one parameter of each splat: updates its moments, which are GSCL_PARAMS floats apart, and returns the step to
- * subtract.  `correct1`, `correct2`: corrections of the bias of the moments. */
+/* Adam for one parameter of each splat: updates its moments, which are GSCL_PARAMS floats apart, and returns the step
+ * to subtract.  `correct1`, `correct2`: corrections of the bias of the moments. */
 ALWAYS_INLINE vfloat adam_update(vfloat gradient, vfloat rate, vfloat correct1, vfloat correct2,
                                  __global float *first_moment, __global float *second_moment) {
     vfloat m =
@@ -179,8 +179,8 @@ inline void clamp_params(vfloat *restrict p, gscl_limits b) {
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
-/* Writes the gradients of SPLAT_LANES splats, GSCL_PARAMS floats each.  Those of parameters that are not fitted are left
- * as they are. */
+/* Writes the gradients of SPLAT_LANES splats, GSCL_PARAMS floats each.  Those of parameters that are not fitted are
+ * left as they are. */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps,
                                gscl_gather_settings settings, __global const int4 *restrict boxes,
                                __global const float *restrict projected, __global const float *restrict ellipse_bounds,

@@ -40,7 +40,7 @@ static gscl_result read_residual(gscl_fit *f, int level, float *map) {
     cl_int channels = p->channels;
     size_t pixels = gscl_pyramid_pixels(p, level + 1);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
-    GSCL_TRY(gscl_image_kernel(f->context, "detail", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "level_residual", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
                          GSCL_ARG_BUFFER(p->levels[level]), GSCL_ARG_BUFFER(p->levels[level + 1]), GSCL_ARG(channels),
                          GSCL_ARG(width), GSCL_ARG(height), GSCL_ARG_BUFFER(f->error)));
