@@ -148,7 +148,7 @@ static void test_every_description_is_checked(void **state) {
         char message[512];
         fake.failing_info = parameters[i];
         assert_int_equal(try_device("0.0", message), GSCL_ERROR_UNKNOWN_DEVICE);
-        assert_non_null(strstr(message, "does not describe itself: CL_OUT_OF_RESOURCES"));
+        assert_non_null(strstr(message, "cannot be queried: CL_OUT_OF_RESOURCES"));
     }
 }
 

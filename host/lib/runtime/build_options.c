@@ -6,7 +6,7 @@
 #include "runtime/mapping.h"
 #include "runtime/text.h"
 
-/* Appends what only the room `measure` asks for.  Constants of the double kernels are doubles. */
+/* Appends the options that only the room `measure` sets.  Constants of the double kernels are doubles. */
 static void append_measured_precision(gscl_text *text, const gscl_kernel_options *options) {
     const char *suffix = options->is_double ? "" : "f";
     const double support = options->support > 0 ? options->support : (double)GSCL_SUPPORT;

@@ -1,4 +1,4 @@
-/* The compiler's options for a program: what its kernels are specialised for, as -D macros. */
+/* The compiler's options for a program: -D macros that its kernels are specialised by. */
 #ifndef GSCL_LIB_BUILD_OPTIONS_H
 #define GSCL_LIB_BUILD_OPTIONS_H
 

@@ -18,7 +18,7 @@ typedef struct gscl_stage_time_sum {
     double seconds, kernel_seconds;
 } gscl_stage_time_sum;
 
-/* The stage that is running, and what all stages took so far (timing.h). */
+/* The stage that is running, and the times of all stages so far (timing.h). */
 typedef struct gscl_stage_clock {
     int users;   /* nothing is measured, and nothing waits for the device, while this is 0 */
     bool frozen; /* a change of stage is ignored */
@@ -39,14 +39,14 @@ struct gscl_context {
     bool own_builtins;             /* programs declare built-in functions with cl/builtins.h (programs.c) */
     gscl_stage_clock clock;
     struct gscl_timings *timings; /* NULL unless the caller asked for timings */
-    void *decoder;                /* what decodes keep from one to the next (decode/decode.c), or NULL */
+    void *decoder;                /* state that is kept between decodes (decode/decode.c), or NULL */
     void (*decoder_free)(void *decoder);
     gscl_log_callback log;
     void *log_opaque;
     char message[GSCL_MESSAGE_SIZE];
 };
 
-/* Keeps the message (printf-style) of an error and returns `result`, so that a function can end with
+/* Stores the message (printf-style) of an error and returns `result`, so that a function can end with
  * `return gscl_fail(context, GSCL_ERROR_..., "...")`.  A message beyond GSCL_MESSAGE_SIZE ends with "...". */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
@@ -54,17 +54,17 @@ __attribute__((format(printf, 3, 4)))
 gscl_result
 gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
 
-/* Likewise, when the host has no memory left. */
+/* Stores "out of memory" and returns GSCL_ERROR_OUT_OF_MEMORY: the host has no memory left. */
 gscl_result gscl_fail_memory(gscl_context *context);
 
-/* Static analysers see one source file at a time: this shows them that a failure is never GSCL_OK. */
+/* Static analysers read one source file at a time; these macros state that a failure is never GSCL_OK. */
 #ifdef __clang_analyzer__
 #define gscl_fail(context, result, ...) ((void)gscl_fail(context, result, __VA_ARGS__), (result))
 #define gscl_fail_memory(context) ((void)gscl_fail_memory(context), GSCL_ERROR_OUT_OF_MEMORY)
 #endif
 
-/* Public calls begin without a message, and end with one when they fail: errors of functions that have no context get the
- * text of their result.  `context` may be NULL. */
+/* Public calls begin without a message, and end with one when they fail: errors of functions that have no context get
+ * the text of their result.  `context` may be NULL. */
 void gscl_forget_message(gscl_context *context);
 gscl_result gscl_complete_message(gscl_context *context, gscl_result result);
 
@@ -73,20 +73,12 @@ __attribute__((format(printf, 3, 4)))
 #endif
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...);
 
-/* Forwards an error. */
+/* Returns from the function when the call fails. */
 #define GSCL_TRY(call)                    \
     do {                                  \
         gscl_result try_result_ = (call); \
         if (try_result_ != GSCL_OK)       \
             return try_result_;           \
-    } while (0)
-
-/* Forwards an error to the label `fail`, where `result` is returned after releasing. */
-#define GSCL_TRY_OR_FAIL(call) \
-    do {                       \
-        result = (call);       \
-        if (result != GSCL_OK) \
-            goto fail;         \
     } while (0)
 
 #endif

@@ -41,7 +41,7 @@ static bool contains_ignoring_case(const char *text, const char *part) {
     return false;
 }
 
-/* Devices that the caller may mean.  A NULL selector means the default device. */
+/* Whether the selector names the device.  A NULL selector means the default device. */
 static bool device_matches(const gscl_device_info *info, const char *selector) {
     if (!selector)
         return info->is_default;
@@ -71,7 +71,7 @@ static gscl_result device_fail_unusable(gscl_context *context, gscl_result resul
     return gscl_fail(context, result, "OpenCL device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
 }
 
-/* No usable device matches. */
+/* The error when no usable device matches. */
 static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
     char names[320];
     if (list->count == 0)

@@ -7,7 +7,7 @@
 #include "runtime/cl_names.h"
 #include "runtime/text.h"
 
-/* The question that clGetPlatformInfo or clGetDeviceInfo is asked of a device. */
+/* A parameter of a device (clGetDeviceInfo) or of its platform (clGetPlatformInfo). */
 typedef struct device_query {
     bool of_platform;
     cl_uint parameter;
@@ -99,7 +99,7 @@ static cl_int device_describe_numbers(gscl_listed_device *d) {
     return CL_SUCCESS;
 }
 
-/* Fills all but the handles and the id.  A device that does not answer is listed as unusable. */
+/* Fills all but the handles and the id.  A device whose parameters cannot be read is listed as unusable. */
 static void device_describe(gscl_listed_device *d) {
     cl_int error = device_describe_texts(d);
     if (error == CL_SUCCESS)
@@ -107,7 +107,7 @@ static void device_describe(gscl_listed_device *d) {
     if (error == CL_SUCCESS)
         error = device_describe_numbers(d);
     if (error != CL_SUCCESS)
-        snprintf(d->unusable, sizeof d->unusable, "does not describe itself: %s", gscl_cl_error_name(error));
+        snprintf(d->unusable, sizeof d->unusable, "cannot be queried: %s", gscl_cl_error_name(error));
 }
 
 /* Appends the devices of one platform. */

@@ -1,4 +1,4 @@
-/* All OpenCL devices of this machine, with what the implementation says of them. */
+/* All OpenCL devices of this machine and their properties. */
 #ifndef GSCL_LIB_DEVICE_LIST_H
 #define GSCL_LIB_DEVICE_LIST_H
 

@@ -1,8 +1,8 @@
-/* What programs are there, and what their kernels are specialised for. */
+/* The kinds of programs, and the options that their kernels are specialised for. */
 #ifndef GSCL_LIB_KERNEL_OPTIONS_H
 #define GSCL_LIB_KERNEL_OPTIONS_H
 
-/* What kernels are specialised for: code for what a picture lacks is not compiled.  Each field becomes
+/* Options that kernels are specialised for: code for features that an image lacks is not compiled.  Each field becomes
  * a macro (build_options.c).  GSCL_PROGRAM_IMAGE ignores all of them. */
 typedef struct gscl_kernel_options {
     int blend;         /* GSCL_NORMALIZED, GSCL_ALPHA, GSCL_SUM */
@@ -11,11 +11,11 @@ typedef struct gscl_kernel_options {
     int opacity;       /* 0 or 1: splats have an opacity; else all are opaque */
     int texture;       /* 0 or 1: splats may have a wave */
     int shape;         /* GSCL_SHAPE_... */
-    /* FIT and CODEBOOK only: */
+    /* For FIT and CODEBOOK only. */
     int loss; /* GSCL_LOSS_KIND_... */
-    /* FIT, CODEBOOK and SCALAR_RDO only: */
+    /* For FIT, CODEBOOK and SCALAR_RDO only. */
     int weighted; /* 0 or 1: a plane behind the target weights squared errors pixel by pixel; loss L2 only */
-    /* For measurements of precision (room `measure`); 0 everywhere else: */
+    /* For measurements of precision (room `measure`); 0 everywhere else. */
     double support;    /* cut-off of a Gaussian, in units of q; 0: GSCL_SUPPORT */
     int exponential;   /* GSCL_EXPONENTIAL_...; 0: the polynomial */
     double early_stop; /* blend `alpha`: transmittance below which nothing behind is drawn; 0: never */
@@ -24,7 +24,7 @@ typedef struct gscl_kernel_options {
 
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
-    /* The first three draw, with project, bin_bands, bin and raster_forward.  Further kernels: */
+    /* The first three also have project, bin_bands, bin and raster_forward. */
     GSCL_PROGRAM_RENDER,     /* raster_samples, the end of a decode */
     GSCL_PROGRAM_FIT,        /* fit_tiles, sum_loss, gather_gradients, adam_step */
     GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_remove, rdo_evaluate, rdo_commit */

@@ -1,6 +1,6 @@
 /* The kernels of cl/, embedded at build time by cl/embed.py. */
-#ifndef GSCL_KERNEL_SOURCES_H
-#define GSCL_KERNEL_SOURCES_H
+#ifndef GSCL_LIB_KERNEL_SOURCES_H
+#define GSCL_LIB_KERNEL_SOURCES_H
 
 #include <stddef.h>
 

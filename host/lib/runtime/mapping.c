@@ -15,7 +15,7 @@ int gscl_mapping_cached_rows(const gscl_context *context) {
     return context->gpu_mapping ? 0 : gscl_runtime_tunables.cpu_cached_rows;
 }
 
-/* Only a fit takes so many steps that the longer build of explicit vectors pays. */
+/* Explicit vectors take longer to build.  Only a fit runs its kernels often enough to make up for it. */
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind) {
     return kind == GSCL_PROGRAM_FIT && !context->gpu_mapping ? gscl_runtime_tunables.cpu_splat_lanes : 1;
 }

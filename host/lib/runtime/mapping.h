@@ -11,7 +11,7 @@
 int gscl_mapping_lanes(const gscl_context *context);
 /* Rows of such pixels that a work-item handles, one after the other. */
 int gscl_mapping_rows(const gscl_context *context);
-/* Gaussians of a tile that a work-item of `fit_tiles` keeps from its forward to its backward pass (cl/raster.cl). */
+/* Gaussians of a tile that a work-item of `fit_tiles` caches for its backward pass (cl/raster.cl). */
 int gscl_mapping_cached_rows(const gscl_context *context);
 /* Splats that a work-item of `project`, `gather_gradients` or `adam_step` handles at once; at most
  * GSCL_MAX_SPLAT_LANES. */

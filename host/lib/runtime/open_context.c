@@ -1,4 +1,4 @@
-/* The public life of a context: opening a device, and releasing all that was kept in the context. */
+/* Public functions that create, free and query a context. */
 #include <stdlib.h>
 
 #include "runtime/context.h"
@@ -13,8 +13,7 @@ void gscl_context_settings_init(gscl_context_settings *settings, size_t struct_s
     gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
-/* Logs what the OpenCL implementation says of a context on its own account.  The implementation may call it at any time
- * and from any thread. */
+/* Logs a notice of the OpenCL implementation, which may call this function at any time and from any thread. */
 static void CL_CALLBACK log_notice(const char *text, const void *details, size_t size, void *context) {
     (void)details;
     (void)size;

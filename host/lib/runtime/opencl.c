@@ -9,7 +9,7 @@
 
 #define MAX_PIXEL_VECTOR 64 /* bytes: 16 floats */
 
-/* `subject`: what the call was about, such as " of kernel bin", or "". */
+/* `subject`: the object of the call, such as " of kernel bin", or "". */
 static gscl_result cl_fail(gscl_context *context, cl_int error, const char *call, const char *subject) {
     gscl_result result = GSCL_ERROR_DEVICE_FAILED;
     if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_INVALID_BUFFER_SIZE)
@@ -30,7 +30,7 @@ static gscl_result buffer_create(gscl_context *context, size_t size, cl_mem *mem
     /* Some implementations report a failed allocation late or not at all: check what can be known. */
     if (size > context->info.max_allocation_bytes)
         return gscl_fail(context, GSCL_ERROR_DEVICE_MEMORY,
-                         "%s allows buffers of at most %" PRIu64 " MiB, this picture needs one of %zu MiB",
+                         "%s allows buffers of at most %" PRIu64 " MiB, this image needs one of %zu MiB",
                          context->info.device_name, context->info.max_allocation_bytes >> 20, size >> 20);
     cl_int error;
     *memory = clCreateBuffer(context->cl, CL_MEM_READ_WRITE, size, NULL, &error);

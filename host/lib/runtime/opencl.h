@@ -4,7 +4,7 @@
 
 #include "runtime/context.h"
 
-/* Keeps "CALL on DEVICE: ERROR" as the message and returns the result that fits the error. */
+/* Stores "CALL on DEVICE: ERROR" as the message and returns the result that fits the error. */
 gscl_result gscl_cl_fail(gscl_context *context, cl_int error, const char *call);
 
 /* Makes an OpenCL call; returns from the function when it fails. */
@@ -36,8 +36,7 @@ gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const
 gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
                               size_t size);
 gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, size_t offset, void *data, size_t size);
-/* Copies that nobody waits for: the data must stay where it is until the queue has come to it, that is until a blocking
- * copy later on, or gscl_finish. */
+/* Copies without waiting: the data must stay valid until a later blocking copy, or gscl_finish, has returned. */
 gscl_result gscl_buffer_write_async(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size);
 gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size);
 /* Waits until the queue is empty; accepts a context without one. */

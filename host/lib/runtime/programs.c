@@ -51,7 +51,7 @@ static const struct gscl_kernel_source *find_source(const char *name) {
     return NULL;
 }
 
-/* What the compiler said, to be freed; NULL when it cannot be read. */
+/* The compiler's log, to be freed; NULL when it cannot be read. */
 static char *program_build_log(const gscl_context *context, const struct gscl_program *program) {
     size_t size = 0;
     if (clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) != CL_SUCCESS)
@@ -65,7 +65,7 @@ static char *program_build_log(const gscl_context *context, const struct gscl_pr
     return log;
 }
 
-/* Logs what the compiler said, and keeps its first line as the message. */
+/* Logs the compiler's messages; the first line becomes the message of the error. */
 static gscl_result program_build_fail(gscl_context *context, const struct gscl_program *program, cl_int error) {
     char *log = program_build_log(context, program);
     gscl_log(context, GSCL_LOG_ERROR, "kernel build with %s: %s", program->options, log ? log : "");
@@ -107,7 +107,7 @@ static gscl_result program_try_build(gscl_context *context, struct gscl_program 
     return GSCL_OK;
 }
 
-/* cl/builtins.h has no double precision. */
+/* Builds with cl/builtins.h where it is of use; that file has no double precision. */
 static gscl_result program_build(gscl_context *context, struct gscl_program *program) {
     const double start = gscl_now();
     cl_int error = CL_BUILD_PROGRAM_FAILURE;

@@ -1,4 +1,4 @@
-/* The OpenCL runtime: devices, contexts, programs, buffers, launches, and the clock of stages.
+/* The OpenCL runtime: devices, contexts, programs, buffers, launches, and times of stages and kernels.
  *
  * It may use: nothing of the library but the sources of the kernels (cl/).
  *
@@ -6,10 +6,10 @@
  *   context.h: the context and its error message
  *   stages.h: the names of all stages
  *   text.h, cl_names.h: texts of fixed size, names of OpenCL's errors and kernels
- *   timing.h: stages and kernels on the clock
+ *   timing.h: times of stages and kernels
  *   opencl.h: checked calls, buffers, launches
  *   device_list.h, device.h: listing and choosing devices
- *   kernel_options.h, mapping.h, build_options.h: what kernels are specialised for
+ *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for
  *   programs.h, kernel_sources.h: building kernels and looking them up
  *   tunables.h: the numbers that were found by trying
  *   struct_size.h: structs of programs that were compiled with an older header

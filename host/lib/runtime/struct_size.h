@@ -6,8 +6,8 @@
 #include <gscl/gscl.h>
 #include <stddef.h>
 
-/* GSCL_OK when struct_size, the first field of *caller, lies within `oldest`..`newest`; else GSCL_ERROR_STRUCT_SIZE with
- * a message in `context`, which may be NULL. */
+/* GSCL_OK when struct_size, the first field of *caller, lies within `oldest`..`newest`; else GSCL_ERROR_STRUCT_SIZE
+ * with a message in `context`, which may be NULL. */
 gscl_result gscl_struct_check(gscl_context *context, const char *type, const void *caller, size_t oldest,
                               size_t newest);
 

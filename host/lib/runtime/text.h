@@ -1,4 +1,4 @@
-/* Text in arrays of fixed size: what does not fit is detected or cut readably. */
+/* Text in arrays of fixed size: text that does not fit is detected or shortened. */
 #ifndef GSCL_LIB_TEXT_H
 #define GSCL_LIB_TEXT_H
 

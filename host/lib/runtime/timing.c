@@ -19,7 +19,7 @@ struct gscl_timings {
     size_t pending_count;
     cl_event pending[MAX_PENDING];
     gscl_timing *pending_rows[MAX_PENDING];
-    gscl_timing listed[GSCL_STAGE_COUNT + MAX_ROWS]; /* what gscl_context_timings returned last */
+    gscl_timing listed[GSCL_STAGE_COUNT + MAX_ROWS]; /* the last result of gscl_context_timings */
 };
 
 /* Waits for the device.  The next checked call reports a failure. */
@@ -42,7 +42,7 @@ gscl_result gscl_timing_create(gscl_context *context) {
     return GSCL_OK;
 }
 
-/* Time that a kernel ran; 0 when the device does not say, as after a failure. */
+/* Time that a kernel ran; 0 when the device reports none, as after a failure. */
 static double event_seconds(cl_event event) {
     cl_ulong start = 0, end = 0; /* nanoseconds */
     const cl_int error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);

@@ -1,4 +1,4 @@
-/* Where time goes: stages of an encode or decode on the wall clock, and kernels on the device's own.
+/* Times of the stages of an encode or decode (wall clock) and of kernels (the device's clock).
  *
  * Nothing is measured, and nothing waits, unless gscl_context_settings.timing or an encode's report
  * (session/encode_trace.h) asks for it. */
@@ -13,13 +13,13 @@
  * Returns the stage that ended, so that a stage within another can restore it. */
 gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage);
 
-/* Until it is called with false, gscl_stage does nothing: what runs is a part of the current stage. */
+/* While the stages are frozen, gscl_stage does nothing: all work counts for the current stage. */
 void gscl_stages_freeze(gscl_context *context, bool frozen);
 
 /* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
 
-/* What all kernels took together since the timings were reset, in seconds. */
+/* Time of all kernels since the timings were reset, seconds. */
 double gscl_kernel_seconds(const gscl_context *context);
 /* Sorts samples, the smallest first. */
 void gscl_sort_samples(double *samples, size_t count);

@@ -1,12 +1,12 @@
-/* Numbers of this room that were found by trying.  None changes a file or a decoded picture; all change speed. */
+/* Numbers of this room that were found by trying.  None changes a file or a decoded image; all change speed. */
 #ifndef GSCL_LIB_RUNTIME_TUNABLES_H
 #define GSCL_LIB_RUNTIME_TUNABLES_H
 
 struct gscl_runtime_tunables {
     int cpu_lanes;       /* pixels: neighbours of a row in one vector, CPU mapping; 4 or 16 */
     int cpu_rows;        /* rows: height of the part of a tile that a work-item draws, CPU mapping; divides 16 */
-    int cpu_cached_rows; /* pixel vectors: Gaussians that a work-item of fit_tiles keeps for its backward pass, CPU mapping;
-                            512 take 32 KB */
+    int cpu_cached_rows; /* pixel vectors: Gaussians that a work-item of fit_tiles caches for its backward pass, CPU
+                            mapping; 512 take 32 KB */
     int cpu_splat_lanes; /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
     int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 4 or 16 */
     int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
