@@ -108,7 +108,8 @@ static void tag(const gsf_coded_image *file, tagged *tags) {
     qsort(tags, file->header.splat_count, sizeof *tags, compare_tagged);
 }
 
-/* Pairs codes before and after sorting: both are listed in the order of their bytes, so that equals keep their order. */
+/* Pairs codes before and after sorting: both are listed in the order of their bytes, so that equals keep their
+ * order. */
 static gscl_result sort_with_order(gscl_coded_image *p, size_t *order) {
     size_t count = p->file.header.splat_count;
     tagged *before = calloc(2 * count + 1, sizeof *before), *after = before + count;

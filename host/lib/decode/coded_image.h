@@ -4,8 +4,8 @@
 
 #include <gscl/gscl.h>
 
-#include "runtime/context.h"
 #include "format/format.h"
+#include "runtime/context.h"
 #include "runtime/programs.h"
 
 typedef struct gscl_coded_image {
@@ -21,12 +21,13 @@ void gscl_coded_image_free(gscl_coded_image *coded);
 
 /* Reads a file; `coded` may hold anything before. */
 gscl_result gscl_coded_image_read(gscl_coded_image *coded, const uint8_t *bytes, size_t size);
-/* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that must live as long as the coded image, or NULL. */
+/* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that must live as long as the coded
+ * image, or NULL. */
 gscl_result gscl_coded_image_read_counted(gscl_coded_image *coded, const uint8_t *bytes, size_t size,
                                           uint64_t *stream_bits256);
 /* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);
-/* The exact size that gscl_coded_image_write would give, without writing.  The splats must be in the stored order. */
+/* The exact size of the file that gscl_coded_image_write would write.  The splats must be in the stored order. */
 gscl_result gscl_coded_image_size(gscl_coded_image *coded, size_t *size);
 
 /* Sorts the splats into the stored order.  `order` is NULL or receives their old places: place i then holds the splat
@@ -35,7 +36,7 @@ gscl_result gscl_coded_image_sort(gscl_coded_image *coded, size_t *order);
 
 /* The library's result for a format result. */
 gscl_result gscl_result_of_format(gsf_result result);
-/* A message in the context for a format error, naming versions and limits. */
+/* Stores a message for a result of the format, with versions and sizes, and returns the result. */
 gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size);
 
 /* The options of the kernels that draw the coded image (the loss stays 0). */
@@ -46,7 +47,7 @@ uint32_t gscl_coded_image_channels(const gsf_header *header);
 /* Dequantises splat `i` into GSCL_PARAMS parameters. */
 void gscl_coded_image_splat(const gscl_coded_image *coded, uint32_t i, float *params);
 
-/* What the codes stand for: splat_count * GSCL_PARAMS parameters in drawing order, and the background. */
+/* Dequantises all splats (splat_count * GSCL_PARAMS parameters in drawing order) and the background. */
 void gscl_coded_image_params(const gscl_coded_image *coded, float *params, float background[4]);
 
 #endif

@@ -3,12 +3,12 @@
 #include <string.h>
 
 #include "cl/constants.h"
-#include "image/image.h"
 #include "decode/coded_image.h"
 #include "decode/frame.h"
 #include "decode/renderer.h"
 #include "decode/resize.h"
 #include "decode/tunables.h"
+#include "image/image.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
 
@@ -50,7 +50,7 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
     return GSCL_OK;
 }
 
-/* Draws the frame band by band, so that no buffer grows with the coded. */
+/* Draws the frame band by band, so that no buffer grows with the image. */
 static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
     const size_t row_samples = (size_t)f->width * image->channels;
@@ -110,8 +110,8 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *co
     return draw_bands(renderer, f, image);
 }
 
-static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                        const gscl_image *image) {
+static gscl_result decode_draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
+                               const gscl_image *image) {
     float background[4], *params = malloc(((size_t)coded->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     if (!params)
         return gscl_fail_memory(context);
@@ -159,7 +159,7 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     gscl_image decoded = shape_of(&f, &coded.file.header, &s);
     gscl_result result = provide_pixels(context, &decoded, image);
     if (result == GSCL_OK)
-        result = draw(context, &coded, &f, &decoded);
+        result = decode_draw(context, &coded, &f, &decoded);
     if (result == GSCL_OK)
         *image = decoded;
     else if (!image->pixels)

@@ -36,7 +36,8 @@ static gscl_result resolve_crop(gscl_context *context, const gscl_decode_setting
     return GSCL_OK;
 }
 
-uint64_t gscl_frame_pixels(const gscl_frame *f) {
+/* The number of pixels in the returned rectangle. */
+static uint64_t frame_pixels(const gscl_frame *f) {
     return (uint64_t)f->width * f->height;
 }
 
@@ -44,7 +45,7 @@ gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings
                                gscl_frame *f) {
     GSCL_TRY(resolve_size(context, s, header, f));
     GSCL_TRY(resolve_crop(context, s, f));
-    const uint64_t pixels = gscl_frame_pixels(f);
+    const uint64_t pixels = frame_pixels(f);
     if (s->max_pixels && pixels > s->max_pixels)
         return gscl_fail(context, GSCL_ERROR_LIMIT,
                          "the decoded image has %" PRIu64 " pixels (%ux%u); max_pixels is %" PRIu64, pixels, f->width,
@@ -61,7 +62,8 @@ static double overlap(double centre, double half, double first, double length) {
     return fmax(0, fmin(centre + half, first + length) - fmax(centre - half, first));
 }
 
-/* Area of the rectangle around a splat's outline inside the frame; the kernel `project` computes the same half sizes. */
+/* Area of the rectangle around a splat's outline inside the frame; the kernel `project` computes the same half
+ * sizes. */
 static double outline_area(const float *p, const gscl_frame *f) {
     const gscl_half_size half =
         gscl_ellipse_half_size(p[GSCL_LOG_S1], p[GSCL_LOG_S2], p[GSCL_THETA], 0, sqrt(2 * GSCL_SUPPORT));
@@ -83,7 +85,7 @@ uint64_t gscl_frame_work(const gscl_coded_image *coded, const gscl_frame *f) {
 
 gscl_result gscl_frame_check_work(gscl_context *context, const gscl_decode_settings *s, const gscl_coded_image *coded,
                                   const gscl_frame *f) {
-    const uint64_t bound = coded->file.header.splat_count * gscl_frame_pixels(f); /* at most 2^48 */
+    const uint64_t bound = coded->file.header.splat_count * frame_pixels(f); /* at most 2^48 */
     if (s->max_work == 0 || bound <= s->max_work)
         return GSCL_OK;
     const uint64_t work = gscl_frame_work(coded, f);

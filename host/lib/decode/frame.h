@@ -1,4 +1,4 @@
-/* What a decode draws: the size of the drawn coded, the rectangle of it that is returned, and the limits on both. */
+/* The size at which a decode draws the image, the rectangle that it returns, and the limits on both. */
 #ifndef GSCL_LIB_FRAME_H
 #define GSCL_LIB_FRAME_H
 
@@ -7,7 +7,7 @@
 #include "decode/coded_image.h"
 
 typedef struct gscl_frame {
-    uint32_t full_width, full_height; /* of the whole drawn coded, pixels */
+    uint32_t full_width, full_height; /* of the whole drawn image, pixels */
     uint32_t x, y, width, height;     /* the rectangle that is returned */
 } gscl_frame;
 
@@ -15,9 +15,6 @@ typedef struct gscl_frame {
  * allocates nothing. */
 gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,
                                gscl_frame *f);
-
-/* The number of pixels in the returned rectangle. */
-uint64_t gscl_frame_pixels(const gscl_frame *f);
 
 /* Evaluations of a splat at a pixel, as gscl_info.work defines them. */
 uint64_t gscl_frame_work(const gscl_coded_image *coded, const gscl_frame *f);

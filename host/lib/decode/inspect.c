@@ -1,4 +1,4 @@
-/* Looking into files without a device. */
+/* Public functions that inspect files without a device. */
 #include <gscl/gscl.h>
 #include <math.h>
 #include <stdlib.h>
@@ -48,7 +48,7 @@ static const char *const stream_names[GSF_STREAM_COUNT] = {
     [GSF_STREAM_COLOUR_INDEX] = "colour-index",
 };
 
-static void describe(const gsf_header *header, size_t size, gscl_info *info) {
+static void describe_header(const gsf_header *header, size_t size, gscl_info *info) {
     *info = (gscl_info){.struct_size = sizeof *info};
     info->format_version = header->version;
     info->width = header->width;
@@ -68,8 +68,8 @@ static void describe(const gsf_header *header, size_t size, gscl_info *info) {
         (header->coding == GSF_CODING_CODEBOOK ? GSCL_EFFECT_CODEBOOKS : 0u);
 }
 
-/* Lists the streams in use.  What the coder's rounding and last bytes add goes to the side information, so
- * that the bits add up to the file. */
+/* Lists the streams in use.  The side information also takes the bits of the coder's rounding and last bytes, so
+ * that all bits add up to the file. */
 static void list_streams(const uint64_t *stream_bits256, size_t size, gscl_info *info) {
     double total = 0;
     size_t side = SIZE_MAX;
@@ -93,7 +93,7 @@ gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info) {
     gsf_header header;
     GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &header)));
     gscl_info own;
-    describe(&header, size, &own);
+    describe_header(&header, size, &own);
     gscl_struct_write(info, &own);
     return GSCL_OK;
 }
@@ -106,7 +106,7 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
     gscl_info own;
     uint64_t stream_bits256[GSF_STREAM_COUNT];
     GSCL_TRY(gscl_coded_image_read_counted(&coded, bytes, size, stream_bits256));
-    describe(&coded.file.header, size, &own);
+    describe_header(&coded.file.header, size, &own);
     if (coded.file.header.coding == GSF_CODING_CODEBOOK && coded.file.header.splat_count > 0) {
         own.shape_words = coded.file.codebooks.shape_count;
         own.colour_words = coded.file.codebooks.colour_count;

@@ -15,9 +15,12 @@ static const double pi = 3.14159265358979323846, ln2 = 0.69314718055994530942;
 static int nearest_code(double x, int min, int max) {
     return (int)rint(fmin(fmax(x, min), max));
 }
+
+/* Step of ln sigma. */
 static double scale_step(const gsf_steps *s) {
     return (s->scale + 4) / 32.0 * ln2;
-} /* of ln sigma */
+}
+
 static double amplitude_step(const gsf_steps *s) {
     return 4.0 / (3 * gsf_colour_levels(s->luma));
 }
@@ -97,7 +100,8 @@ static uint32_t quantise_position(const gsf_coded_image *p, unsigned minor, floa
     return cell <= 0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
 }
 
-void gscl_quantise_placement(const gsf_coded_image *p, const float *params, gsf_splat *s) {
+/* Position and angle codes of a splat whose axes' codes have been set. */
+static void quantise_placement(const gsf_coded_image *p, const float *params, gsf_splat *s) {
     s->x = quantise_position(p, s->minor, params[GSCL_X], p->header.width);
     s->y = quantise_position(p, s->minor, params[GSCL_Y], p->header.height);
     s->angle = 0;
@@ -131,7 +135,7 @@ void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) 
         a = b = nearest_code(((params[GSCL_LOG_S1] + params[GSCL_LOG_S2]) / 2 + ln2) / step, 0, GSF_MAX_SCALE_CODE);
     s->minor = (uint16_t)(a < b ? a : b);
     s->aspect = (uint16_t)(a < b ? b - a : a - b);
-    gscl_quantise_placement(p, params, s);
+    quantise_placement(p, params, s);
     quantise_colour(p, params + GSCL_COLOUR, s);
     quantise_texture(p, params, &s->texture);
     if (p->header.has_opacity) {

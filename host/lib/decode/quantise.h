@@ -10,14 +10,12 @@ void gscl_steps_to_floats(const gsf_steps *steps, float *floats);
 /* `factor` times the steps, rounded to the nearest steps that the format offers; the opacity steps stay. */
 gsf_steps gscl_scale_steps(const gsf_steps *steps, double factor);
 
-/* Makes the steps of colour finer where the error of `colour` (0..1, each channel) is worth the bits.  It is the colour
- * of many pixels, all of which are wrong if it lies between two codes. */
+/* Makes the steps of colour finer where the error of `colour` (0..1, each channel) is worth the bits.  `colour` is
+ * that of many pixels, which are all wrong if it lies between two codes. */
 void gscl_fit_steps_to_colour(gsf_coded_image *coded, const float *colour);
 
 /* The nearest codes for a splat's parameters (GSCL_PARAMS floats); `coded` has the header and the steps. */
 void gscl_quantise(const gsf_coded_image *coded, const float *params, gsf_splat *splat);
-/* Position and angle codes again, for a splat whose axes' codes have been set. */
-void gscl_quantise_placement(const gsf_coded_image *coded, const float *params, gsf_splat *splat);
 /* The parameters of a splat's codes (FORMAT.md, "Dequantisation"). */
 void gscl_dequantise(const gsf_coded_image *coded, const gsf_splat *splat, float *params);
 /* The same for codebook coding. */

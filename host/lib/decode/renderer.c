@@ -11,6 +11,13 @@
 
 #define PADDING_ENTRIES 8 /* after the last list: searches load vectors of entries */
 
+/* Fails to compile unless kernels and public interface number the kinds of samples alike. */
+typedef char sample_kinds_agree[(int)GSCL_SAMPLE_U8 == GSCL_SAMPLE_KIND_U8 &&
+                                        (int)GSCL_SAMPLE_U16 == GSCL_SAMPLE_KIND_U16 &&
+                                        (int)GSCL_SAMPLE_F32 == GSCL_SAMPLE_KIND_F32
+                                    ? 1
+                                    : -1];
+
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
     r->context = context;
@@ -72,7 +79,7 @@ gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params
 
 gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
     gscl_result result = gscl_renderer_set_splats_async(r, params, count, background);
-    gscl_result finished = gscl_finish(r->context); /* in any case: the first may be on its way */
+    gscl_result finished = gscl_finish(r->context); /* after an error, too: a copy may be pending */
     return result == GSCL_OK ? finished : result;
 }
 

@@ -1,7 +1,7 @@
-/* The renderer: splats on the device, seen through a view, binned and drawn.  Shared by the decoder and
- * by every step of the fit, so that the encoder optimises exactly what the decoder draws. */
-#ifndef GSCL_LIB_RENDER_H
-#define GSCL_LIB_RENDER_H
+/* The renderer: splats on the device, projected into a view, binned and drawn.  The decoder and every step of the fit
+ * share it, so that the encoder optimises exactly what the decoder draws. */
+#ifndef GSCL_LIB_RENDERER_H
+#define GSCL_LIB_RENDERER_H
 
 #include "cl/structs.h"
 #include "runtime/mapping.h"

@@ -13,8 +13,8 @@ struct gscl_decode_tunables {
      * the part 1 / growth_part.  Splats move until the next exact binning. */
     int spare_part;
     int growth_part;
-    /* Up to so many rows of tiles each row makes its own list of splats.  More rows share the lists of max_bands
-     * bands. */
+    /* Largest number of rows of tiles at which each row makes its own list of splats.  More rows share the lists of
+     * max_bands bands. */
     int max_rows_without_bands;
     int max_bands;
 

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-/* Along one line, whose values are `stride` apart. */
+/* Replaces the values of one line, which are `stride` apart, by their window sums. */
 static void sum_line(float *line, size_t stride, int n, int radius, double *sums) {
     double total = 0;
     for (int i = 0; i < n; i++)

@@ -24,8 +24,8 @@ bool gscl_matches_background(const float *planes, size_t pixels, int channels, c
     return true;
 }
 
-/* The mean colour of the fullest bin of the histogram, most of which is the flat background if there is one.  `members`: the pixels
- * in the bin.  False: out of memory. */
+/* The mean colour of the fullest bin of the histogram, most of which is the flat background if there is one.
+ * `members`: the pixels in the bin.  False: out of memory. */
 static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4], size_t *members) {
     size_t bins = (size_t)1 << (gscl_image_tunables.histogram_bits * channels), fullest = 0;
     uint32_t *counts = calloc(bins, sizeof *counts);
@@ -49,7 +49,7 @@ static bool fullest_bin(const float *planes, size_t pixels, int channels, float 
     return true;
 }
 
-/* The part of the tiles in which all pixels have this colour. */
+/* The share of the tiles in which all pixels have this colour. */
 static double flat_tiles(const float *planes, size_t width, size_t height, int channels, const float colour[4]) {
     size_t tiles = 0, flat_count = 0;
     for (size_t top = 0; top < height; top += GSCL_TILE)

@@ -29,7 +29,7 @@ size_t gscl_sample_size(gscl_sample sample);
 /* Bytes from row to row. */
 size_t gscl_image_stride(const gscl_image *image);
 
-/* Reads one pixel as up to four floats: colours (1 or 3) as stored and alpha (1 when there is none). */
+/* A pixel, clamped to 0..1 and premultiplied.  Grey has three equal colours; without an alpha channel alpha is 1. */
 typedef struct gscl_pixel {
     float colour[3], alpha;
 } gscl_pixel;

@@ -102,7 +102,7 @@ static void add_row(const window_rows *rows, const float *restrict a, const floa
     }
 }
 
-/* In place: from[x] becomes the weighted sum of from[x .. x + WINDOW - 1], for the first `count` x. */
+/* In place: row[x] becomes the weighted sum of row[x .. x + WINDOW - 1], for the first `count` x. */
 static void slide_window(double *row, uint32_t count, const double taps[WINDOW]) {
     for (uint32_t x = 0; x < count; x++) {
         double sum = 0.0;
