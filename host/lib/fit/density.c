@@ -108,7 +108,7 @@ static void gradient_magnitude(placement *p) {
 }
 
 /* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
- * evenly.  A flat background gets none away from edges, where splats would only cost time. */
+ * evenly.  A flat background gets none away from edges, where splats would cost time without any gain. */
 static void seed_density(const gscl_fit *f, placement *p, size_t count) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
     double total = placement_accumulate(p);
@@ -173,8 +173,8 @@ static float log_size(const float *p) {
     return 0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2]);
 }
 
-/* Copies a splat and moves the copy against the gradient by half its size; `moment`: first moments, in the splat's frame
- * (cl/update.cl). */
+/* Copies a splat and moves the copy against the gradient by half its size; `moment`: first moments, in the splat's
+ * frame (cl/update.cl). */
 static void clone_splat(const float *from, const float *moment, float *to) {
     float norm = hypotf(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * expf(log_size(from));
     float c = cosf(from[GSCL_THETA]), s = sinf(from[GSCL_THETA]);
@@ -199,8 +199,8 @@ static void split_splat(float *from, float *to) {
     from[GSCL_Y] -= length * sinf(angle);
 }
 
-/* Clones or splits the `count` splats with the largest gradients.  `params`: the fit's splats, with room for `count` more
- * behind; `moments`: their first and second moments; `ranks`: scratch. */
+/* Clones or splits the `count` splats with the largest gradients.  `params`: the fit's splats, with room for `count`
+ * more behind; `moments`: their first and second moments; `ranks`: scratch. */
 static gscl_result densify_splats(gscl_fit *f, float *params, const float *moments, ranked_splat *ranks, size_t count) {
     size_t have = (size_t)f->renderer.count;
     const float *second = moments + have * GSCL_PARAMS;
@@ -244,7 +244,7 @@ gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
     return result;
 }
 
-/* ---- By error ---- */
+/* ---- Entry points ---- */
 
 typedef gscl_result placer(gscl_fit *, placement *, size_t, uint64_t *, float *);
 
@@ -264,6 +264,7 @@ static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t coun
 gscl_result gscl_density_seed(gscl_fit *f, size_t count, uint64_t *random) {
     return with_placement(seed_splats, f, count, random);
 }
+
 gscl_result gscl_density_grow(gscl_fit *f, size_t count, uint64_t *random) {
     return with_placement(add_by_error, f, count, random);
 }

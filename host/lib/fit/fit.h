@@ -14,7 +14,7 @@
 
 typedef struct gscl_fit {
     gscl_context *context;
-    gscl_renderer renderer; /* the splats, seen at the current level */
+    gscl_renderer renderer; /* the splats, projected at the current level */
     gscl_pyramid pyramid;   /* of the source */
     int level;              /* the current one */
 
@@ -49,8 +49,8 @@ gscl_result gscl_fit_create(gscl_fit *fit, gscl_context *context, const gscl_ker
 /* Accepts a fit that was zeroed and never created. */
 void gscl_fit_free(gscl_fit *fit);
 
-/* Uses the colour of a flat background for the background of the splats.  The size and number of splats and the skipping
- * of tiles then depend on the other part of the image. */
+/* Uses the colour of a flat background for the background of the splats.  The size and number of splats and the
+ * skipping of tiles then depend on the other part of the image. */
 gscl_result gscl_fit_set_flat_background(gscl_fit *fit, const gscl_flat_background *flat);
 
 /* Makes this level (clamped to those that exist) the current one. */
@@ -62,8 +62,9 @@ size_t gscl_fit_level_pixels(const gscl_fit *fit);
 /* The stage of an encode that fitting at the current level is. */
 gscl_stage_id gscl_fit_stage(const gscl_fit *fit);
 
-/* Adapts target and weights of the first level to the current rendering, so that squared error leads where MS-SSIM does
- * (fit/ssim_weights.h).  Has no effect where errors are not weighted, at other levels, or if there is one level only. */
+/* Adapts target and weights of the first level to the current rendering, so that the gradient of squared error
+ * approximates that of MS-SSIM (fit/ssim_weights.h).  Has no effect where errors are not weighted, at other levels, or
+ * if there is one level only. */
 gscl_result gscl_fit_adapt_target(gscl_fit *fit);
 /* The current level's target: its planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
@@ -87,8 +88,8 @@ gscl_result gscl_fit_read(gscl_fit *fit, float *params);
 gscl_result gscl_fit_step(gscl_fit *fit, float rate);
 /* First part of a step: gradients of the projected splats into fit->gradients. */
 gscl_result gscl_fit_differentiate(gscl_fit *fit);
-/* Second part of a step: Adam on `params` (count * GSCL_PARAMS floats on the device), which may be other parameters than
- * the projected ones.  Projects the result. */
+/* Second part of a step: Adam on `params` (count * GSCL_PARAMS floats on the device), which may be other parameters
+ * than the projected ones.  Projects the result. */
 gscl_result gscl_fit_adam(gscl_fit *fit, const gscl_buffer *params, float rate);
 /* Gradients of the loss at the current parameters (count * GSCL_PARAMS floats), without a step. */
 gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
@@ -110,7 +111,8 @@ gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes
 /* ---- level_residual.c ---- */
 
 /* Mean squared residual per sample of `level` after prediction from the pixels and slopes of the next smaller level,
- * which must exist: the largest mean of a tile, without the tiles that gscl_fit_tunables.residual_outliers leaves out. */
+ * which must exist: the largest mean of a tile, without the tiles that gscl_fit_tunables.residual_outliers leaves
+ * out. */
 gscl_result gscl_fit_level_residual(gscl_fit *fit, int level, double *residual);
 
 #endif

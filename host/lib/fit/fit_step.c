@@ -72,8 +72,8 @@ static double max_occupancy(const gscl_fit *f) {
     return non_flat_tiles(f) * limit + gscl_fit_tunables.tiles_of_small_splat * r->count / tiles;
 }
 
-/* After an exact binning: bounds the tile occupancy, and sets the threshold of skipped tiles from the losses of the last
- * step, which an external loss does not have. */
+/* After an exact binning: bounds the tile occupancy, and sets the threshold of skipped tiles from the losses of the
+ * last step, which an external loss does not have. */
 static gscl_result check_tiles(gscl_fit *f) {
     if (f->renderer.occupancy > max_occupancy(f))
         f->limits.log_max = fmaxf(f->limits.log_max - gscl_fit_tunables.axis_reduction, f->limits.log_min);

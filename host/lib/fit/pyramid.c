@@ -53,8 +53,8 @@ gscl_result gscl_pyramid_create(gscl_pyramid *p, gscl_context *context, uint32_t
     gscl_buffer *first = &p->levels[first_level];
     GSCL_TRY(gscl_buffer_reserve_image(context, first, plane * count));
     GSCL_TRY(gscl_buffer_write(context, first, 0, planes, plane * (size_t)channels));
-    uint32_t shorter = width < height ? width : height, least = (uint32_t)gscl_fit_tunables.min_level_side;
-    while (p->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, p->last_level + 1) >= least)
+    uint32_t shorter = width < height ? width : height, min_side = (uint32_t)gscl_fit_tunables.min_level_side;
+    while (p->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, p->last_level + 1) >= min_side)
         GSCL_TRY(pyramid_add_level(p, count));
     return GSCL_OK;
 }

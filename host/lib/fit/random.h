@@ -1,8 +1,8 @@
 /* The random generator of fits and benchmarks: SplitMix64 (Steele, Lea and Flood 2014), seeded by the caller.
  *
- * K-means (codebook/kmeans.c) has a second generator, xorshift64*, which each run seeds from one number of this one: the
- * number of its draws depends on the data, and the sequence here does not depend on it.  Another generator there would
- * change the bytes of every file of the paper profile. */
+ * K-means (codebook/kmeans.c) has a second generator, xorshift64*, which each run seeds from one number of this one.
+ * The number of its draws depends on the data; the sequence here does not.  Another generator there would change the
+ * bytes of every file of the paper profile. */
 #ifndef GSCL_LIB_RANDOM_H
 #define GSCL_LIB_RANDOM_H
 

@@ -3,7 +3,7 @@
  * It may use: decode/ and lower rooms.
  *
  * In the order in which to read them:
- *   fit.h: the state of a fit, and its steps; the face of the room
+ *   fit.h: the state of a fit, and its steps; the interface of the room
  *   pyramid.h: the source at sizes that halve from level to level
  *   fit_splats.c: the splats and the state of the optimiser for each
  *   fit_step.c: gradients, Adam, and the bound on the tile occupancy

@@ -3,23 +3,22 @@
 #define GSCL_LIB_FIT_TUNABLES_H
 
 struct gscl_fit_tunables {
-    /* The pyramid ends at the last level whose shorter side has at least so many pixels. */
+    /* Smallest allowed shorter side of a level of the pyramid: pixels. */
     int min_level_side;
 
     /* Bounds of a splat's shape: the shortest axis (sigma, full-size pixels) and the largest ratio of two axes. */
     float min_axis;
     float max_aspect;
 
-    /* Every so many steps the lists of the tiles are measured: steps. */
+    /* Steps from one measurement of the tiles' lists to the next. */
     int check_interval;
-    /* Mean number of splats a non-flat tile may have at the first level, at smaller levels (which have fewer tiles), and
-     * at any level with alpha blending (where splats hide each other and need to be many).  Above it the bound on the
-     * longest axis is reduced, because the time of a step grows with the number of splats a tile. */
+    /* Mean number of splats a non-flat tile may have at the first level, at smaller levels (which have fewer tiles),
+     * and at any level with alpha blending (where splats hide each other and need to be many).  Above it the bound on
+     * the longest axis is reduced, because the time of a step grows with the number of splats a tile. */
     double max_occupancy;
     double max_occupancy_of_smaller_levels;
     double max_occupancy_of_alpha;
-    /* Splats a tile that are allowed besides, for each splat there is: the number of tiles that a splat of the size of
-     * a tile touches. */
+    /* Added to the bound, for each splat per tile: the number of tiles that a splat of the size of a tile touches. */
     double tiles_of_small_splat;
     /* Step in ln sigma by which the bound on the longest axis is reduced. */
     float axis_reduction;
@@ -27,7 +26,7 @@ struct gscl_fit_tunables {
     /* A tile whose loss per pixel is below this part of the mean loss of the non-flat tiles is skipped for
      * GSCL_SKIP_STEPS steps. */
     double skip_threshold;
-    /* Part of the tiles that count as non-flat at least, however large the flat background is. */
+    /* Lower bound of the share of non-flat tiles, however large the flat background is. */
     double min_non_flat_tiles;
 
     /* Initial axes of the first splats, and of splats that are added later: sigma in mean distances between splats. */
@@ -40,7 +39,7 @@ struct gscl_fit_tunables {
     float error_radius;
     /* Distance from an edge beyond which a flat background gets no first splats: mean distances between splats. */
     float background_distance;
-    /* Part of the pixels that count as non-flat at least, however large the flat background is. */
+    /* Lower bound of the share of non-flat pixels, however large the flat background is. */
     float min_non_flat_pixels;
 
     /* Part of the tiles, those with the largest residual, that the residual of a level disregards: small objects count,

@@ -26,7 +26,7 @@ static const char *contradiction(const gscl_encode_settings *s, const gscl_image
     if (!paper && on & GSCL_EFFECT_ANISOTROPY && off & GSCL_EFFECT_ROTATION)
         return "the default profile's ellipses need rotation; leave it on";
     if (paper ? off & GSCL_EFFECT_CODEBOOKS : on & GSCL_EFFECT_CODEBOOKS)
-        return "codebooks are the paper profile; choose the profile";
+        return "codebooks and the paper profile go together; choose the profile";
     if (on & GSCL_EFFECT_TEXTURE && paper)
         return "the paper profile has no texture";
     if (on & GSCL_EFFECT_TEXTURE && s->blend == GSCL_BLEND_ALPHA)
@@ -72,9 +72,9 @@ void gscl_effects_set_channels(const gscl_effects *s, gsf_header *header) {
     header->has_alpha = alpha && gscl_effect_is_on(s, GSCL_EFFECT_ALPHA_CHANNEL, s->content.alpha);
 }
 
-/* Isolated objects on a flat background end or fade out inside it, and opacity gains up to 1.6 dB.  It gains nothing
- * where one border divides the background from the rest, nor on other images.  Trials of opacity decided no better than
- * this rule, at half the time of an encode. */
+/* Whether opacity is worth its bits: isolated objects end or fade out inside a flat background, and opacity gains up to
+ * 1.6 dB.  It gains nothing where a single border divides the background from the remaining image, nor without a flat
+ * background.  Deciding by probe fits took half the time of an encode and was no better than this rule. */
 static bool has_isolated_objects(const gscl_effects *s, const gscl_flat_background *background) {
     return !s->paper && !s->alpha_blend &&
            gscl_background_share_of_non_flat_tiles(background) > gscl_session_tunables.min_background_share;

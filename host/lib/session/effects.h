@@ -1,4 +1,4 @@
-/* Effects of one encode: which are on, and who decided it. */
+/* Effects of one encode: which are on, and why. */
 #ifndef GSCL_LIB_EFFECTS_H
 #define GSCL_LIB_EFFECTS_H
 

@@ -87,7 +87,7 @@ static gscl_result preview_coded_image(gscl_renderer *preview, const gscl_fit *f
 
 /* PSNR of the preview against the source. */
 static gscl_result measure_preview(gscl_renderer *preview, gscl_fit *fit, double *psnr) {
-    double mse = INFINITY; /* of no splats: never drawn */
+    double mse = INFINITY; /* without splats nothing is drawn */
     if (preview->count > 0) {
         GSCL_TRY(gscl_renderer_render(preview));
         GSCL_TRY(gscl_fit_mse_against_source(fit, &preview->image, &mse));
@@ -96,7 +96,7 @@ static gscl_result measure_preview(gscl_renderer *preview, gscl_fit *fit, double
     return GSCL_OK;
 }
 
-static gscl_result add_point(gscl_encoder *e, gscl_fit *fit, const gscl_coded_image *coded, int steps) {
+static gscl_result trace_add_point(gscl_encoder *e, gscl_fit *fit, const gscl_coded_image *coded, int steps) {
     gscl_encode_trace *t = e->trace;
     if (!t || !t->has_points || e->context->clock.frozen || t->report->trace_count == GSCL_MAX_TRACE_POINTS)
         return GSCL_OK;
@@ -115,9 +115,9 @@ static gscl_result add_point(gscl_encoder *e, gscl_fit *fit, const gscl_coded_im
 }
 
 gscl_result gscl_trace_fit(gscl_encoder *e, gscl_fit *fit, int steps) {
-    return add_point(e, fit, NULL, steps);
+    return trace_add_point(e, fit, NULL, steps);
 }
 
 gscl_result gscl_trace_coded_image(gscl_encoder *e, gscl_fit *fit, const gscl_coded_image *coded, int steps) {
-    return add_point(e, fit, coded, steps);
+    return trace_add_point(e, fit, coded, steps);
 }

@@ -18,7 +18,8 @@ struct gscl_encode_trace {
 /* Begins to measure the context's stages.  `report` is overwritten. */
 void gscl_encode_trace_begin(gscl_encode_trace *trace, gscl_context *context, gscl_encode_report *report,
                              bool has_points);
-/* Writes the times into the report at the end of the encode.  Accepts a trace that has ended or, zeroed, never began. */
+/* Writes the times into the report at the end of the encode.  Accepts a trace that has ended or, zeroed, never
+ * began. */
 void gscl_encode_trace_end(gscl_encode_trace *trace, gscl_context *context);
 
 /* Discards the trace points of a fit that another one follows. */

@@ -10,8 +10,8 @@
 
 typedef struct gscl_encode_trace gscl_encode_trace; /* encode_trace.h */
 
-/* The image as it is fitted: planes of floats at the finest level of the pyramid.  Stages after "decide effects" work on
- * the planes; the caller's image serves to measure results. */
+/* The image as it is fitted: planes of floats at the finest level of the pyramid.  Stages after "decide effects" work
+ * on the planes; the caller's image serves to measure results. */
 typedef struct gscl_source {
     uint32_t image_width, image_height; /* full size, pixels */
     int first_level;                    /* finest level that is fitted; 0 unless the image is very large */
@@ -21,7 +21,7 @@ typedef struct gscl_source {
     gscl_flat_background background;
 } gscl_source;
 
-/* How large the coded image of a fit is to be. */
+/* The size that the coded image of a fit should have. */
 typedef struct gscl_size_target {
     size_t bytes;  /* budget; 0: `splats` holds */
     size_t splats; /* the exact number, where `bytes` is 0 */
@@ -47,7 +47,7 @@ typedef struct gscl_encoder {
 
     /* Stage "decide effects". */
     gscl_effects effects;
-    gsf_header header; /* of the coded image before the fit: what it is, and its effects */
+    gsf_header header; /* of the coded image before the fit, with its effects */
 
     /* Stages "fit" to "meet the budget". */
     uint64_t random;        /* state of the random generator */

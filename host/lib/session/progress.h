@@ -7,10 +7,10 @@
 typedef struct gscl_progress_state {
     gscl_progress_callback callback;
     void *opaque;
-    double start_s;
+    double start_s;  /* of the encode, on the clock of gscl_now */
     double from, to; /* share of the encode at which the current stage begins and ends */
-    double psnr;
-    uint32_t splats;
+    double psnr;     /* of the fit, dB; 0: not known */
+    uint32_t splats; /* of the fit */
 } gscl_progress_state;
 
 void gscl_progress_begin(gscl_progress_state *progress, const gscl_encode_settings *settings);

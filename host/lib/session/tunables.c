@@ -2,6 +2,6 @@
 
 const struct gscl_session_tunables gscl_session_tunables = {
     .max_fit_pixels = 1u << 25,  /* splats draw at any size */
-    .min_background_share = 0.1, /* about what one straight border through a small picture leaves */
+    .min_background_share = 0.1, /* about the share that one straight border through a small image leaves */
     .trace_points = 24,
 };

@@ -1,6 +1,6 @@
 /* Numbers of session/ that were found by trying. */
-#ifndef GSCL_SESSION_TUNABLES_H
-#define GSCL_SESSION_TUNABLES_H
+#ifndef GSCL_LIB_SESSION_TUNABLES_H
+#define GSCL_LIB_SESSION_TUNABLES_H
 
 #include <stdint.h>
 
