@@ -13,8 +13,8 @@ typedef struct gscl_book {
     int count;                               /* words */
     int bits;                                /* of each dimension in the file */
     float *words;                            /* the host's copy, as of the last gscl_codebook_read_back */
-    gscl_buffer learnt;                      /* words as the optimiser sees them */
-    gscl_buffer stored;                      /* the same, rounded to what the file can hold */
+    gscl_buffer learnt;                      /* words of the optimiser, not rounded */
+    gscl_buffer stored;                      /* the same, rounded to values of the file */
     gscl_buffer first_moment, second_moment; /* of Adam */
 } gscl_book;
 
@@ -23,7 +23,7 @@ typedef struct gscl_codebook {
     gscl_book books[GSCL_BOOKS];
     int position_bits;
     int age;              /* steps of the books' optimiser since its last restart */
-    gscl_buffer learnt;   /* the splats' own parameters; fit->renderer.params holds what the words make of them */
+    gscl_buffer learnt;   /* the splats' own parameters; fit->renderer.params has those that the words give them */
     gscl_buffer indices;  /* cl_int2: shape, colour */
     float *params;        /* host copy of `learnt`, as of the last gscl_codebook_read_back */
     cl_int (*pairs)[2];   /* host copy of `indices` */

@@ -16,7 +16,7 @@ static float logistic(float x) {
     return 1.0f / (1.0f + expf(-x));
 }
 
-/* Axes in order and the angle of the longer one. */
+/* The axes, the longer first, and the angle of the longer one. */
 static void canonical_shape(const float *p, float *major, float *minor, float *theta) {
     bool swap = p[GSCL_LOG_S1] < p[GSCL_LOG_S2];
     *major = p[swap ? GSCL_LOG_S2 : GSCL_LOG_S1];
@@ -46,7 +46,7 @@ static void embed_colour(const gscl_codebook *c, const float *p, float *point) {
         point[n] = gscl_codebook_tunables.opacity_metric * logistic(p[GSCL_OPACITY]);
 }
 
-static void embed(const gscl_codebook *c, int book, const float *p, float *point) {
+static void embed_splat(const gscl_codebook *c, int book, const float *p, float *point) {
     if (book == GSCL_BOOK_SHAPE)
         embed_shape(p, point);
     else
@@ -75,7 +75,7 @@ static void embed_words(const gscl_codebook *c, int book, int count, float *poin
             memcpy(params + GSCL_COLOUR, word, (size_t)gscl_codebook_channels(c) * sizeof(float));
             params[GSCL_OPACITY] = word[gscl_codebook_channels(c)];
         }
-        embed(c, book, params, points + k * dims);
+        embed_splat(c, book, params, points + k * dims);
     }
 }
 
@@ -98,7 +98,7 @@ static void add_member(const gscl_codebook *c, int book, const float *p, member_
     }
     float major, minor, theta;
     canonical_shape(p, &major, &minor, &theta);
-    /* The direction of a nearly round splat has little weight. */
+    /* The direction of a nearly circular splat has little weight. */
     float length = w * (major - minor + gscl_codebook_tunables.direction_offset);
     m->sum[0] += w * major;
     m->sum[1] += w * minor;
@@ -171,7 +171,7 @@ static gscl_kmeans_status cluster_splats(gscl_codebook *c, int book, int words, 
         start = words;
     for (size_t i = 0; i < n; i++) {
         const float *p = c->params + i * GSCL_PARAMS;
-        embed(c, book, p, a->points + i * (size_t)dims);
+        embed_splat(c, book, p, a->points + i * (size_t)dims);
         a->weights[i] = splat_weight(p);
     }
     embed_words(c, book, start, a->centroids);

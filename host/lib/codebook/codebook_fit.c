@@ -55,7 +55,7 @@ static int compare_keys(const void *a, const void *b) {
     return p->splat < q->splat ? -1 : p->splat > q->splat;
 }
 
-/* Reads the splats and lists in `order` those that are not all but transparent, large ones first. */
+/* Reads the splats and lists in `order` those that are opaque enough to keep, large ones first. */
 static gscl_result order_by_size(gscl_fit *fit, float *params, size_key *keys, size_t *order, size_t *kept) {
     const size_t count = (size_t)fit->renderer.count;
     *kept = 0;
@@ -71,7 +71,7 @@ static gscl_result order_by_size(gscl_fit *fit, float *params, size_key *keys, s
     return GSCL_OK;
 }
 
-/* Puts large splats in the back and drops those that are all but transparent (P7). */
+/* Puts large splats in the back and drops nearly transparent ones (P7). */
 static gscl_result sort_by_size(gscl_fit *fit) {
     const size_t count = (size_t)fit->renderer.count;
     float *params = malloc((count + 1) * GSCL_PARAMS * sizeof *params);

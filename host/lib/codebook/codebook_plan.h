@@ -1,4 +1,4 @@
-/* How many words, bits and splats a file gets (P6). */
+/* Numbers of words, bits and splats of a file (P6). */
 #ifndef GSCL_LIB_CODEBOOK_PLAN_H
 #define GSCL_LIB_CODEBOOK_PLAN_H
 

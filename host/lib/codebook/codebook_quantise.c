@@ -50,10 +50,12 @@ static int compare_words(const coded_word *p, const coded_word *q, int sign) {
         return p->code[0] < q->code[0] ? -sign : sign;
     return p->from < q->from ? -1 : p->from > q->from;
 }
-static int descending(const void *a, const void *b) {
+
+static int compare_descending(const void *a, const void *b) {
     return compare_words(a, b, -1);
 }
-static int ascending(const void *a, const void *b) {
+
+static int compare_ascending(const void *a, const void *b) {
     return compare_words(a, b, 1);
 }
 
@@ -72,7 +74,7 @@ static void write_book(const gscl_codebook *c, int which, gsf_coded_image *file,
             words[i].code[d] =
                 code_of(&ranges[d], book->bits, to_units(which, d, channels, book->words[i * GSCL_BOOK_DIMS + d]));
     }
-    qsort(words, (size_t)book->count, sizeof *words, which == GSCL_BOOK_SHAPE ? descending : ascending);
+    qsort(words, (size_t)book->count, sizeof *words, which == GSCL_BOOK_SHAPE ? compare_descending : compare_ascending);
     for (int i = 0; i < book->count; i++) {
         uint16_t *stored = which == GSCL_BOOK_SHAPE ? books->shape_words[i] : books->colour_words[i];
         places[words[i].from] = i;
@@ -85,7 +87,7 @@ static uint16_t cell_of(float position, uint32_t size, int bits) {
     return (uint16_t)fmin(fmax(cell, 0), cells - 1);
 }
 
-/* Sets what the file says about the books as a whole. */
+/* Sets the numbers of words and the bits of words and positions. */
 static void write_layout(const gscl_codebook *c, gsf_codebooks *books) {
     books->shape_count = (uint16_t)c->books[GSCL_BOOK_SHAPE].count;
     books->colour_count = (uint16_t)c->books[GSCL_BOOK_COLOUR].count;

@@ -94,7 +94,7 @@ static void rdo_set_settings(gscl_codebook_rdo *rdo, double lambda, bool keep_al
                                  .colours = c->books[GSCL_BOOK_COLOUR].count};
 }
 
-/* Bits of each word, from how often it is used. */
+/* Bits of each word, from the number of its uses. */
 static void count_bits_of_words(gscl_codebook_rdo *rdo, int book) {
     const gscl_codebook *c = rdo->codebook;
     const size_t splats = gscl_codebook_splats(c);
@@ -143,7 +143,7 @@ static int first_free_batch(const gscl_codebook_rdo *rdo, const cl_int *box) {
     return batch;
 }
 
-static void occupy(gscl_codebook_rdo *rdo, const cl_int *box, int batch) {
+static void occupy_cells(gscl_codebook_rdo *rdo, const cl_int *box, int batch) {
     const int side = gscl_codebook_tunables.cell_side;
     for (int y = box[2] / side; y <= box[3] / side; y++)
         for (int x = box[0] / side; x <= box[1] / side; x++)
@@ -157,7 +157,7 @@ static int make_batches(gscl_codebook_rdo *rdo) {
     memset(rdo->next_batch, 0, (size_t)rdo->map_columns * (size_t)rdo->map_rows * sizeof *rdo->next_batch);
     for (size_t i = gscl_codebook_splats(rdo->codebook); i-- > 0;) {
         const int batch = first_free_batch(rdo, rdo->boxes[i]);
-        occupy(rdo, rdo->boxes[i], batch);
+        occupy_cells(rdo, rdo->boxes[i], batch);
         rdo->batch_of[i] = batch;
         if (batch + 1 > batches)
             batches = batch + 1;
@@ -189,7 +189,7 @@ static gscl_result rdo_render(gscl_codebook_rdo *rdo) {
     return GSCL_OK;
 }
 
-static gscl_result run_batch(gscl_codebook_rdo *rdo, size_t count) {
+static gscl_result rdo_run_batch(gscl_codebook_rdo *rdo, size_t count) {
     gscl_codebook *c = rdo->codebook;
     gscl_renderer *r = &c->fit->renderer;
     cl_kernel kernel;
@@ -204,21 +204,21 @@ static gscl_result run_batch(gscl_codebook_rdo *rdo, size_t count) {
         GSCL_ARG_BUFFER(c->fit->pyramid.levels[c->fit->level]), GSCL_ARG(rdo->settings));
 }
 
-static gscl_result run_batches(gscl_codebook_rdo *rdo, int batches) {
+static gscl_result rdo_run_batches(gscl_codebook_rdo *rdo, int batches) {
     const size_t splats = gscl_codebook_splats(rdo->codebook);
     for (int batch = 0; batch < batches; batch++) {
         size_t count = 0;
         for (size_t i = 0; i < splats; i++)
             if (rdo->batch_of[i] == batch)
                 rdo->batch[count++] = (cl_int)i;
-        GSCL_TRY(run_batch(rdo, count));
+        GSCL_TRY(rdo_run_batch(rdo, count));
     }
     return GSCL_OK;
 }
 
 /* ---- The result of a pass ---- */
 
-/* Moves the splats that were kept to the front of the host copies, at their new positions; gives their number. */
+/* Moves the splats that were kept to the front of the host copies, at their new positions; returns their number. */
 static size_t move_kept(gscl_codebook_rdo *rdo) {
     gscl_codebook *c = rdo->codebook;
     const size_t splats = gscl_codebook_splats(c);
@@ -267,6 +267,6 @@ gscl_result gscl_codebook_rdo_run(gscl_codebook_rdo *rdo, double lambda, bool ke
     const int batches = make_batches(rdo);
     GSCL_TRY(rdo_upload(rdo));
     GSCL_TRY(rdo_render(rdo));
-    GSCL_TRY(run_batches(rdo, batches));
+    GSCL_TRY(rdo_run_batches(rdo, batches));
     return rdo_read_back(rdo);
 }

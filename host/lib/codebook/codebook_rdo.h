@@ -10,7 +10,7 @@
 typedef struct gscl_codebook_rdo {
     gscl_codebook *codebook;
     gscl_word_rdo_settings settings; /* of the current pass */
-    float *shapes;                   /* shape words, rounded to what the file can hold */
+    float *shapes;                   /* shape words, rounded to values of the file */
     float *bits[GSCL_BOOKS];         /* of each word */
     cl_int (*cells)[2];              /* of the position grid, for each splat */
     cl_int (*boxes)[4];              /* first and last column, first and last row of pixels, for each splat */

@@ -10,7 +10,7 @@
 #include "runtime/timing.h"
 #include "session/encode_trace.h"
 
-/* Quantises into the encoder's coded image and gives the size of its file. */
+/* Quantises into the encoder's coded image.  *size: of its file. */
 static gscl_result quantise_and_size(gscl_codebook_state *s, size_t *size) {
     GSCL_TRY(gscl_codebook_read_back(&s->codebook));
     GSCL_TRY(gscl_codebook_quantise(&s->codebook, &s->encoder->coded));
@@ -27,8 +27,8 @@ static void log_pass(const gscl_codebook_state *s, double error_before, double l
              books[GSCL_BOOK_SHAPE].count, books[GSCL_BOOK_COLOUR].count, size, lambda_scale);
 }
 
-/* One RDO pass with a lambda of `factor` times the current one; gives the size after it. */
-static gscl_result run_pass(gscl_codebook_state *s, double factor, size_t *size) {
+/* One RDO pass with a lambda of `factor` times the current one.  *size: of the file after the pass. */
+static gscl_result run_rdo_pass(gscl_codebook_state *s, double factor, size_t *size) {
     const size_t budget = s->plan.bytes;
     double error;
     GSCL_TRY(gscl_codebook_sort(&s->codebook, &s->encoder->coded));
@@ -58,7 +58,7 @@ static gscl_result learn_words(gscl_codebook_state *s, double rate) {
     return GSCL_OK;
 }
 
-/* The size that round `round` should leave.  It falls gently from `first` to the budget, because splats that were
+/* The size that round `round` should leave.  It falls slowly from `first` to the budget, because splats that were
  * dropped too early do not come back. */
 static double target_size(const gscl_codebook_plan *plan, double first, int round) {
     const double budget = (double)plan->bytes, left = 1 - fmin((double)round / plan->rounds, 1);
@@ -85,7 +85,7 @@ gscl_result gscl_codebook_run_rounds(gscl_codebook_state *s) {
     for (int round = 0; round < rounds; round++) {
         const double done = (double)round / rounds;
         const size_t before = size;
-        GSCL_TRY(run_pass(s, 1, &size));
+        GSCL_TRY(run_rdo_pass(s, 1, &size));
         if (s->plan.bytes)
             update_lambda(s, before, size, target_size(&s->plan, first, round + 1));
         GSCL_TRY(learn_words(s, t->round_rate * (1 - t->round_rate_fall * done)));
@@ -112,10 +112,10 @@ gscl_result gscl_codebook_meet_budget(gscl_codebook_state *s) {
     const size_t budget = s->plan.bytes, all_but_fits = budget + budget / t->slack_divisor + t->slack_bytes;
     size_t size;
     double factor = 1;
-    GSCL_TRY(run_pass(s, 1, &size));
+    GSCL_TRY(run_rdo_pass(s, 1, &size));
     for (int i = 0; budget && size > all_but_fits && i < t->max_budget_passes; i++) {
         factor *= t->min_pass_growth + fmin(t->pass_gain * ((double)size / (double)budget - 1), t->max_pass_gain);
-        GSCL_TRY(run_pass(s, factor, &size));
+        GSCL_TRY(run_rdo_pass(s, factor, &size));
     }
     GSCL_TRY(learn_words(s, t->last_rate * t->round_rate));
     GSCL_TRY(gscl_codebook_sort(&s->codebook, &s->encoder->coded));

@@ -4,7 +4,7 @@
 
 #include "codebook/codebook.h"
 
-/* Rounds the words to what the file can hold and projects the splats that they describe. */
+/* Rounds the words to values of the file and projects the splats that they describe. */
 gscl_result gscl_codebook_project(gscl_codebook *codebook);
 /* A step of the splats' own parameters with the straight-through estimator: the gradient at the splats that the words
  * describe is applied to the splats' own parameters.  `rate` multiplies the learning rates. */

@@ -1,6 +1,6 @@
 /* The paper profile: Zhang et al., "2D Gaussian Splatting for Image Compression".
  *
- * A free fit under alpha blending with births and deaths (P1-P4, P7), K-means codebooks learnt with the
+ * A free fit under alpha blending with density control (P1-P4, P7), K-means codebooks learnt with the
  * straight-through estimator (P5), then rounds in which words are chosen by rate and distortion and learnt, and b-bit
  * quantisation (P8).  Entropy coding (P9) is the format's. */
 #include "codebook/encode_codebook.h"

@@ -18,8 +18,8 @@ typedef struct kmeans_run {
     uint32_t clusters;    /* rows of centroids in use */
 } kmeans_run;
 
-/* xorshift64* (Marsaglia, Vigna); the state is never 0.  The rest of the encoder uses SplitMix64 (fit/random.h).  With that
- * generator here the draws, and so the bytes of every file of the paper profile, would change. */
+/* xorshift64* (Marsaglia, Vigna); the state is never 0.  The rest of the encoder uses SplitMix64 (fit/random.h).  With
+ * that generator here the draws, and so the bytes of every file of the paper profile, would change. */
 static uint64_t next_random(uint64_t *state) {
     uint64_t x = *state;
     x ^= x >> 12;
@@ -65,7 +65,7 @@ static double squared_distance(const kmeans_run *run, const float *a, const floa
 }
 
 /* Assigns to centroid `k` every point that is nearer to it than to its own centroid. */
-static void offer_centroid(kmeans_run *run, uint32_t k) {
+static void assign_nearer_points(kmeans_run *run, uint32_t k) {
     for (uint32_t i = 0; i < run->points->count; i++) {
         const double distance = squared_distance(run, point_at(run, i), centroid_at(run, k));
         if (distance < run->distance[i]) {
@@ -98,8 +98,8 @@ static bool assign_points(kmeans_run *run) {
     return changed;
 }
 
-/* The point of largest weighted squared distance, among the clusters of two points or more; `count` if all these distances
- * are 0. */
+/* The point of largest weighted squared distance, among the clusters of two points or more; `count` if all these
+ * distances are 0. */
 static uint32_t farthest_point(const kmeans_run *run) {
     uint32_t farthest = run->points->count;
     double max_cost = 0.0;
@@ -151,8 +151,8 @@ static void update_centroids(kmeans_run *run) {
     }
 }
 
-/* Draws a point with probability proportional to its weight times its squared distance to the nearest centroid, or to its
- * weight alone for the first centroid; `count` if all these products are 0, that is if every distinct point is a
+/* Draws a point with probability proportional to its weight times its squared distance to the nearest centroid, or to
+ * its weight alone for the first centroid; `count` if all these products are 0, that is if every distinct point is a
  * centroid. */
 static uint32_t draw_point(const kmeans_run *run, uint64_t *state) {
     const bool first = run->clusters == 0;
@@ -181,13 +181,13 @@ static void seed_centroids(kmeans_run *run, uint32_t warm, uint32_t max_clusters
         run->assignment[i] = 0;
     }
     for (run->clusters = 0; run->clusters < warm; run->clusters++)
-        offer_centroid(run, run->clusters);
+        assign_nearer_points(run, run->clusters);
     while (run->clusters < max_clusters) {
         const uint32_t i = draw_point(run, &state);
         if (i == run->points->count)
             break;
         memcpy(centroid_at(run, run->clusters), point_at(run, i), run->points->dims * sizeof(float));
-        offer_centroid(run, run->clusters);
+        assign_nearer_points(run, run->clusters);
         run->clusters++;
     }
 }

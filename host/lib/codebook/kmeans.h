@@ -1,9 +1,9 @@
 /* K-means clustering of a few thousand points in at most five dimensions.
  *
- * The same arguments give the same bits: sums are in double precision and in the order of the points, and the seed of all
- * random draws is an argument. */
-#ifndef GSCL_KMEANS_H
-#define GSCL_KMEANS_H
+ * The same arguments give the same bits: sums are in double precision and in the order of the points, and the seed of
+ * all random draws is an argument. */
+#ifndef GSCL_LIB_KMEANS_H
+#define GSCL_LIB_KMEANS_H
 
 #include <stdint.h>
 
@@ -41,13 +41,13 @@ typedef struct gscl_kmeans_result {
     double distortion;   /* sum of weight * squared distance in the metric */
 } gscl_kmeans_result;
 
-/* Clusters the points.  `assignment` ([count]) receives for every point the row of its nearest centroid, of equally near
- * ones the first.  `centroids` ([options->clusters][dims], in the points' unit) has the warm rows and receives
+/* Clusters the points.  `assignment` ([count]) receives for every point the row of its nearest centroid, of equally
+ * near ones the first.  `centroids` ([options->clusters][dims], in the points' unit) has the warm rows and receives
  * result->clusters rows, the code words.
  *
  * A cluster that becomes empty restarts at the point that is farthest from its centroid.  Code words without members at
- * the end are dropped, and later rows move up in their order.  More iterations do not increase the distortion, up to the
- * rounding of centroids to float.
+ * the end are dropped, and later rows move up in their order.  More iterations do not increase the distortion, up to
+ * the rounding of centroids to float.
  *
  * On failure the content of the outputs is undefined. */
 gscl_kmeans_status gscl_kmeans_cluster(const gscl_kmeans_points *points, const gscl_kmeans_options *options,

@@ -4,8 +4,8 @@
  *
  * In the order in which to read them:
  *   encode_codebook.h: the encode, a list of stages
- *   codebook_state.h: what the stages share
- *   codebook_plan.h: how many words, bits and splats a file gets
+ *   codebook_state.h: the state that the stages share
+ *   codebook_plan.h: numbers of words, bits and splats of a file
  *   codebook_fit.h: the fit, at first of free splats, then with the straight-through estimator
  *   codebook_rounds.h: RDO rounds, and the passes that meet the budget
  *   codebook.h: the two codebooks, on the device and on the host

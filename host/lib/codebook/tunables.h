@@ -23,7 +23,7 @@ struct gscl_codebook_tunables {
     double start_share;             /* fraction of the splats that exist at the first step */
     int densification_rounds;       /* rounds in which the others are added */
     double densification_end;       /* fraction of the steps at which the last round begins */
-    int density_control_divisor;    /* one in so many new splats comes from the paper's density control (P7) */
+    int density_control_divisor;    /* one new splat in this number comes from the paper's density control (P7) */
     double replenish_at;            /* fraction of the steps at which dropped splats are replaced */
     double quarter_size_end;        /* fraction of the steps up to which the image has a quarter of its size */
     double half_size_end;           /* likewise, half of its size; full size afterwards */
@@ -38,13 +38,13 @@ struct gscl_codebook_tunables {
     /* Clustering (codebook_cluster.c). */
     int kmeans_iterations;  /* Lloyd iterations; paper, section 3.3 */
     float scale_metric;     /* relative change of a splat for a change of 1 in ln sigma */
-    float max_log_aspect;   /* ln of the ratio of axes from which on angles are not told apart more finely */
+    float max_log_aspect;   /* ln of the ratio of axes beyond which the weight of angles grows no further */
     float direction_offset; /* added to ln aspect as the weight of a splat's direction in the mean of its cluster */
     float opacity_metric;   /* distance of opacities against that of colours ("lower sensitivity", section 3.3) */
     double min_opacity_of_word, max_opacity_of_word; /* 0..1; limits of the mean opacity of a cluster */
 
     /* RDO passes (codebook_rdo.c). */
-    int cell_side;     /* pixels; side of the cells by which splats are found not to overlap */
+    int cell_side;     /* pixels; side of the cells by which overlaps of splats are detected */
     double box_margin; /* pixels around a splat's outline in which it may move */
     float prior_uses;  /* uses added to those of each word, so that no word has infinite bits */
 

@@ -29,9 +29,9 @@ static gscl_result use_slack(gscl_scalar_state *s) {
     return GSCL_OK;
 }
 
-/* One pass of a file that is too large.  A pass that shrinks it too far is taken back, and lambda lowered.  `kept`: room
+/* One pass of a file that is too large.  A pass that shrinks it too far is undone, and lambda is lowered.  `kept`: room
  * for all splats. */
-static gscl_result shrink(gscl_scalar_state *s, double min_share, gsf_splat *kept) {
+static gscl_result shrink_once(gscl_scalar_state *s, double min_share, gsf_splat *kept) {
     gsf_coded_image *file = &s->coded->file;
     const uint32_t count = file->header.splat_count;
     const size_t before = s->size;
@@ -55,7 +55,7 @@ static gscl_result shrink_to_budget(gscl_scalar_state *s) {
         return gscl_fail_memory(s->encoder->context);
     gscl_result result = GSCL_OK;
     for (int pass = 0; pass < passes && result == GSCL_OK && s->size > s->bytes; pass++)
-        result = shrink(s, pass < passes - 1 ? tunables->full_share : tunables->densify_below, kept);
+        result = shrink_once(s, pass < passes - 1 ? tunables->full_share : tunables->densify_below, kept);
     free(kept);
     return result;
 }

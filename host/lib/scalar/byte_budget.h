@@ -1,4 +1,4 @@
-/* From a file of about its budget to one that just fits. */
+/* Meeting the byte budget: from a file of about the size of its budget to one that fits. */
 #ifndef GSCL_LIB_BYTE_BUDGET_H
 #define GSCL_LIB_BYTE_BUDGET_H
 

@@ -9,7 +9,7 @@
 
 static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
 
-static gscl_result report_progress(gscl_scalar_state *s) {
+static gscl_result report_pass_progress(gscl_scalar_state *s) {
     gscl_progress_state *progress = &s->encoder->progress;
     const double done = fmin((double)s->passes_done / s->passes, 1);
     progress->splats = s->coded->file.header.splat_count;
@@ -28,7 +28,7 @@ gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
              scan_textures ? ", scan" : "");
     s->passes_done++;
     GSCL_TRY(gscl_trace_coded_image(e, &s->fit, s->coded, s->steps));
-    return report_progress(s);
+    return report_pass_progress(s);
 }
 
 bool gscl_scalar_has_max_splats(const gscl_scalar_state *s) {
@@ -37,10 +37,10 @@ bool gscl_scalar_has_max_splats(const gscl_scalar_state *s) {
 
 gscl_result gscl_scalar_densify(gscl_scalar_state *s) {
     const size_t count = s->coded->file.header.splat_count;
-    size_t wanted = (size_t)(s->surplus * (double)s->bytes / (double)s->size * (double)count) + 1;
-    wanted = wanted > s->max_splats ? s->max_splats : wanted;
+    size_t new_count = (size_t)(s->surplus * (double)s->bytes / (double)s->size * (double)count) + 1;
+    new_count = new_count > s->max_splats ? s->max_splats : new_count;
     const int steps = s->steps / tunables->densify_steps_divisor + 1;
-    return gscl_scalar_refit(s, wanted > count ? wanted - count : 0,
+    return gscl_scalar_refit(s, new_count > count ? new_count - count : 0,
                              steps < tunables->max_densify_steps ? steps : tunables->max_densify_steps);
 }
 
@@ -74,14 +74,14 @@ static bool may_drop_textures(const gscl_scalar_state *s) {
     return gscl_effect_is_open(&s->encoder->effects, GSCL_EFFECT_TEXTURE);
 }
 
-/* After the first scan: where hardly a splat took a wave, the following passes do not scan. */
+/* After the first scan: where hardly any splat has a wave, the following passes do not scan. */
 static void drop_rare_textures(gscl_scalar_state *s) {
     const gsf_coded_image *file = &s->coded->file;
     if (may_drop_textures(s) && count_textured(file) < tunables->min_textured_share * file->header.splat_count)
         s->textures = false;
 }
 
-/* Passes that take the file gently down towards its budget: splats that are dropped in haste do not come back. */
+/* Passes that reduce the file slowly towards its budget, because splats that are dropped too early do not come back. */
 static gscl_result pass_towards_budget(gscl_scalar_state *s) {
     const double budget = (double)s->bytes * tunables->budget_aim;
     double excess = 0;
@@ -102,7 +102,7 @@ static gscl_result pass_towards_budget(gscl_scalar_state *s) {
 }
 
 gscl_result gscl_scalar_choose_codes(gscl_scalar_state *s) {
-    /* A fit that never came to its finest level has no detail that a wave could show. */
+    /* A fit that did not need its finest level has no detail that a wave could represent. */
     if (may_drop_textures(s) && s->fit.level > s->source->first_level + s->finest)
         s->textures = false;
     GSCL_TRY(pass_without_textures(s));

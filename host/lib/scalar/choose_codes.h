@@ -1,5 +1,5 @@
-/* The loop of rate-distortion passes: all codes are chosen again and again while lambda takes the file towards its
- * budget. */
+/* The loop of rate-distortion passes: each pass chooses all codes again, while lambda is updated until the file has
+ * about the size of its budget. */
 #ifndef GSCL_LIB_CHOOSE_CODES_H
 #define GSCL_LIB_CHOOSE_CODES_H
 
@@ -11,7 +11,7 @@ gscl_result gscl_scalar_choose_codes(gscl_scalar_state *state);
 
 /* One pass; state->size is the size afterwards. */
 gscl_result gscl_scalar_pass(gscl_scalar_state *state, bool scan_textures);
-/* Adds splats for the bytes that are left and fits all of them for a while. */
+/* Adds splats for the bytes that are left and fits all splats for some steps. */
 gscl_result gscl_scalar_densify(gscl_scalar_state *state);
 /* Whether the image can use no more splats. */
 bool gscl_scalar_has_max_splats(const gscl_scalar_state *state);

@@ -4,7 +4,7 @@
 #include "scalar/encode_scalar.h"
 #include "scalar/scalar_fit.h"
 
-/* The coarsest level that still shows what so many splats can. */
+/* The coarsest level with all detail that the target number of splats can represent. */
 static int probe_level(const gscl_scalar_state *s) {
     const double distance = gscl_scalar_tunables.probe_distance;
     double pixels = s->source_pixels;
@@ -16,8 +16,8 @@ static int probe_level(const gscl_scalar_state *s) {
     return level;
 }
 
-/* Takes the fit through rate-distortion passes to its budget, and leaves in it what the codes hold.  Without them the
- * probe is misleading: on small objects of one kind circles lose before the passes and win by 1 dB after them. */
+/* Runs rate-distortion passes down to the budget and loads the coded splats into the fit.  Without the passes a probe
+ * fit can mislead: on small objects of one kind circles lose before the passes and win by 1 dB after them. */
 static gscl_result probe_codes(gscl_scalar_state *s) {
     if (!s->has_choice)
         return GSCL_OK;

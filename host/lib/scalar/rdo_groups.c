@@ -10,12 +10,12 @@
 
 #define CELL 16 /* pixels */
 
-/* What tasks are sorted by. */
+/* A task with the values that tasks are sorted by. */
 typedef struct gscl_rdo_key {
     int group;
-    int64_t area; /* of the box, pixels: about what the task costs */
+    int64_t area; /* of the box, pixels: about in proportion to the cost of the task */
     gscl_rdo_task task;
-} key;
+} rdo_key;
 
 void gscl_rdo_groups_free(gscl_rdo_groups *g) {
     free(g->tasks);
@@ -87,7 +87,7 @@ static int find_group(gscl_rdo_groups *g, int columns, int rows, const gscl_rdo_
 }
 
 static int compare_keys(const void *a, const void *b) {
-    const key *p = a, *q = b;
+    const rdo_key *p = a, *q = b;
     if (p->group != q->group)
         return p->group < q->group ? -1 : 1;
     if (p->area != q->area)
@@ -105,10 +105,10 @@ gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, con
         const int group = find_group(g, columns, rows, &v);
         if (group < 0)
             continue;
-        g->keys[tasks++] = (key){group, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
+        g->keys[tasks++] = (rdo_key){group, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
         sizes[group]++;
     }
-    /* Within a group the largest come last: devices that hand out work in ever smaller shares then finish together. */
+    /* Within a group the largest come last, where devices schedule work in smaller chunks: the load is balanced. */
     qsort(g->keys, tasks, sizeof *g->keys, compare_keys);
     for (size_t i = 0; i < tasks; i++)
         g->tasks[i] = g->keys[i].task;

@@ -1,4 +1,4 @@
-/* What codes mean and cost in a rate-distortion pass. */
+/* Meanings and costs of codes in a rate-distortion pass. */
 #ifndef GSCL_LIB_RDO_TABLES_H
 #define GSCL_LIB_RDO_TABLES_H
 
@@ -12,7 +12,7 @@ gsf_splat gscl_rdo_splat_of(const gscl_codes *codes);
 /* Steps and ranges of the codes; lambda and `scan` are left 0. */
 gscl_rdo_settings gscl_rdo_settings_of(const gsf_coded_image *image);
 
-/* Estimates the bits of each code from how often it occurs in the `count` codes of the image. */
+/* Estimates the bits of each code from its occurrences in the `count` splats of the image. */
 void gscl_rdo_tables_make(gscl_rdo_tables *tables, const gsf_coded_image *image, const gscl_rdo_settings *settings,
                           const gscl_codes *codes, size_t count);
 

@@ -8,10 +8,11 @@
  *   scalar_fit.h: stage "fit"
  *   choose_codes.h: stage "choose codes", a loop of rate-distortion passes
  *   scalar_rdo.h: one rate-distortion pass
- *   rdo_tables.h: what codes mean and cost in a pass
+ *   rdo_tables.h: meanings and costs of codes in a pass
  *   rdo_groups.h: splats that a pass can change at once
  *   byte_budget.h: stage "meet the budget"
- *   tunables.h: effort presets, and numbers that were found by trying */
+ *   probe_fit.c: short fits by which effects are decided
+ *   tunables.h: effort presets, and the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_SCALAR_H
 #define GSCL_ROOM_LIB_SCALAR_H
 #endif

@@ -44,26 +44,26 @@ static int level_due(const gscl_scalar_state *s, double fraction) {
     return s->source->first_level + (level > s->finest ? level : s->finest);
 }
 
-/* Whether errors of the fit and residuals of levels compare. */
+/* Whether errors of the fit and residuals of levels are comparable. */
 static bool has_plain_squared_error(const gscl_scalar_state *s) {
     const gscl_encode_settings *settings = &s->encoder->settings;
     return settings->loss == GSCL_LOSS_L2 && settings->tune == GSCL_TUNE_PSNR;
 }
 
-/* Whether level `level` shows detail that the fit, one level coarser, is fine enough for.  Where it does not, all
- * splats are so large that the coarser level shows them as well, in a fourth of the time. */
+/* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
+ * splats are so large that a fit at the coarser level is as good, in a quarter of the time. */
 static gscl_result needs_level(gscl_scalar_state *s, int level, bool *needed) {
-    double loss, *detail = &s->details[level];
+    double loss, *residual = &s->residuals[level];
     *needed = true;
     if (!has_plain_squared_error(s))
         return GSCL_OK;
-    if (isnan(*detail)) {
-        GSCL_TRY(gscl_fit_level_residual(&s->fit, level, detail));
+    if (isnan(*residual)) {
+        GSCL_TRY(gscl_fit_level_residual(&s->fit, level, residual));
         if (!s->encoder->content.high_bit_depth)
-            *detail -= ldexp(tunables->rounding_residual, -2 * level);
+            *residual -= ldexp(tunables->rounding_residual, -2 * level);
     }
     GSCL_TRY(gscl_fit_loss(&s->fit, &loss));
-    *needed = *detail > tunables->min_level_residual * loss;
+    *needed = *residual > tunables->min_level_residual * loss;
     return GSCL_OK;
 }
 
@@ -85,8 +85,8 @@ static gscl_result change_level(gscl_scalar_state *s, int step, int due) {
 
 /* ---- Number of splats ---- */
 
-/* Sets the number of splats from the bits that a splat takes now. */
-static gscl_result measure_target(gscl_scalar_state *s) {
+/* Sets the target number of splats from the bits that a splat takes in the current fit. */
+static gscl_result estimate_target(gscl_scalar_state *s) {
     size_t size;
     GSCL_TRY(gscl_scalar_quantise(s));
     GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
@@ -100,7 +100,7 @@ static gscl_result measure_target(gscl_scalar_state *s) {
 
 static gscl_result densify_in_round(gscl_scalar_state *s, int round) {
     if (s->bytes && round == tunables->measure_round)
-        GSCL_TRY(measure_target(s));
+        GSCL_TRY(estimate_target(s));
     const size_t added = s->target - (s->target < s->start ? s->target : s->start);
     const size_t wanted = s->start + (size_t)((double)added * round / tunables->densify_rounds);
     const size_t count = (size_t)s->fit.renderer.count;
@@ -112,7 +112,7 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
     const size_t count = (size_t)s->fit.renderer.count;
     GSCL_TRY(gscl_scalar_quantise(s));
     size_t *order = malloc((count + 1) * sizeof *order);
-    gscl_result result = order ? gscl_coded_image_sort(s->coded, order) : GSCL_ERROR_OUT_OF_MEMORY;
+    gscl_result result = order ? gscl_coded_image_sort(s->coded, order) : gscl_fail_memory(s->encoder->context);
     if (result == GSCL_OK)
         result = gscl_fit_reorder(&s->fit, order, count);
     free(order);
@@ -121,7 +121,7 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
 
 /* ---- Steps ---- */
 
-static gscl_result report_progress(gscl_scalar_state *s, int step) {
+static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     gscl_progress_state *progress = &s->encoder->progress;
     double loss;
     if (!progress->callback || step % tunables->report_interval != 0)
@@ -137,8 +137,7 @@ static bool is_step_at(const gscl_scalar_state *s, int step, double share) {
     return step == (int)(share * s->steps);
 }
 
-/* The levels, splats and targets of a step, before it is taken.  `round`: of densification, the last one that was
- * done. */
+/* Sets the level, the splats and the target before step `step`.  `round`: last densification round so far. */
 static gscl_result prepare_step(gscl_scalar_state *s, int step, int *round, bool *quantising) {
     const double fraction = (double)step / s->steps;
     GSCL_TRY(change_level(s, step, level_due(s, fraction)));
@@ -165,7 +164,7 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
     for (int step = 0; step < s->steps; step++) {
         GSCL_TRY(prepare_step(s, step, &round, &quantising));
         GSCL_TRY(gscl_fit_step(&s->fit, learning_rate((double)step / s->steps)));
-        GSCL_TRY(report_progress(s, step));
+        GSCL_TRY(report_fit_progress(s, step));
         if ((step + 1) % gscl_trace_interval(s->steps) == 0)
             GSCL_TRY(gscl_trace_fit(s->encoder, &s->fit, step + 1));
     }

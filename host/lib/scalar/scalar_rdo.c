@@ -117,7 +117,7 @@ static gscl_result rdo_change_group(rdo_pass *p, int group) {
 }
 
 /* Reads the codes back, without the splats that were dropped. */
-static gscl_result rdo_collect(rdo_pass *p) {
+static gscl_result rdo_read_codes(rdo_pass *p) {
     gscl_scalar_rdo *rdo = p->rdo;
     gsf_coded_image *file = &p->coded->file;
     uint32_t kept = 0;
@@ -137,7 +137,7 @@ static gscl_result rdo_run(rdo_pass *p, double lambda_scale) {
     p->shared.settings.lambda = (float)(lambda_scale * error / (2.0 * 8.0 * (double)size));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)
         GSCL_TRY(rdo_change_group(p, group));
-    return rdo_collect(p);
+    return rdo_read_codes(p);
 }
 
 gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded_image *coded,
@@ -151,7 +151,7 @@ gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded
                                .view = r->view,
                                .width = r->width,
                                .height = r->height,
-                               .bits_per_splat = -log2f((float)p.count), /* what the order of all splats saves */
+                               .bits_per_splat = -log2f((float)p.count), /* the order of all splats saves bits */
                                .cost_of_dropping = settings->keep_all ? FLT_MAX : 0.0f};
     p.shared.settings.scan = settings->scan_textures;
     options.texture = coded->file.header.has_texture;

@@ -24,12 +24,12 @@ void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo);
 typedef struct gscl_scalar_rdo_settings {
     double lambda_scale; /* price of a bit: lambda = lambda_scale * error / (2 * bits of the file) */
     bool keep_all;       /* no splat is dropped */
-    bool scan_textures;  /* with has_texture: splats may take any wave, else waves only change a little or go */
+    bool scan_textures;  /* with has_texture: all waves are tried, else only those near a splat's own */
 } gscl_scalar_rdo_settings;
 
 /* Makes one pass over all splats of `coded` (scalar coding, blend normalized or sum): each splat's codes change, or the
- * splat is dropped, where that lowers squared error + lambda * bits.  Works at the fit's current level; the fit's splats
- * are overwritten. */
+ * splat is dropped, where that lowers squared error + lambda * bits.  Works at the fit's current level; the fit's
+ * splats are overwritten. */
 gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded_image *coded,
                                  const gscl_scalar_rdo_settings *settings);
 

@@ -62,7 +62,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .keep_all = bytes == 0,
                              .lambda_scale = bytes ? plan->preset->lambda_scale : 1};
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
-        s->details[i] = NAN;
+        s->residuals[i] = NAN;
     choose_quantiser_steps(s);
     choose_counts(s, plan);
 }

@@ -1,14 +1,13 @@
-/* The state of one encode in the default profile, and what all of its stages do with it. */
+/* The state of one encode in the default profile, and the operations that its stages share. */
 #ifndef GSCL_LIB_SCALAR_STATE_H
 #define GSCL_LIB_SCALAR_STATE_H
 
 #include "fit/fit.h"
 #include "scalar/scalar_rdo.h"
-#include "scalar/scalar_rdo.h"
 #include "scalar/tunables.h"
 #include "session/encoder.h"
 
-/* What is fitted, and into what. */
+/* The source, the target and the result of a fit. */
 typedef struct gscl_scalar_plan {
     const gscl_source *source;
     gscl_coded_image *coded; /* its header holds the effects that are known before the fit */
@@ -32,17 +31,17 @@ typedef struct gscl_scalar_state {
     /* Stage "fit". */
     uint64_t random; /* state of the random generator */
     gscl_fit fit;
-    size_t start, target;            /* splats at the first step, and after the last densification */
-    double surplus;                  /* splats fitted for each that the budget holds; the passes drop the others */
-    double details[GSCL_MAX_LEVELS]; /* residual of each level (gscl_fit_level_residual) beyond the noise of rounding;
-                                        NAN: not measured yet */
-    int next_level_check;            /* step at which a finer level is considered again */
+    size_t start, target;              /* splats at the first step, and after the last densification */
+    double surplus;                    /* splats fitted for each that the budget holds; the passes drop the others */
+    double residuals[GSCL_MAX_LEVELS]; /* of each level (gscl_fit_level_residual) beyond the noise of rounding; NAN: not
+                                          measured yet */
+    int next_level_check;              /* step at which a finer level is considered again */
 
     /* Stages "choose codes" and "meet the budget". */
     gscl_scalar_rdo rdo; /* arrays and buffers of the passes */
     size_t size;         /* of the coded image as a file, after the last pass */
     int passes_done;     /* for the progress report */
-    bool textures;       /* may be used */
+    bool textures;       /* textures may be used */
     bool keep_all;       /* no splat is dropped */
     double lambda_scale; /* price of a bit in the next pass, see gscl_scalar_rdo_settings */
 
@@ -59,7 +58,7 @@ void gscl_scalar_end(gscl_scalar_state *state);
 double gscl_scalar_relative_spacing(const gscl_scalar_state *state);
 /* Reads the fit's splats and turns them into codes. */
 gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
-/* Puts the coded splats into the fit. */
+/* Replaces the fit's splats by the coded ones. */
 gscl_result gscl_scalar_load(gscl_scalar_state *state);
 /* From now on the fit draws its splats as the quantiser would store them. */
 gscl_result gscl_scalar_set_quantiser(gscl_scalar_state *state);

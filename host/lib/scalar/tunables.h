@@ -1,6 +1,6 @@
 /* Numbers of scalar/ that were found by trying. */
-#ifndef GSCL_SCALAR_TUNABLES_H
-#define GSCL_SCALAR_TUNABLES_H
+#ifndef GSCL_LIB_SCALAR_TUNABLES_H
+#define GSCL_LIB_SCALAR_TUNABLES_H
 
 #include <gscl/gscl.h>
 
@@ -14,22 +14,22 @@ typedef struct gscl_effort_preset {
 } gscl_effort_preset;
 
 extern const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1];
-/* Of the probe fits by which effects are decided. */
+/* The settings of the probe fits by which effects are decided. */
 extern const gscl_effort_preset gscl_probe_preset;
 
 struct gscl_scalar_tunables {
     /* Number of splats and steps. */
     double start_share;             /* of the splats that exist at the first step */
     double expected_bits_per_splat; /* bits; first estimate of how many splats a budget holds */
-    double min_bits_per_splat;      /* bits; a fit that is half done takes less than it will at the end */
+    double min_bits_per_splat;      /* bits; lower bound, because the splats of an unfinished fit take fewer bits */
     double wide_surplus;            /* surplus added where splats are far apart */
-    double wide_steps;              /* share of the steps added where splats are far apart: there a step is quick */
-    int densify_rounds;             /* in which the other splats are added */
-    double densify_until;           /* share of the steps; then the number of splats stays */
-    int measure_round;              /* after this round real bits per splat replace the estimate */
+    double wide_steps;              /* share of the steps added where splats are far apart and steps take little time */
+    int densify_rounds;             /* rounds in which the other splats are added */
+    double densify_until;           /* share of the steps, after which the number of splats stays */
+    int measure_round;              /* after this round measured bits per splat replace the estimate */
 
     /* Levels of the pyramid. */
-    int small_image_pixels;    /* pixels; up to here the finest level costs next to no time */
+    int small_image_pixels;    /* pixels; up to this size the finest level takes hardly any time */
     double full_size_distance; /* pixels from splat to splat, at which the two shares below hold as they are */
     double quarter_until;      /* share of the steps at a quarter of the size, for splats at full_size_distance */
     double half_until;         /* share of the steps until full size is due, for splats at full_size_distance */
@@ -62,7 +62,7 @@ struct gscl_scalar_tunables {
     double densify_below;      /* share of the budget; a smaller file has room for more splats */
     int densify_steps_divisor; /* the fit's steps divided by this: steps of a refit after densification */
     int max_densify_steps;     /* steps of a refit */
-    int max_densifications;    /* after the first pass */
+    int max_densifications;    /* densifications after the first pass */
     double lambda_gain;        /* exponent of lambda by excess size while the file shrinks towards its budget */
     double final_lambda_gain;  /* likewise where few passes are left */
     double excess_exponent;    /* of the share of passes left: how the excess over the budget shrinks */
@@ -70,8 +70,8 @@ struct gscl_scalar_tunables {
     double slack_factor;       /* of lambda in a pass that uses bytes that are left */
     int max_final_passes;      /* passes that bring a file below its budget */
     int max_slack_passes;      /* passes that use bytes that are left */
-    double min_lambda_scale;   /* bounds of lambda_scale */
-    double max_lambda_scale;
+    double min_lambda_scale;   /* lower bound of lambda_scale */
+    double max_lambda_scale;   /* upper bound of lambda_scale */
 
     /* One rate-distortion pass. */
     double rdo_growth;         /* factor by which a splat's box may grow in a pass */
