@@ -1,4 +1,4 @@
-/* How well the edges of an image agree on a direction. */
+/* Coherence of the directions of an image's edges. */
 #ifndef GSCL_LIB_COHERENCE_H
 #define GSCL_LIB_COHERENCE_H
 

@@ -25,7 +25,7 @@ static gscl_result probe_psnr(const effect_search *s, const gscl_source *source,
     gsf_header header = e->header;
     double mse = 0;
     effects.off |= off;
-    /* Probe fits tell shapes apart better without opacity by content. */
+    /* Probe fits compare shapes more reliably without the opacity that isolated objects get (session/effects.c). */
     if (gscl_effect_is_open(&effects, GSCL_EFFECT_OPACITY) && !effects.alpha_blend)
         effects.off |= GSCL_EFFECT_OPACITY;
     gscl_effects_set_header(&effects, &source->background, &header);
@@ -34,12 +34,13 @@ static gscl_result probe_psnr(const effect_search *s, const gscl_source *source,
     return GSCL_OK;
 }
 
-static gscl_result measure_psnr(effect_search *s) {
+/* Measures search->psnr unless it is known. */
+static gscl_result measure_current_psnr(effect_search *s) {
     return isnan(s->psnr) ? probe_psnr(s, &s->encoder->source, 0, s->missing_mse, &s->psnr) : GSCL_OK;
 }
 
-/* Decides for or against effects by trial. */
-static void decide(gscl_effects *effects, uint32_t mask, bool on, double gain_db) {
+/* Switches effects on or off and notes the trial as the reason. */
+static void decide_by_trial(gscl_effects *effects, uint32_t mask, bool on, double gain_db) {
     *(on ? &effects->on : &effects->off) |= mask;
     for (uint32_t effect = 1; effect <= mask; effect <<= 1)
         if (mask & effect)
@@ -78,7 +79,7 @@ static gscl_result try_grey(effect_search *s, const gscl_image *image, double mi
     return result;
 }
 
-/* With an alpha channel the errors of grey and colour do not compare. */
+/* With an alpha channel the errors of grey and colour are not comparable. */
 static bool may_drop_chroma(const gscl_encoder *e) {
     return e->header.has_chroma && !e->header.has_alpha && gscl_effect_is_open(&e->effects, GSCL_EFFECT_CHROMA);
 }
@@ -91,11 +92,11 @@ static gscl_result decide_chroma(effect_search *s, const gscl_image *image) {
     gscl_log(e->context, GSCL_LOG_DEBUG, "colourfulness: %.4f", colour);
     if (colour > gscl_encode_tunables.max_probe_colour)
         return GSCL_OK;
-    GSCL_TRY(measure_psnr(s));
-    double grey = -20 * log10(fmax(colour, 1e-6)); /* at best: all but the colours right */
+    GSCL_TRY(measure_current_psnr(s));
+    double grey = -20 * log10(fmax(colour, 1e-6)); /* upper bound: only the colours are wrong */
     if (s->psnr <= grey)
         GSCL_TRY(try_grey(s, image, colour * colour, &grey));
-    decide(&e->effects, GSCL_EFFECT_CHROMA, s->psnr > grey, s->psnr - grey);
+    decide_by_trial(&e->effects, GSCL_EFFECT_CHROMA, s->psnr > grey, s->psnr - grey);
     s->psnr = fmax(s->psnr, grey);
     return GSCL_OK;
 }
@@ -125,10 +126,10 @@ static gscl_result decide_shapes(effect_search *s, const gscl_image *image) {
     GSCL_TRY(may_drop_shapes(e, image, &may_drop));
     if (!may_drop)
         return GSCL_OK;
-    GSCL_TRY(measure_psnr(s));
+    GSCL_TRY(measure_current_psnr(s));
     GSCL_TRY(probe_psnr(s, &e->source, SHAPES, s->missing_mse, &circles));
     const double gain_db = s->psnr - circles;
-    decide(&e->effects, SHAPES, gain_db > 0, gain_db);
+    decide_by_trial(&e->effects, SHAPES, gain_db > 0, gain_db);
     return GSCL_OK;
 }
 

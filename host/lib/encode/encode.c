@@ -29,7 +29,7 @@ static gscl_result encode_once(gscl_encoder *e, gscl_size_target target) {
     return e->settings.profile == GSCL_PROFILE_PAPER ? gscl_encode_codebook(e, target) : gscl_encode_scalar(e, target);
 }
 
-/* Drops the splats where they are few and show less than their weight spoils. */
+/* Drops the splats where they are few and the background alone has a higher PSNR. */
 static gscl_result prefer_background(gscl_encoder *e, const gscl_image *image) {
     gsf_header *header = &e->coded.file.header;
     const uint32_t count = header->splat_count;
@@ -79,7 +79,7 @@ static gscl_result encode_to_psnr(gscl_encoder *e, const gscl_image *image) {
     return result;
 }
 
-/* Leaves encoder->coded as the target of the settings demands. */
+/* Encodes for the target of the settings: encoder->coded. */
 static gscl_result encode_to_target(gscl_encoder *e, const gscl_image *image) {
     if (gscl_encode_is_background_only(e))
         return GSCL_OK; /* as it was prepared */
@@ -102,8 +102,8 @@ static gscl_result write_file(gscl_encoder *e, encoded_file *file) {
                : gscl_fail(e->context, result, "the coded image could not be written: %s", gscl_result_text(result));
 }
 
-/* Completes the report of the caller, who may take none. */
-static gscl_result report(gscl_encoder *e, const gscl_image *image, const encoded_file *file) {
+/* Completes the report, if the caller takes one. */
+static gscl_result complete_report(gscl_encoder *e, const gscl_image *image, const encoded_file *file) {
     gscl_encode_trace *trace = e->trace;
     if (!trace)
         return GSCL_OK;
@@ -126,7 +126,7 @@ static gscl_result run_stages(gscl_encoder *e, const gscl_image *image, encoded_
     GSCL_TRY(gscl_encode_decide_effects(e, image));
     GSCL_TRY(encode_to_target(e, image));
     GSCL_TRY(write_file(e, file));
-    return report(e, image, file);
+    return complete_report(e, image, file);
 }
 
 static int loss_kind(gscl_loss loss) {

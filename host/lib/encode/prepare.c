@@ -7,7 +7,7 @@
 #include "encode/tunables.h"
 #include "session/effects.h"
 
-/* The header says what the image is.  Its effects follow later (gscl_effects_set_header). */
+/* The header of the image, still without effects (gscl_effects_set_header). */
 static gsf_header describe_image(const gscl_encoder *e, const gscl_image *image) {
     static const gsf_layout layouts[] = {GSF_GREY, GSF_GREY, GSF_GREY_ALPHA, GSF_RGB, GSF_RGBA};
     const bool paper = e->settings.profile == GSCL_PROFILE_PAPER;

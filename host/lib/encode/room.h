@@ -7,7 +7,7 @@
  *   settings.h: which settings are valid
  *   prepare.h: source planes, header, size of the file
  *   effect_search.h: which effects the file has
- *   coherence.h: the directions of edges
+ *   coherence.h: coherence of the directions of edges
  *   psnr_search.h: which sizes to try for a PSNR
  *   tunables.h: numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_ENCODE_H

@@ -1,23 +1,23 @@
 /* Numbers of encode/ that were found by trying. */
-#ifndef GSCL_ENCODE_TUNABLES_H
-#define GSCL_ENCODE_TUNABLES_H
+#ifndef GSCL_LIB_ENCODE_TUNABLES_H
+#define GSCL_LIB_ENCODE_TUNABLES_H
 
 struct gscl_encode_tunables {
     double auto_bpp;   /* bits per pixel of GSCL_TARGET_AUTO */
     double auto_bytes; /* bytes; smallest budget of GSCL_TARGET_AUTO */
-    int few_splats;    /* so few splats may be worse than the background alone */
+    int few_splats;    /* up to this number of splats the background alone may be better */
 
     /* The search for effects. */
-    int min_probe_bytes;        /* bytes; smaller files have nothing to try */
+    int min_probe_bytes;        /* bytes; no effects are tried for smaller files */
     double probe_bits;          /* bits per splat, from which the number of splats of the file is estimated */
     int coherence_level;        /* of the pyramid, counted from the source's, at which edges are examined */
     double coherence_window;    /* radius of the window in which edges should agree, in distances from splat to splat */
     double max_probe_coherence; /* 0..1; images whose edges agree less on a direction may do without ellipses */
-    double max_probe_colour; /* 0..1; root mean square of the colours' differences from grey, up to which the image may
-                                   be coded as grey */
+    double max_probe_colour;    /* 0..1; root mean square of the colours' differences from grey, up to which the image
+                                   may be coded as grey */
 
     /* The search for a PSNR. */
-    int max_trials;
+    int max_trials;         /* encodes */
     double tolerance_db;    /* dB above the target that are accepted */
     double db_per_doubling; /* dB; first guess of how PSNR grows when the bytes double */
     double first_bpp;       /* bits per pixel of the first trial */

@@ -54,7 +54,7 @@ static gscl_result draw_double(variant_set *b) {
     const gscl_image_shape shape = gscl_renderer_shape(r);
     cl_kernel project, raster;
     options.is_double = 1;
-    options.shape = GSCL_SHAPE_ROTATED; /* project_double makes records of this shape only */
+    options.shape = GSCL_SHAPE_ROTATED; /* project_double makes splats of this shape only */
     GSCL_TRY(gscl_renderer_project(r));
     GSCL_TRY(gscl_renderer_bin(r, true));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_double", &project));

@@ -76,8 +76,8 @@ static void copy_target_part(gradient_check *b) {
             memcpy(to, s->target + (size_t)k * plane + (size_t)y * s->width + b->part.x0, width * sizeof *to);
 }
 
-/* Chooses every n-th splat whose centre is in the part, so that there are at most settings.splats.  `first` counts as in
- * the part. */
+/* Chooses every n-th splat whose centre is in the part, so that there are at most settings.splats.  `first` counts as
+ * in the part. */
 static void choose_splats(gradient_check *b, size_t first) {
     const gscl_subject *s = b->subject;
     size_t found = 0;

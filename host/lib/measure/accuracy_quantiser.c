@@ -34,7 +34,7 @@ static gscl_result fit_unquantised(sweep *w) {
     return gscl_fit_read(&w->fit, w->unquantised);
 }
 
-static gscl_result render(sweep *w, const float *params, double *planes) {
+static gscl_result sweep_render(sweep *w, const float *params, double *planes) {
     gscl_renderer *r = &w->fit.renderer;
     size_t samples = (size_t)gscl_renderer_plane(r) * (size_t)r->channels;
     GSCL_TRY(gscl_renderer_set_splats(r, params, w->subject->count, w->subject->background));
@@ -45,7 +45,7 @@ static gscl_result render(sweep *w, const float *params, double *planes) {
     return GSCL_OK;
 }
 
-static void report_row(sweep *w, const char *name, double factor, double bits) {
+static void sweep_report(sweep *w, const char *name, double factor, double bits) {
     gscl_accuracy a = {"quantiser",
                        .variant = name,
                        .value = factor,
@@ -66,9 +66,9 @@ static gscl_result measure_steps(sweep *w, double factor) {
     GSCL_TRY(gscl_coded_image_sort(p, NULL));
     GSCL_TRY(gscl_coded_image_size(p, &size));
     gscl_coded_image_params(p, w->params, w->subject->background);
-    GSCL_TRY(render(w, w->params, w->planes));
+    GSCL_TRY(sweep_render(w, w->params, w->planes));
     snprintf(name, sizeof name, "steps x%g", factor);
-    report_row(w, name, factor, 8.0 * (double)size / (double)count);
+    sweep_report(w, name, factor, 8.0 * (double)size / (double)count);
     return GSCL_OK;
 }
 
@@ -87,9 +87,9 @@ static gscl_result measure_all_steps(sweep *w) {
     memcpy(w->coded.file.background, s->coded.file.background, sizeof w->coded.file.background);
     GSCL_TRY(gscl_coded_image_reserve(&w->coded, s->count));
     GSCL_TRY(fit_unquantised(w));
-    GSCL_TRY(render(w, w->unquantised, w->exact));
+    GSCL_TRY(sweep_render(w, w->unquantised, w->exact));
     memcpy(w->planes, w->exact, samples * sizeof *w->planes);
-    report_row(w, "none", 0, 0);
+    sweep_report(w, "none", 0, 0);
     for (size_t i = 0; i < sizeof factors / sizeof *factors; i++)
         GSCL_TRY(measure_steps(w, factors[i]));
     return GSCL_OK;

@@ -140,7 +140,7 @@ static float random_normal(uint64_t *random) {
     return sum - 6;
 }
 
-/* Splats with sizes and shapes like those of fitted splats: many small ones, some large, most of them long. */
+/* Splats with sizes and shapes like those of fitted splats: many small ones, some large, most of them elongated. */
 static void make_scene(const gscl_benchmark_settings *s, float *params) {
     uint64_t random = 1;
     float spacing = sqrtf((float)s->width * (float)s->height / (float)s->splats);

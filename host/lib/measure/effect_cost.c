@@ -1,4 +1,4 @@
-/* What the effects of a file cost and gain: the file is written again without each of them. */
+/* Costs and gains of the effects of a file, which is written again without each of them. */
 #include <gscl/measure.h>
 #include <math.h>
 #include <stdlib.h>

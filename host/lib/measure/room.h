@@ -4,7 +4,7 @@
  *
  * In the order in which to read them:
  *   benchmark.c: the speed of the device and of the kernels
- *   subject.h: a file and the image that it shows, which the measurements of accuracy share
+ *   subject.h: a file and its image, which the measurements of accuracy share
  *   reference.h: rendering in double precision
  *   accuracy.c: errors and times of the ways of drawing
  *   accuracy_quantiser.h: errors and sizes of quantiser steps

@@ -37,8 +37,8 @@ static gscl_result subject_load(gscl_subject *s, const gscl_image *image) {
     s->count = header->splat_count;
     if (image->width != s->width || image->height != s->height || image->channels != gscl_coded_image_channels(header))
         return gscl_fail(s->context, GSCL_ERROR_INVALID_ARGUMENT,
-                         "the image is %ux%u with %u channels, the file shows %ux%u with %u", image->width,
-                         image->height, image->channels, s->width, s->height, gscl_coded_image_channels(header));
+                         "the image is %ux%u with %u channels, the file is %ux%u with %u", image->width, image->height,
+                         image->channels, s->width, s->height, gscl_coded_image_channels(header));
     if (s->count == 0)
         return gscl_fail(s->context, GSCL_ERROR_INVALID_ARGUMENT, "the file has no splats to measure");
     s->params = malloc(s->count * GSCL_PARAMS * sizeof *s->params);
@@ -56,7 +56,6 @@ gscl_result gscl_subject_open(gscl_subject *s, gscl_context *context, const gscl
     memset(s, 0, sizeof *s);
     if (!context || !image || !bytes)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    context->message[0] = 0;
     s->context = context;
     s->settings = defaults;
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_accuracy_settings, splats, settings, &s->settings));

@@ -1,4 +1,4 @@
-/* A file's splats and the image that they show, which the measurements of accuracy share. */
+/* A file's splats and the image that they represent, which the measurements of accuracy share. */
 #ifndef GSCL_LIB_SUBJECT_H
 #define GSCL_LIB_SUBJECT_H
 
