@@ -144,6 +144,8 @@
 #define GSCL_BENCHMARK_CHAINS 10   /* independent chains: more than latency times units of a processor */
 #define GSCL_BENCHMARK_LENGTH 4096 /* multiply-adds of each chain */
 
+/* Taps of the Gaussian window of SSIM along each axis (cl/ssim.cl). */
+#define GSCL_SSIM_WINDOW 11
 /* Zeros around the planes of cl/ssim.cl, on each side: room for a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16
 /* Squared error in place of MS-SSIM (cl/ssim.cl), found by trying. */

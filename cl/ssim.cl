@@ -9,7 +9,7 @@
  * Padded images here have planes with rows of `stride` floats, MARGIN zeros left and right of each row and MARGIN rows
  * of zeros above and below, so that no work-item tests for a border.  A window is stored at its first pixel.  One
  * work-item takes LANES pixels of a row of one channel. */
-#define TAPS 11
+#define TAPS GSCL_SSIM_WINDOW
 #define MARGIN GSCL_SSIM_MARGIN
 #define C1 1e-4f /* (0.01 L)^2, L = 1 */
 #define C2 9e-4f /* (0.03 L)^2 */

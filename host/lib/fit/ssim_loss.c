@@ -6,7 +6,7 @@
 #include "cl/structs.h"
 #include "runtime/mapping.h"
 
-#define WINDOW 11 /* pixels */
+#define WINDOW GSCL_SSIM_WINDOW
 #define MOMENTS 5
 #define MAPS 3
 #define GROUP 16 /* work-items; few, so that small levels still occupy all cores */
