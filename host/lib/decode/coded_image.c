@@ -85,18 +85,18 @@ gscl_result gscl_coded_image_size(gscl_coded_image *p, size_t *size) {
 }
 
 /* A splat's codes as bytes, and its place. */
-typedef struct tagged {
+typedef struct tagged_splat {
     unsigned char codes[sizeof(gsf_splat) > sizeof(gsf_indexed_splat) ? sizeof(gsf_splat) : sizeof(gsf_indexed_splat)];
     size_t place;
-} tagged;
+} tagged_splat;
 
 static int compare_tagged(const void *a, const void *b) {
-    const tagged *p = a, *q = b;
+    const tagged_splat *p = a, *q = b;
     int order = memcmp(p->codes, q->codes, sizeof p->codes);
     return order ? order : p->place < q->place ? -1 : p->place > q->place;
 }
 
-static void tag(const gsf_coded_image *file, tagged *tags) {
+static void tag_splats(const gsf_coded_image *file, tagged_splat *tags) {
     bool indexed = file->header.coding == GSF_CODING_CODEBOOK;
     for (size_t i = 0; i < file->header.splat_count; i++) {
         if (indexed)
@@ -112,12 +112,12 @@ static void tag(const gsf_coded_image *file, tagged *tags) {
  * order. */
 static gscl_result sort_with_order(gscl_coded_image *p, size_t *order) {
     size_t count = p->file.header.splat_count;
-    tagged *before = calloc(2 * count + 1, sizeof *before), *after = before + count;
+    tagged_splat *before = calloc(2 * count + 1, sizeof *before), *after = before + count;
     if (!before)
         return GSCL_ERROR_OUT_OF_MEMORY;
-    tag(&p->file, before);
+    tag_splats(&p->file, before);
     gsf_sort(&p->file, p->scratch);
-    tag(&p->file, after);
+    tag_splats(&p->file, after);
     for (size_t i = 0; i < count; i++)
         order[after[i].place] = before[i].place;
     free(before);

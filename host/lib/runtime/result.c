@@ -57,7 +57,7 @@ const char *gscl_result_text(gscl_result result) {
     case GSCL_ERROR_BUDGET_TOO_SMALL:
         return "no file can be that small";
     case GSCL_ERROR_TARGET_UNREACHABLE:
-        return "the quality asked for cannot be reached";
+        return "the target quality cannot be reached";
     case GSCL_ERROR_CONFLICT:
         return "settings that exclude each other";
     }

@@ -52,7 +52,7 @@ void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double 
                            tunables->max_lambda_scale);
 }
 
-/* The first pass, without textures.  Splats are added as long as the budget clearly holds more of them. */
+/* The first pass, without textures.  Splats are added as long as the budget has room for more. */
 static gscl_result pass_without_textures(gscl_scalar_state *s) {
     for (int densifications = 0;; densifications++) {
         GSCL_TRY(gscl_scalar_pass(s, false));

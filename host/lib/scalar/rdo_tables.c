@@ -7,7 +7,14 @@
 #include "decode/quantise.h"
 #include "scalar/tunables.h"
 
-/* Codes of which the occurrences are counted. */
+/* Fails to compile unless kernels and format agree on the numbers of codes. */
+typedef char code_counts_agree[GSCL_MAX_SCALE == GSF_MAX_SCALE_CODE && GSCL_WAVES == GSF_WAVES &&
+                                       GSCL_DIRECTIONS == GSF_DIRECTIONS && GSCL_PHASES == GSF_PHASES &&
+                                       GSCL_AMPLITUDES == GSF_AMPLITUDES
+                                   ? 1
+                                   : -1];
+
+/* Codes whose occurrences are counted. */
 typedef struct code_list {
     const gscl_codes *codes;
     size_t count;
