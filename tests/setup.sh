@@ -18,7 +18,7 @@ missing_packages() {
 # Installs missing packages, without questions.
 install_packages() {
     if ! command -v dpkg-query >/dev/null; then
-        echo "setup: not a Debian system: install the likes of these yourself:" $* >&2
+        echo "setup: not a Debian system: install packages like these yourself:" $* >&2
         return 0
     fi
     missing=$(missing_packages "$@")

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Which effects pictures of many kinds call for: what the encoder decides by itself against fixed choices, at the same size.
+"""Effects that the encoder chooses for images of many kinds, compared with fixed choices at the same file size.
 
     sh tests/bench/bench.sh effects [FOLDER] [--gscl build/gscl] [--bpp 0.125] [--seeds 4] [--document [EFFECTS.md]]
 
-FOLDER holds PNG images.  Without it two sets are measured: the pictures of scenes.py, on which the encoder's thresholds
-were found, and those of scenes_held_out.py, on which none was tuned.  The PSNR of one picture depends on the seed by 0.1 to
-1 dB, more than many an effect gains, so that means over seeds are compared.  Prints a Markdown table for each set, and with
+FOLDER holds PNG images.  Without it two sets are measured: the images of scenes.py, on which the encoder's thresholds
+were found, and those of scenes_held_out.py, on which none was tuned.  The PSNR of one image varies with the seed by 0.1 to
+1 dB, which is more than the gain of many effects, so that means over seeds are compared.  Prints a Markdown table for each set, and with
 --document writes them into the sections `effects` and `effects-held-out` of that document.
 """
 import argparse
@@ -35,7 +35,7 @@ FIXED = {
 def encode(arguments, image, effects, seed, work):
     """Encodes once; returns the report."""
     options = ["--effects", effects] if effects else []
-    report = codec.run(arguments.gscl, "encode", image, "-o", work / "picture.gscl", "--bpp", arguments.bpp, "-q", "--json",
+    report = codec.run(arguments.gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", arguments.bpp, "-q", "--json",
                        "--seed", seed, *options)[1]
     report["psnr"] = 99.0 if report["psnr"] is None else report["psnr"]
     return report
@@ -46,7 +46,7 @@ def mean(reports, key):
 
 
 def describe(reports):
-    """What was decided on each effect: in how many files it is, and what trials said of it."""
+    """The decision on each effect: the number of files that use it, and its mean gain in probe fits."""
     called, refused = [], []
     for decision in reports[0]["effects"]:
         name = decision["name"]
@@ -63,11 +63,11 @@ def describe(reports):
 def row_of(arguments, image, work):
     choices = {"auto": "", **FIXED}
     reports = {name: [] for name in choices}
-    for seed in range(1, arguments.seeds + 1):  # choices take turns: what slows the machine down slows them all
+    for seed in range(1, arguments.seeds + 1):  # choices alternate, so that changes of the load affect all of them
         for name, effects in choices.items():
             reports[name].append(encode(arguments, image, effects, seed, work))
             if name == "auto":
-                reports[name][-1]["used"] = codec.run(arguments.gscl, "info", work / "picture.gscl", "--json")[1]["effects"]
+                reports[name][-1]["used"] = codec.run(arguments.gscl, "info", work / "coded.gscl", "--json")[1]["effects"]
     seconds = {name: statistics.median(report["seconds"] for report in reports[name]) for name in ("auto", "all on")}
     best = max(FIXED, key=lambda name: mean(reports[name], "psnr"))
     psnrs = [report["psnr"] for report in reports["auto"]]
@@ -77,9 +77,9 @@ def row_of(arguments, image, work):
 
 
 def table_of(rows, arguments, source):
-    yield (f"{source}, {arguments.bpp} bits a pixel, means of {arguments.seeds} seeds (and their standard deviation);"
+    yield (f"{source}, {arguments.bpp} bits per pixel, means of {arguments.seeds} seeds (and their standard deviation);"
            " `sh tests/bench/bench.sh effects`:\n")
-    yield "| picture | effects called for (tried gain) | auto dB | s | all on dB | s | best fixed choice | dB | auto less best |"
+    yield "| image | effects chosen (gain in probe fits) | auto dB | s | all on dB | s | best fixed choice | dB | auto less best |"
     yield "|---|---|---|---|---|---|---|---|---|"
     for r in rows:
         yield (f"| {r['name']} | {r['text']} | {r['psnr']:.2f} ({r['spread']:.2f}) | {r['seconds']:.2f} | {r['all_psnr']:.2f} |"
@@ -91,7 +91,7 @@ def table_of(rows, arguments, source):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", help="of PNG images (default: both sets of scenes)")
+    parser.add_argument("folder", nargs="?", help="folder of PNG images (default: both sets of scenes)")
     parser.add_argument("--gscl", default="build/gscl")
     parser.add_argument("--bpp", type=float, default=0.125)
     parser.add_argument("--seeds", type=int, default=4, help="encodes of each choice (default %(default)s)")
@@ -102,9 +102,9 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         work = pathlib.Path(work)
         for name, section in sections.items():
-            folder, source = arguments.folder, f"Pictures of `{arguments.folder}`"
+            folder, source = arguments.folder, f"Images of `{arguments.folder}`"
             if not folder:
-                folder, source = work / name, f"Pictures of `tests/bench/{SETS[name].__name__}.py`"
+                folder, source = work / name, f"Images of `tests/bench/{SETS[name].__name__}.py`"
                 SETS[name].draw_all(folder)
             rows = [row_of(arguments, image, work) for image in codec.images_of(folder)]
             document.publish(section, "\n".join(table_of(rows, arguments, source)) + "\n")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws pictures of many kinds, each of which calls for other effects, as PNG files into a folder:
+"""Draws images of many kinds, which need different effects, as PNG files into a folder:
 
     sh tests/bench/bench.sh scenes FOLDER
 """
@@ -18,7 +18,7 @@ def eight_bits(planes):
 
 
 def blobs(random, count, sigma, power=1.0):
-    """Round lights on black: `sigma` smallest and largest, pixels."""
+    """Round lights on black, with sigmas in pixels from the range `sigma`."""
     planes = numpy.zeros((HEIGHT, WIDTH, 3))
     for _ in range(count):
         x, y, s = random.uniform(0, WIDTH), random.uniform(0, HEIGHT), random.uniform(*sigma)
@@ -48,12 +48,12 @@ def nebula(random):
 
 
 def dots(random):
-    picture = Image.new("RGB", (WIDTH, HEIGHT), (240, 236, 220))
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (WIDTH, HEIGHT), (240, 236, 220))
+    draw = ImageDraw.Draw(image)
     for y in range(12, HEIGHT, 24):
         for x in range(12, WIDTH, 24):
             draw.ellipse((x - 5, y - 5, x + 5, y + 5), tuple(int(v) for v in random.integers(0, 200, 3)))
-    return picture.filter(ImageFilter.GaussianBlur(1))
+    return image.filter(ImageFilter.GaussianBlur(1))
 
 
 def flat(random):
@@ -78,66 +78,66 @@ def grey(random):
 
 
 def sepia(random):
-    """Colour that a grey picture nearly has."""
+    """Faint colour on a grey image."""
     y = numpy.asarray(grey(random), float)[..., None] / 255
     return eight_bits(y * numpy.array([1.03, 1.0, 0.96]) + 0.004 * random.normal(size=(HEIGHT, WIDTH, 3)))
 
 
 def lines(random):
-    picture = Image.new("RGB", (2 * WIDTH, 2 * HEIGHT), "white")
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (2 * WIDTH, 2 * HEIGHT), "white")
+    draw = ImageDraw.Draw(image)
     for _ in range(60):
         ends = [int(v) for v in random.uniform(0, 1, 4) * (2 * WIDTH, 2 * HEIGHT, 2 * WIDTH, 2 * HEIGHT)]
         draw.line(ends, tuple(int(v) for v in random.integers(0, 160, 3)), int(random.integers(2, 9)))
-    return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    return image.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
 
 
 def text(random):
-    picture = Image.new("L", (WIDTH, HEIGHT), 255)
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("L", (WIDTH, HEIGHT), 255)
+    draw = ImageDraw.Draw(image)
     words = "A picture is a sum of two-dimensional Gaussians, each with a place, a shape and a colour. ".split()
     for row in range(HEIGHT // 13):
         draw.text((6, 4 + 13 * row), " ".join(random.permutation(words)[:11]), 0)
-    return picture.convert("RGB")
+    return image.convert("RGB")
 
 
 def windows(random):
-    """Upright boxes of one colour: a drawn user interface."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), (230, 232, 238))
-    draw = ImageDraw.Draw(picture)
+    """Axis-aligned boxes of one colour, as in a user interface."""
+    image = Image.new("RGB", (WIDTH, HEIGHT), (230, 232, 238))
+    draw = ImageDraw.Draw(image)
     for _ in range(25):
         x, y = int(random.integers(0, WIDTH)), int(random.integers(0, HEIGHT))
         w, h = int(random.integers(20, 140)), int(random.integers(8, 60))
         draw.rectangle((x, y, x + w, y + h), tuple(int(v) for v in random.integers(40, 256, 3)), (60, 60, 70))
-    return picture
+    return image
 
 
 def cloth(random):
-    """Waves of two directions."""
+    """Waves in two directions."""
     wave = 0.5 + 0.2 * numpy.sin(0.9 * X + 0.4 * Y + 0.6 * noise(random, 20)) + 0.15 * numpy.sin(0.35 * X - 0.8 * Y)
     return eight_bits(wave[..., None] * numpy.array([0.9, 0.6, 0.5]))
 
 
 def half_flat(random):
-    picture = landscape(random)
-    picture.paste((118, 130, 140), (WIDTH // 2, 0, WIDTH, HEIGHT))
-    return picture
+    image = landscape(random)
+    image.paste((118, 130, 140), (WIDTH // 2, 0, WIDTH, HEIGHT))
+    return image
 
 
 def sticker(random):
-    """Shapes on a transparent ground."""
-    picture = Image.new("RGBA", (2 * WIDTH, 2 * HEIGHT), (0, 0, 0, 0))
-    draw = ImageDraw.Draw(picture)
+    """Shapes on a transparent background."""
+    image = Image.new("RGBA", (2 * WIDTH, 2 * HEIGHT), (0, 0, 0, 0))
+    draw = ImageDraw.Draw(image)
     for _ in range(9):
         x, y, r = random.uniform(0, 2 * WIDTH), random.uniform(0, 2 * HEIGHT), random.uniform(30, 120)
         draw.ellipse((x - r, y - r, x + r, y + r), (*(int(v) for v in random.integers(0, 256, 3)), 255))
-    return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    return image.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
 
 
 def opaque_rgba(random):
-    picture = landscape(random)
-    picture.putalpha(255)
-    return picture
+    image = landscape(random)
+    image.putalpha(255)
+    return image
 
 
 SCENES = [stars, bokeh, nebula, dots, flat, sky, landscape, grey, sepia, lines, text, windows, cloth, half_flat, sticker, opaque_rgba]

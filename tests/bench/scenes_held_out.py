@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws a second set of pictures, on which no threshold of the encoder was tuned, as PNG files into a folder:
+"""Draws a second set of images, on which no threshold of the encoder was tuned, as PNG files into a folder:
 
     sh tests/bench/bench.sh scenes_held_out FOLDER
 
@@ -68,8 +68,8 @@ def wrapped(draw, text, box, face, fill, spacing=3):
 
 def screenshot_document(random):
     """A light window with a title bar, a sidebar, headings and paragraphs."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), (250, 250, 250))
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (WIDTH, HEIGHT), (250, 250, 250))
+    draw = ImageDraw.Draw(image)
     accent = colour(random, 30, 160)
     draw.rectangle((0, 0, WIDTH, 22), accent)
     draw.text((8, 4), "Notes - History", "white", font(12))
@@ -84,13 +84,13 @@ def screenshot_document(random):
     draw.rounded_rectangle((104, 172, 200, 196), 6, accent)
     draw.text((122, 177), "Restore", "white", font(11))
     wrapped(draw, " ".join(random.permutation(words)), (104, 206, WIDTH - 12, HEIGHT - 4), font(10), (40, 40, 40))
-    return picture
+    return image
 
 
 def screenshot_editor(random):
     """A dark editor with coloured source text and line numbers."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), (30, 32, 40))
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (WIDTH, HEIGHT), (30, 32, 40))
+    draw = ImageDraw.Draw(image)
     palette = [(198, 120, 221), (152, 195, 121), (97, 175, 239), (229, 192, 123), (220, 223, 228)]
     draw.rectangle((0, 0, 30, HEIGHT), (38, 40, 50))
     for row in range(18):
@@ -99,13 +99,13 @@ def screenshot_editor(random):
         for word in CODE[(row + int(random.integers(0, 2))) % len(CODE)].replace(" ", " \0").split("\0"):
             draw.text((x, 4 + 14 * row), word, palette[int(random.integers(0, len(palette)))], font(10, "DejaVuSansMono"))
             x += draw.textlength(word, font(10, "DejaVuSansMono"))
-    return picture
+    return image
 
 
 def comic(random):
     """Panels with black outlines, flat fills, halftone dots and speech balloons."""
-    picture = Image.new("RGB", (2 * WIDTH, 2 * HEIGHT), "white")
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (2 * WIDTH, 2 * HEIGHT), "white")
+    draw = ImageDraw.Draw(image)
     for left, top, right, bottom in ((12, 12, 370, 250), (390, 12, 756, 250), (12, 266, 500, 500), (516, 266, 756, 500)):
         draw.rectangle((left, top, right, bottom), colour(random, 120), "black", 5)
         spot = colour(random, 40, 200)
@@ -119,13 +119,13 @@ def comic(random):
             draw.ellipse((middle + side - 5, bottom - 115, middle + side + 5, bottom - 105), "black")
         draw.ellipse((left + 14, top + 12, left + 170, top + 74), "white", "black", 3)
         draw.text((left + 36, top + 32), "WHO IS THERE?", "black", font(15))
-    return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    return image.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
 
 
 def street_map(random):
     """Blocks, water, parks, roads of two widths and names."""
-    picture = Image.new("RGB", (2 * WIDTH, 2 * HEIGHT), (242, 239, 233))
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (2 * WIDTH, 2 * HEIGHT), (242, 239, 233))
+    draw = ImageDraw.Draw(image)
     shore = [(x, 2 * HEIGHT * 0.75 + 40 * numpy.sin(x / 90 + random.uniform(0, 0.2))) for x in range(0, 2 * WIDTH + 20, 20)]
     draw.polygon([(0, 2 * HEIGHT), *shore, (2 * WIDTH, 2 * HEIGHT)], (170, 211, 223))
     for _ in range(5):
@@ -140,13 +140,13 @@ def street_map(random):
             draw.line(ends, fill, width)
     for name in ("Harbour", "Mill Lane", "Old Market", "North Gate", "Station", "Church Street"):
         draw.text((random.uniform(20, 600), random.uniform(10, 480)), name, (70, 70, 80), font(20))
-    return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    return image.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
 
 
 def bar_chart(random):
     """Bars, axes and labels on white."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), "white")
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (WIDTH, HEIGHT), "white")
+    draw = ImageDraw.Draw(image)
     for tick in range(6):
         y = 220 - 38 * tick
         draw.line((40, y, WIDTH - 12, y), (220, 220, 220))
@@ -156,13 +156,13 @@ def bar_chart(random):
         draw.rectangle((50 + 32 * bar, 220 - height, 70 + 32 * bar, 220), [(66, 113, 174), (221, 132, 82), (85, 168, 104)][bar % 3])
         draw.text((52 + 32 * bar, 226), f"Q{bar + 1}", (80, 80, 80), font(10))
     draw.line((40, 20, 40, 220, WIDTH - 12, 220), "black")
-    return picture
+    return image
 
 
 def line_chart(random):
     """Thin antialiased curves over a grid."""
-    picture = Image.new("RGB", (3 * WIDTH, 3 * HEIGHT), "white")
-    draw = ImageDraw.Draw(picture)
+    image = Image.new("RGB", (3 * WIDTH, 3 * HEIGHT), "white")
+    draw = ImageDraw.Draw(image)
     for x in range(120, 3 * WIDTH, 130):
         draw.line((x, 30, x, 690), (225, 225, 230), 2)
     for y in range(30, 700, 110):
@@ -171,7 +171,7 @@ def line_chart(random):
         values = numpy.cumsum(random.normal(0, 14, 100)) + random.uniform(200, 500)
         draw.line([(120 + 10 * i, min(max(v, 30), 690)) for i, v in enumerate(values)], shade, 5)
     draw.line((120, 30, 120, 690, 3 * WIDTH - 30, 690), "black", 3)
-    return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+    return image.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
 
 
 def white_noise(random):
@@ -193,8 +193,8 @@ def clouds(random):
 
 def conic_gradient(random):
     """Hue around the middle, brightness from it."""
-    turn = (numpy.arctan2(Y, X) + random.uniform(0, 6.28))[..., None]
-    return image_of((0.5 + 0.45 * numpy.cos(turn - numpy.array([0, 2.09, 4.19]))) * (0.4 + 0.6 * numpy.exp(-(X ** 2 + Y ** 2)))[..., None])
+    angle = (numpy.arctan2(Y, X) + random.uniform(0, 6.28))[..., None]
+    return image_of((0.5 + 0.45 * numpy.cos(angle - numpy.array([0, 2.09, 4.19]))) * (0.4 + 0.6 * numpy.exp(-(X ** 2 + Y ** 2)))[..., None])
 
 
 def banded_gradient(random):
@@ -213,17 +213,17 @@ def photo_cat(random):
 
 def photo_framed(random):
     """A photograph in a white mount with a black frame."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), "white")
-    ImageDraw.Draw(picture).rectangle((0, 0, WIDTH - 1, HEIGHT - 1), None, (25, 22, 20), 10)
-    picture.paste(photograph(str(random.choice(["astronaut", "coffee"])), 256, 164), (64, 46))
-    return picture
+    image = Image.new("RGB", (WIDTH, HEIGHT), "white")
+    ImageDraw.Draw(image).rectangle((0, 0, WIDTH - 1, HEIGHT - 1), None, (25, 22, 20), 10)
+    image.paste(photograph(str(random.choice(["astronaut", "coffee"])), 256, 164), (64, 46))
+    return image
 
 
 def photo_letterbox(random):
     """A wide photograph between black bars."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), "black")
-    picture.paste(photograph(str(random.choice(["rocket", "coffee"])), WIDTH, 160), (0, 48))
-    return picture
+    image = Image.new("RGB", (WIDTH, HEIGHT), "black")
+    image.paste(photograph(str(random.choice(["rocket", "coffee"])), WIDTH, 160), (0, 48))
+    return image
 
 
 def photo_nearly_grey(random):
@@ -240,11 +240,11 @@ def photo_deep_field(_):
 
 def photo_cut_out(random):
     """A photograph inside an ellipse, transparent outside."""
-    picture = photograph(str(random.choice(["astronaut", "chelsea"])))
+    image = photograph(str(random.choice(["astronaut", "chelsea"])))
     mask = Image.new("L", (4 * WIDTH, 4 * HEIGHT), 0)
     ImageDraw.Draw(mask).ellipse((160, 40, 4 * WIDTH - 160, 4 * HEIGHT - 40), 255)
-    picture.putalpha(mask.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS))
-    return picture
+    image.putalpha(mask.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS))
+    return image
 
 
 def scanned_page(_):

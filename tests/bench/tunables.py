@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What half and twice the value of each tunable cost: builds the tool with the changed value and encodes.
+"""The loss at half and at twice the value of each tunable: builds the tool with the changed value and encodes.
 
     sh tests/bench/bench.sh tunables FOLDER [--only NAME,NAME] [--rooms fit,scalar] [--rate 0.066] [--jobs 2] [--document]
 
 FOLDER holds PNG photographs; the drawings on which effects depend come from scenes.py and scenes_held_out.py.  Tunables are the
-fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers to the nearest, 0 is left out)
+fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers are rounded, 0 is skipped)
 in a copy of the sources.  The mean PSNR of the photographs, that of the drawings, and the processor time are compared with those
-of the defaults.  Each room has a section of its own in TUNABLES.md, which also says how far the seed alone moves these means: a
-smaller difference means nothing.
+of the defaults.  Each room has a section of its own in TUNABLES.md, which also states how much the seed alone changes these means: a
+smaller difference is not significant.
 """
 import concurrent.futures
 import json
@@ -32,7 +32,7 @@ DRAWINGS = {scenes: ("dots", "sepia", "windows"), scenes_held_out: ("photo_frame
 PAPER_ROOM = "codebook"
 SEEDS = (1, 2, 3)
 FACTORS = (0.5, 2)
-LONGEST_S = 120  # of one encode
+MAX_ENCODE_S = 120  # of one encode
 
 
 def fields_of(room):
@@ -75,10 +75,10 @@ class Tree:
 
 
 def encode(words):
-    """Runs gscl encode; returns (its report, seconds of processor time), or None where it failed or took minutes."""
+    """Runs gscl encode; returns (its report, seconds of processor time), or None where it failed or took longer than MAX_ENCODE_S."""
     with tempfile.TemporaryFile("w+") as output:
         process = subprocess.Popen([str(word) for word in words], stdout=output, stderr=subprocess.DEVNULL)
-        timer = threading.Timer(LONGEST_S, process.kill)
+        timer = threading.Timer(MAX_ENCODE_S, process.kill)
         timer.start()
         _, status, usage = os.wait4(process.pid, 0)
         timer.cancel()
@@ -116,13 +116,13 @@ def cell(result, default):
     return f"{result[0] - default[0]:+.2f}, {result[1] - default[1]:+.2f}, x{result[2] / default[2]:.2f}"
 
 
-def lines_of(room, profiles, results, pictures, rate):
+def lines_of(room, profiles, results, count, rate):
     """The section of a room."""
     default = results[profiles[0]]
     spreads = [statistics.stdev(results[task][group] for task in profiles) for group in (0, 1)]
     profile = "paper profile, effort 2" if room == PAPER_ROOM else "default profile"
-    yield document.origin("sh tests/bench/bench.sh tunables FOLDER", pictures)
-    yield (f"{profile}, {rate} bits a pixel: {default[0]:.2f} dB on photographs, {default[1]:.2f} dB on drawings; standard deviations"
+    yield document.origin("sh tests/bench/bench.sh tunables FOLDER", count)
+    yield (f"{profile}, {rate} bits per pixel: {default[0]:.2f} dB on photographs, {default[1]:.2f} dB on drawings; standard deviations"
            f" over {len(profiles)} seeds {spreads[0]:.2f} and {spreads[1]:.2f} dB.\n")
     rows = []
     for name, _, text in fields_of(room):

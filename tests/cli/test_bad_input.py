@@ -188,7 +188,7 @@ class Files(ToolTest):
             with self.subTest(size=size):
                 self.bad(data[:size], "incomplete|damaged")
 
-    def test_longer_than_it_should_be(self):
+    def test_surplus_bytes(self):
         self.bad(self.encode(scene(20, 20)) + b"\0", "damaged|checksum")
 
     def test_flipped_bytes(self):
@@ -197,7 +197,7 @@ class Files(ToolTest):
             with self.subTest(at=at):
                 self.bad(data[:at] + bytes([data[at] ^ 0x55]) + data[at + 1:], "damaged|limits|corrupt|incomplete")
 
-    def test_absurd_headers(self):
+    def test_impossible_sizes(self):
         """Headers with valid checksums and impossible sizes are refused before any memory is allocated for them."""
         cases = {"largest": forged(16384, 16384, 1 << 20, bytes(20)), "too wide": forged(16385, 1, 0, bytes(9)),
                  "too many": forged(9, 9, (1 << 20) + 1, bytes(9)), "blend 3": forged(9, 9, 1, bytes(9), 3),

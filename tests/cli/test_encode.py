@@ -62,7 +62,7 @@ class Targets(ToolTest):
     def test_more_bytes_than_the_image_can_use(self):
         self.assertLess(len(self.encode(scene(16, 16), "--bytes", "20000")), 20000)
 
-    def test_default_target_suits_an_icon(self):
+    def test_default_target_suffices_for_an_icon(self):
         image = scene(32, 32)
         self.assertLessEqual(len(self.encode(image)), 256)
         self.assertGreater(psnr(image, self.decode()), 22)
@@ -78,7 +78,7 @@ class Targets(ToolTest):
 
 class Kinds(ToolTest):
     def test_quality_grows_with_the_file(self):
-        """Images that are no photographs, at three sizes."""
+        """Images other than photographs, at three sizes."""
         two_pixels = Image(2, 1, 3, 8, [255, 0, 0, 0, 0, 255])
         for name, image, budgets in (
                 ("noise", noise(96, 64), (150, 500, 1500)), ("checkerboard", checkerboard(96, 64, 4), (150, 500, 1500)),
@@ -210,7 +210,7 @@ class Batch(ToolTest):
         self.gscl("encode", "c.png", *FAST)
         self.assertEqual(self.path("out/c.gscl").read_bytes(), self.path("c.gscl").read_bytes())
 
-    def test_goes_on_after_a_bad_input(self):
+    def test_continues_after_a_bad_input(self):
         self.write("b.png", b"no image")
         done = self.start("encode", "a.png", "b.png", "missing.png", "c.png", "--out-dir", "out", "-q", *FAST)
         self.assertEqual(done.returncode, 1)

@@ -32,7 +32,7 @@ class Info(ToolTest):
                 self.assertEqual("alpha-channel" in info["effects"], channels % 2 == 0)
                 self.assertAlmostEqual(info["bpp"], 8 * len(data) / 600)
 
-    def test_text_says_the_same(self):
+    def test_text_has_the_same_figures(self):
         self.encode(scene(30, 20), "--bytes", "300")
         info = self.gscl_json("info", "in.gscl")
         text = self.gscl("info", "in.gscl").decode()
@@ -50,7 +50,7 @@ class Info(ToolTest):
 
 
 class Compare(ToolTest):
-    def test_psnr_is_what_python_finds(self):
+    def test_psnr_matches_python(self):
         for channels in (1, 2, 3, 4):
             with self.subTest(channels=channels):
                 a, b = scene(40, 30, channels), scene(40, 30, channels)

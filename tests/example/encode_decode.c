@@ -1,4 +1,4 @@
-/* Encodes a picture made in memory, decodes it again and says how close it came.
+/* Encodes an image made in memory, decodes it again and prints its PSNR.
  *     cc -std=c99 encode_decode.c $(pkg-config --cflags --libs gscl) */
 #include <stdio.h>
 #include <stdlib.h>

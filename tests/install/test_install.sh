@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs a build folder into a temporary prefix and uses it as a stranger would: test_install.sh BUILD
+# Installs a build folder into a temporary prefix and uses it as another project would: test_install.sh BUILD
 # Builds and runs the example against the shared and against the static library, and the example of the header; runs the
 # tool when there is one.
 set -eu
@@ -13,7 +13,7 @@ library=$(find "$work" -name libgscl.so)
 prefix=${library%/lib/*}
 libdir=$(dirname "$library")
 
-# The files think that they lie in / and not in $work.
+# The files contain paths for an installation in /, not in $work.
 export PKG_CONFIG_PATH="$libdir/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$work"
 flags="-std=c99 -Wall -Wextra -Werror -pedantic $source/tests/example/encode_decode.c"
 

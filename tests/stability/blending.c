@@ -9,7 +9,7 @@ static void add_splats_of_opacity(scene *s, float logit) {
         scene_add(s)[GSCL_OPACITY] = logit;
 }
 
-/* exp(-x) overflows, so that the opacity is exactly 0; likewise 1. */
+/* exp(-x) overflows, so that the opacity is exactly 0 (or exp(-x) is 0, and the opacity 1). */
 static void opacity_0(scene *s) {
     add_splats_of_opacity(s, -INFINITY);
 }
@@ -41,16 +41,16 @@ static void stack_of_10000(scene *s) {
     add_stack(s, scene_scaled(10000, 30));
 }
 /* Low opacities: the rear splats stay visible. */
-static void thin_stack(scene *s) {
+static void stack_of_low_opacity(scene *s) {
     add_stack(s, scene_scaled(1000, 20));
     for (size_t i = 0; i < s->count; i++)
         s->params[i * GSCL_PARAMS + GSCL_OPACITY] = synthetic_uniform(-9.0, -6.0);
 }
 
-/* Each has a transmittance of 1/1000 to 1/20: 15 to 35 of them reach less than the smallest float. */
+/* Each splat has a transmittance of 1/1000 to 1/20, so that the product of 15 to 35 of them is below the smallest float. */
 static void underflow(scene *s) {
     add_stack(s, scene_scaled(200, 25));
-    s->stride = 1; /* the transmittance at the second splat is 1/1000, the least that clamping the first leaves */
+    s->stride = 1; /* the transmittance at the second splat is 1/1000, the minimum after the clamp of the first */
     for (size_t i = 0; i < s->count; i++) {
         float *p = s->params + i * GSCL_PARAMS;
         scene_set_axes(p, scene_log_uniform(4.0, 1e3), scene_log_uniform(4.0, 1e3));
@@ -87,7 +87,7 @@ const scene_case blending_cases[] = {
     {"opacity 1", opacity_1},
     {"1,000 splats on a pixel", stack_of_1000},
     {"10,000 splats on a pixel", stack_of_10000},
-    {"1,000 thin splats on a pixel", thin_stack},
+    {"1,000 thin splats on a pixel", stack_of_low_opacity},
     {"transmittance that underflows", underflow},
     {"pixels that no splat reaches", unreached},
     {"colours that cancel at 10^4", cancelling},

@@ -18,7 +18,7 @@
 
 /* ---- The file ---- */
 
-static gscl_coded_image picture_of(const scene *s, const float *params, const float background[4]) {
+static gscl_coded_image coded_image_of(const scene *s, const float *params, const float background[4]) {
     gscl_coded_image p = {0};
     p.file.header = (gsf_header){.blend = (gsf_blend)s->blend,
                                  .layout = GSF_RGB,
@@ -45,7 +45,7 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
     size_t sizes[2] = {0, 0};
     bool good = true;
     for (int i = 0; i < 2 && good; i++) {
-        gscl_coded_image p = picture_of(s, params, background);
+        gscl_coded_image p = coded_image_of(s, params, background);
         good = gscl_coded_image_write(&p, &bytes[i], &sizes[i]) == GSCL_OK;
         gscl_coded_image_free(&p);
     }
@@ -68,7 +68,7 @@ bool scene_file_decodes(const scene *s, char *message, size_t capacity) {
 
 /* ---- Descent ---- */
 
-/* `params`: in the scene's, out the fitted ones.  A first step brings the splats within the library's limits, as in any
+/* `params` holds the scene's parameters and receives the fitted ones.  A first step moves the splats within the library's limits, as in any
  * fit.  Descent starts from there, with moments reset. */
 static gscl_result descend(gscl_fit *fit, const scene *s, float *params, double *before, double *after) {
     GSCL_TRY(gscl_fit_append(fit, params, s->count));

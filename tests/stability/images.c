@@ -8,7 +8,7 @@ static void resize_and_add_splats(scene *s, int width, int height) {
         scene_add(s);
 }
 
-/* A colour of the same hue everywhere. */
+/* Paints the target in one hue, with the given brightness. */
 static void paint_target(scene *s, float (*value)(int x, int y)) {
     static const float hue[SCENE_CHANNELS] = {1.0f, 0.8f, 0.6f};
     const int pixels = s->width * s->height;
@@ -27,7 +27,7 @@ static float checkers(int x, int y) {
 static float hot(int x, int y) {
     return x == 7 && y == 5 ? 1.0f : 0.0f;
 }
-static float ramp(int x, int y) { /* steps of one in 65535 */
+static float ramp(int x, int y) { /* steps of 1/65535 */
     return (float)(30000 + x + 40 * y) / 65535.0f;
 }
 

@@ -4,7 +4,7 @@
 #include "scene.h"
 #include "synthetic_scene.h"
 
-/* Some are near enough to have weight in the image, and some are too far. */
+/* Some splats reach into the image, others are too far away. */
 static void outside(scene *s) {
     static const double beyond[] = {0.5, 3.0, 20.0, 1e3, 1e5};
     for (int i = 0; i < 20; i++) {

@@ -38,7 +38,7 @@ void scene_begin(scene *s, const char *name, int blend) {
     scene_resize(s, (int)scene_scaled(40, 18), (int)scene_scaled(33, 9));
 }
 
-void scene_take_shape(scene *s, int shape) {
+void scene_set_shape(scene *s, int shape) {
     s->shape = shape;
     for (size_t i = 0; i < s->count && shape != GSCL_SHAPE_ROTATED; i++) {
         float *p = s->params + i * GSCL_PARAMS;

@@ -1,5 +1,5 @@
-/* A scene of the suite: splats, as float parameters that may lie outside the library's own clamps, and the image that
- * they are fitted to.  Kernels and the double-precision oracle use the same floats. */
+/* A scene of the suite: the image to fit, and splats as float parameters that may lie outside the library's own
+ * clamps.  Kernels and the double-precision oracle use the same floats. */
 #ifndef STABILITY_SCENE_H
 #define STABILITY_SCENE_H
 
@@ -8,19 +8,19 @@
 
 #include "cl/constants.h"
 
-#define SCENE_SPLATS 10000 /* at most */
-#define SCENE_PIXELS 65536 /* at most */
+#define SCENE_SPLATS 10000 /* maximum */
+#define SCENE_PIXELS 65536 /* maximum */
 #define SCENE_CHANNELS 3
 #define SCENE_STEPS 40 /* of Adam, in which the loss must fall */
 
 typedef struct {
     char name[80];
     int blend;
-    int width, height, level; /* of the full-size image; of the pyramid */
+    int width, height, level; /* size of the full image; level of the pyramid */
     bool isotropic;           /* all splats are isotropic: the gradient of their angle must be exactly 0 */
     int shape;                /* GSCL_SHAPE_...: of the kernels */
     size_t count;
-    size_t stride; /* the gradient is differenced for every such splat */
+    size_t stride; /* the gradient is compared for every `stride`th splat */
     float params[SCENE_SPLATS * GSCL_PARAMS];
     float target[SCENE_PIXELS * SCENE_CHANNELS]; /* of the level */
 } scene;
@@ -36,18 +36,18 @@ extern const scene_case shape_cases[], blending_cases[], place_cases[], image_ca
 
 /* An ordinary scene without splats. */
 void scene_begin(scene *s, const char *name, int blend);
-/* Adds a splat somewhere in the image, of axes from 0.7 to 15 pixels and any angle, opacity and colour. */
+/* Adds a splat at a random position in the image, with axes of 0.7 to 15 pixels and random angle, opacity and colour. */
 float *scene_add(scene *s);
 void scene_set_axes(float *params, double s1, double s2);
 /* Sets all angles to 0, and for GSCL_SHAPE_ISOTROPIC all second axes to the first. */
-void scene_take_shape(scene *s, int shape);
+void scene_set_shape(scene *s, int shape);
 /* Sets another size, with noise as the target. */
 void scene_resize(scene *s, int width, int height);
 int scene_level_width(const scene *s);
 int scene_level_height(const scene *s);
-/* Uniform in the logarithm. */
+/* A random number whose logarithm is uniform. */
 double scene_log_uniform(double low, double high);
-/* The number of `count` splats or steps that a run uses: few with STABILITY_SMALL. */
+/* Returns `count`, or `few` when STABILITY_SMALL is set. */
 size_t scene_scaled(size_t count, size_t few);
 
 #endif

@@ -35,7 +35,7 @@ static void needles_6(scene *s) {
     needles(s, 1e6);
 }
 
-/* Three of four are close enough to a pixel's centre to have weight there; the others are mostly between centres. */
+/* Three of four have weight at a pixel's centre; the others are mostly between centres. */
 static void sub_pixel(scene *s) {
     for (size_t i = 0; i < scene_scaled(40, 10); i++) {
         float *p = scene_add(s);

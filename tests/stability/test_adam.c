@@ -1,4 +1,4 @@
-/* Adam over 10^5 steps, against the same in double precision: gradients of 0, of 10^-30, 10^10 and others. */
+/* Adam over 10^5 steps, against an implementation in double precision: gradients of 0, of 10^-30, 10^10 and others. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,7 @@
  * moment four times and the first moment three times. */
 #define FIRST_BOUND (3.0 * UNIT / 0.1)
 #define SECOND_BOUND (4.0 * UNIT / 0.01)
-/* Of a step: both moments, both corrections (exp2 of up to 3 ulp, which counts most at the first steps), and the
+/* Of one step: both moments, both corrections (exp2 of up to 3 ulp, which is largest at the first steps), and the
  * rate. */
 #define STEP_BOUND (FIRST_BOUND + SECOND_BOUND + 40.0 * UNIT)
 
@@ -35,7 +35,7 @@ typedef float (*gradient_maker)(long step);
 static float flips(long step) {
     return step / HALF_PERIOD % 2 ? -1.0f : 1.0f;
 }
-static float none(long step) {
+static float zero(long step) {
     (void)step;
     return 0.0f;
 }
@@ -58,9 +58,9 @@ static float near_epsilon(long step) {
 static const struct {
     const char *name;
     gradient_maker gradient;
-    unsigned only; /* bits of the parameters that have it */
+    unsigned only; /* bits of the parameters that have this gradient */
 } cases[] = {
-    {"gradient exactly 0", none, ~0u},
+    {"gradient exactly 0", zero, ~0u},
     {"gradient 10^-30", tiny, ~(1u << GSCL_THETA)},
     {"gradient 10^10", huge, ~(1u << GSCL_THETA)},
     {"gradient 1", flips, ~(1u << GSCL_THETA)},
@@ -115,7 +115,7 @@ static void keep_within(double *p, const gscl_limits *b) {
         p[k] = within(p[k], b->colour_min, b->colour_max);
 }
 
-static void true_step(state *s, size_t which, long step, const gscl_limits *bounds) {
+static void reference_step(state *s, size_t which, long step, const gscl_limits *bounds) {
     const double beta1 = 0.9f, beta2 = 0.99f, age = (double)(step + 1);
     const double correct1 = 1.0 / (1.0 - pow(beta1, age)), correct2 = 1.0 / (1.0 - pow(beta2, age));
     const double c = cos(s->p[GSCL_THETA]), n = sin(s->p[GSCL_THETA]);
@@ -191,7 +191,7 @@ static void run_fit(gscl_context *context, long count, outcome *o, gscl_limits *
 
 /* ---- Comparison ---- */
 
-/* Steps that errors of a parameter can add up over: all for the angle, which has no bounds to come back from. */
+/* The errors of a parameter accumulate until it is clamped to its limits, which the angle does not have. */
 static double parameter_bound(size_t parameter, const double *rates, long count, double size) {
     const double steps = parameter == GSCL_THETA ? (double)count : fmin((double)count, 2.0 * HALF_PERIOD);
     return steps * (rates[parameter] * STEP_BOUND + UNIT * size);
@@ -208,7 +208,7 @@ static void check_outcome(size_t which, const outcome *o, const state *s, long c
         assert_true(isfinite(o->p[at]) && isfinite(o->m[at]) && isfinite(o->v[at]));
         if (s->largest_m[k] > 0.0)
             first = fmax(first, fabs(o->m[at] - s->m[k]) / s->largest_m[k]);
-        if (s->largest_v[k] > 1e-30) /* less is 0 in a float */
+        if (s->largest_v[k] > 1e-30) /* smaller values are 0 in a float */
             second = fmax(second, fabs(o->v[at] - s->v[k]) / s->largest_v[k]);
         parameter = fmax(parameter, fabs(o->p[at] - s->p[k]) / parameter_bound(k, rates, count, sizes[k]));
     }
@@ -236,14 +236,14 @@ static void test_many_steps(void **unused) {
         for (size_t k = 0; k < GSCL_PARAMS; k++)
             states[i].p[k] = start[i * GSCL_PARAMS + k];
         for (long step = 0; step < count; step++)
-            true_step(&states[i], i, step, &limits);
+            reference_step(&states[i], i, step, &limits);
         check_outcome(i, &outcomes[0], &states[i], count, "cpu");
         check_outcome(i, &outcomes[1], &states[i], count, "gpu");
     }
 }
 
 /* Without a gradient no bit of a parameter changes. */
-static void test_no_gradient_moves_nothing(void **unused) {
+static void test_zero_gradients_change_nothing(void **unused) {
     (void)unused;
     static outcome o;
     gscl_limits limits;
@@ -260,7 +260,7 @@ static void test_no_gradient_moves_nothing(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_many_steps),
-        cmocka_unit_test(test_no_gradient_moves_nothing),
+        cmocka_unit_test(test_zero_gradients_change_nothing),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }

@@ -16,9 +16,9 @@
 #define CLUSTERS 64
 #define DIMS 5
 #define MAX_ITERATIONS 500
-#define ROUNDED 0x1p-24 /* of a mean in double precision to float */
+#define ROUNDED 0x1p-24 /* relative error of rounding a mean to float */
 
-/* A hard case: points and their weights, k, and the rows that are given to begin with. */
+/* A hard case: points and their weights, k, and the initial centroids of a warm start. */
 typedef struct {
     const char *name;
     uint32_t count, dims, clusters, warm, expected; /* expected: number of words in the result, 0 for any */
@@ -44,7 +44,7 @@ static void cluster_problem(const problem *p, uint32_t iterations, solution *s) 
 }
 
 /* The distance of a word from the weighted mean of its members, relative to the size of the members. */
-static double off_mean(const problem *p, const solution *s, uint32_t word, uint32_t dim) {
+static double error_of_mean(const problem *p, const solution *s, uint32_t word, uint32_t dim) {
     double sum = 0.0, weight = 0.0, size = 0.0;
     for (uint32_t i = 0; i < p->count; i++) {
         const double w = p->weighted ? p->weights[i] : 1.0, value = p->values[i * p->dims + dim];
@@ -69,7 +69,7 @@ static void check_problem(const problem *p) {
         fail_msg("%s: %u words, %u expected", p->name, first.result.clusters, p->expected);
     for (uint32_t k = 0; k < first.result.clusters; k++)
         for (uint32_t d = 0; d < p->dims; d++)
-            worst = fmax(worst, off_mean(p, &first, k, d));
+            worst = fmax(worst, error_of_mean(p, &first, k, d));
     report("k-means", p->name, "", "word off its members' mean, relative", ROUNDED, worst);
     if (worst > ROUNDED)
         fail_msg("%s: a word is off its members' mean by %g of their size", p->name, worst);
@@ -122,7 +122,7 @@ static void test_one_cluster(void **state) {
     check_problem(p);
 }
 
-/* Words where no point is: the farthest points fill them. */
+/* Words without members restart at the farthest points. */
 static void test_empty_clusters(void **state) {
     (void)state;
     problem *p = cloud("words far from all points", POINTS, 2, CLUSTERS);

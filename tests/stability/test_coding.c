@@ -29,7 +29,7 @@ static uint32_t next_random(uint32_t *state) {
     return *state >> 8;
 }
 
-/* ---- One stream, three ways ---- */
+/* ---- One stream, one encoder and two decoders ---- */
 
 static void check_library(const uint8_t *bytes, size_t size, uint32_t count, symbol_maker make) {
     uint32_t state = 1;
@@ -158,9 +158,9 @@ static void test_ten_million_symbols(void **state) {
 #define TOTAL 65536u
 
 /* Encodes `run` symbols whose intervals all contain the point 1/2, so that no byte can be written, and then one on the
- * side given by `up`.  `symbols` gets where each interval of width 2 begins; returns the size. */
+ * side given by `up`.  `symbols` receives the start of each interval of width 2.  Returns the size. */
 static size_t straddle(uint8_t *bytes, size_t capacity, uint32_t run, uint32_t *symbols, bool up) {
-    uint64_t distance = UINT64_C(1) << 31; /* from the interval's lower end to the point */
+    uint64_t distance = UINT64_C(1) << 31; /* of the point from the lower end of the interval */
     gsf_range_encoder encoder;
     gsf_range_encoder_init(&encoder, bytes, capacity);
     for (uint32_t i = 0; i <= run; i++) {

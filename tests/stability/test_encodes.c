@@ -18,9 +18,9 @@
 #include "scene.h"
 
 #define BYTES 160 /* of a file, at most */
-/* The loss that a file may have against the mean colour of the image alone, which needs no splat: in dB, and the
+/* The error that a file may have beyond that of the mean colour alone, which needs no splat: in dB, and the
  * rounding of the background and of samples.  In `sum`, overlapping splats also add the rounding of their colours,
- * whose codes are 1/32 apart; three overlapping splats are allowed for. */
+ * whose codes are 1/32 apart; the bound allows for three overlapping splats. */
 #define WORST_GAIN_DB 0.1
 #define ROUNDING_MSE 1.0
 #define SUM_MSE (3.0 * (255.0 / 64.0) * (255.0 / 64.0))
@@ -61,7 +61,7 @@ static gscl_image image_of(const scene *s) {
                         .pixels = samples};
 }
 
-/* Mean squared error, samples in 0..255, of the best single colour. */
+/* The mean squared error of the best single colour, for samples in 0..255. */
 static double flat_mse(const gscl_image *image) {
     const uint16_t *samples = image->pixels;
     const size_t pixels = (size_t)image->width * image->height;

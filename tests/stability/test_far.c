@@ -23,7 +23,8 @@
 typedef struct {
     const char *name;
     double s1, s2;
-    double nearest; /* least distance of centres from the view; the largest is twice that, or the image's corner */
+    double
+        nearest; /* minimum distance of centres from the view; the maximum is twice that, or the corner of the image */
 } far_case;
 
 static const far_case cases[] = {
@@ -32,7 +33,7 @@ static const far_case cases[] = {
     {"65536 x 1/16 px, the longest of codebooks", 65536.0, 0.0625, 8000.0},
 };
 
-/* Diagonal, through the view: places on a grid of 1/1024, so that the distance is exact. */
+/* Diagonal, through the view: centres on a grid of 1/1024 pixel, so that the distance is exact. */
 static void make_splats(const far_case *c, float params[SPLATS * GSCL_PARAMS]) {
     synthetic_random_state = 4;
     for (int i = 0; i < SPLATS * GSCL_PARAMS; i++)

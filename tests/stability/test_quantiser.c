@@ -65,7 +65,7 @@ static float extreme(size_t parameter, int which) {
     return parameter == GSCL_THETA ? turns[which] : ends[which];
 }
 
-/* Coded colours are at most half a step from the parameter, or at the end of the range. */
+/* A coded colour is at most half a step from its parameter, or at the end of the range. */
 static double colour_error(const gscl_coded_image *p, const float *params, const gsf_splat *splat) {
     float back[GSCL_PARAMS];
     int min, max;
@@ -96,7 +96,7 @@ static void test_parameters_beyond_all_ends(void **state) {
         gscl_coded_image_free(&p);
     }
     report("quantiser", "scalar, parameters beyond all ends", "", "colour's error, steps", 0.5 + 1e-5, worst);
-    assert_true(worst <= 0.5 + 1e-5); /* the colour returns as a float, 1e-5 of a step */
+    assert_true(worst <= 0.5 + 1e-5); /* the colour is a float, with an error of 1e-5 of a step */
 }
 
 /* ---- Codebook coding ---- */
@@ -174,7 +174,7 @@ typedef struct {
     const char *name;
     int bits, shapes, colours;
     size_t splats;
-    bool equal; /* all splats are */
+    bool equal; /* all splats are equal */
 } book_case;
 
 static void check_call(gscl_context *context, const char *name, gscl_result result) {

@@ -1,6 +1,6 @@
 /* Random scenes that combine all hard cases, each compared with its own bounds.
  *
- * Seeds that have failed are kept in seeds.txt and run first.  STABILITY_SEED=N runs that seed alone.
+ * Seeds that have failed are listed in seeds.txt and run first.  STABILITY_SEED=N runs that seed alone.
  * STABILITY_SCENES=N sets the number of seeds. */
 #include <math.h>
 #include <setjmp.h>
@@ -19,14 +19,14 @@
 #define SCENES 3000
 #define FEW_SCENES 24
 #define MAX_SPLATS 12
-#define WHOLE 10      /* one scene in so many is also fitted and written */
-#define MAX_PRINTED 5 /* failing seeds that are printed; all count */
+#define FILE_INTERVAL 10 /* one scene in FILE_INTERVAL is also written to a file */
+#define MAX_PRINTED 5    /* maximum number of failing seeds that are printed */
 
 static const double pi = 3.14159265358979323846;
 
 /* ---- Scenes ---- */
 
-static float any_place(int size) {
+static float random_place(int size) {
     const float on_border = 16.0f * (float)synthetic_random(3);
     switch (synthetic_random(8)) {
     case 0:
@@ -44,7 +44,7 @@ static float any_place(int size) {
     }
 }
 
-static float any_angle(void) {
+static float random_angle(void) {
     const float right = (float)((double)synthetic_random(5) * pi / 2.0);
     switch (synthetic_random(4)) {
     case 0:
@@ -56,7 +56,7 @@ static float any_angle(void) {
     }
 }
 
-static float any_logit(void) {
+static float random_logit(void) {
     switch (synthetic_random(8)) {
     case 0:
         return synthetic_random(2) ? INFINITY : -INFINITY;
@@ -69,7 +69,7 @@ static float any_logit(void) {
     }
 }
 
-static void any_axes(float *p) {
+static void random_axes(float *p) {
     const double s1 = synthetic_random(3) ? scene_log_uniform(0.3, 30.0) : scene_log_uniform(1e-3, 1e6);
     const double aspect = synthetic_random(3) ? scene_log_uniform(1.0, 10.0) : scene_log_uniform(1.0, 1e6);
     scene_set_axes(p, s1, fmax(s1 / aspect, 1e-3));
@@ -82,7 +82,7 @@ static void any_axes(float *p) {
     }
 }
 
-static void any_scene(scene *s, uint32_t seed) {
+static void random_scene(scene *s, uint32_t seed) {
     char name[40];
     snprintf(name, sizeof name, "seed %u", seed);
     scene_begin(s, name, (int)(seed % 3));
@@ -94,17 +94,17 @@ static void any_scene(scene *s, uint32_t seed) {
     const double colours = synthetic_random(8) ? 1.5 : scene_log_uniform(1.0, 1e4);
     for (uint32_t count = synthetic_random(MAX_SPLATS + 1); count > 0; count--) {
         float *p = scene_add(s);
-        p[GSCL_X] = any_place(width);
-        p[GSCL_Y] = any_place(height);
-        any_axes(p);
-        p[GSCL_THETA] = any_angle();
-        p[GSCL_OPACITY] = any_logit();
+        p[GSCL_X] = random_place(width);
+        p[GSCL_Y] = random_place(height);
+        random_axes(p);
+        p[GSCL_THETA] = random_angle();
+        p[GSCL_OPACITY] = random_logit();
         for (int k = 0; k < SCENE_CHANNELS; k++)
             p[GSCL_COLOUR + k] = synthetic_uniform(-colours, colours);
     }
 }
 
-/* ---- Running them ---- */
+/* ---- Runs ---- */
 
 static double largest_share;
 static int failures;
@@ -113,9 +113,9 @@ static void run_seed(uint32_t seed) {
     static scene s;
     scene_errors errors[2];
     char message[300];
-    any_scene(&s, seed);
+    random_scene(&s, seed);
     if (scene_agrees(&s, errors, message, sizeof message) &&
-        (seed % WHOLE != 0 || scene_file_decodes(&s, message, sizeof message))) {
+        (seed % FILE_INTERVAL != 0 || scene_file_decodes(&s, message, sizeof message))) {
         largest_share = fmax(largest_share, fmax(errors[0].share, errors[1].share));
         return;
     }
@@ -129,7 +129,7 @@ static uint32_t number_of(const char *variable, uint32_t otherwise) {
     return text ? (uint32_t)strtoul(text, NULL, 10) : otherwise;
 }
 
-static void test_kept_seeds(void **state) {
+static void test_seeds_that_failed(void **state) {
     (void)state;
     FILE *file = fopen(STABILITY_SEEDS, "r");
     char line[200];
@@ -157,7 +157,7 @@ static void test_random_scenes(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kept_seeds),
+        cmocka_unit_test(test_seeds_that_failed),
         cmocka_unit_test(test_random_scenes),
     };
     return cmocka_run_group_tests(tests, stability_open, stability_close);

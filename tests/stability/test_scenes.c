@@ -27,7 +27,7 @@ static void test_hard_scene(void **state) {
     const hard_test *t = *state;
     scene_begin(&s, t->of->name, t->blend);
     t->of->make(&s);
-    scene_take_shape(&s, t->shape);
+    scene_set_shape(&s, t->shape);
     if (t->shape != GSCL_SHAPE_ROTATED)
         snprintf(s.name + strlen(s.name), sizeof s.name - strlen(s.name), ", %s", shapes[t->shape]);
     check_scene(&s);

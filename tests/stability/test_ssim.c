@@ -24,7 +24,7 @@
 #define WEIGHT 0.5 /* of the SSIM term */
 #define UNIT 0x1p-24
 #define STEP 0x1p-12
-/* Roundings of a window's moment, and of a sum over windows: 22 products added in rows, then columns. */
+/* Error of a window's moment, and of a sum over windows: 22 products are added in rows, then in columns. */
 #define SUMMED (48.0 * UNIT)
 
 static double window[TAPS];
@@ -93,7 +93,7 @@ static double difference(double *a, const double *b, int pixel, double step) {
 }
 
 /* Rounding of the window's means against the pixel, over the variances; and of its covariances over the variances,
- * which weighs how far the pixel is from the mean. */
+ * which is weighted by the distance of the pixel from the mean. */
 static double bound_of(const double *a, const double *b, int pixel) {
     const int x = pixel % WIDTH, y = pixel / WIDTH;
     double sum = 0.0;

@@ -8,7 +8,7 @@ lowest to the highest.  The script fails when
  - files include each other in a circle (a source and the header of its name count as one file),
  - host/tool or a public header includes a header of the library that is not public,
  - an #include "..." or <gscl/...> names no file of the tree,
- - a room is missing from the lists or has no room.h, or its room.h does not say what the room may use or names files
+ - a room is missing from the lists or has no room.h, or its room.h does not state what the room may use, or names files
    that do not exist.
 
 Folders of object files, as the build makes them (libgscl.so.*.p), add calls: each symbol that one object uses and
@@ -78,7 +78,7 @@ def resolve(path, name, files):
 
 
 def includes(root, files):
-    """Arrows from files to those that they include, and what is wrong with includes that name no file."""
+    """Arrows from files to those that they include, and faults of includes that name no file."""
     arrows, faults = set(), []
     for path in sorted(files):
         for quote, name in INCLUDE.findall(read(root, path)):
@@ -113,8 +113,8 @@ def public_functions(root, files):
 
 
 def calls(root, folders, files):
-    """Arrows between sources whose objects take symbols from each other, and objects that have no source.  A call of the
-    tool to a public function is none."""
+    """Arrows between sources whose objects take symbols from each other, and objects that have no source.  Calls of
+    public functions by the tool are left out."""
     public = public_functions(root, files)
     sources_of = {path.replace("/", "_") + ".o": path for path in files}  # as meson names objects
     definers, users, faults = {}, [], []
@@ -137,7 +137,7 @@ def calls(root, folders, files):
 
 
 def fault(path, target):
-    """What is wrong with an arrow from one file to another, or None."""
+    """The fault of an arrow from one file to another, or None."""
     if target.startswith(PUBLIC):
         return None
     if path.startswith(PUBLIC):
@@ -197,16 +197,16 @@ def unlisted_rooms(files):
 
 
 def undescribed_rooms(root, files):
-    """Each room has a room.h of comments that says what the room may use and names its files in reading order."""
+    """Each room has a room.h of comments that states what the room may use and names its files in reading order."""
     for program, rooms in PROGRAMS.items():
         for room in rooms:
             header = f"{program}/{room}/room.h"
             if header not in files:
-                yield f"{header}: is missing; it says what the room is for, what it may use and in what order to read it"
+                yield f"{header}: is missing; it states what the room is for, what it may use and in what order to read it"
                 continue
             comment = re.match(r"/\*.*?\*/", read(root, header), re.DOTALL)
             if not comment or "may use" not in comment.group():
-                yield f"{header}: does not begin with a comment that says what the room may use"
+                yield f"{header}: does not begin with a comment that states what the room may use"
                 continue
             for name in FILE_NAME.findall(comment.group()):
                 if f"{program}/{room}/{name}" not in files:

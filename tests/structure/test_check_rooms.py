@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_rooms.py passes on this tree and fails on each fault that it exists for."""
+"""check_rooms.py passes on this tree and fails on each fault that it checks."""
 import os
 import shutil
 import subprocess
@@ -108,7 +108,7 @@ CALLS = {
 
 
 def outcomes():
-    """Pairs of a test's name and what went wrong, or None."""
+    """Pairs of a test's name and its fault, or None."""
     status, text = check(ROOT)
     yield "this tree", text if status else None
     for name, (spoil, expected) in FAULTS.items():

@@ -1,5 +1,5 @@
-/* Stands between the library and OpenCL (linked with --wrap), and answers for devices that this machine does not have.
- * All else goes to the real implementation. */
+/* Intercepts OpenCL calls of the library (linked with --wrap), and simulates devices that this machine does not have.
+ * All other calls reach the real implementation. */
 #ifndef GSCL_TESTS_FAKE_OPENCL_H
 #define GSCL_TESTS_FAKE_OPENCL_H
 
