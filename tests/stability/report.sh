@@ -3,7 +3,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 build=${1:-build}
-page=tests/stability/STABILITY.md
+document=tests/stability/STABILITY.md
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 [ -f "$build/build.ninja" ] || meson setup "$build" -Dtool=enabled -Dtests=enabled
@@ -11,7 +11,7 @@ ninja -C "$build"
 rm -f "$work/rows"
 STABILITY_REPORT=$work/rows meson test -C "$build" --no-rebuild --suite stability --num-processes 1
 
-# Rows of agreement.c: one line for each case and blend, with both mappings, forward and backward.
+# The table of agreement.c: a row for each case and blend, with both mappings, forward and backward.
 scenes() {
     echo "| case | blend | forward: bound | cpu | gpu | backward: bound | cpu | gpu | share of its bound |"
     echo "|---|---|---|---|---|---|---|---|---|"
@@ -37,14 +37,14 @@ scenes() {
     }' "$work/rows"
 }
 
-others() {
+other_subjects() {
     echo "| subject | case | | quantity | bound | measured |"
     echo "|---|---|---|---|---|---|"
     awk -F'|' '$1 != "scene" { printf "| %s | %s | %s | %s | %s | %s |\n", $1, $2, $3, $4, $5, $6 }' "$work/rows"
 }
 
 {
-    sed '/^<!-- tables -->$/q' "$page"
+    sed '/^<!-- tables -->$/q' "$document"
     echo "$(date -u +%F), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1); $("$build/gscl" devices | sed -n "1s/^[* ]*[0-9.]* *//p");" \
         "\`sh tests/stability/report.sh\`."
     echo
@@ -54,7 +54,7 @@ others() {
     echo
     echo "### Other subjects"
     echo
-    others
-    sed -n '/^<!-- \/tables -->$/,$p' "$page"
+    other_subjects
+    sed -n '/^<!-- \/tables -->$/,$p' "$document"
 } >"$work/page"
-cp "$work/page" "$page"
+cp "$work/page" "$document"
