@@ -1,4 +1,4 @@
-/* gscl: an image codec that stores a picture as a set of 2D Gaussians ("splats").
+/* gscl: an image codec that stores an image as a set of 2D Gaussians ("splats").
  *
  * This header is all that a program needs to encode and decode; gscl/measure.h compares images and measures speed and
  * accuracy.  A complete program that encodes a black image and decodes it again:
@@ -202,16 +202,16 @@ typedef enum gscl_effect {
     GSCL_EFFECT_CODEBOOKS = 1u << 5,     /* the coding of the paper profile */
     GSCL_EFFECT_TEXTURE = 1u << 6        /* a cosine wave on the colour of some splats */
 } gscl_effect;
-#define GSCL_EFFECT_COUNT 7 /* effects that this version knows */
+#define GSCL_EFFECT_COUNT 7 /* effects that this version supports */
 #define GSCL_MAX_EFFECTS 16 /* rows of arrays with one row for each effect */
 
 /* Returns "chroma", "alpha-channel", ...; NULL when `effect` is not exactly one effect.  The text is static. */
 GSCL_API const char *gscl_effect_name(gscl_effect effect);
 
-/* What decided on an effect. */
+/* The basis of the decision on an effect. */
 typedef enum gscl_effect_reason {
     GSCL_EFFECT_REQUESTED = 0, /* the settings effects_on and effects_off */
-    GSCL_EFFECT_CONTENT = 1,   /* the image: whether it contains what the effect represents */
+    GSCL_EFFECT_CONTENT = 1,   /* the image: its content, which needs the effect or not */
     GSCL_EFFECT_PROFILE = 2,   /* profile and blend */
     GSCL_EFFECT_TRIAL = 3,     /* trials: short fits of this image with and without the effect */
     GSCL_EFFECT_PASSES = 4     /* the rate-distortion passes, splat by splat */
@@ -234,7 +234,7 @@ typedef enum gscl_profile {
     GSCL_PROFILE_PAPER = 1    /* codebooks, as in Zhang et al., "2D Gaussian Splatting for Image Compression" */
 } gscl_profile;
 
-/* How the splats at a pixel become its colour. */
+/* How the colours of splats at a pixel are combined. */
 typedef enum gscl_blend {
     GSCL_BLEND_AUTO = 0,       /* NORMALIZED in the default profile, ALPHA in the paper profile */
     GSCL_BLEND_NORMALIZED = 1, /* weighted mean of splat colours */
@@ -251,7 +251,7 @@ typedef enum gscl_tune {
     GSCL_TUNE_SSIM = 1  /* MS-SSIM: errors in smooth regions weigh more.  Default profile and loss L2 only */
 } gscl_tune;
 
-/* What the encoder has to meet, and the unit of target_value. */
+/* The target of an encode, and the unit of target_value. */
 typedef enum gscl_target {
     GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more; target_value is not used */
     GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, never exceeded */
@@ -280,7 +280,7 @@ typedef struct gscl_encode_settings {
     gscl_loss loss;                  /* default AUTO */
     gscl_tune tune;                  /* default PSNR */
     gscl_target target;              /* default AUTO */
-    double target_value;             /* default 0; unit and range as `target` says */
+    double target_value;             /* default 0; its unit depends on `target` */
     int effort;                      /* 0 (fastest) .. GSCL_MAX_EFFORT (best); default GSCL_DEFAULT_EFFORT */
     uint32_t codebook_size;          /* code words of each codebook, 2..1024, paper profile only; default 0: by rate */
     uint32_t effects_on;             /* bits of gscl_effect that are switched on; default 0 */
@@ -290,8 +290,7 @@ typedef struct gscl_encode_settings {
     void *progress_opaque;           /* first argument of `progress` */
     double step_factor;              /* scale of the default quantiser steps, 0.25..4, default profile only; rounded to
                                         the nearest step that the format has; default 0: no scaling */
-    bool
-        trace; /* whether the report contains the convergence trace; default false.  It costs time; the bytes stay equal */
+    bool trace; /* whether the report has the convergence trace; default false.  It takes time; the bytes stay equal */
 } gscl_encode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_encode_settings_default. */
@@ -320,7 +319,7 @@ typedef struct gscl_trace_point {
 #define GSCL_MAX_STAGES 32
 #define GSCL_MAX_TRACE_POINTS 96
 
-/* What an encode did.  Times are wall-clock times and exclude the time that the convergence trace took. */
+/* The results of an encode.  Times are wall-clock times and exclude the time that the convergence trace took. */
 typedef struct gscl_encode_report {
     size_t struct_size; /* set by the caller */
     uint32_t splats;
@@ -347,13 +346,13 @@ GSCL_API GSCL_CHECKED gscl_result gscl_encode(gscl_context *context, const gscl_
 
 /* ---- Decoding ------------------------------------------------------------------------------ */
 
-/* The limits protect a server from files of strangers: a file of 30 bytes can describe 16384x16384 pixels.  Both apply to
+/* The limits protect a server from untrusted files: a file of 30 bytes can describe 16384x16384 pixels.  Both apply to
  * the rectangle that is returned.  gscl_decode checks them as soon as the figures are known, before it allocates pixels
  * or memory of the device; it checks the pixels and the number of splats before it allocates anything. */
 typedef struct gscl_decode_settings {
-    size_t struct_size;      /* set by gscl_decode_settings_default */
-    uint32_t width, height;  /* size at which the whole picture is drawn, pixels; default 0: the encoded size */
-    uint32_t crop_x, crop_y; /* top left corner of the returned rectangle in the drawn picture; default 0 */
+    size_t struct_size;               /* set by gscl_decode_settings_default */
+    uint32_t width, height;           /* size at which the whole image is drawn, pixels; default 0: the encoded size */
+    uint32_t crop_x, crop_y;          /* top left corner of the returned rectangle in the drawn image; default 0 */
     uint32_t crop_width, crop_height; /* size of that rectangle, pixels; default 0: up to the right and bottom edges */
     gscl_sample sample;               /* of the returned image; default AUTO: U8 or U16, as in the source */
     bool premultiplied;               /* whether returned colours are multiplied by alpha; default false */
@@ -403,7 +402,7 @@ typedef struct gscl_info {
     gscl_stream_bits streams[GSCL_MAX_STREAMS]; /* streams that are in use; their bits add up to 8 * bytes */
     uint64_t pixels; /* width * height: what max_pixels limits in a decode at the encoded size */
     uint64_t work; /* evaluations of a splat at a pixel in such a decode, what max_work limits: for each splat the area
-                        of the rectangle around its outline inside the picture, at least 1.  gscl_probe returns an upper
+                        of the rectangle around its outline inside the image, at least 1.  gscl_probe returns an upper
                         bound from the header, splats * pixels; gscl_inspect the figure itself */
 } gscl_info;
 

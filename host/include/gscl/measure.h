@@ -1,6 +1,6 @@
 /* gscl: measuring quality, time, speed and accuracy.  gscl/gscl.h states the conventions and how structs grow.
  *
- * Contents: comparing images; where a context spends time; what effects cost a file; speed of a device; accuracy of
+ * Contents: comparing images; time of stages and kernels; costs of effects in a file; speed of a device; accuracy of
  * drawing and of derivatives. */
 #ifndef GSCL_MEASURE_H
 #define GSCL_MEASURE_H
@@ -47,13 +47,12 @@ GSCL_API void gscl_context_reset_timings(gscl_context *context);
 
 /* ---- Effects of a file ---------------------------------------------------------------------- */
 
-/* What one effect costs a file and what it gains.  This struct never changes. */
+/* The cost and the gain of one effect in a file.  This struct never changes. */
 typedef struct gscl_effect_use {
     gscl_effect effect;
-    double bits; /* of the file less those of the same splats written without the effect; NaN in the paper profile */
-    double
-        gain_db; /* PSNR of the file less that of the same splats drawn without the effect; NaN without an image and in
-                       the paper profile */
+    double bits;    /* of the file less those of the same splats written without the effect; NaN in the paper profile */
+    double gain_db; /* PSNR of the file less that of the same splats drawn without the effect; NaN without an image, and
+                       in the paper profile */
 } gscl_effect_use;
 
 /* Writes the splats of a file again without each effect that is on, and draws them if there is an image.  It does not fit
@@ -67,7 +66,7 @@ GSCL_API GSCL_CHECKED gscl_result gscl_inspect_effects(gscl_context *context, co
 
 typedef struct gscl_benchmark_settings {
     size_t struct_size;     /* set by gscl_benchmark_settings_default */
-    uint32_t width, height; /* of the synthetic picture, pixels; default 768x512 */
+    uint32_t width, height; /* of the synthetic image, pixels; default 768x512 */
     uint32_t splats;        /* synthetic, with sizes and shapes like those of fitted splats; default 2500 */
     uint32_t repetitions;   /* timed runs, 1..1000; default 20; three more runs come first */
 } gscl_benchmark_settings;
@@ -116,7 +115,7 @@ static inline void gscl_accuracy_settings_default(gscl_accuracy_settings *settin
     gscl_accuracy_settings_init(settings, sizeof *settings);
 }
 
-/* Error and time of one way of drawing a file's splats.  `choice` is what varies:
+/* Error and time of one way of drawing a file's splats.  `choice` names the property that varies:
  *   "support"      the radius at which Gaussians are cut off; `value` in sigmas.  Errors are against Gaussians that are
  *                  not cut off
  *   "exponential"  the variants "polynomial", "exp2" and "native_exp2"

@@ -13,7 +13,7 @@ static void log_message(void *opaque, gscl_log_level level, const char *message)
         report_note("%s", message);
 }
 
-/* What to do about an error, after the library's text. */
+/* Advice on an error, printed after the library's text. */
 static const char *advice(gscl_result result) {
     switch (result) {
     case GSCL_ERROR_NO_PLATFORM:

@@ -9,7 +9,7 @@
  *   command_encode.c, effect_list.h, encode_batch.h, output_names.h: images into gscl files, two at a time
  *   command_draw.c, ellipse_outline.h: splats as ellipses
  *   command_bench.c, bench_codec.h: the speed of a device
- *   command_tradeoff.c: what accuracy costs in time; its parts are in tradeoff/ */
+ *   command_tradeoff.c: accuracy against time; its parts are in tradeoff/ */
 #ifndef GSCL_ROOM_TOOL_COMMANDS_H
 #define GSCL_ROOM_TOOL_COMMANDS_H
 #endif

@@ -20,7 +20,7 @@ typedef struct png_source {
     size_t size, position;
 } png_source;
 
-/* ---- What libpng calls ------------------------------------------------------------------------- */
+/* ---- Callbacks of libpng ------------------------------------------------------------------------- */
 
 static void on_error(png_structp png, png_const_charp text) {
     snprintf(png_get_error_ptr(png), IMAGE_MESSAGE_SIZE, "%s", text);

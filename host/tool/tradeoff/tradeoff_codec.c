@@ -7,8 +7,8 @@
 #include "cli/stopwatch.h"
 #include "tradeoff/tradeoff.h"
 
-#define ENCODE_SECONDS 2.0 /* an encode is repeated for about this long, */
-#define MAX_ENCODES 3      /* at most this many times */
+#define ENCODE_SECONDS 2.0 /* time for repeated encodes of one file */
+#define MAX_ENCODES 3      /* maximum number of encodes of one file */
 #define DECODES 10
 
 static const double rate_factors[TRADEOFF_RATES] = {0.25, 0.5, 1, 2, 4, 8}; /* of the fixed size */
@@ -189,7 +189,7 @@ static gscl_result warm_up(const codec *c) {
 int tradeoff_measure_codec(const tradeoff_plan *plan, tradeoff_results *results) {
     codec c = {.plan = plan, .results = results};
     device_choice choice = plan->choice;
-    choice.timing = false; /* timing itself takes a little time */
+    choice.timing = false; /* timing slows the encode down */
     const int status = open_device(&choice, &c.context);
     if (status != EXIT_SUCCESS)
         return status;
