@@ -211,7 +211,7 @@ GSCL_API const char *gscl_effect_name(gscl_effect effect);
 /* The basis of the decision on an effect. */
 typedef enum gscl_effect_reason {
     GSCL_EFFECT_REQUESTED = 0, /* the settings effects_on and effects_off */
-    GSCL_EFFECT_CONTENT = 1,   /* the image: its content, which needs the effect or not */
+    GSCL_EFFECT_CONTENT = 1,   /* the content of the image */
     GSCL_EFFECT_PROFILE = 2,   /* profile and blend */
     GSCL_EFFECT_TRIAL = 3,     /* trials: short fits of this image with and without the effect */
     GSCL_EFFECT_PASSES = 4     /* the rate-distortion passes, splat by splat */
@@ -280,7 +280,7 @@ typedef struct gscl_encode_settings {
     gscl_loss loss;                  /* default AUTO */
     gscl_tune tune;                  /* default PSNR */
     gscl_target target;              /* default AUTO */
-    double target_value;             /* default 0; its unit depends on `target` */
+    double target_value;             /* default 0; unit and range depend on `target` */
     int effort;                      /* 0 (fastest) .. GSCL_MAX_EFFORT (best); default GSCL_DEFAULT_EFFORT */
     uint32_t codebook_size;          /* code words of each codebook, 2..1024, paper profile only; default 0: by rate */
     uint32_t effects_on;             /* bits of gscl_effect that are switched on; default 0 */
