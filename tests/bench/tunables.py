@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The loss at half and at twice the value of each tunable: builds the tool with the changed value and encodes.
 
-    sh tests/bench/bench.sh tunables FOLDER [--only NAME,NAME] [--rooms fit,scalar] [--rate 0.066] [--jobs 2] [--document]
+    sh tests/bench/bench.sh tunables FOLDER [--only NAME,NAME] [--rooms fit,scalar] [--rate 0.125] [--jobs 2] [--document]
 
 FOLDER holds PNG photographs; the drawings on which effects depend come from scenes.py and scenes_held_out.py.  Tunables are the
 fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers are rounded, 0 is skipped)
@@ -27,8 +27,8 @@ import scenes
 import scenes_held_out
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FIELD = re.compile(r"\.(\w+)\s*=\s*(-?\d+(?:\.\d*)?(?:e-?\d+)?)(f?)(?=\s*[,}])")
-DRAWINGS = {scenes: ("dots", "sepia", "windows"), scenes_held_out: ("photo_framed", "line_chart")}
+FIELD = re.compile(r"\.(\w+)\s*=\s*([^,{}]+?)(?=\s*[,}])")
+DRAWINGS = {scenes: ("dots", "windows"), scenes_held_out: ("photo_framed",)}
 PAPER_ROOM = "codebook"
 SEEDS = (1, 2, 3)
 FACTORS = (0.5, 2)
@@ -36,19 +36,19 @@ MAX_ENCODE_S = 120  # of one encode
 
 
 def fields_of(room):
-    """(name, value, text of the number) of each tunable of a room."""
+    """(name, C expression) of each tunable of a room, but for tables."""
     path = ROOT / "host/lib" / room / "tunables.c"
-    return [(match[1], float(match[2]), match[0]) for match in FIELD.finditer(path.read_text(encoding="utf-8"))]
+    return FIELD.findall(path.read_text(encoding="utf-8"))
 
 
-def changed(name, value, text, factor):
-    """The field with another value, or None where nothing changes."""
-    number = text.split("=", 1)[1].strip()
-    if re.fullmatch(r"-?\d+", number):
-        other = str(round(value * factor) or 1)
-        return None if other == number else f".{name} = {other}"
-    other = repr(value * factor) + ("f" if number.endswith("f") else "")
-    return None if value == 0 else f".{name} = {other}"
+def changed(expression, factor):
+    """The expression with another value, or None where nothing changes."""
+    if re.fullmatch(r"-?\d+", expression):
+        other = round(int(expression) * factor) or 1
+        return None if other == int(expression) else str(other)
+    if "<<" in expression:
+        return f"({expression}) / 2" if factor < 1 else f"({expression}) * 2"
+    return f"({expression}) * {float(factor)}" + ("f" if expression.endswith("f") else "")
 
 
 class Tree:
@@ -62,11 +62,12 @@ class Tree:
             shutil.copy(ROOT / name, self.sources / name)
         subprocess.run(["meson", "setup", self.build, self.sources, "-Dtests=disabled"], check=True, stdout=subprocess.DEVNULL)
 
-    def gscl(self, room=None, old="", new=""):
-        """Builds with one text of the room's tunables replaced; returns the tool, or None where it does not build."""
-        path = self.sources / "host/lib" / (room or "fit") / "tunables.c"
+    def gscl(self, room, name="", new=""):
+        """Builds with another value of one of the room's tunables; returns the tool, or None where it does not build."""
+        path = self.sources / "host/lib" / room / "tunables.c"
         original = path.read_text(encoding="utf-8")
-        path.write_text(original.replace(old, new, 1) if old else original, encoding="utf-8")
+        text = FIELD.sub(lambda match: f".{name} = {new}" if match[1] == name else match[0], original)
+        path.write_text(text if name else original, encoding="utf-8")
         try:
             done = subprocess.run(["ninja", "-C", self.build, "gscl", "gscl-imageio.so"], capture_output=True, text=True)
         finally:
@@ -103,11 +104,11 @@ def measure(gscl, images, rate, options, seed, work):
 
 def variants_of(rooms):
     for room in rooms:
-        for name, value, text in fields_of(room):
+        for name, expression in fields_of(room):
             for factor in FACTORS:
-                new = changed(name, value, text, factor)
+                new = changed(expression, factor)
                 if new:
-                    yield room, name, text, factor, new
+                    yield room, name, factor, new
 
 
 def cell(result, default):
@@ -125,16 +126,16 @@ def lines_of(room, profiles, results, count, rate):
     yield (f"{profile}, {rate} bits per pixel: {default[0]:.2f} dB on photographs, {default[1]:.2f} dB on drawings; standard deviations"
            f" over {len(profiles)} seeds {spreads[0]:.2f} and {spreads[1]:.2f} dB.\n")
     rows = []
-    for name, _, text in fields_of(room):
-        found = {task[3]: result for task, result in results.items() if task[1] == name}
-        rows.append([f"`{name}`", text.split("=")[1].strip(), *(cell(found[f], default) if f in found else "-" for f in FACTORS)])
+    for name, expression in fields_of(room):
+        found = {task[2]: result for task, result in results.items() if task[1] == name}
+        rows.append([f"`{name}`", expression, *(cell(found[f], default) if f in found else "-" for f in FACTORS)])
     yield document.table(["tunable", "default", "half: photographs dB, drawings dB, time", "twice: the same"], rows)
 
 
 def main():
     parser = codec.parser(__doc__)
     parser.add_argument("--rooms", help="separated by commas (default: all that have tunables)")
-    parser.add_argument("--rate", type=float, default=0.066, help="bits per pixel (default %(default)s)")
+    parser.add_argument("--rate", type=float, default=0.125, help="bits per pixel (default %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")
     document.add_option(parser, "TUNABLES.md", "tunables-ROOM")
     arguments = parser.parse_args()
@@ -154,17 +155,17 @@ def main():
             trees.put(Tree(folder / str(job)))
 
         def run(task):
-            room, name, text, _, new, seed = task
+            room, name, _, new, seed = task
             tree = trees.get()
             try:
-                gscl = tree.gscl(room, text, new) if name else tree.gscl()
+                gscl = tree.gscl(room, name, new)
                 options = ["--profile", "paper", "--effort", "2"] if room == PAPER_ROOM else []
                 return measure(gscl, images, arguments.rate, options, seed, tree.build) if gscl else None
             finally:
                 trees.put(tree)
 
         for room, section in sections.items():
-            profiles = [(room, "", "", 1, "", seed) for seed in SEEDS]
+            profiles = [(room, "", 1, "", seed) for seed in SEEDS]
             run(profiles[0])  # kernels are compiled once
             tasks = profiles + [(*variant, SEEDS[0]) for variant in variants_of([room])]
             with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
