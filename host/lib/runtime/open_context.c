@@ -20,7 +20,7 @@ static void CL_CALLBACK log_notice(const char *text, const void *details, size_t
     gscl_log(context, GSCL_LOG_WARNING, "OpenCL: %s", text ? text : "");
 }
 
-static gscl_result open_device(gscl_context *context) {
+static gscl_result context_open(gscl_context *context) {
     cl_int error;
     const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)context->platform, 0};
     context->cl = clCreateContext(properties, 1, &context->device, log_notice, context, &error);
@@ -52,7 +52,7 @@ gscl_result gscl_context_create(gscl_context **context, const gscl_context_setti
              c->gpu_mapping ? "GPU" : "CPU");
     if (s.timing)
         GSCL_TRY(gscl_timing_create(c));
-    return open_device(c);
+    return context_open(c);
 }
 
 void gscl_context_free(gscl_context **context) {
