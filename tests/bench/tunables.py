@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The loss at half and at twice the value of each tunable: builds the tool with the changed value and encodes.
 
-    sh tests/bench/bench.sh tunables FOLDER [--only NAME,NAME] [--rooms fit,scalar] [--rate 0.125] [--jobs 2] [--document]
+    sh tests/bench/bench.sh tunables FOLDER [--only NAME,NAME] [--drawings NAME,NAME] [--rooms fit,scalar] [--rate 0.125] [--jobs 2] [--document]
 
 FOLDER holds PNG photographs; the drawings on which effects depend come from scenes.py and scenes_held_out.py.  Tunables are the
 fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers are rounded, 0 is skipped)
@@ -30,6 +30,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIELD = re.compile(r"\.(\w+)\s*=\s*([^,{}]+?)(?=\s*[,}])")
 DRAWINGS = {scenes: ("dots", "windows"), scenes_held_out: ("photo_framed",)}
 PAPER_ROOM = "codebook"
+PAPER_EFFORT = 0  # the profile is slow, and has many tunables
 SEEDS = (1, 2, 3)
 FACTORS = (0.5, 2)
 MAX_ENCODE_S = 120  # of one encode
@@ -121,7 +122,7 @@ def lines_of(room, profiles, results, count, rate):
     """The section of a room."""
     default = results[profiles[0]]
     spreads = [statistics.stdev(results[task][group] for task in profiles) for group in (0, 1)]
-    profile = "paper profile, effort 2" if room == PAPER_ROOM else "default profile"
+    profile = f"paper profile, effort {PAPER_EFFORT}" if room == PAPER_ROOM else "default profile"
     yield document.origin("sh tests/bench/bench.sh tunables FOLDER", count)
     yield (f"{profile}, {rate} bits per pixel: {default[0]:.2f} dB on photographs, {default[1]:.2f} dB on drawings; standard deviations"
            f" over {len(profiles)} seeds {spreads[0]:.2f} and {spreads[1]:.2f} dB.\n")
@@ -134,6 +135,7 @@ def lines_of(room, profiles, results, count, rate):
 
 def main():
     parser = codec.parser(__doc__)
+    parser.add_argument("--drawings", help="names of drawings, separated by commas (default: all)")
     parser.add_argument("--rooms", help="separated by commas (default: all that have tunables)")
     parser.add_argument("--rate", type=float, default=0.125, help="bits per pixel (default %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")
@@ -147,7 +149,8 @@ def main():
         photographs, drawings = codec.images_of(arguments.folder, arguments.only), []
         for module, names in DRAWINGS.items():
             module.draw_all(folder / module.__name__)
-            drawings += [folder / module.__name__ / f"{name}.png" for name in names]
+            drawings += [folder / module.__name__ / f"{name}.png" for name in names
+                         if not arguments.drawings or name in arguments.drawings.split(",")]
         images = photographs, drawings
         trees = queue.Queue()
         for job in range(arguments.jobs):
@@ -159,7 +162,7 @@ def main():
             tree = trees.get()
             try:
                 gscl = tree.gscl(room, name, new)
-                options = ["--profile", "paper", "--effort", "2"] if room == PAPER_ROOM else []
+                options = ["--profile", "paper", "--effort", str(PAPER_EFFORT)] if room == PAPER_ROOM else []
                 return measure(gscl, images, arguments.rate, options, seed, tree.build) if gscl else None
             finally:
                 trees.put(tree)
