@@ -7,12 +7,13 @@
 #include "decode/quantise.h"
 #include "scalar/tunables.h"
 
-/* Fails to compile unless kernels and format agree on the numbers of codes. */
-typedef char code_counts_agree[GSCL_MAX_SCALE == GSF_MAX_SCALE_CODE && GSCL_WAVES == GSF_WAVES &&
-                                       GSCL_DIRECTIONS == GSF_DIRECTIONS && GSCL_PHASES == GSF_PHASES &&
-                                       GSCL_AMPLITUDES == GSF_AMPLITUDES
-                                   ? 1
-                                   : -1];
+/* Fails to compile unless kernels and format agree on a number of codes. */
+#define ASSERT_CODES_AGREE(name, kernels, format) typedef char name##_agree[(kernels) == (format) ? 1 : -1]
+ASSERT_CODES_AGREE(scales, GSCL_MAX_SCALE, GSF_MAX_SCALE_CODE);
+ASSERT_CODES_AGREE(waves, GSCL_WAVES, GSF_WAVES);
+ASSERT_CODES_AGREE(directions, GSCL_DIRECTIONS, GSF_DIRECTIONS);
+ASSERT_CODES_AGREE(phases, GSCL_PHASES, GSF_PHASES);
+ASSERT_CODES_AGREE(amplitudes, GSCL_AMPLITUDES, GSF_AMPLITUDES);
 
 /* Codes whose occurrences are counted. */
 typedef struct code_list {
