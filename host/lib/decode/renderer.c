@@ -53,7 +53,7 @@ gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint
                           (float)y,
                           (cl_int)((width + GSCL_TILE - 1) / GSCL_TILE),
                           (cl_int)((height + GSCL_TILE - 1) / GSCL_TILE)};
-    size_t tiles = (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
+    size_t tiles = gscl_renderer_tiles(r);
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_ranges, tiles * sizeof(cl_int2)));
     return gscl_buffer_reserve(r->context, &r->row_totals, (size_t)r->view.tiles_y * sizeof(cl_int));
 }
@@ -187,10 +187,9 @@ gscl_result gscl_renderer_draw(gscl_renderer *r) {
     size_t floats = (size_t)gscl_renderer_plane(r) * (size_t)r->channels;
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, floats * sizeof(float)));
     GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "raster_forward", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
-                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image),
-                       GSCL_ARG(shape));
+    return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image), GSCL_ARG(shape));
 }
 
 gscl_result gscl_renderer_render(gscl_renderer *r) {
@@ -203,10 +202,9 @@ static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
     cl_kernel kernel;
     const gscl_image_shape shape = gscl_renderer_shape(r);
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_samples", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
-                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG(shape),
-                       GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
+    return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                       GSCL_ARG_BUFFER(r->background), GSCL_ARG(shape), GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));
 }
 
 static gscl_result read_samples(gscl_renderer *r, size_t row, void *pixels, size_t stride) {

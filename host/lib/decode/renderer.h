@@ -62,6 +62,10 @@ gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout la
 static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
     return (cl_ulong)r->width * (cl_ulong)r->height;
 }
+/* Tiles of the view. */
+static inline size_t gscl_renderer_tiles(const gscl_renderer *r) {
+    return (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
+}
 /* The shape of renderer->image, as kernels take it. */
 static inline gscl_image_shape gscl_renderer_shape(const gscl_renderer *r) {
     return (gscl_image_shape){r->width, r->height, r->view.tiles_x, r->view.tiles_y};

@@ -88,7 +88,7 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
     const gscl_pyramid *p = &f->pyramid;
     f->level = level < p->first_level ? p->first_level : level > p->last_level ? p->last_level : level;
     GSCL_TRY(gscl_renderer_set_view(&f->renderer, f->level, 0, 0, gscl_fit_level_width(f), gscl_fit_level_height(f)));
-    size_t tiles = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
+    size_t tiles = gscl_renderer_tiles(&f->renderer);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->tile_loss, tiles * sizeof(float)));
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tiles));
     f->steps_since_check = gscl_fit_tunables.check_interval;

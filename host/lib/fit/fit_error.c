@@ -4,7 +4,7 @@
 
 gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
     cl_kernel kernel;
-    cl_int tiles = f->renderer.view.tiles_x * f->renderer.view.tiles_y;
+    cl_int tiles = (cl_int)gscl_renderer_tiles(&f->renderer);
     cl_float sum = 0;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &f->renderer.options, "sum_loss", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, 1, 1, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),

@@ -33,8 +33,7 @@ gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
     f->renderer.count += (cl_int)count;
     f->steps_since_check = gscl_fit_tunables.check_interval;
     /* The losses of the tiles were those of other splats. */
-    size_t tiles = (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
-    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tiles));
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer)));
     return gscl_renderer_project(&f->renderer);
 }
 

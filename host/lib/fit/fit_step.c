@@ -4,10 +4,6 @@
 #include "fit/fit.h"
 #include "fit/tunables.h"
 
-static size_t tile_count(const gscl_fit *f) {
-    return (size_t)f->renderer.view.tiles_x * (size_t)f->renderer.view.tiles_y;
-}
-
 /* Renders each tile, compares it with `target` (or reads the loss's derivative from it, where the loss is EXTERNAL) and
  * writes the gradient slots. */
 static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
@@ -23,7 +19,7 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
                                             ldexpf(1.0f, 2 * f->level), /* a level has 4^level fewer pixels to add up */
                                         .skip_threshold = f->skip.threshold,
                                         .step = f->skip.step};
-    return GSCL_LAUNCH(f->context, kernel, tile_count(f), gscl_tile_group_size(f->context),
+    return GSCL_LAUNCH(f->context, kernel, gscl_renderer_tiles(&f->renderer), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(settings),
                        GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
@@ -68,7 +64,7 @@ static double max_occupancy(const gscl_fit *f) {
     double limit = r->options.blend == GSCL_ALPHA      ? gscl_fit_tunables.max_occupancy_of_alpha
                    : f->level > f->pyramid.first_level ? gscl_fit_tunables.max_occupancy_of_smaller_levels
                                                        : gscl_fit_tunables.max_occupancy;
-    double tiles = (double)r->view.tiles_x * r->view.tiles_y;
+    double tiles = (double)gscl_renderer_tiles(r);
     return non_flat_tiles(f) * limit + gscl_fit_tunables.tiles_of_small_splat * r->count / tiles;
 }
 
@@ -114,7 +110,7 @@ gscl_result gscl_fit_step(gscl_fit *f, float rate) {
 
 gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
     f->steps_since_check = gscl_fit_tunables.check_interval;
-    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tile_count(f)));
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer)));
     GSCL_TRY(gscl_fit_differentiate(f));
     return gscl_buffer_read(f->context, &f->gradients, 0, gradients,
                             (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));

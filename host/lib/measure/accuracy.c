@@ -62,10 +62,9 @@ static gscl_result draw_double(variant_set *b) {
                          GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(r->params), GSCL_ARG(r->count),
                          GSCL_ARG_BUFFER(b->projected)));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "raster_forward", &raster));
-    return GSCL_LAUNCH(r->context, raster, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
-                       gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(b->projected), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(b->image),
-                       GSCL_ARG(shape));
+    return GSCL_LAUNCH(r->context, raster, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
+                       GSCL_ARG_BUFFER(b->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                       GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(b->image), GSCL_ARG(shape));
 }
 
 static gscl_result draw_variant(void *opaque, size_t which) {

@@ -184,7 +184,7 @@ static double pixels_inside(const gscl_benchmark_settings *s, const float *param
 
 /* Evaluations of the kernels: whole rows of tiles for each entry of a list. */
 static gscl_result count_evaluations(const gscl_renderer *r, double *evaluations) {
-    size_t tiles = (size_t)r->view.tiles_x * (size_t)r->view.tiles_y;
+    size_t tiles = gscl_renderer_tiles(r);
     cl_int2 *ranges = malloc(tiles * sizeof *ranges);
     cl_uint *entries = malloc(r->entries.size);
     gscl_result result = ranges && entries ? GSCL_OK : gscl_fail_memory(r->context);

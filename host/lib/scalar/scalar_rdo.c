@@ -83,10 +83,10 @@ static gscl_result rdo_draw(rdo_pass *p, double *error) {
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->rendering, plane * (size_t)r->channels));
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->weights, plane));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_begin", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_x * (size_t)r->view.tiles_y,
-                         gscl_tile_group_size(r->context), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries),
-                         GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->background),
-                         GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG(shape)));
+    GSCL_TRY(GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
+                         GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                         GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights),
+                         GSCL_ARG(shape)));
     return gscl_fit_error_sum(p->fit, &rdo->rendering, error);
 }
 
