@@ -61,6 +61,8 @@ static gscl_result shrink_to_budget(gscl_scalar_state *s) {
 }
 
 gscl_result gscl_scalar_meet_budget(gscl_scalar_state *s) {
+    if (s->bytes == 0)
+        return GSCL_OK;
     GSCL_TRY(use_slack(s));
     return shrink_to_budget(s);
 }
@@ -77,6 +79,8 @@ static void drop_smallest(gsf_coded_image *file) {
 
 gscl_result gscl_scalar_trim(gscl_scalar_state *s) {
     gsf_coded_image *file = &s->coded->file;
+    if (s->bytes == 0)
+        return GSCL_OK;
     GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
     GSCL_TRY(gscl_file_size(s->encoder->context, s->coded, &s->size));
     while (s->size > s->bytes && file->header.splat_count > 0) {

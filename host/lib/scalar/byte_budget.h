@@ -4,6 +4,8 @@
 
 #include "scalar/scalar_state.h"
 
+/* Both do nothing where the target has no budget. */
+
 /* After gscl_scalar_choose_codes: uses bytes that are left, then shrinks the file until it fits. */
 gscl_result gscl_scalar_meet_budget(gscl_scalar_state *state);
 /* Drops splats, the smallest first, until the file fits. */

@@ -12,11 +12,10 @@ static gscl_result run_stages(gscl_scalar_state *s) {
     GSCL_TRY(gscl_scalar_quantise(s));
     if (s->has_choice) {
         GSCL_TRY(gscl_scalar_choose_codes(s));
-        if (s->bytes)
-            GSCL_TRY(gscl_scalar_meet_budget(s));
+        GSCL_TRY(gscl_scalar_meet_budget(s));
         gscl_scalar_drop_unused_effects(s);
     }
-    return s->bytes ? gscl_scalar_trim(s) : GSCL_OK;
+    return gscl_scalar_trim(s);
 }
 
 gscl_result gscl_encode_scalar(gscl_encoder *e, gscl_size_target target) {

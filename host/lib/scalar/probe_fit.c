@@ -24,8 +24,7 @@ static gscl_result probe_codes(gscl_scalar_state *s) {
     s->textures = false;
     GSCL_TRY(gscl_scalar_quantise(s));
     GSCL_TRY(gscl_scalar_choose_codes(s));
-    if (s->bytes)
-        GSCL_TRY(gscl_scalar_meet_budget(s));
+    GSCL_TRY(gscl_scalar_meet_budget(s));
     return gscl_scalar_load(s);
 }
 
