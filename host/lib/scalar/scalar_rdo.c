@@ -15,6 +15,7 @@ typedef struct rdo_pass {
     gscl_fit *fit;
     gscl_coded_image *coded;
     size_t count; /* splats before the pass */
+    cl_kernel remove, evaluate, commit;
     gscl_rdo_pass shared;
 } rdo_pass;
 
@@ -90,6 +91,14 @@ static gscl_result rdo_draw(rdo_pass *p, double *error) {
     return gscl_fit_error_sum(p->fit, &rdo->rendering, error);
 }
 
+/* Looks up the kernels that change each group. */
+static gscl_result rdo_find_kernels(rdo_pass *p) {
+    const gscl_renderer *r = &p->fit->renderer;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_remove", &p->remove));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_evaluate", &p->evaluate));
+    return gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_commit", &p->commit);
+}
+
 /* Changes all splats of a group at once: none touches another's pixels. */
 static gscl_result rdo_change_group(rdo_pass *p, int group) {
     const gscl_scalar_rdo *rdo = p->rdo;
@@ -97,20 +106,16 @@ static gscl_result rdo_change_group(rdo_pass *p, int group) {
     const gscl_buffer *target = gscl_fit_weighted_target(p->fit);
     const size_t start = rdo->groups.start[group], count = rdo->groups.start[group + 1] - start;
     gscl_rdo_pass shared = p->shared;
-    cl_kernel remove, evaluate, commit;
     shared.start = (cl_int)start;
     shared.count = (cl_int)count;
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_remove", &remove));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_evaluate", &evaluate));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_commit", &commit));
-    GSCL_TRY(GSCL_LAUNCH(r->context, remove, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
+    GSCL_TRY(GSCL_LAUNCH(r->context, p->remove, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
                          GSCL_ARG_BUFFER(rdo->device_codes), GSCL_ARG_BUFFER(rdo->device_tables),
                          GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights)));
-    GSCL_TRY(GSCL_LAUNCH(r->context, evaluate, count * count_moves(p->fit), 1, GSCL_ARG(shared),
+    GSCL_TRY(GSCL_LAUNCH(r->context, p->evaluate, count * count_moves(p->fit), 1, GSCL_ARG(shared),
                          GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
                          GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(rdo->rendering),
                          GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(rdo->outcomes)));
-    return GSCL_LAUNCH(r->context, commit, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
+    return GSCL_LAUNCH(r->context, p->commit, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
                        GSCL_ARG_BUFFER(rdo->device_codes), GSCL_ARG_BUFFER(rdo->device_tables),
                        GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target),
                        GSCL_ARG_BUFFER(rdo->outcomes));
@@ -135,6 +140,7 @@ static gscl_result rdo_run(rdo_pass *p, double lambda_scale) {
     GSCL_TRY(rdo_prepare(p, &size));
     GSCL_TRY(rdo_draw(p, &error));
     p->shared.settings.lambda = (float)(lambda_scale * error / (2.0 * 8.0 * (double)size));
+    GSCL_TRY(rdo_find_kernels(p));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)
         GSCL_TRY(rdo_change_group(p, group));
     return rdo_read_codes(p);
