@@ -1,50 +1,69 @@
-/* The whole decoder, and the order of its checks. */
+/* Reading of the codes and allocation. */
+#include "oracle.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include "parts.h"
+/* A coded image with the arrays that its header asks for. */
+typedef struct {
+    gsf_coded_image image;
+    uint16_t shape_words[GSF_MAX_CODEBOOK][GSF_SHAPE_DIMS];
+    uint16_t colour_words[GSF_MAX_CODEBOOK][GSF_MAX_COLOUR_DIMS];
+} coded_file;
 
-/* "Errors", from the checksum on. */
-static oracle_result result_of(const oracle_payload *payload, bool checksum_matches) {
-    const oracle_decoder *decoder = &payload->decoder;
-    if (!checksum_matches)
-        return oracle_decoder_overrun(decoder) ? ORACLE_TRUNCATED : ORACLE_DAMAGED;
-    if (oracle_decoder_failed(decoder) || decoder->consumed != decoder->size + 3 || !oracle_within_limits(payload))
-        return ORACLE_CORRUPT;
-    return ORACLE_OK;
+static void coded_free(coded_file *coded) {
+    free(coded->image.splats);
+    free(coded->image.indexed);
+    free(coded);
 }
 
-static oracle_result read_with(oracle_payload *payload, const uint8_t *bytes, size_t size, oracle_image *image) {
-    uint32_t checksum;
-    const oracle_result result = oracle_read_header(bytes, size, &payload->header, &checksum);
-    if (result != ORACLE_OK)
-        return result;
-    const size_t start = payload->header.bytes;
-    oracle_decoder_start(&payload->decoder, bytes + start, size - start);
-    if (!oracle_read_payload(payload))
-        return ORACLE_OUT_OF_MEMORY;
-    const oracle_result checked = result_of(payload, checksum == oracle_checksum(bytes, size, start));
-    if (checked != ORACLE_OK)
-        return checked;
-
-    image->header = payload->header;
-    image->samples = (payload->header.layout >= 2 ? 3 : 1) + (payload->header.layout & 1);
-    image->splats = calloc(payload->header.splats + (size_t)1, sizeof *image->splats);
-    if (!image->splats)
-        return ORACLE_OUT_OF_MEMORY;
-    oracle_dequantise(payload, image->splats, image->background);
-    return ORACLE_OK;
+static coded_file *coded_read(const uint8_t *bytes, size_t size) {
+    coded_file *coded = calloc(1, sizeof *coded);
+    if (!coded)
+        return NULL;
+    gsf_coded_image *image = &coded->image;
+    bool done = gsf_read_header(bytes, size, &image->header) == GSF_OK;
+    if (done) {
+        void *scratch = malloc(gsf_scratch_size(&image->header));
+        image->splats = calloc(image->header.splat_count + (size_t)1, sizeof *image->splats);
+        image->indexed = calloc(image->header.splat_count + (size_t)1, sizeof *image->indexed);
+        image->codebooks.shape_words = coded->shape_words;
+        image->codebooks.colour_words = coded->colour_words;
+        done = scratch && image->splats && image->indexed && gsf_read(bytes, size, image, scratch) == GSF_OK;
+        free(scratch);
+    }
+    if (done)
+        return coded;
+    coded_free(coded);
+    return NULL;
 }
 
-oracle_result oracle_read(const uint8_t *bytes, size_t size, oracle_image *image) {
+static oracle_header header_of(const gsf_header *header) {
+    const uint32_t colours = header->has_chroma ? 3 : 1;
+    return (oracle_header){.width = header->width,
+                           .height = header->height,
+                           .splats = header->splat_count,
+                           .blend = (oracle_blend)header->blend,
+                           .layout = (uint32_t)header->layout,
+                           .high_bit_depth = header->high_bit_depth,
+                           .has_chroma = header->has_chroma,
+                           .has_alpha = header->has_alpha,
+                           .colours = colours,
+                           .channels = colours + (header->has_alpha ? 1 : 0)};
+}
+
+bool oracle_read(const uint8_t *bytes, size_t size, oracle_image *image) {
     memset(image, 0, sizeof *image);
-    oracle_payload *payload = calloc(1, sizeof *payload);
-    if (!payload)
-        return ORACLE_OUT_OF_MEMORY;
-    const oracle_result result = read_with(payload, bytes, size, image);
-    free(payload->splats);
-    free(payload);
-    return result;
+    coded_file *coded = coded_read(bytes, size);
+    if (!coded)
+        return false;
+    image->header = header_of(&coded->image.header);
+    image->samples = (image->header.layout >= 2 ? 3 : 1) + (image->header.layout & 1);
+    image->splats = calloc(image->header.splats + (size_t)1, sizeof *image->splats);
+    if (image->splats)
+        oracle_dequantise(&coded->image, image);
+    coded_free(coded);
+    return image->splats != NULL;
 }
 
 static bool draw_image(oracle_image *image) {
@@ -62,11 +81,8 @@ static bool draw_image(oracle_image *image) {
     return done;
 }
 
-oracle_result oracle_decode(const uint8_t *bytes, size_t size, oracle_image *image) {
-    const oracle_result result = oracle_read(bytes, size, image);
-    if (result == ORACLE_OK && !draw_image(image))
-        return ORACLE_OUT_OF_MEMORY;
-    return result;
+bool oracle_decode(const uint8_t *bytes, size_t size, oracle_image *image) {
+    return oracle_read(bytes, size, image) && draw_image(image);
 }
 
 void oracle_free(oracle_image *image) {

@@ -1,6 +1,6 @@
-/* A second decoder of gscl files, written from format/FORMAT.md alone, in double precision and without optimisation.
- * Its parts follow the sections of the specification.  It shares no code with the library, so that each can be compared
- * with the other. */
+/* Draws gscl files in double precision and without optimisation, as format/FORMAT.md describes it under
+ * "Dequantisation" and "Rendering".  It takes the codes of a file from gsf_read and shares no other code with the
+ * library, so that each can be compared with the other. */
 #ifndef GSCL_ORACLE_H
 #define GSCL_ORACLE_H
 
@@ -8,29 +8,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define ORACLE_CHANNELS 4
+#include "format/format.h"
 
-typedef enum {
-    ORACLE_OK,
-    ORACLE_NOT_GSCL,
-    ORACLE_NEWER_VERSION,
-    ORACLE_TRUNCATED,
-    ORACLE_CORRUPT,
-    ORACLE_DAMAGED,
-    ORACLE_OUT_OF_MEMORY
-} oracle_result;
+#define ORACLE_CHANNELS 4
 
 typedef enum { ORACLE_NORMALIZED, ORACLE_ALPHA, ORACLE_SUM } oracle_blend;
 
 typedef struct {
     uint32_t width, height, splats;
     oracle_blend blend;
-    bool codebook;   /* else scalar coding */
     uint32_t layout; /* 0 grey, 1 grey and alpha, 2 RGB, 3 RGB and alpha */
-    bool high_bit_depth, has_chroma, has_alpha, has_opacity, has_rotation, has_anisotropy, has_texture;
+    bool high_bit_depth, has_chroma, has_alpha;
     uint32_t colours;  /* coded colour channels: 1, or 3 with has_chroma */
     uint32_t channels; /* coded channels: the colours, then alpha when has_alpha is set */
-    size_t bytes;      /* of the header with its checksum */
 } oracle_header;
 
 /* In pixels and radians; colours are those of the coded channels. */
@@ -50,11 +40,15 @@ typedef struct {
     double *pixels;       /* the output, width * height * samples, within 0..1, not rounded */
 } oracle_image;
 
-/* Reads and draws a file.  The image must be freed, whatever the result is. */
-oracle_result oracle_decode(const uint8_t *bytes, size_t size, oracle_image *image);
+/* Reads and draws a file.  Returns false when it cannot be read or memory runs out.  The image must be freed in any
+ * case. */
+bool oracle_decode(const uint8_t *bytes, size_t size, oracle_image *image);
 
 /* Reads a file without drawing it: `pixels` stays NULL. */
-oracle_result oracle_read(const uint8_t *bytes, size_t size, oracle_image *image);
+bool oracle_read(const uint8_t *bytes, size_t size, oracle_image *image);
+
+/* Sets background and splats from the codes; the header is in place. */
+void oracle_dequantise(const gsf_coded_image *coded, oracle_image *image);
 
 /* Computes the coded channels of every pixel, before clamping: width * height * channels values.  `weights` is working
  * memory of width * height values. */

@@ -1,4 +1,4 @@
-/* Decodes of a file in both mappings against the second decoder. */
+/* Decodes of a file in both mappings against the drawing in double precision. */
 #ifndef STABILITY_DECODES_H
 #define STABILITY_DECODES_H
 

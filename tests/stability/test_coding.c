@@ -1,4 +1,4 @@
-/* The range coder at its limits, read by the library's decoder and by the oracle's. */
+/* The range coder at its limits. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,7 +8,6 @@
 
 #include <cmocka.h>
 
-#include "parts.h"
 #include "format/range_coder.h"
 #include "report.h"
 
@@ -29,9 +28,9 @@ static uint32_t next_random(uint32_t *state) {
     return *state >> 8;
 }
 
-/* ---- One stream, one encoder and two decoders ---- */
+/* ---- One stream ---- */
 
-static void check_library(const uint8_t *bytes, size_t size, uint32_t count, symbol_maker make) {
+static void check_decoder(const uint8_t *bytes, size_t size, uint32_t count, symbol_maker make) {
     uint32_t state = 1;
     gsf_range_decoder decoder;
     gsf_range_decoder_init(&decoder, bytes, size);
@@ -43,20 +42,6 @@ static void check_library(const uint8_t *bytes, size_t size, uint32_t count, sym
         gsf_range_decode_consume(&decoder, s.cum, s.freq, s.total);
     }
     assert_int_equal(decoder.position, size + GSF_IMPLIED_BYTES);
-}
-
-static void check_oracle(const uint8_t *bytes, size_t size, uint32_t count, symbol_maker make) {
-    uint32_t state = 1;
-    oracle_decoder decoder;
-    oracle_decoder_start(&decoder, bytes, size);
-    for (uint32_t i = 0; i < count; i++) {
-        const symbol s = make(i, &state);
-        const uint32_t frequencies[3] = {s.cum, s.freq, s.total - s.cum - s.freq};
-        if (oracle_symbol(&decoder, frequencies, 3) != 1)
-            fail_msg("the oracle: symbol %u is not what was written", i);
-    }
-    assert_int_equal(decoder.consumed, size + GSF_IMPLIED_BYTES);
-    assert_false(oracle_decoder_failed(&decoder));
 }
 
 static size_t encode_symbols(uint8_t *bytes, size_t capacity, uint32_t count, symbol_maker make, double *entropy) {
@@ -82,8 +67,7 @@ static void check_stream(const char *name, uint32_t count, symbol_maker make) {
     const size_t size = encode_symbols(bytes, capacity, count, make, &entropy);
     assert_int_equal(encode_symbols(again, capacity, count, make, &entropy), size);
     assert_memory_equal(bytes, again, size);
-    check_library(bytes, size, count, make);
-    check_oracle(bytes, size, count, make);
+    check_decoder(bytes, size, count, make);
     const double bound = LOST_BITS * count + END_BITS, lost = 8.0 * (double)size - entropy;
     report("range coder", name, "", "bits beyond the entropy", bound, lost);
     if (lost > bound)
@@ -196,8 +180,7 @@ static void check_carry(uint32_t run, bool up) {
     for (uint32_t i = 1; i <= run; i++)
         assert_int_equal(bytes[i], up ? 0x00 : 0xFF);
     straddling = symbols;
-    check_library(bytes, size, run + 1, straddling_symbol);
-    check_oracle(bytes, size, run + 1, straddling_symbol);
+    check_decoder(bytes, size, run + 1, straddling_symbol);
     free(symbols);
     free(bytes);
 }

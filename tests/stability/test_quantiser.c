@@ -1,4 +1,4 @@
-/* Both codings at the ends of their ranges: the codes are valid, and the file decodes as in the second decoder. */
+/* Both codings at the ends of their ranges: the codes are valid, and the file is drawn as in double precision. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -623,39 +623,6 @@ static void test_quantiser(void **unused) {
     assert_int_equal(gsf_angle_count(&steps, 63), GSF_MAX_ANGLES);
 }
 
-/* A file of this version, byte by byte: the example of FORMAT.md. */
-static const uint8_t worked_example[] = {
-    0x67, 0x73, 0x63, 0x01, 0x10, 0x19, 0x3F, 0x2F, 0x03, 0x48, 0xEB, 0xED, 0x64, 0x96, 0xC8,
-    0x25, 0xD1, 0x84, 0x4B, 0x95, 0x2A, 0x3C, 0x54, 0x3C, 0xD6, 0xA2, 0xF1, 0x92, 0x9D, 0x36,
-};
-
-static void make_worked_example(fixture *f) {
-    gsf_header header = photo;
-    header.width = 64;
-    header.height = 48;
-    header.splat_count = 3;
-    create(f, &header);
-    f->image.background[0] = 100;
-    f->image.background[1] = 150;
-    f->image.background[2] = 200;
-    f->image.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
-    f->image.splats[0] =
-        (gsf_splat){.minor = 8, .aspect = 3, .angle = 2, .x = 20, .y = 9, .luma = 20, .co = -2, .cg = 1};
-    f->image.splats[1] = (gsf_splat){.minor = 12, .aspect = 0, .x = 5, .y = 4, .luma = 12, .co = -3};
-    f->image.splats[2] =
-        (gsf_splat){.minor = 8, .aspect = 5, .angle = 0, .x = 3, .y = 25, .luma = 30, .co = -3, .cg = 1};
-}
-
-static void test_bytes_of_worked_example(void **unused) {
-    (void)unused;
-    fixture f;
-    make_worked_example(&f);
-    check_round_trip(&f);
-    assert_int_equal(f.size, sizeof worked_example);
-    assert_memory_equal(f.bytes, worked_example, sizeof worked_example);
-    destroy(&f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_images),
@@ -675,7 +642,6 @@ int main(void) {
         cmocka_unit_test(test_surplus_bytes),
         cmocka_unit_test(test_header_errors),
         cmocka_unit_test(test_quantiser),
-        cmocka_unit_test(test_bytes_of_worked_example),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
