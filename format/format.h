@@ -5,10 +5,10 @@
  *
  * Each pair of files uses only pairs that come before it in this order, which is also the order to read them in:
  *     types.h       the types and limits of a coded image
- *     header        header fields and checksum
  *     quantiser     the values of codes in pixels and colour levels
  *     range_coder   symbols to bytes and back
  *     coder         one coder for both directions, which counts the bits of each stream
+ *     header        header fields, checksum, background and steps
  *     model         adaptive symbol frequencies
  *     count_split   beta-binomial coding of a count that is split in two
  *     set           splats as a set: class counts and positions

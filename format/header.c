@@ -121,6 +121,27 @@ size_t gsf_put_header(const gsf_header *header, uint8_t *bytes) {
     return size + GSF_CHECKSUM_SIZE;
 }
 
+void gsf_code_background(gsf_coder *coder, gsf_coded_image *image) {
+    coder->stream = GSF_STREAM_SIDE;
+    for (unsigned i = 0; i < gsf_channel_count(&image->header); i++)
+        image->background[i] =
+            (uint16_t)gsf_code_bits(coder, image->background[i], image->header.high_bit_depth ? 16 : 8);
+}
+
+static void code_step(gsf_coder *coder, uint8_t *step, bool used) {
+    *step = used ? (uint8_t)gsf_code_bits(coder, *step, 4) : 0;
+}
+
+void gsf_code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
+    code_step(coder, &steps->scale, true);
+    code_step(coder, &steps->position, true);
+    code_step(coder, &steps->angle, header->has_rotation);
+    code_step(coder, &steps->luma, true);
+    code_step(coder, &steps->chroma, header->has_chroma);
+    code_step(coder, &steps->alpha, header->has_alpha);
+    code_step(coder, &steps->opacity, header->has_opacity);
+}
+
 static uint32_t crc24(uint32_t crc, const uint8_t *bytes, size_t size) {
     /* The remainder that each value of the top four bits contributes. */
     static const uint32_t remainder[16] = {0x000000, 0x864CFB, 0x8AD50D, 0x0C99F6, 0x93E6E1, 0x15AA1A,

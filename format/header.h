@@ -2,6 +2,7 @@
 #ifndef GSCL_FORMAT_HEADER_H
 #define GSCL_FORMAT_HEADER_H
 
+#include "format/coder.h"
 #include "format/types.h"
 
 /* Number of coded channels: 1 or 3 for colour, and 1 for alpha. */
@@ -16,6 +17,10 @@ gsf_result gsf_parse_header(const uint8_t *bytes, size_t available, gsf_header *
 size_t gsf_put_header(const gsf_header *header, uint8_t *bytes);
 /* Whether all fields are within the limits that the reader checks. */
 bool gsf_header_is_valid(const gsf_header *header);
+
+/* Code the first parts of the payload: the background, and the steps of scalar coding. */
+void gsf_code_background(gsf_coder *coder, gsf_coded_image *image);
+void gsf_code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps);
 
 /* CRC-24 (OpenPGP) of a file without the three bytes of the checksum. */
 uint32_t gsf_file_checksum(const uint8_t *bytes, size_t size, size_t header_size);

@@ -6,27 +6,6 @@
 
 static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
 
-static void code_background(gsf_coder *coder, gsf_coded_image *image) {
-    coder->stream = GSF_STREAM_SIDE;
-    for (unsigned i = 0; i < gsf_channel_count(&image->header); i++)
-        image->background[i] =
-            (uint16_t)gsf_code_bits(coder, image->background[i], image->header.high_bit_depth ? 16 : 8);
-}
-
-static void code_step(gsf_coder *coder, uint8_t *step, bool used) {
-    *step = used ? (uint8_t)gsf_code_bits(coder, *step, 4) : 0;
-}
-
-static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
-    code_step(coder, &steps->scale, true);
-    code_step(coder, &steps->position, true);
-    code_step(coder, &steps->angle, header->has_rotation);
-    code_step(coder, &steps->luma, true);
-    code_step(coder, &steps->chroma, header->has_chroma);
-    code_step(coder, &steps->alpha, header->has_alpha);
-    code_step(coder, &steps->opacity, header->has_opacity);
-}
-
 /* Fills the class counts and the points from the splats (writer). */
 static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
     for (uint32_t i = 0; i < GSF_MAX_CLASSES; i++)
@@ -89,7 +68,7 @@ static void code_indexed(gsf_coder *coder, gsf_coded_image *image, gsf_workspace
 /* Codes the side information: steps or codebooks. */
 static bool code_side_information(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     if (image->header.coding == GSF_CODING_SCALAR) {
-        code_steps(coder, &image->header, &image->steps);
+        gsf_code_steps(coder, &image->header, &image->steps);
         return !gsf_coder_overrun(coder);
     }
     if (!gsf_code_codebook_parameters(coder, &image->header, &image->codebooks))
@@ -101,7 +80,7 @@ static bool code_side_information(gsf_coder *coder, gsf_coded_image *image, gsf_
 }
 
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
-    code_background(coder, image);
+    gsf_code_background(coder, image);
     if (image->header.splat_count == 0)
         return true;
     if (!code_side_information(coder, image, workspace))
