@@ -7,7 +7,7 @@ import subprocess
 import sys
 import unittest
 
-from images import read_png, scene
+from images import checkerboard, read_png, scene
 from tool import GSCL, ToolTest, main
 
 BENCH = pathlib.Path(__file__).parent.parent / "bench"
@@ -106,7 +106,7 @@ class Corpus(ToolTest):
 
     def test_refuses_two_pictures_of_one_name(self):
         self.write_png(self.pictures / "startwindowbg.png", scene(400, 300))
-        self.write_png(self.pictures / "startwindowbg.PNG", scene(300, 400))
+        self.write_png(self.pictures / "startwindowbg.PNG", checkerboard(400, 300, 100))
         done = self.corpus()
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("corpus.txt: two pictures have the name pokerth-data.gfx_startwindowbg, the second is usr/share", done.stderr)
