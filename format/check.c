@@ -1,6 +1,7 @@
 #include "format/check.h"
 
 #include "format/codebooks.h"
+#include "format/container.h"
 #include "format/header.h"
 #include "format/quantiser.h"
 
@@ -99,7 +100,8 @@ static bool indexed_is_valid(const gsf_coded_image *image) {
 }
 
 bool gsf_coded_image_is_valid(const gsf_coded_image *image) {
-    if (!gsf_header_is_valid(&image->header) || !background_is_valid(image))
+    if (!gsf_header_is_valid(&image->header) || !background_is_valid(image) ||
+        (image->bare ? image->blocks != NULL : !gsf_blocks_are_valid(image->blocks)))
         return false;
     if (image->header.splat_count == 0)
         return true;

@@ -4,6 +4,8 @@
 
 #include "format/check.h"
 #include "format/classes.h"
+#include "format/container.h"
+#include "format/header.h"
 #include "format/order.h"
 #include "format/payload.h"
 
@@ -33,27 +35,57 @@ static gsf_workspace *workspace_in(const gsf_header *header, void *scratch) {
     return workspace;
 }
 
-gsf_result gsf_read_header(const uint8_t *bytes, size_t size, gsf_header *header) {
-    size_t header_size;
-    return gsf_parse_header(bytes, size, header, &header_size);
+/* The picture of a file of either form.  Without a container there is no check, which is taken to match. */
+static gsf_result open_file(const uint8_t *bytes, size_t size, bool bare, gsf_container *container) {
+    if (!bare)
+        return gsf_open_container(bytes, size, container);
+    *container = (gsf_container){.picture = {bytes, size}};
+    return GSF_OK;
 }
 
-/* Resets the counters and adds the header. */
-static void count_header(const gsf_coded_image *image, size_t size) {
+/* The result for a file whose picture gave this result. */
+static gsf_result result_of_picture(gsf_result result, const gsf_container *container, bool bare) {
+    if (bare)
+        return result;
+    if (container->is_intact)
+        return result == GSF_OK ? GSF_OK : GSF_CORRUPT;
+    return result == GSF_TRUNCATED ? GSF_TRUNCATED : GSF_DAMAGED;
+}
+
+gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_header *header) {
+    gsf_container container;
+    gsf_coder coder;
+    *header = (gsf_header){.width = 0};
+    const gsf_result result = open_file(bytes, size, bare, &container);
+    if (result != GSF_OK)
+        return result;
+    gsf_coder_read_from(&coder, container.picture.data, container.picture.size, NULL);
+    gsf_code_fields(&coder, header);
+    return gsf_coder_overrun(&coder) ? result_of_picture(GSF_TRUNCATED, &container, bare) : GSF_OK;
+}
+
+/* Resets the counters and adds the bits of the container. */
+static void count_container(const gsf_coded_image *image, size_t size, size_t picture_size) {
     if (!image->stream_bits256)
         return;
+    const gsf_bytes none[GSF_BLOCK_COUNT] = {{NULL, 0}};
+    const size_t all = size - picture_size;
+    const size_t fixed = image->bare ? 0 : gsf_container_start_size(none) + gsf_container_end_size(none);
     memset(image->stream_bits256, 0, GSF_STREAM_COUNT * sizeof *image->stream_bits256);
-    image->stream_bits256[GSF_STREAM_HEADER] = (uint64_t)size * 8 * 256;
+    image->stream_bits256[GSF_STREAM_CONTAINER] = (uint64_t)fixed * 8 * 256;
+    image->stream_bits256[GSF_STREAM_BLOCKS] = (uint64_t)(all - fixed) * 8 * 256;
 }
 
-/* A payload is valid only if the decoder consumes exactly its bytes. */
-static gsf_result read_payload(gsf_coded_image *image, const uint8_t *bytes, size_t size, void *scratch) {
+/* A picture is valid only if the decoder consumes exactly its bytes. */
+static gsf_result read_picture(gsf_coded_image *image, gsf_bytes picture, void *scratch) {
     gsf_coder coder;
-    gsf_coder_read_from(&coder, bytes, size, image->stream_bits256);
-    const bool valid = gsf_code_payload(&coder, image, workspace_in(&image->header, scratch));
+    gsf_coder_read_from(&coder, picture.data, picture.size, image->stream_bits256);
+    gsf_code_header(&coder, image);
+    const bool valid =
+        !gsf_coder_overrun(&coder) && gsf_code_payload(&coder, image, workspace_in(&image->header, scratch));
     if (gsf_coder_overrun(&coder))
         return GSF_TRUNCATED;
-    return valid && coder.decoder.position == size + GSF_IMPLIED_BYTES ? GSF_OK : GSF_CORRUPT;
+    return valid && coder.decoder.position == picture.size + GSF_IMPLIED_BYTES ? GSF_OK : GSF_CORRUPT;
 }
 
 /* Clears the fields that reading sets.  The arrays and the pointers to them stay. */
@@ -68,16 +100,13 @@ static void clear_fields(gsf_coded_image *image) {
 }
 
 gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, void *scratch) {
-    size_t start;
+    gsf_container container;
     clear_fields(image);
-    gsf_result result = gsf_parse_header(bytes, size, &image->header, &start);
+    const gsf_result result = open_file(bytes, size, image->bare, &container);
     if (result != GSF_OK)
         return result;
-    count_header(image, start);
-    result = read_payload(image, bytes + start, size - start, scratch);
-    if (gsf_file_checksum(bytes, size, start) == gsf_stored_checksum(bytes, start))
-        return result == GSF_OK ? GSF_OK : GSF_CORRUPT;
-    return result == GSF_TRUNCATED ? GSF_TRUNCATED : GSF_DAMAGED;
+    count_container(image, size, container.picture.size);
+    return result_of_picture(read_picture(image, container.picture, scratch), &container, image->bare);
 }
 
 /* The largest number of splits from the whole grid of a class to one cell. */
@@ -93,6 +122,11 @@ static size_t max_splits(const gsf_coded_image *image) {
     return splits;
 }
 
+/* Bytes around the picture. */
+static size_t container_size(const gsf_coded_image *image) {
+    return image->bare ? 0 : gsf_container_start_size(image->blocks) + gsf_container_end_size(image->blocks);
+}
+
 /* No symbol costs more than 17 bits: a frequency is at least 1 of 2^16, and dividing the range loses less than a bit.
  * The attributes of a splat are at most 13 symbols.  A split of n > 0 splats is one symbol, or two when n > 255. */
 size_t gsf_write_bound(const gsf_coded_image *image) {
@@ -101,7 +135,7 @@ size_t gsf_write_bound(const gsf_coded_image *image) {
     const size_t class_bits = 2 * 17 * GSF_MAX_CLASSES;
     const size_t word_bits = GSF_MAX_CODEBOOK * 17 * (16 + GSF_SHAPE_DIMS + 16 + GSF_MAX_COLOUR_DIMS);
     const size_t book_bits = header->coding == GSF_CODING_CODEBOOK ? word_bits : 0;
-    return 512 + (header->splat_count * splat_bits + class_bits + book_bits) / 8;
+    return 512 + container_size(image) + (header->splat_count * splat_bits + class_bits + book_bits) / 8;
 }
 
 void gsf_sort(gsf_coded_image *image, void *scratch) {
@@ -109,9 +143,10 @@ void gsf_sort(gsf_coded_image *image, void *scratch) {
 }
 
 /* The coder counts the bytes that do not fit, so that a capacity of 0 gives the size alone, without bits by stream. */
-static gsf_result write_payload(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
+static gsf_result write_picture(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
     gsf_coder coder;
     gsf_coder_write_to(&coder, bytes, capacity, capacity > 0 ? image->stream_bits256 : NULL);
+    gsf_code_header(&coder, image);
     if (!gsf_code_payload(&coder, image, workspace_in(&image->header, scratch)))
         return GSF_INVALID;
     gsf_range_encoder_finish(&coder.encoder);
@@ -120,36 +155,35 @@ static gsf_result write_payload(gsf_coded_image *image, uint8_t *bytes, size_t c
 }
 
 gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
-    uint8_t header[GSF_MAX_HEADER_SIZE];
-    size_t payload_size;
+    size_t picture_size;
     *size = 0;
-    image->header.version = GSF_VERSION;
     if (!gsf_coded_image_is_valid(image))
         return GSF_INVALID;
-    const size_t start = gsf_put_header(&image->header, header);
-    if (capacity < start)
+    const size_t around = container_size(image);
+    if (capacity < around)
         return GSF_NO_SPACE;
-    memcpy(bytes, header, start);
-    count_header(image, start);
+    const size_t start = image->bare ? 0 : gsf_container_start_size(image->blocks);
+    count_container(image, around, 0);
     gsf_sort(image, scratch);
-    const gsf_result result = write_payload(image, bytes + start, capacity - start, &payload_size, scratch);
+    const gsf_result result = write_picture(image, bytes + start, capacity - around, &picture_size, scratch);
     if (result != GSF_OK)
         return result;
-    *size = start + payload_size;
-    gsf_store_checksum(bytes, *size, start);
+    if (!image->bare) {
+        gsf_put_container_start(bytes, image->blocks);
+        gsf_put_container_end(bytes, start + picture_size, image->blocks);
+    }
+    *size = around + picture_size;
     return GSF_OK;
 }
 
 gsf_result gsf_size(gsf_coded_image *image, size_t *size, void *scratch) {
-    uint8_t header[GSF_MAX_HEADER_SIZE];
-    size_t payload_size;
+    size_t picture_size;
     *size = 0;
-    image->header.version = GSF_VERSION;
     if (!gsf_coded_image_is_valid(image))
         return GSF_INVALID;
-    const gsf_result result = write_payload(image, NULL, 0, &payload_size, scratch);
+    const gsf_result result = write_picture(image, NULL, 0, &picture_size, scratch);
     if (result == GSF_INVALID)
         return result;
-    *size = gsf_put_header(&image->header, header) + payload_size;
+    *size = container_size(image) + picture_size;
     return GSF_OK;
 }

@@ -8,7 +8,7 @@
  *     quantiser     the values of codes in pixels and colour levels
  *     range_coder   symbols to bytes and back
  *     coder         one coder for both directions, which counts the bits of each stream
- *     header        header fields, checksum, background and steps
+ *     header        the start of a picture: kind, size, number of splats, steps, background
  *     model         adaptive symbol frequencies
  *     count_split   beta-binomial coding of a count that is split in two
  *     set           splats as a set: class counts and positions
@@ -18,33 +18,36 @@
  *     classes       the class and the position grid of each splat
  *     order         the stored order
  *     check         the rules that an image must keep
- *     payload       everything after the header
+ *     payload       everything after the header of a picture
+ *     container     what surrounds a picture in a file
  *     format        this public face: whole files */
 #ifndef GSCL_FORMAT_FORMAT_H
 #define GSCL_FORMAT_FORMAT_H
 
+#include "format/container.h"
 #include "format/header.h"
 #include "format/quantiser.h"
 #include "format/types.h"
 
-/* Reads the header alone and checks its limits; it needs no memory and does not compare the checksum.  Call it first to
- * learn coding and splat_count, then provide arrays and call gsf_read. */
-gsf_result gsf_read_header(const uint8_t *bytes, size_t size, gsf_header *header);
+/* Reads the fields at the start of a whole file.  It needs no memory and returns GSF_OK also where only the check does
+ * not match.  `bare`: the file is a picture without a container.  Call it first to learn coding and splat_count, then
+ * provide arrays and call gsf_read. */
+gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_header *header);
 
 /* Bytes of working memory (aligned for uint64_t) that the functions below need at `scratch`. */
 size_t gsf_scratch_size(const gsf_header *header);
 
-/* Reads and checks a whole file.  `splats` or `indexed` (and the codebook arrays) must be in place.
+/* Reads and checks a whole file, of the form that image->bare says.  `splats` or `indexed` (and the codebook arrays) must be in place.
  * Never reads outside bytes[0..size), whatever it holds. */
 gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, void *scratch);
 
 /* An upper bound of the size of the written file. */
 size_t gsf_write_bound(const gsf_coded_image *image);
 
-/* Writes the image and sets *size to the size of the file.  Sets header.version, sorts image->splats (or ->indexed) into
- * the stored order in place and zeroes the codes of effects that are off, so that afterwards the image equals the one
- * that gsf_read would return.  The file is a function of the image alone.  Returns GSF_INVALID when a value is outside
- * the format's limits, or when the splats together cover more pixels than FORMAT.md's "Limits" allow. */
+/* Writes the image, with its blocks unless it is bare, and sets *size to the size of the file.  Sorts image->splats (or
+ * ->indexed) into the stored order in place and zeroes the codes of effects that are off, so that afterwards the image
+ * equals the one that gsf_read would return.  The file is a function of the image alone.  Returns GSF_INVALID when a
+ * value is outside the format's limits, or when the splats together cover more pixels than FORMAT.md's "Limits" allow. */
 gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch);
 
 /* Counts the exact size of the file that gsf_write would write, without writing it.  The splats must be in the stored

@@ -2,173 +2,211 @@
 
 #include <string.h>
 
-enum {
-    FLAG_BLEND = 0,  /* 2 bits */
-    FLAG_CODING = 2, /* 1 bit */
-    FLAG_LAYOUT = 3, /* 2 bits */
-    FLAG_HIGH_BIT_DEPTH = 5,
-    FLAG_CHROMA = 8,
-    FLAG_ALPHA = 9,
-    FLAG_OPACITY = 10,
-    FLAG_ROTATION = 11,
-    FLAG_ANISOTROPY = 12,
-    FLAG_TEXTURE = 13,
-    RESERVED_FLAGS = 0xC0C0
-};
-
-static const uint8_t MAGIC[3] = {'g', 's', 'c'};
-
 unsigned gsf_channel_count(const gsf_header *header) {
     return (header->has_chroma ? 3u : 1u) + (header->has_alpha ? 1u : 0u);
 }
 
+static bool has_colour(gsf_layout layout) {
+    return layout == GSF_RGB || layout == GSF_RGBA;
+}
+
+static bool has_transparency(gsf_layout layout) {
+    return layout == GSF_GREY_ALPHA || layout == GSF_RGBA;
+}
+
 bool gsf_header_is_valid(const gsf_header *header) {
-    const bool rgb = header->layout == GSF_RGB || header->layout == GSF_RGBA;
-    const bool transparent = header->layout == GSF_GREY_ALPHA || header->layout == GSF_RGBA;
     return (unsigned)header->blend <= GSF_BLEND_SUM && (unsigned)header->coding <= GSF_CODING_CODEBOOK &&
-           (unsigned)header->layout <= GSF_RGBA && (rgb || !header->has_chroma) &&
-           (transparent || !header->has_alpha) && (header->has_anisotropy || !header->has_rotation) &&
+           (unsigned)header->layout <= GSF_RGBA && (has_colour(header->layout) || !header->has_chroma) &&
+           (has_transparency(header->layout) || !header->has_alpha) &&
+           (header->has_anisotropy || !header->has_rotation) &&
            (header->coding == GSF_CODING_SCALAR || !header->has_texture) && header->width >= 1 &&
            header->width <= GSF_MAX_DIMENSION && header->height >= 1 && header->height <= GSF_MAX_DIMENSION &&
            header->splat_count <= GSF_MAX_SPLATS;
 }
 
-static unsigned pack_flags(const gsf_header *header) {
-    return (unsigned)header->blend << FLAG_BLEND | (unsigned)header->coding << FLAG_CODING |
-           (unsigned)header->layout << FLAG_LAYOUT | (unsigned)header->high_bit_depth << FLAG_HIGH_BIT_DEPTH |
-           (unsigned)header->has_chroma << FLAG_CHROMA | (unsigned)header->has_alpha << FLAG_ALPHA |
-           (unsigned)header->has_opacity << FLAG_OPACITY | (unsigned)header->has_rotation << FLAG_ROTATION |
-           (unsigned)header->has_anisotropy << FLAG_ANISOTROPY | (unsigned)header->has_texture << FLAG_TEXTURE;
+/* ---- Symbols of fixed probabilities ---- */
+
+#define LENGTH(array) (sizeof(array) / sizeof *(array))
+
+/* Codes an index of frequencies that are constant. */
+static uint32_t code_fixed(gsf_coder *coder, uint32_t value, const uint16_t *freq, uint32_t count) {
+    uint32_t total = 0;
+    for (uint32_t i = 0; i < count; i++)
+        total += freq[i];
+    return gsf_code_symbol(coder, value, freq, count, total);
 }
 
-static void unpack_flags(unsigned flags, gsf_header *header) {
-    header->blend = (gsf_blend)(flags >> FLAG_BLEND & 3);
-    header->coding = (gsf_coding)(flags >> FLAG_CODING & 1);
-    header->layout = (gsf_layout)(flags >> FLAG_LAYOUT & 3);
-    header->high_bit_depth = flags >> FLAG_HIGH_BIT_DEPTH & 1;
-    header->has_chroma = flags >> FLAG_CHROMA & 1;
-    header->has_alpha = flags >> FLAG_ALPHA & 1;
-    header->has_opacity = flags >> FLAG_OPACITY & 1;
-    header->has_rotation = flags >> FLAG_ROTATION & 1;
-    header->has_anisotropy = flags >> FLAG_ANISOTROPY & 1;
-    header->has_texture = flags >> FLAG_TEXTURE & 1;
+/* Codes a flag that is set with a probability of `set` / 16. */
+static bool code_flag(gsf_coder *coder, bool value, uint32_t set) {
+    return gsf_code_binary(coder, value, 16 - set, 16) != 0;
 }
 
-static size_t put_varint(uint8_t *bytes, uint32_t value) {
-    size_t size = 0;
-    for (; value >= 0x80; value >>= 7)
-        bytes[size++] = (uint8_t)(value | 0x80);
-    bytes[size++] = (uint8_t)value;
-    return size;
+static unsigned bit_length(uint32_t value) {
+    unsigned length = 0;
+    while (length < 32 && value >> length != 0) /* when decoding, the value is arbitrary */
+        length++;
+    return length;
 }
 
-/* At most three bytes, and no byte more than the value needs. */
-static gsf_result get_varint(const uint8_t *bytes, size_t available, size_t *position, uint32_t *value) {
-    *value = 0;
-    for (unsigned i = 0; i < 3; i++) {
-        if (*position >= available)
-            return GSF_TRUNCATED;
-        const uint8_t byte = bytes[(*position)++];
-        *value |= (uint32_t)(byte & 0x7F) << (7 * i);
-        if (byte < 0x80)
-            return byte == 0 && i > 0 ? GSF_CORRUPT : GSF_OK;
+/* Codes a number below 2^(lengths - 1): first its length in bits, whose frequencies are given, then the bits after the
+ * leading one. */
+static uint32_t code_number(gsf_coder *coder, uint32_t value, const uint16_t *freq, uint32_t lengths) {
+    const uint32_t length = code_fixed(coder, bit_length(value), freq, lengths);
+    if (length <= 1)
+        return length;
+    uint32_t number = 1;
+    for (unsigned left = length - 1; left > 0;) {
+        const unsigned bits = left > 16 ? left - 16 : left;
+        left -= bits;
+        number = number << bits | gsf_code_bits(coder, value >> left & ((UINT32_C(1) << bits) - 1), bits);
     }
-    return GSF_CORRUPT;
+    return number;
 }
 
-static gsf_result parse_fields(const uint8_t *bytes, size_t available, gsf_header *header, size_t *size) {
-    if (available < 6)
-        return GSF_TRUNCATED;
-    const unsigned flags = bytes[4] | (unsigned)bytes[5] << 8;
-    unpack_flags(flags, header);
-    *size = 6;
-    uint32_t *fields[3] = {&header->width, &header->height, &header->splat_count};
-    for (int i = 0; i < 3; i++) {
-        const gsf_result result = get_varint(bytes, available, size, fields[i]);
-        if (result != GSF_OK)
-            return result;
+/* ---- Kind ---- */
+
+static const uint16_t BLENDS[] = {10, 4, 2};
+static const uint16_t LAYOUTS[] = {5, 2, 4, 5};
+
+/* Whether a picture is of the most frequent kind: an ordinary photograph in colour. */
+static bool is_ordinary(const gsf_header *h) {
+    return h->blend == GSF_BLEND_NORMALIZED && h->coding == GSF_CODING_SCALAR && h->layout == GSF_RGB &&
+           !h->high_bit_depth && h->has_chroma && !h->has_opacity && h->has_rotation && h->has_anisotropy;
+}
+
+static void set_ordinary(gsf_header *h) {
+    *h = (gsf_header){.blend = GSF_BLEND_NORMALIZED,
+                      .coding = GSF_CODING_SCALAR,
+                      .layout = GSF_RGB,
+                      .has_chroma = true,
+                      .has_rotation = true,
+                      .has_anisotropy = true};
+}
+
+static void code_special(gsf_coder *coder, gsf_header *h) {
+    h->blend = (gsf_blend)code_fixed(coder, h->blend, BLENDS, LENGTH(BLENDS));
+    h->coding = (gsf_coding)code_flag(coder, h->coding == GSF_CODING_CODEBOOK, 3);
+    h->layout = (gsf_layout)code_fixed(coder, h->layout, LAYOUTS, LENGTH(LAYOUTS));
+    h->high_bit_depth = code_flag(coder, h->high_bit_depth, 4);
+    h->has_chroma = has_colour(h->layout) && code_flag(coder, h->has_chroma, 12);
+    h->has_alpha = has_transparency(h->layout) && code_flag(coder, h->has_alpha, 14);
+    h->has_opacity = code_flag(coder, h->has_opacity, 6);
+    h->has_anisotropy = code_flag(coder, h->has_anisotropy, 14);
+    h->has_rotation = h->has_anisotropy && code_flag(coder, h->has_rotation, 14);
+}
+
+static void code_kind(gsf_coder *coder, gsf_header *header) {
+    gsf_header h = *header;
+    if (code_flag(coder, !is_ordinary(&h), 4))
+        code_special(coder, &h);
+    else if (coder->decoding)
+        set_ordinary(&h);
+    h.has_texture = h.coding == GSF_CODING_SCALAR && code_flag(coder, h.has_texture, 12);
+    *header = h;
+}
+
+/* ---- Size ---- */
+
+static const uint16_t SIDE_LENGTHS[] = {1, 1, 1, 1, 2, 2, 3, 4, 6, 10, 14, 10, 6, 2, 1}; /* of the side - 1 */
+static const uint16_t UNIT_LENGTHS[] = {1, 1, 3, 7, 9, 6, 3, 1, 1};                      /* of the side / 64 - 1 */
+static const uint16_t RATIOS[] = {10, 3, 8, 6, 2, 1, 1, 1};
+/* The sides of ratio 1 and up; ratio 0 leaves the shorter side free. */
+static const struct {
+    uint8_t longer, shorter;
+} SIDES[] = {{0, 0}, {1, 1}, {3, 2}, {4, 3}, {16, 9}, {16, 10}, {5, 4}, {2, 1}};
+
+/* The shorter side that a ratio gives, rounded. */
+static uint32_t shorter_side(uint32_t longer, uint32_t ratio) {
+    const uint32_t a = SIDES[ratio].longer, b = SIDES[ratio].shorter;
+    const uint32_t side = (2 * longer * b + a) / (2 * a);
+    return side > 0 ? side : 1;
+}
+
+static uint32_t ratio_of(uint32_t longer, uint32_t shorter) {
+    for (uint32_t ratio = 1; ratio < LENGTH(SIDES); ratio++)
+        if (shorter_side(longer, ratio) == shorter)
+            return ratio;
+    return 0;
+}
+
+static uint32_t code_longer_side(gsf_coder *coder, uint32_t side) {
+    if (code_flag(coder, side % 64 == 0, 8))
+        return 64 * (1 + code_number(coder, side / 64 - 1, UNIT_LENGTHS, LENGTH(UNIT_LENGTHS)));
+    return 1 + code_number(coder, side - 1, SIDE_LENGTHS, LENGTH(SIDE_LENGTHS));
+}
+
+static void code_size(gsf_coder *coder, gsf_header *header) {
+    const bool is_portrait = header->width < header->height;
+    uint32_t longer = is_portrait ? header->height : header->width;
+    uint32_t shorter = is_portrait ? header->width : header->height;
+    longer = code_longer_side(coder, longer);
+    const uint32_t ratio = code_fixed(coder, ratio_of(longer, shorter), RATIOS, LENGTH(RATIOS));
+    shorter = ratio > 0 ? shorter_side(longer, ratio) : 1 + gsf_code_uniform(coder, shorter - 1, longer);
+    const bool portrait = shorter < longer && code_flag(coder, is_portrait, 6);
+    header->width = portrait ? shorter : longer;
+    header->height = portrait ? longer : shorter;
+}
+
+/* ---- Number of splats, steps, background ---- */
+
+static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+
+void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
+    coder->stream = GSF_STREAM_HEADER;
+    code_kind(coder, header);
+    code_size(coder, header);
+    const uint32_t count = code_number(coder, header->splat_count, COUNT_LENGTHS, LENGTH(COUNT_LENGTHS));
+    header->splat_count = count < GSF_MAX_SPLATS ? count : GSF_MAX_SPLATS;
+}
+
+gsf_steps gsf_default_steps(void) {
+    return (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+}
+
+uint16_t gsf_default_background(const gsf_header *header) {
+    return header->high_bit_depth ? 1 << 15 : 1 << 7;
+}
+
+/* The steps that the header codes; the others are 0. */
+static gsf_steps used_steps(const gsf_header *header, gsf_steps steps) {
+    steps.angle = header->has_rotation ? steps.angle : 0;
+    steps.chroma = header->has_chroma ? steps.chroma : 0;
+    steps.alpha = header->has_alpha ? steps.alpha : 0;
+    steps.opacity = header->has_opacity ? steps.opacity : 0;
+    return steps;
+}
+
+static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
+    const gsf_steps defaults = used_steps(header, gsf_default_steps());
+    *steps = used_steps(header, *steps);
+    uint8_t *own[] = {&steps->scale,  &steps->position, &steps->angle,  &steps->luma,
+                      &steps->chroma, &steps->alpha,    &steps->opacity};
+    const bool used[] = {
+        true, true, header->has_rotation, true, header->has_chroma, header->has_alpha, header->has_opacity};
+    if (!code_flag(coder, memcmp(steps, &defaults, sizeof defaults) != 0, 2)) {
+        *steps = defaults;
+        return;
     }
-    header->width++;
-    header->height++;
-    if ((flags & RESERVED_FLAGS) != 0 || !gsf_header_is_valid(header))
-        return GSF_CORRUPT;
-    *size += GSF_CHECKSUM_SIZE;
-    return *size <= available ? GSF_OK : GSF_TRUNCATED;
+    for (unsigned i = 0; i < LENGTH(own); i++)
+        if (used[i])
+            *own[i] = (uint8_t)gsf_code_bits(coder, *own[i], 4);
 }
 
-gsf_result gsf_parse_header(const uint8_t *bytes, size_t available, gsf_header *header, size_t *size) {
-    *header = (gsf_header){.version = 0};
-    *size = 0;
-    if (available < 4 || memcmp(bytes, MAGIC, sizeof MAGIC) != 0 || bytes[3] == 0)
-        return GSF_NOT_GSCL;
-    header->version = bytes[3];
-    if (header->version > GSF_VERSION)
-        return GSF_NEWER_VERSION;
-    return parse_fields(bytes, available, header, size);
+static void code_background(gsf_coder *coder, const gsf_header *header, uint16_t *background) {
+    const unsigned channels = gsf_channel_count(header);
+    const uint16_t middle = gsf_default_background(header);
+    bool own = false;
+    for (unsigned i = 0; i < channels; i++)
+        own = own || background[i] != middle;
+    own = code_flag(coder, own, 2);
+    for (unsigned i = 0; i < channels; i++)
+        background[i] = own ? (uint16_t)gsf_code_bits(coder, background[i], header->high_bit_depth ? 16 : 8) : middle;
 }
 
-size_t gsf_put_header(const gsf_header *header, uint8_t *bytes) {
-    const unsigned flags = pack_flags(header);
-    memcpy(bytes, MAGIC, sizeof MAGIC);
-    bytes[3] = GSF_VERSION;
-    bytes[4] = (uint8_t)flags;
-    bytes[5] = (uint8_t)(flags >> 8);
-    size_t size = 6;
-    size += put_varint(bytes + size, header->width - 1);
-    size += put_varint(bytes + size, header->height - 1);
-    size += put_varint(bytes + size, header->splat_count);
-    memset(bytes + size, 0, GSF_CHECKSUM_SIZE);
-    return size + GSF_CHECKSUM_SIZE;
-}
-
-void gsf_code_background(gsf_coder *coder, gsf_coded_image *image) {
+void gsf_code_header(gsf_coder *coder, gsf_coded_image *image) {
+    gsf_code_fields(coder, &image->header);
     coder->stream = GSF_STREAM_SIDE;
-    for (unsigned i = 0; i < gsf_channel_count(&image->header); i++)
-        image->background[i] =
-            (uint16_t)gsf_code_bits(coder, image->background[i], image->header.high_bit_depth ? 16 : 8);
-}
-
-static void code_step(gsf_coder *coder, uint8_t *step, bool used) {
-    *step = used ? (uint8_t)gsf_code_bits(coder, *step, 4) : 0;
-}
-
-void gsf_code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
-    code_step(coder, &steps->scale, true);
-    code_step(coder, &steps->position, true);
-    code_step(coder, &steps->angle, header->has_rotation);
-    code_step(coder, &steps->luma, true);
-    code_step(coder, &steps->chroma, header->has_chroma);
-    code_step(coder, &steps->alpha, header->has_alpha);
-    code_step(coder, &steps->opacity, header->has_opacity);
-}
-
-static uint32_t crc24(uint32_t crc, const uint8_t *bytes, size_t size) {
-    /* The remainder that each value of the top four bits contributes. */
-    static const uint32_t remainder[16] = {0x000000, 0x864CFB, 0x8AD50D, 0x0C99F6, 0x93E6E1, 0x15AA1A,
-                                           0x1933EC, 0x9F7F17, 0xA18139, 0x27CDC2, 0x2B5434, 0xAD18CF,
-                                           0x3267D8, 0xB42B23, 0xB8B2D5, 0x3EFE2E};
-    for (size_t i = 0; i < size; i++) {
-        crc ^= (uint32_t)bytes[i] << 16;
-        crc = (crc << 4 & 0xFFFFFF) ^ remainder[crc >> 20];
-        crc = (crc << 4 & 0xFFFFFF) ^ remainder[crc >> 20];
-    }
-    return crc;
-}
-
-uint32_t gsf_file_checksum(const uint8_t *bytes, size_t size, size_t header_size) {
-    const uint32_t crc = crc24(0xB704CE, bytes, header_size - GSF_CHECKSUM_SIZE);
-    return crc24(crc, bytes + header_size, size - header_size);
-}
-
-uint32_t gsf_stored_checksum(const uint8_t *bytes, size_t header_size) {
-    const uint8_t *stored = bytes + header_size - GSF_CHECKSUM_SIZE;
-    return (uint32_t)stored[0] << 16 | (uint32_t)stored[1] << 8 | stored[2];
-}
-
-void gsf_store_checksum(uint8_t *bytes, size_t size, size_t header_size) {
-    const uint32_t crc = gsf_file_checksum(bytes, size, header_size);
-    uint8_t *stored = bytes + header_size - GSF_CHECKSUM_SIZE;
-    stored[0] = (uint8_t)(crc >> 16);
-    stored[1] = (uint8_t)(crc >> 8);
-    stored[2] = (uint8_t)crc;
+    if (image->header.coding == GSF_CODING_SCALAR && image->header.splat_count > 0)
+        code_steps(coder, &image->header, &image->steps);
+    code_background(coder, &image->header, image->background);
 }

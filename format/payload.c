@@ -2,7 +2,6 @@
 
 #include "format/check.h"
 #include "format/codebooks.h"
-#include "format/header.h"
 
 static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
 
@@ -65,12 +64,9 @@ static void code_indexed(gsf_coder *coder, gsf_coded_image *image, gsf_workspace
     }
 }
 
-/* Codes the side information: steps or codebooks. */
-static bool code_side_information(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
-    if (image->header.coding == GSF_CODING_SCALAR) {
-        gsf_code_steps(coder, &image->header, &image->steps);
-        return !gsf_coder_overrun(coder);
-    }
+/* Codes parameters and words of the codebooks. */
+static bool code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+    coder->stream = GSF_STREAM_SIDE;
     if (!gsf_code_codebook_parameters(coder, &image->header, &image->codebooks))
         return false;
     coder->stream = GSF_STREAM_CODEBOOK;
@@ -80,10 +76,9 @@ static bool code_side_information(gsf_coder *coder, gsf_coded_image *image, gsf_
 }
 
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
-    gsf_code_background(coder, image);
     if (image->header.splat_count == 0)
         return true;
-    if (!code_side_information(coder, image, workspace))
+    if (image->header.coding == GSF_CODING_CODEBOOK && !code_codebooks(coder, image, workspace))
         return false;
     code_positions(coder, image, workspace);
     if (gsf_coder_overrun(coder))

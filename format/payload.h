@@ -1,4 +1,4 @@
-/* The payload: everything after the header (FORMAT.md, "Payload"). */
+/* The payload: everything after the header of a picture (FORMAT.md, "Splats"). */
 #ifndef GSCL_FORMAT_PAYLOAD_H
 #define GSCL_FORMAT_PAYLOAD_H
 

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define GSF_VERSION 1
+#define GSF_VERSION 2
 #define GSF_MAX_DIMENSION 16384 /* pixels, width and height */
 #define GSF_MAX_SPLATS (1u << 20)
 #define GSF_MAX_CODEBOOK 1024 /* code words in either codebook */
@@ -17,8 +17,9 @@ typedef enum gsf_result {
     GSF_NOT_GSCL,      /* the magic bytes are missing */
     GSF_NEWER_VERSION, /* a format version above GSF_VERSION */
     GSF_TRUNCATED,     /* the file ends before its content does */
-    GSF_DAMAGED,       /* the checksum does not match */
-    GSF_CORRUPT,       /* the checksum matches but a value is outside the format's limits */
+    GSF_DAMAGED,       /* the check does not match */
+    GSF_CORRUPT,       /* the check matches, but the file breaks a rule of the format */
+    GSF_UNKNOWN_BLOCK, /* a block of an unknown type that a reader must understand */
     GSF_NO_SPACE,      /* the caller's buffer is too small */
     GSF_INVALID        /* (writer) the image breaks a rule of the format */
 } gsf_result;
@@ -33,7 +34,6 @@ typedef enum gsf_coding { GSF_CODING_SCALAR = 0, GSF_CODING_CODEBOOK = 1 } gsf_c
 typedef enum gsf_layout { GSF_GREY = 0, GSF_GREY_ALPHA = 1, GSF_RGB = 2, GSF_RGBA = 3 } gsf_layout;
 
 typedef struct gsf_header {
-    uint8_t version;
     gsf_blend blend;
     gsf_coding coding;
     gsf_layout layout;
@@ -109,10 +109,29 @@ typedef struct gsf_codebooks {
     uint16_t (*colour_words)[GSF_MAX_COLOUR_DIMS];
 } gsf_codebooks;
 
+/* Blocks around the picture, of which a file has at most one of each type. */
+typedef enum gsf_block_type {
+    GSF_BLOCK_COLOUR_SPACE, /* before the picture */
+    GSF_BLOCK_ICC,
+    GSF_BLOCK_EXIF, /* after the picture */
+    GSF_BLOCK_XMP,
+    GSF_BLOCK_COUNT
+} gsf_block_type;
+
+#define GSF_MAX_BLOCK_SIZE ((1u << 21) - 1) /* bytes of content */
+#define GSF_COLOUR_SPACE_SIZE 2u            /* bytes: code points of the primaries and of the transfer function */
+
+typedef struct gsf_bytes {
+    const uint8_t *data; /* NULL: there are none */
+    size_t size;
+} gsf_bytes;
+
 /* The parts of a file among which the bits are counted. */
 typedef enum gsf_stream {
-    GSF_STREAM_HEADER,   /* header and checksum */
-    GSF_STREAM_SIDE,     /* background, steps or ranges */
+    GSF_STREAM_CONTAINER, /* magic, version and check */
+    GSF_STREAM_BLOCKS,
+    GSF_STREAM_HEADER,   /* flags, size, number of splats */
+    GSF_STREAM_SIDE,     /* steps or ranges, background */
     GSF_STREAM_CODEBOOK, /* code words */
     GSF_STREAM_POSITION,
     GSF_STREAM_SCALE, /* minor, aspect */
@@ -138,6 +157,8 @@ typedef struct gsf_coded_image {
     gsf_codebooks codebooks;               /* codebook coding */
     gsf_indexed_splat *indexed;            /* codebook coding: array of splat_count */
     uint64_t *stream_bits256;              /* out: 1/256 bits of each stream, GSF_STREAM_COUNT numbers; may be NULL */
+    bool bare;                             /* in: the file is the picture alone */
+    const gsf_bytes *blocks;               /* in, writing: GSF_BLOCK_COUNT of them, or NULL; without `bare` only */
 } gsf_coded_image;
 
 #endif

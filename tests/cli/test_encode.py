@@ -170,7 +170,7 @@ class Names(ToolTest):
         self.path("out.gscl").chmod(0o640)
         self.write_png("in.png", scene(16, 16))
         self.gscl("encode", "in.png", "-o", "out.gscl", *FAST)
-        self.assertEqual(self.path("out.gscl").read_bytes()[:3], b"gsc")
+        self.assertEqual(self.path("out.gscl").read_bytes()[:4], b"\xc7gsc")
         self.assertEqual(self.path("out.gscl").stat().st_mode & 0o777, 0o640)
 
     def test_new_output_has_ordinary_permissions(self):
@@ -185,7 +185,7 @@ class Names(ToolTest):
         self.write_png("in.png", scene(16, 16))
         self.gscl("encode", "in.png", "-o", "out.gscl", *FAST)
         self.assertTrue(self.path("out.gscl").is_symlink())
-        self.assertEqual(self.path("elsewhere/out.gscl").read_bytes()[:3], b"gsc")
+        self.assertEqual(self.path("elsewhere/out.gscl").read_bytes()[:4], b"\xc7gsc")
 
     def test_leaves_no_other_files(self):
         self.write_png("in.png", scene(16, 16))

@@ -27,7 +27,7 @@ class Info(ToolTest):
                 info = self.gscl_json("info", "in.gscl")
                 self.assertEqual((info["width"], info["height"], info["channels"], info["depth"]),
                                  (30, 20, channels, depth))
-                self.assertEqual((info["profile"], info["blend"], info["format_version"]), ("default", "normalized", 1))
+                self.assertEqual((info["profile"], info["blend"], info["format_version"]), ("default", "normalized", 2))
                 self.assertEqual("chroma" in info["effects"], channels >= 3)
                 self.assertEqual("alpha-channel" in info["effects"], channels % 2 == 0)
                 self.assertAlmostEqual(info["bpp"], 8 * len(data) / 600)
@@ -36,7 +36,7 @@ class Info(ToolTest):
         self.encode(scene(30, 20), "--bytes", "300")
         info = self.gscl_json("info", "in.gscl")
         text = self.gscl("info", "in.gscl").decode()
-        self.assertIn("in.gscl: 30 x 20 RGB, 8 bits, format version 1\n", text)
+        self.assertIn("in.gscl: 30 x 20 RGB, 8 bits, format version 2\n", text)
         self.assertIn(f"{info['splats']} splats, {info['bytes']} bytes", text)
         self.assertIn("effects: " + ", ".join(info["effects"]) + "\n", text)
         for stream in info["streams"]:

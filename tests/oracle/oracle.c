@@ -22,7 +22,7 @@ static coded_file *coded_read(const uint8_t *bytes, size_t size) {
     if (!coded)
         return NULL;
     gsf_coded_image *image = &coded->image;
-    bool done = gsf_read_header(bytes, size, &image->header) == GSF_OK;
+    bool done = gsf_read_header(bytes, size, false, &image->header) == GSF_OK;
     if (done) {
         void *scratch = malloc(gsf_scratch_size(&image->header));
         image->splats = calloc(image->header.splat_count + (size_t)1, sizeof *image->splats);

@@ -79,7 +79,7 @@ static double flat_mse(const gscl_image *image) {
 static void check_words_used(const uint8_t *bytes, size_t size) {
     gscl_coded_image p;
     bool used[2][GSF_MAX_CODEBOOK] = {{false}};
-    assert_int_equal(gscl_coded_image_read(&p, bytes, size), GSCL_OK);
+    assert_int_equal(gscl_coded_image_read(&p, bytes, size, false), GSCL_OK);
     for (uint32_t i = 0; i < p.file.header.splat_count; i++)
         used[0][p.file.indexed[i].shape] = used[1][p.file.indexed[i].colour] = true;
     for (uint16_t k = 0; p.file.header.splat_count > 0 && k < GSF_MAX_CODEBOOK; k++)

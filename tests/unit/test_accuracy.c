@@ -79,7 +79,7 @@ static void draw_reference(const file *f, bool cut, double *planes) {
     gscl_coded_image coded;
     gscl_reference reference;
     float background[4];
-    assert_int_equal(gscl_coded_image_read(&coded, f->bytes, f->size), GSCL_OK);
+    assert_int_equal(gscl_coded_image_read(&coded, f->bytes, f->size, false), GSCL_OK);
     const gscl_kernel_options options = gscl_coded_image_options(&coded.file.header);
     const size_t count = coded.file.header.splat_count;
     float *params = malloc(count * GSCL_PARAMS * sizeof *params);
@@ -119,7 +119,7 @@ static void test_reference_draws_parts(void **state) {
         gscl_reference reference;
         float background[4], *params;
         draw_reference(&files[i], true, whole);
-        assert_int_equal(gscl_coded_image_read(&coded, files[i].bytes, files[i].size), GSCL_OK);
+        assert_int_equal(gscl_coded_image_read(&coded, files[i].bytes, files[i].size, false), GSCL_OK);
         const gscl_kernel_options options = gscl_coded_image_options(&coded.file.header);
         params = malloc(coded.file.header.splat_count * GSCL_PARAMS * sizeof *params);
         gscl_coded_image_params(&coded, params, background);

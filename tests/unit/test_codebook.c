@@ -68,8 +68,7 @@ static void scene_open(scene *s, gscl_context *context) {
     uint64_t random = 3;
     memset(s, 0, sizeof *s);
     s->context = context;
-    s->coded.file.header = (gsf_header){.version = GSF_VERSION,
-                                        .blend = GSF_BLEND_ALPHA,
+    s->coded.file.header = (gsf_header){.blend = GSF_BLEND_ALPHA,
                                         .coding = GSF_CODING_CODEBOOK,
                                         .layout = GSF_RGB,
                                         .has_chroma = true,

@@ -378,7 +378,7 @@ static void check_splats(synthetic_scene *s) {
     oracle_image truth;
     assert_int_equal(synthetic_scene_write(s, &bytes, &size), GSF_OK);
     assert_true(oracle_read(bytes, size, &truth));
-    assert_int_equal(gscl_read_splats(bytes, size, &splats, &count), GSCL_OK);
+    assert_int_equal(gscl_read_splats(bytes, size, NULL, &splats, &count), GSCL_OK);
     assert_int_equal(count, truth.header.splats);
     for (size_t i = 0; i < count; i++)
         check_splat(&truth.header, &truth.splats[i], &splats[i]);

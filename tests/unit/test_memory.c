@@ -191,7 +191,7 @@ static void test_measurements(void **state) {
         fail_allocation(number);
         assert_explained(context, gscl_measure_gradients(context, &image, bytes, size, NULL, ignore_gradient, NULL));
         fail_allocation(number);
-        assert_explained(context, gscl_inspect_effects(context, bytes, size, &image, uses, &count));
+        assert_explained(context, gscl_inspect_effects(context, bytes, size, NULL, &image, uses, &count));
     }
     fail_allocation(0);
     gscl_free(bytes);

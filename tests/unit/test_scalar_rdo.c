@@ -63,8 +63,7 @@ static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool we
     memset(s, 0, sizeof *s);
     s->kind = kind;
     s->context = context;
-    s->coded.file.header = (gsf_header){.version = GSF_VERSION,
-                                        .blend = blend,
+    s->coded.file.header = (gsf_header){.blend = blend,
                                         .coding = GSF_CODING_SCALAR,
                                         .layout = GSF_RGB,
                                         .has_chroma = true,

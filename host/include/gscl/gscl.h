@@ -86,9 +86,10 @@ typedef enum gscl_result {
     GSCL_ERROR_NOT_GSCL = 20,         /* not a gscl file */
     GSCL_ERROR_NEWER_VERSION = 21,    /* written in a newer format version */
     GSCL_ERROR_TRUNCATED = 22,        /* the file ends too early */
-    GSCL_ERROR_DAMAGED = 23,          /* the checksum does not match */
-    GSCL_ERROR_CORRUPT = 24,          /* a value outside the format's limits */
+    GSCL_ERROR_DAMAGED = 23,          /* the check at the end does not match */
+    GSCL_ERROR_CORRUPT = 24,          /* the check matches, but the file breaks a rule of the format */
     GSCL_ERROR_LIMIT = 25,            /* decoding needs more than max_pixels or max_work; the message has the figures */
+    GSCL_ERROR_UNKNOWN_BLOCK = 26,    /* a block of a type unknown here that a reader must understand */
     GSCL_ERROR_IMAGE_SIZE = 30,       /* an image without pixels or larger than GSCL_MAX_DIMENSION */
     GSCL_ERROR_IMAGE_NOT_FINITE = 31, /* NaN or infinite samples */
     GSCL_ERROR_BUDGET_TOO_SMALL = 40, /* the message names the smallest possible size */
@@ -188,6 +189,28 @@ typedef struct gscl_image {
     bool premultiplied; /* whether colours are multiplied by alpha; false in PNG files */
     void *pixels;
 } gscl_image;
+
+/* ---- Blocks -------------------------------------------------------------------------------- */
+
+/* Data about the picture, which a file may hold beside it.  The library neither interprets nor applies them. */
+typedef enum gscl_block_type {
+    GSCL_BLOCK_COLOUR_SPACE =
+        0,               /* two bytes: the code points of the primaries and of the transfer function in ITU-T H.273
+                                    (CICP).  Samples are always R, G, B or grey of the full range.  Without this block and
+                                    an ICC profile they are sRGB */
+    GSCL_BLOCK_ICC = 1,  /* an ICC profile */
+    GSCL_BLOCK_EXIF = 2, /* the TIFF structure, without a leading "Exif\0\0" */
+    GSCL_BLOCK_XMP = 3   /* an XMP packet */
+} gscl_block_type;
+#define GSCL_MAX_BLOCK_SIZE 2097151 /* bytes */
+
+/* A list of blocks, with at most one of each type. */
+typedef struct gscl_block {
+    const struct gscl_block *next; /* NULL for the last one */
+    gscl_block_type type;
+    const void *data;
+    size_t size; /* bytes, 1..GSCL_MAX_BLOCK_SIZE; 2 for COLOUR_SPACE */
+} gscl_block;
 
 /* ---- Effects ------------------------------------------------------------------------------- */
 
@@ -291,6 +314,10 @@ typedef struct gscl_encode_settings {
     double step_factor;              /* scale of the default quantiser steps, 0.25..4, default profile only; rounded to
                                         the nearest step that the format has; default 0: no scaling */
     bool trace; /* whether the report has the convergence trace; default false.  It takes time; the bytes stay equal */
+    bool bare; /* whether to write the picture alone, without magic bytes, version, blocks and check, for those who keep
+                   its size and know its type; default false.  A reader must be told (gscl_decode_settings.bare) */
+    const gscl_block
+        *blocks; /* copied into the file and counted by its targets in bytes; not with `bare`; default NULL */
 } gscl_encode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_encode_settings_default. */
@@ -360,6 +387,8 @@ typedef struct gscl_decode_settings {
                                          GSCL_MAX_DIMENSION squared */
     uint64_t max_work; /* largest number of evaluations (see gscl_info.work); default 0: no limit.  A CPU core does
                           about 5e8 a second */
+    bool bare;         /* whether the file is bare (gscl_encode_settings.bare), which its bytes do not tell; default
+                          false */
 } gscl_decode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_decode_settings_default. */
@@ -372,16 +401,28 @@ static inline void gscl_decode_settings_default(gscl_decode_settings *settings) 
  * rows without gaps, which the caller releases with gscl_free(image->pixels).  Otherwise the pixels are written to the
  * caller's memory with the caller's stride; width, height, channels and sample must then be those of the decoded image,
  * which gscl_probe returns.  The context keeps its device buffers for the next decode.  `settings` may be NULL for the
- * defaults.  Errors: GSCL_ERROR_NOT_GSCL to _LIMIT for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
+ * defaults.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
  * _IMAGE_SIZE, and those of memory and the device. */
 GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size,
                                               const gscl_decode_settings *settings, gscl_image *image);
 
 /* ---- Inspecting files (without a context and without OpenCL) -------------------------------- */
 
+/* How functions that only read take a file. */
+typedef struct gscl_read_settings {
+    size_t struct_size; /* set by gscl_read_settings_default */
+    bool bare;          /* whether the file is bare (gscl_encode_settings.bare); default false */
+} gscl_read_settings;
+
+/* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_read_settings_default. */
+GSCL_API void gscl_read_settings_init(gscl_read_settings *settings, size_t struct_size);
+static inline void gscl_read_settings_default(gscl_read_settings *settings) {
+    gscl_read_settings_init(settings, sizeof *settings);
+}
+
 /* This struct never changes. */
 typedef struct gscl_stream_bits {
-    const char *name; /* "header", "position", ...; static */
+    const char *name; /* "container", "blocks", "header", "position", ...; static */
     double bits;
 } gscl_stream_bits;
 #define GSCL_MAX_STREAMS 16
@@ -406,11 +447,20 @@ typedef struct gscl_info {
                         bound from the header, splats * pixels; gscl_inspect the figure itself */
 } gscl_info;
 
-/* Reads the header only and does not check the checksum.  The caller sets info->struct_size.
- * Errors: GSCL_ERROR_NOT_GSCL to _CORRUPT, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE. */
-GSCL_API GSCL_CHECKED gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info);
+/* Reads the header of a whole file only, and succeeds where only the check does not match.  `settings` may be NULL for
+ * the defaults.  The caller sets info->struct_size.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK,
+ * GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE. */
+GSCL_API GSCL_CHECKED gscl_result gscl_probe(const uint8_t *bytes, size_t size, const gscl_read_settings *settings,
+                                             gscl_info *info);
 /* Reads and checks the whole file and counts the bits of each stream.  Errors as gscl_probe, and those of memory. */
-GSCL_API GSCL_CHECKED gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info);
+GSCL_API GSCL_CHECKED gscl_result gscl_inspect(const uint8_t *bytes, size_t size, const gscl_read_settings *settings,
+                                               gscl_info *info);
+
+/* Finds a block of a whole file that is not bare, without reading its picture.  *data points into the file; where the
+ * file has no such block, *data is NULL and *data_size is 0.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK,
+ * GSCL_ERROR_INVALID_ARGUMENT. */
+GSCL_API GSCL_CHECKED gscl_result gscl_find_block(const void *file, size_t size, gscl_block_type type,
+                                                  const void **data, size_t *data_size);
 
 /* One splat as it is drawn.  This struct never changes. */
 typedef struct gscl_splat {
@@ -421,7 +471,8 @@ typedef struct gscl_splat {
     float colour[4];      /* R, G and B, equal in grey images, premultiplied; then alpha */
 } gscl_splat;
 /* Reads all splats in drawing order.  The caller releases *splats with gscl_free.  Errors as gscl_inspect. */
-GSCL_API GSCL_CHECKED gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, gscl_splat **splats,
+GSCL_API GSCL_CHECKED gscl_result gscl_read_splats(const uint8_t *bytes, size_t size,
+                                                   const gscl_read_settings *settings, gscl_splat **splats,
                                                    size_t *count);
 
 #ifdef __cplusplus

@@ -46,15 +46,16 @@ gscl_result gscl_coded_image_reserve(gscl_coded_image *p, size_t splats) {
     return GSCL_OK;
 }
 
-gscl_result gscl_coded_image_read(gscl_coded_image *p, const uint8_t *bytes, size_t size) {
-    return gscl_coded_image_read_counted(p, bytes, size, NULL);
+gscl_result gscl_coded_image_read(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare) {
+    return gscl_coded_image_read_counted(p, bytes, size, bare, NULL);
 }
 
-gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *bytes, size_t size,
+gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare,
                                           uint64_t *stream_bits256) {
     memset(p, 0, sizeof *p);
+    p->file.bare = bare;
     p->file.stream_bits256 = stream_bits256;
-    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &p->file.header)));
+    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, bare, &p->file.header)));
     gscl_result result = gscl_coded_image_reserve(p, p->file.header.splat_count);
     if (result == GSCL_OK)
         result = gscl_result_of_format(gsf_read(bytes, size, &p->file, p->scratch));
@@ -146,6 +147,8 @@ gscl_result gscl_result_of_format(gsf_result result) {
         return GSCL_ERROR_DAMAGED;
     case GSF_CORRUPT:
         return GSCL_ERROR_CORRUPT;
+    case GSF_UNKNOWN_BLOCK:
+        return GSCL_ERROR_UNKNOWN_BLOCK;
     case GSF_NO_SPACE:
         return GSCL_ERROR_OUT_OF_MEMORY;
     case GSF_INVALID:
@@ -155,9 +158,9 @@ gscl_result gscl_result_of_format(gsf_result result) {
 }
 
 gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size) {
-    if (result == GSCL_ERROR_NEWER_VERSION && size > 3)
-        return gscl_fail(context, result, "written in format version %u; this program reads up to version %d", bytes[3],
-                         GSF_VERSION);
+    if (result == GSCL_ERROR_NEWER_VERSION && size > 4)
+        return gscl_fail(context, result, "written in format version %u; this program reads up to version %d",
+                         bytes[4] & 15, GSF_VERSION);
     if (result == GSCL_ERROR_TRUNCATED)
         return gscl_fail(context, result, "the file is incomplete: %zu bytes are there and more are needed", size);
     return gscl_fail(context, result, "%s", gscl_result_text(result));

@@ -19,11 +19,11 @@ gscl_result gscl_coded_image_reserve(gscl_coded_image *coded, size_t splats);
 /* Frees the arrays; accepts a zeroed coded image. */
 void gscl_coded_image_free(gscl_coded_image *coded);
 
-/* Reads a file; `coded` may hold anything before. */
-gscl_result gscl_coded_image_read(gscl_coded_image *coded, const uint8_t *bytes, size_t size);
+/* Reads a file, which may be bare; `coded` may hold anything before. */
+gscl_result gscl_coded_image_read(gscl_coded_image *coded, const uint8_t *bytes, size_t size, bool bare);
 /* The same, and counts 1/256 bits in `stream_bits256`: GSF_STREAM_COUNT numbers that must live as long as the coded
  * image, or NULL. */
-gscl_result gscl_coded_image_read_counted(gscl_coded_image *coded, const uint8_t *bytes, size_t size,
+gscl_result gscl_coded_image_read_counted(gscl_coded_image *coded, const uint8_t *bytes, size_t size, bool bare,
                                           uint64_t *stream_bits256);
 /* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);

@@ -126,14 +126,14 @@ static gscl_result decode_draw(gscl_context *context, const gscl_coded_image *co
 static gscl_result read_within_limits(gscl_context *context, const uint8_t *bytes, size_t size,
                                       const gscl_decode_settings *s, gscl_coded_image *coded, gscl_frame *f) {
     gsf_header header;
-    gscl_result result = gscl_result_of_format(gsf_read_header(bytes, size, &header));
+    gscl_result result = gscl_result_of_format(gsf_read_header(bytes, size, s->bare, &header));
     if (result != GSCL_OK) {
         gscl_coded_image_fail(context, result, bytes, size);
         return result;
     }
     GSCL_TRY(gscl_frame_resolve(context, s, &header, f));
     gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
-    result = gscl_coded_image_read(coded, bytes, size);
+    result = gscl_coded_image_read(coded, bytes, size, s->bare);
     if (result != GSCL_OK)
         gscl_coded_image_fail(context, result, bytes, size);
     else if ((result = gscl_frame_check_work(context, s, coded, f)) != GSCL_OK)

@@ -33,6 +33,8 @@ const char *gscl_effect_reason_name(gscl_effect_reason reason) {
 }
 
 static const char *const stream_names[GSF_STREAM_COUNT] = {
+    [GSF_STREAM_CONTAINER] = "container",
+    [GSF_STREAM_BLOCKS] = "blocks",
     [GSF_STREAM_HEADER] = "header",
     [GSF_STREAM_SIDE] = "side",
     [GSF_STREAM_CODEBOOK] = "codebook",
@@ -50,7 +52,7 @@ static const char *const stream_names[GSF_STREAM_COUNT] = {
 
 static void describe_header(const gsf_header *header, size_t size, gscl_info *info) {
     *info = (gscl_info){.struct_size = sizeof *info};
-    info->format_version = header->version;
+    info->format_version = GSF_VERSION;
     info->width = header->width;
     info->height = header->height;
     info->channels = gscl_coded_image_channels(header);
@@ -86,26 +88,41 @@ static void list_streams(const uint64_t *stream_bits256, size_t size, gscl_info 
         info->streams[side].bits += 8.0 * (double)size - total;
 }
 
-gscl_result gscl_probe(const uint8_t *bytes, size_t size, gscl_info *info) {
+void gscl_read_settings_init(gscl_read_settings *settings, size_t struct_size) {
+    const gscl_read_settings defaults = {.bare = false};
+    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
+}
+
+/* The settings of the caller, or the defaults. */
+static gscl_result read_settings(const gscl_read_settings *settings, gscl_read_settings *own) {
+    gscl_read_settings_default(own);
+    return gscl_struct_read(NULL, "gscl_read_settings", settings, sizeof *own, own, sizeof *own);
+}
+
+gscl_result gscl_probe(const uint8_t *bytes, size_t size, const gscl_read_settings *settings, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_read_settings s;
+    GSCL_TRY(read_settings(settings, &s));
     GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_info, pixels, info));
     gsf_header header;
-    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, &header)));
+    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, s.bare, &header)));
     gscl_info own;
     describe_header(&header, size, &own);
     gscl_struct_write(info, &own);
     return GSCL_OK;
 }
 
-gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
+gscl_result gscl_inspect(const uint8_t *bytes, size_t size, const gscl_read_settings *settings, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_read_settings s;
+    GSCL_TRY(read_settings(settings, &s));
     GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_info, pixels, info));
     gscl_coded_image coded;
     gscl_info own;
     uint64_t stream_bits256[GSF_STREAM_COUNT];
-    GSCL_TRY(gscl_coded_image_read_counted(&coded, bytes, size, stream_bits256));
+    GSCL_TRY(gscl_coded_image_read_counted(&coded, bytes, size, s.bare, stream_bits256));
     describe_header(&coded.file.header, size, &own);
     if (coded.file.header.coding == GSF_CODING_CODEBOOK && coded.file.header.splat_count > 0) {
         own.shape_words = coded.file.codebooks.shape_count;
@@ -116,6 +133,18 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, gscl_info *info) {
     own.work = gscl_frame_work(&coded, &whole);
     gscl_struct_write(info, &own);
     gscl_coded_image_free(&coded);
+    return GSCL_OK;
+}
+
+gscl_result gscl_find_block(const void *file, size_t size, gscl_block_type type, const void **data, size_t *data_size) {
+    if (!file || !data || !data_size || (unsigned)type >= GSF_BLOCK_COUNT)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gsf_container container;
+    GSCL_TRY(gscl_result_of_format(gsf_open_container(file, size, &container)));
+    if (!container.is_intact)
+        return GSCL_ERROR_DAMAGED;
+    *data = container.blocks[type].data;
+    *data_size = container.blocks[type].size;
     return GSCL_OK;
 }
 
@@ -133,11 +162,14 @@ static gscl_splat drawn_splat(const float *params, const gsf_header *header) {
     return s;
 }
 
-gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, gscl_splat **splats, size_t *count) {
+gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, const gscl_read_settings *settings, gscl_splat **splats,
+                             size_t *count) {
     if (!bytes || !splats || !count)
         return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_read_settings s;
+    GSCL_TRY(read_settings(settings, &s));
     gscl_coded_image coded;
-    GSCL_TRY(gscl_coded_image_read(&coded, bytes, size));
+    GSCL_TRY(gscl_coded_image_read(&coded, bytes, size, s.bare));
     size_t n = coded.file.header.splat_count;
     float background[4], *params = malloc((n + 1) * GSCL_PARAMS * sizeof(float));
     gscl_splat *list = malloc((n + 1) * sizeof *list);

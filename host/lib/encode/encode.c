@@ -73,7 +73,7 @@ static gscl_result encode_to_psnr(gscl_encoder *e, const gscl_image *image) {
                            "%.2f dB cannot be reached; the best found is %.2f dB", target, search.low_db);
     if (result == GSCL_OK) {
         gscl_coded_image_free(&e->coded);
-        result = gscl_coded_image_read(&e->coded, best.bytes, best.size);
+        result = gscl_coded_image_read(&e->coded, best.bytes, best.size, true);
     }
     free(best.bytes);
     return result;
@@ -94,6 +94,8 @@ static gscl_result write_file(gscl_encoder *e, encoded_file *file) {
     gsf_header *header = &e->coded.file.header;
     if (header->splat_count == 0)
         header->has_opacity = header->has_rotation = header->has_anisotropy = header->has_texture = false;
+    e->coded.file.bare = e->settings.bare;
+    e->coded.file.blocks = e->settings.bare ? NULL : e->blocks;
     gscl_stage(e->context, GSCL_STAGE_WRITE);
     const gscl_result result = gscl_coded_image_write(&e->coded, &file->bytes, &file->size);
     gscl_stage(e->context, GSCL_STAGE_NONE);
@@ -115,7 +117,7 @@ static gscl_result complete_report(gscl_encoder *e, const gscl_image *image, con
     r->effect_count = e->effects.decision_count;
     memcpy(r->effects, e->effects.decisions, sizeof r->effects);
     gscl_encode_trace_end(trace, e->context); /* measuring is no part of the encode */
-    return gscl_file_psnr(e->context, file->bytes, file->size, image, &r->psnr);
+    return gscl_file_psnr(e->context, file->bytes, file->size, e->settings.bare, image, &r->psnr);
 }
 
 /* The encode from top to bottom.  Each stage leaves its result in the state (session/encoder.h). */
@@ -138,6 +140,8 @@ static int loss_kind(gscl_loss loss) {
 /* Sets what stays constant during the encode, and the services. */
 static void encoder_begin(gscl_encoder *e, gscl_encode_trace *trace, gscl_encode_report *report) {
     gscl_encode_settings_resolve(&e->settings);
+    for (const gscl_block *block = e->settings.blocks; block; block = block->next)
+        e->blocks[block->type] = (gsf_bytes){block->data, block->size};
     e->loss_kind = loss_kind(e->settings.loss);
     gscl_progress_begin(&e->progress, &e->settings);
     if (!report)

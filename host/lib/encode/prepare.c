@@ -11,8 +11,7 @@
 static gsf_header describe_image(const gscl_encoder *e, const gscl_image *image) {
     static const gsf_layout layouts[] = {GSF_GREY, GSF_GREY, GSF_GREY_ALPHA, GSF_RGB, GSF_RGBA};
     const bool paper = e->settings.profile == GSCL_PROFILE_PAPER;
-    return (gsf_header){.version = GSF_VERSION,
-                        .blend = gscl_blend_to_format(e->settings.blend),
+    return (gsf_header){.blend = gscl_blend_to_format(e->settings.blend),
                         .coding = paper ? GSF_CODING_CODEBOOK : GSF_CODING_SCALAR,
                         .layout = layouts[image->channels],
                         .high_bit_depth = e->content.high_bit_depth,
@@ -23,6 +22,7 @@ static gsf_header describe_image(const gscl_encoder *e, const gscl_image *image)
 /* The coded image without splats has one colour. */
 static void set_background_only(gscl_encoder *e, gscl_pixel p) {
     gsf_coded_image *file = &e->coded.file;
+    file->bare = true;
     const int colours = e->header.has_chroma ? 3 : 1;
     file->header = e->header;
     for (int k = 0; k < colours; k++)
@@ -43,14 +43,32 @@ gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
     return e->content.flat ? GSCL_OK : gscl_source_create(&e->source, e->context, image, &e->header);
 }
 
-/* The smallest file of an image has no splats. */
-static gscl_result check_budget(gscl_encoder *e, double budget) {
-    size_t smallest;
-    GSCL_TRY(gscl_coded_image_size(&e->coded, &smallest));
-    if (budget < (double)smallest)
+/* Bytes of the file around its picture, and those of them that are blocks. */
+static size_t container_size(const gscl_encoder *e, size_t *blocks) {
+    *blocks = 0;
+    if (e->settings.bare)
+        return 0;
+    const size_t all = gsf_container_start_size(e->blocks) + gsf_container_end_size(e->blocks);
+    *blocks = all - gsf_container_start_size(NULL) - gsf_container_end_size(NULL);
+    return all;
+}
+
+/* The smallest picture has no splats. */
+static gscl_result set_budget(gscl_encoder *e, double budget) {
+    size_t picture, blocks;
+    const size_t container = container_size(e, &blocks);
+    GSCL_TRY(gscl_coded_image_size(&e->coded, &picture));
+    if (budget < (double)(container + picture) && blocks > 0)
+        return gscl_fail(
+            e->context, GSCL_ERROR_BUDGET_TOO_SMALL,
+            "a budget of %.0f bytes is too small: blocks (profile, metadata) take %zu bytes, and the smallest "
+            "file with them has %zu bytes",
+            floor(budget), blocks, container + picture);
+    if (budget < (double)(container + picture))
         return gscl_fail(e->context, GSCL_ERROR_BUDGET_TOO_SMALL,
                          "a budget of %.0f bytes is too small; the smallest file of this image has %zu bytes",
-                         floor(budget), smallest);
+                         floor(budget), container + picture);
+    e->target.bytes = (size_t)fmin(budget, 1e12) - container;
     return GSCL_OK;
 }
 
@@ -75,8 +93,7 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
         budget = value * pixels / 8;
         break;
     }
-    e->target.bytes = (size_t)fmin(budget, 1e12);
-    return check_budget(e, budget);
+    return set_budget(e, budget);
 }
 
 bool gscl_encode_is_background_only(const gscl_encoder *e) {

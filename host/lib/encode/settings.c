@@ -31,6 +31,26 @@ static gscl_result check_ranges(gscl_context *context, const gscl_encode_setting
     return GSCL_OK;
 }
 
+/* Each type once, with a size that the format allows. */
+static gscl_result check_blocks(gscl_context *context, const gscl_block *block) {
+    unsigned seen = 0;
+    for (; block; block = block->next) {
+        if ((unsigned)block->type >= GSF_BLOCK_COUNT)
+            return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown type %d of a block", (int)block->type);
+        if (seen >> block->type & 1)
+            return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "two blocks of type %d; a file has at most one",
+                             (int)block->type);
+        seen |= 1u << block->type;
+        if (!block->data || block->size == 0 || block->size > GSCL_MAX_BLOCK_SIZE)
+            return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a block of %zu bytes; it must have 1 to %d",
+                             block->size, GSCL_MAX_BLOCK_SIZE);
+        if (block->type == GSCL_BLOCK_COLOUR_SPACE && block->size != GSF_COLOUR_SPACE_SIZE)
+            return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a colour space of %zu bytes; it must have %u",
+                             block->size, GSF_COLOUR_SPACE_SIZE);
+    }
+    return GSCL_OK;
+}
+
 static const char *contradiction(const gscl_encode_settings *s) {
     const bool paper = s->profile == GSCL_PROFILE_PAPER;
     const bool squared = s->loss == GSCL_LOSS_AUTO || s->loss == GSCL_LOSS_L2;
@@ -40,6 +60,8 @@ static const char *contradiction(const gscl_encode_settings *s) {
         return "quantiser steps are the default profile's";
     if (paper && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
         return "the paper profile blends by alpha; choose another profile for other blends";
+    if (s->bare && s->blocks)
+        return "a bare file cannot have blocks (profile, metadata)";
     if (s->tune == GSCL_TUNE_SSIM && (paper || !squared))
         return "tuning for SSIM weights squared errors; it needs the default profile and the loss L2";
     return NULL;
@@ -47,6 +69,7 @@ static const char *contradiction(const gscl_encode_settings *s) {
 
 gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *s) {
     GSCL_TRY(check_ranges(context, s));
+    GSCL_TRY(check_blocks(context, s->blocks));
     const char *why = contradiction(s);
     return why ? gscl_fail(context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;
 }

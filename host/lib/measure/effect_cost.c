@@ -46,10 +46,11 @@ static void drop_channels(const gsf_header *from, const gsf_header *to, float co
     }
 }
 
-/* Writes the same splats without an effect. */
+/* Writes the same splats without an effect, as a bare picture. */
 static gscl_result write_without(const gscl_coded_image *coded, gscl_effect effect, uint8_t **bytes, size_t *size) {
     const gsf_coded_image *file = &coded->file;
-    gscl_coded_image other = {.file = {.header = header_without(file->header, effect), .steps = file->steps}};
+    gscl_coded_image other = {
+        .file = {.header = header_without(file->header, effect), .steps = file->steps, .bare = true}};
     float background[4] = {0}, *params = malloc(((size_t)file->header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     gscl_result result = params ? gscl_coded_image_reserve(&other, file->header.splat_count) : GSCL_ERROR_OUT_OF_MEMORY;
     if (result == GSCL_OK) {
@@ -81,31 +82,42 @@ static gscl_result measure_effect(gscl_context *context, const gscl_coded_image 
         return GSCL_OK;
     GSCL_TRY(write_without(coded, use->effect, &bytes, &smaller));
     use->bits = 8.0 * ((double)size - (double)smaller);
-    gscl_result result = image ? gscl_file_psnr(context, bytes, smaller, image, &without) : GSCL_OK;
+    gscl_result result = image ? gscl_file_psnr(context, bytes, smaller, true, image, &without) : GSCL_OK;
     if (image && result == GSCL_OK)
         use->gain_db = psnr - without;
     free(bytes);
     return result;
 }
 
-gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
-                                 gscl_effect_use *uses, size_t *count) {
+/* Size of the picture of a coded image. */
+static gscl_result picture_size(gscl_coded_image *coded, size_t *size) {
+    coded->file.bare = true;
+    return gscl_coded_image_size(coded, size);
+}
+
+gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size,
+                                 const gscl_read_settings *settings, const gscl_image *image, gscl_effect_use *uses,
+                                 size_t *count) {
     gscl_info info = {.struct_size = sizeof info};
     gscl_coded_image coded = {.capacity = 0};
     double psnr = NAN;
+    size_t picture = 0;
     gscl_forget_message(context);
     if (!bytes || !uses || !count || (image && !context))
         return gscl_complete_message(context, GSCL_ERROR_INVALID_ARGUMENT);
-    gscl_result result = gscl_probe(bytes, size, &info);
+    gscl_result result = gscl_probe(bytes, size, settings, &info);
+    const bool bare = settings && settings->bare;
     if (result == GSCL_OK)
-        result = gscl_coded_image_read(&coded, bytes, size);
+        result = gscl_coded_image_read(&coded, bytes, size, bare);
+    if (result == GSCL_OK)
+        result = picture_size(&coded, &picture);
     if (result == GSCL_OK && image)
-        result = gscl_file_psnr(context, bytes, size, image, &psnr);
+        result = gscl_file_psnr(context, bytes, size, bare, image, &psnr);
     size_t used = 0;
     for (unsigned bit = 0; bit < GSCL_EFFECT_COUNT && result == GSCL_OK; bit++)
         if (info.effects >> bit & 1) {
             uses[used].effect = (gscl_effect)(1u << bit);
-            result = measure_effect(context, &coded, size, image, psnr, &uses[used++]);
+            result = measure_effect(context, &coded, picture, image, psnr, &uses[used++]);
         }
     if (result == GSCL_OK)
         *count = used;

@@ -61,7 +61,7 @@ gscl_result gscl_subject_open(gscl_subject *s, gscl_context *context, const gscl
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_accuracy_settings, splats, settings, &s->settings));
     GSCL_TRY(check_settings(context, &s->settings));
     GSCL_TRY(gscl_image_examine(context, image, &content));
-    gscl_result result = gscl_coded_image_read(&s->coded, bytes, size);
+    gscl_result result = gscl_coded_image_read(&s->coded, bytes, size, false);
     return result == GSCL_OK ? subject_load(s, image) : gscl_coded_image_fail(context, result, bytes, size);
 }
 

@@ -45,9 +45,11 @@ const char *gscl_result_text(gscl_result result) {
     case GSCL_ERROR_TRUNCATED:
         return "the file is incomplete";
     case GSCL_ERROR_DAMAGED:
-        return "the file is damaged: its checksum does not match";
+        return "the file is damaged or cut off: the check at its end does not match";
     case GSCL_ERROR_CORRUPT:
-        return "the file holds values outside the format's limits";
+        return "the file breaks a rule of the format";
+    case GSCL_ERROR_UNKNOWN_BLOCK:
+        return "the file has a block that must be understood and is unknown to this program";
     case GSCL_ERROR_LIMIT:
         return "decoding the file would exceed a limit of the settings";
     case GSCL_ERROR_IMAGE_SIZE:

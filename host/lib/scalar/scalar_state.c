@@ -6,15 +6,13 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 
-static const gsf_steps default_steps =
-    {.scale = 6, .position = 8, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
-
 static void choose_quantiser_steps(const gscl_scalar_state *s) {
     const double factor = s->encoder->settings.step_factor;
     gsf_coded_image *file = &s->coded->file;
-    file->steps = default_steps;
+    const gsf_steps defaults = gsf_default_steps();
+    file->steps = defaults;
     if (factor > 0)
-        file->steps = gscl_scale_steps(&default_steps, factor);
+        file->steps = gscl_scale_steps(&defaults, factor);
     else if (s->source->background.pixels > 0)
         gscl_fit_steps_to_colour(file, s->source->background.colour);
 }
@@ -23,10 +21,12 @@ double gscl_scalar_relative_spacing(const gscl_scalar_state *s) {
     return sqrt(s->source_pixels / (double)(s->target + 1)) / gscl_scalar_tunables.full_size_distance;
 }
 
+#define HEADER_BYTES 5 /* of a picture, about */
+
 /* Splats that the budget is expected to hold. */
 static size_t estimate_splats(size_t bytes) {
-    const double bits = 8 * (double)(bytes - 20);
-    return bytes > 24 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
+    const double bits = 8 * ((double)bytes - HEADER_BYTES);
+    return bits > 32 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
 }
 
 /* The number of splats before and after densification, and the steps of the fit. */

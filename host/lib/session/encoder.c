@@ -35,13 +35,14 @@ void gscl_encoder_restart(gscl_encoder *e) {
     e->coded.file.header = e->header;
 }
 
-gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
+gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, bool bare, const gscl_image *image,
                            double *psnr) {
     gscl_image decoded = {0};
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = image->sample;
     settings.premultiplied = image->premultiplied;
+    settings.bare = bare;
     gscl_comparison comparison;
     GSCL_TRY(gscl_decode(context, bytes, size, &settings, &decoded));
     gscl_result result = gscl_compare_samples(image, &decoded, &comparison);
@@ -55,7 +56,7 @@ gscl_result gscl_encoder_psnr(gscl_encoder *e, const gscl_image *image, double *
     uint8_t *bytes;
     size_t size;
     GSCL_TRY(gscl_coded_image_write(&e->coded, &bytes, &size));
-    gscl_result result = gscl_file_psnr(e->context, bytes, size, image, psnr);
+    gscl_result result = gscl_file_psnr(e->context, bytes, size, true, image, psnr);
     free(bytes);
     return result;
 }

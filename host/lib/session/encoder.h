@@ -21,17 +21,19 @@ typedef struct gscl_source {
     gscl_flat_background background;
 } gscl_source;
 
-/* The size that the coded image of a fit should have. */
+/* The size that the coded image of a fit should have.  During the encode it is bare: the container of the file is added
+ * when it is written. */
 typedef struct gscl_size_target {
-    size_t bytes;  /* budget; 0: `splats` holds */
+    size_t bytes;  /* budget of the picture alone; 0: `splats` holds */
     size_t splats; /* the exact number, where `bytes` is 0 */
 } gscl_size_target;
 
 typedef struct gscl_encoder {
     /* Set before the first stage, constant afterwards. */
     gscl_context *context;
-    gscl_encode_settings settings; /* without AUTO */
-    int loss_kind;                 /* GSCL_LOSS_KIND_... of the settings' loss */
+    gscl_encode_settings settings;     /* without AUTO */
+    int loss_kind;                     /* GSCL_LOSS_KIND_... of the settings' loss */
+    gsf_bytes blocks[GSF_BLOCK_COUNT]; /* of the settings */
 
     /* Services of all stages. */
     gscl_progress_state progress;
@@ -69,7 +71,7 @@ gscl_result gscl_file_size(gscl_context *context, gscl_coded_image *coded, size_
 /* PSNR of encoder->coded as its decoder draws it, against the image. */
 gscl_result gscl_encoder_psnr(gscl_encoder *encoder, const gscl_image *image, double *psnr);
 /* PSNR of a file as it is decoded, against an image of the decode's kind. */
-gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_image *image,
+gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, bool bare, const gscl_image *image,
                            double *psnr);
 
 #endif

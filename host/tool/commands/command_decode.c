@@ -87,7 +87,7 @@ static int decode_bytes(const decode_options *options, const image_format *forma
     gscl_info info = {.struct_size = sizeof info};
     gscl_decode_settings settings;
     output_file output;
-    const gscl_result result = gscl_probe(bytes, size, &info);
+    const gscl_result result = gscl_probe(bytes, size, NULL, &info);
     if (result != GSCL_OK)
         return report_result(NULL, input_label(options->input), result);
     gscl_decode_settings_default(&settings);

@@ -43,7 +43,7 @@ static bool make_colour(const gscl_image *from, gscl_image *to) {
 static gscl_result draw_outlines(const uint8_t *bytes, size_t size, const gscl_info *info, gscl_image *image) {
     gscl_splat *splats;
     size_t count;
-    const gscl_result result = gscl_read_splats(bytes, size, &splats, &count);
+    const gscl_result result = gscl_read_splats(bytes, size, NULL, &splats, &count);
     if (result != GSCL_OK)
         return result;
     const double scale_x = (double)image->width / info->width, scale_y = (double)image->height / info->height;
@@ -81,7 +81,7 @@ static int draw_bytes(const draw_options *options, const image_format *format, c
     gscl_image image = {0};
     output_file output;
     const char *label = input_label(options->input);
-    const gscl_result result = gscl_probe(bytes, size, &info);
+    const gscl_result result = gscl_probe(bytes, size, NULL, &info);
     if (result != GSCL_OK)
         return report_result(NULL, label, result);
     if (info.width * options->scale > GSCL_MAX_DIMENSION || info.height * options->scale > GSCL_MAX_DIMENSION) {

@@ -149,7 +149,8 @@ static int inspect_against(file_facts *facts, const char *reference, const uint8
                      image.height, channels_name(image.channels), facts->name, facts->info.width, facts->info.height,
                      channels_name(facts->info.channels));
     else if ((status = open_device(device, &context)) == EXIT_SUCCESS) {
-        const gscl_result result = gscl_inspect_effects(context, bytes, size, &image, facts->uses, &facts->use_count);
+        const gscl_result result =
+            gscl_inspect_effects(context, bytes, size, NULL, &image, facts->uses, &facts->use_count);
         if (result != GSCL_OK)
             status = report_result(context, facts->name, result);
     }
@@ -164,9 +165,9 @@ static int inspect(const char *input, const char *reference, const device_choice
     size_t size;
     if (!read_file(input, MAX_GSCL_FILE, &bytes, &size))
         return EXIT_FAILURE;
-    gscl_result result = gscl_inspect(bytes, size, &facts.info);
+    gscl_result result = gscl_inspect(bytes, size, NULL, &facts.info);
     if (result == GSCL_OK && !reference)
-        result = gscl_inspect_effects(NULL, bytes, size, NULL, facts.uses, &facts.use_count);
+        result = gscl_inspect_effects(NULL, bytes, size, NULL, NULL, facts.uses, &facts.use_count);
     int status = result == GSCL_OK ? EXIT_SUCCESS : report_result(NULL, facts.name, result);
     if (status == EXIT_SUCCESS && reference)
         status = inspect_against(&facts, reference, bytes, size, device);

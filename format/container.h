@@ -1,0 +1,31 @@
+/* What surrounds the picture in a file: magic, version, blocks and check (FORMAT.md, "File"). */
+#ifndef GSCL_FORMAT_CONTAINER_H
+#define GSCL_FORMAT_CONTAINER_H
+
+#include "format/types.h"
+
+/* The parts of a file; all point into it. */
+typedef struct gsf_container {
+    bool is_intact; /* the check matches.  Otherwise blocks after the picture are taken as a part of it */
+    gsf_bytes picture;
+    gsf_bytes blocks[GSF_BLOCK_COUNT]; /* data is NULL where the file has no such block */
+} gsf_container;
+
+/* Finds the parts of a file.  Does not look into the picture. */
+gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *container);
+
+/* Bytes before and after the picture.  `blocks`: GSF_BLOCK_COUNT blocks, or NULL. */
+size_t gsf_container_start_size(const gsf_bytes *blocks);
+size_t gsf_container_end_size(const gsf_bytes *blocks);
+/* Writes what is before the picture: gsf_container_start_size bytes. */
+void gsf_put_container_start(uint8_t *bytes, const gsf_bytes *blocks);
+/* Writes what is after the picture, which ends at bytes + size: gsf_container_end_size bytes. */
+void gsf_put_container_end(uint8_t *bytes, size_t size, const gsf_bytes *blocks);
+
+/* Whether the sizes of blocks are within their limits (writer). */
+bool gsf_blocks_are_valid(const gsf_bytes *blocks);
+
+/* The check of these bytes: CRC-16/GENIBUS. */
+uint16_t gsf_crc16(const uint8_t *bytes, size_t size);
+
+#endif
