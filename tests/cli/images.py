@@ -126,6 +126,14 @@ def document(width, height):
     return Image(width, height, 1, 8, samples)
 
 
+def blocks(image):
+    """The image with blocks of 8 x 8 pixels of one colour each, which jpeg_bytes stores exactly."""
+    size = image.channels
+    samples = [image.row(y // 8 * 8)[x // 8 * 8 * size + c]
+               for y in range(image.height) for x in range(image.width) for c in range(size)]
+    return Image(image.width, image.height, size, image.depth, samples)
+
+
 def flat(width, height, colour, depth=8):
     return Image(width, height, len(colour), depth, list(colour) * (width * height))
 
@@ -148,10 +156,21 @@ def big_endian(samples, depth):
     return bytes(samples) if depth == 8 else struct.pack(f">{len(samples)}H", *samples)
 
 
-def png_bytes(image):
+def png_bytes(image, chunks=()):
+    """`chunks` are pairs of a name and contents that stand before the pixels."""
     rows = b"".join(b"\0" + big_endian(image.row(y), image.depth) for y in range(image.height))
     header = png_header(image.width, image.height, image.depth, PNG_COLOUR_TYPES[image.channels])
+    header += b"".join(png_chunk(kind, content) for kind, content in chunks)
     return PNG_SIGNATURE + header + png_chunk(b"IDAT", zlib.compress(rows)) + png_chunk(b"IEND", b"")
+
+
+def png_icc(profile):
+    """The chunk of a colour profile."""
+    return b"iCCP", b"profile\0\0" + zlib.compress(profile)
+
+
+def png_xmp(text, packed=False):
+    return b"iTXt", b"XML:com.adobe.xmp\0" + bytes((packed, 0)) + b"\0\0" + (zlib.compress(text) if packed else text)
 
 
 def png_palette_bytes(width, height, palette, indices):
@@ -225,11 +244,12 @@ def read_pnm(data):
     return Image(width, height, {b"P5": 1, b"P6": 3}[kind], depth, list(values))
 
 
-TIFF_SHORT, TIFF_LONG = 3, 4
+TIFF_SHORT, TIFF_LONG, TIFF_UNDEFINED = 3, 4, 7
 
 
-def tiff_bytes(image, extra_samples=(), photometric=None, orientation=1):
-    """An uncompressed big-endian TIFF with one strip.  `extra_samples`: 1 premultiplied alpha, 2 straight alpha, 0 other."""
+def tiff_bytes(image, extra_samples=(), photometric=None, orientation=1, blocks=()):
+    """An uncompressed big-endian TIFF with one strip.  `extra_samples`: 1 premultiplied alpha, 2 straight alpha, 0 other.
+    `blocks` are pairs of a tag above 338 and bytes."""
     pixels = big_endian(image.samples, image.depth)
     count = image.channels
     if photometric is None:
@@ -243,6 +263,9 @@ def tiff_bytes(image, extra_samples=(), photometric=None, orientation=1):
                (279, TIFF_LONG, 1, len(pixels))]
     if extra_samples:
         entries.append((338, TIFF_SHORT, len(extra_samples), struct.pack(f">{len(extra_samples)}H", *extra_samples)))
+    for tag, data in blocks:
+        entries.append((tag, TIFF_UNDEFINED, len(data), struct.pack(">I", tail_at + len(tail))))
+        tail += data + bytes(len(data) % 2)
     directory = struct.pack(">H", len(entries)) + b"".join(map(tiff_entry, entries)) + struct.pack(">I", 0)
     return struct.pack(">2sHI", b"MM", 42, tail_at + len(tail)) + pixels + tail + directory
 
@@ -254,8 +277,9 @@ def tiff_entry(entry):
     return struct.pack(">HHI", tag, kind, count) + value.ljust(4, b"\0")
 
 
-def exr_bytes(width, height, planes, data_window=None):
-    """An uncompressed OpenEXR of floats.  `planes` maps the name of a channel to its samples, row by row."""
+def exr_bytes(width, height, planes, data_window=None, primaries=None):
+    """An uncompressed OpenEXR of floats.  `planes` maps the name of a channel to its samples, row by row.  `primaries` are
+    x and y of white, red, green and blue."""
     window = struct.pack("<4i", *(data_window or (0, 0, width - 1, height - 1)))
     names = sorted(planes)
     channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
@@ -263,6 +287,10 @@ def exr_bytes(width, height, planes, data_window=None):
                   ("dataWindow", "box2i", window), ("displayWindow", "box2i", window), ("lineOrder", "lineOrder", b"\0"),
                   ("pixelAspectRatio", "float", struct.pack("<f", 1)), ("screenWindowCenter", "v2f", bytes(8)),
                   ("screenWindowWidth", "float", struct.pack("<f", 1))]
+    if primaries:
+        white, *colours = primaries
+        values = [value for xy in (*colours, white) for value in xy]
+        attributes.append(("chromaticities", "chromaticities", struct.pack("<8f", *values)))
     header = struct.pack("<II", 20000630, 2)
     for name, kind, value in attributes:
         header += name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<I", len(value)) + value
@@ -277,6 +305,91 @@ def exr_line(width, y, planes):
     values = [value for plane in planes for value in plane[y * width:(y + 1) * width]]
     return struct.pack("<iI", y, 4 * len(values)) + struct.pack(f"<{len(values)}f", *values)
 
+
+# ---- JPEG and WebP --------------------------------------------------------------------------------
+
+def jpeg_segment(marker, content):
+    return struct.pack(">BBH", 0xFF, marker, len(content) + 2) + content
+
+
+def jpeg_exif(exif):
+    return 0xE1, b"Exif\0\0" + exif
+
+
+def jpeg_xmp(text):
+    return 0xE1, b"http://ns.adobe.com/xap/1.0/\0" + text
+
+
+def jpeg_icc(profile, part_size=65519):
+    parts = [profile[at:at + part_size] for at in range(0, len(profile), part_size)]
+    return [(0xE2, b"ICC_PROFILE\0" + bytes((i + 1, len(parts))) + part) for i, part in enumerate(parts)]
+
+
+def jpeg_bytes(image, segments=()):
+    """A JPEG of blocks of 8 x 8 pixels, each of one colour: that of its top left pixel.  It stores RGB (and inks, four
+    channels) as they are, so that decoding is exact.  `segments` are pairs of a marker and contents."""
+    count = image.channels
+    names = b"RGB" if count == 3 else b"CMYK"[:count]  # components of these names are not YCbCr
+    frame = struct.pack(">BHHB", 8, image.height, image.width, count) + b"".join(bytes((n, 0x11, 0)) for n in names)
+    scan = bytes([count]) + b"".join(bytes((n, 0)) for n in names) + bytes((0, 63, 0))
+    # Differences of DC have 0 to 11 bits, all with codes of 4 bits; the only code of AC ends the block.
+    dc = bytes([0x00] + [0, 0, 0, 12] + [0] * 12) + bytes(range(12))
+    ac = bytes([0x10] + [1] + [0] * 15) + b"\0"
+    bits, previous = "", [0] * count
+    for y in range(0, image.height, 8):
+        for x in range(0, image.width, 8):
+            for c in range(count):
+                value = 8 * (image.row(y)[x * count + c] - 128)
+                difference, previous[c] = value - previous[c], value
+                size = abs(difference).bit_length()
+                bits += f"{size:04b}" + (f"{difference if difference > 0 else difference + (1 << size) - 1:0{size}b}"
+                                         if size else "") + "0"
+    bits += "1" * (-len(bits) % 8)
+    data = bytes(int(bits[i:i + 8], 2) for i in range(0, len(bits), 8)).replace(b"\xff", b"\xff\0")
+    return (b"\xff\xd8" + b"".join(jpeg_segment(*segment) for segment in segments) +
+            jpeg_segment(0xDB, b"\0" + b"\1" * 64) + jpeg_segment(0xC0, frame) + jpeg_segment(0xC4, dc) +
+            jpeg_segment(0xC4, ac) + jpeg_segment(0xDA, scan) + data + b"\xff\xd9")
+
+
+def webp_lossless(image):
+    """The bitstream of an opaque WebP of 8-bit RGB that codes each sample with 8 bits."""
+    fields = [(0x2F, 8), (image.width - 1, 14), (image.height - 1, 14), (0, 1), (0, 3)]
+    fields += [(0, 1), (0, 1), (0, 1)]  # no transform, no colour cache, no further groups of codes
+    for symbols in (280, 256, 256):  # green, red, blue: 256 codes of 8 bits, then unused ones
+        fields += [(0, 1), (15 - 4, 4)]  # code lengths are coded; 15 lengths of those codes follow
+        order = [17, 18, 0, 1, 2, 3, 4, 5, 16, 6, 7, 8, 9, 10, 11]
+        fields += [(1 if length in (0, 8) else 0, 3) for length in order]
+        fields += [(0, 1)] + [(1, 1)] * 256 + [(0, 1)] * (symbols - 256)  # "0" is length 0, "1" length 8
+    fields += [(1, 1), (0, 1), (1, 1), (255, 8)]  # alpha: the only symbol is 255
+    fields += [(1, 1), (0, 1), (0, 1), (0, 1)]  # distance: the only symbol is 0
+    for at in range(0, len(image.samples), 3):
+        red, green, blue = image.samples[at:at + 3]
+        fields += [(int(f"{value:08b}"[::-1], 2), 8) for value in (green, red, blue)]
+    bits = "".join(f"{value:0{size}b}"[::-1] for value, size in fields)
+    bits += "0" * (-len(bits) % 8)
+    return bytes(int(bits[i:i + 8][::-1], 2) for i in range(0, len(bits), 8))
+
+
+def webp_chunk(name, content):
+    return struct.pack("<4sI", name, len(content)) + content + bytes(len(content) % 2)
+
+
+WEBP_FLAGS = {b"ICCP": 0x20, b"EXIF": 0x08, b"XMP ": 0x04}
+
+
+def webp_bytes(image, chunks=()):
+    """`chunks` are pairs of a name and contents."""
+    flags = sum(WEBP_FLAGS[name] for name, _ in chunks)
+    size = struct.pack("<I", image.width - 1)[:3] + struct.pack("<I", image.height - 1)[:3]
+    parts = [webp_chunk(b"VP8X", bytes((flags, 0, 0, 0)) + size)] if chunks else []
+    parts += [webp_chunk(name, content) for name, content in chunks if name == b"ICCP"]
+    parts += [webp_chunk(b"VP8L", webp_lossless(image))]
+    parts += [webp_chunk(name, content) for name, content in chunks if name != b"ICCP"]
+    body = b"WEBP" + b"".join(parts)
+    return struct.pack("<4sI", b"RIFF", len(body)) + body
+
+
+# ---- Colours --------------------------------------------------------------------------------------
 
 def srgb_to_linear(value):
     return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4

@@ -1,3 +1,4 @@
+#define _DEFAULT_SOURCE /* isatty */
 #include "cli/message.h"
 
 #include <errno.h>
@@ -5,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/exit_code.h"
 
@@ -22,20 +24,22 @@ static void make_one_line(char *text) {
         text[--length] = '\0';
 }
 
-static void print_line(const char *subject, const char *format, va_list arguments) {
+/* Prints "gscl: SUBJECT: KIND" and the text; SUBJECT may be NULL.  On a terminal it takes the place of a progress line,
+ * which its next update draws again. */
+static void print_line(const char *subject, const char *kind, const char *format, va_list arguments) {
     char line[MAX_LINE];
     int used = 0;
     if (subject)
-        used = snprintf(line, sizeof line, "gscl: %.1024s: ", subject);
+        used = snprintf(line, sizeof line, "gscl: %.1024s: %s", subject, kind);
     vsnprintf(line + used, sizeof line - (size_t)used, format, arguments);
     make_one_line(line);
-    fprintf(stderr, "%s\n", line);
+    fprintf(stderr, "%s%s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", line);
 }
 
 bool report_error(const char *subject, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_line(subject, format, arguments);
+    print_line(subject, "", format, arguments);
     va_end(arguments);
     return false;
 }
@@ -43,15 +47,22 @@ bool report_error(const char *subject, const char *format, ...) {
 int report_usage(const char *command, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_line(command, format, arguments);
+    print_line(command, "", format, arguments);
     va_end(arguments);
     return EXIT_USAGE;
+}
+
+void report_warning(const char *subject, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_line(subject, "warning: ", format, arguments);
+    va_end(arguments);
 }
 
 void report_note(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_line(NULL, format, arguments);
+    print_line(NULL, "", format, arguments);
     va_end(arguments);
 }
 

@@ -16,6 +16,9 @@ bool report_error(const char *subject, const char *format, ...) MESSAGE_FORMAT(2
 /* Prints the same for a wrong command line.  Returns EXIT_USAGE. */
 int report_usage(const char *command, const char *format, ...) MESSAGE_FORMAT(2, 3);
 
+/* Prints "gscl: SUBJECT: warning: text". */
+void report_warning(const char *subject, const char *format, ...) MESSAGE_FORMAT(2, 3);
+
 /* Prints a line of information without prefix. */
 void report_note(const char *format, ...) MESSAGE_FORMAT(1, 2);
 

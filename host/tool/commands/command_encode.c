@@ -138,7 +138,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .letter = 'v',
          .kind = OPTION_FLAG,
          .value = &batch->choice.verbose,
-         .help = "print messages of the library on standard error"},
+         .help = "print on standard error what was turned, converted and dropped, and messages of the library"},
     };
     const option_command command = {
         .name = "encode",

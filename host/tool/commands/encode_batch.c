@@ -26,6 +26,7 @@ typedef struct encode_job {
     gscl_context *context; /* opened for the first image that can be read, and kept */
     const char *input;
     gscl_image image;
+    image_metadata metadata;
     output_file output;
     gscl_encode_settings settings;
     progress_line line;
@@ -102,12 +103,22 @@ static bool start_thread(batch_state *state, encode_job *job) {
     return job->started;
 }
 
+static bool read_input(const encode_batch *batch, encode_job *job) {
+    const image_read_options options = {.quiet = batch->quiet, .verbose = batch->choice.verbose};
+    return image_read_with(job->input, &options, &job->image, &job->metadata);
+}
+
+static void free_input(encode_job *job) {
+    free(job->image.pixels);
+    image_metadata_free(&job->metadata);
+}
+
 /* Reads an image and starts its encode.  A failure is reported and left in job->status. */
 static void start_job(batch_state *state, encode_job *job, const char *input, const char *output_name) {
     job->input = input;
     job->status = EXIT_FAILURE;
     job->started = false;
-    if (!image_read(input, &job->image))
+    if (!read_input(state->batch, job))
         return;
     if (!job->context) {
         job->status = open_device(&state->batch->choice, &job->context);
@@ -116,7 +127,7 @@ static void start_job(batch_state *state, encode_job *job, const char *input, co
     if (job->context && (!output_open(&job->output, output_name) || !start_thread(state, job)))
         job->status = EXIT_FAILURE;
     if (!job->started)
-        free(job->image.pixels);
+        free_input(job);
 }
 
 /* Writes the result of the thread.  Returns the exit code. */
@@ -148,7 +159,7 @@ static int finish_job(batch_state *state, encode_job *job, bool is_last) {
     }
     state->stop = state->stop || interrupt_pending() != 0;
     const int status = write_output(state, job);
-    free(job->image.pixels);
+    free_input(job);
     return status;
 }
 

@@ -12,37 +12,46 @@
 #include "cli/message.h"
 #include "cli/module.h"
 #include "cli/read_file.h"
+#include "image/exif.h"
+#include "image/image_colours.h"
 #include "image/image_jpeg.h"
 #include "image/image_module.h"
 #include "image/image_png.h"
 #include "image/image_pnm.h"
+#include "image/image_tiff.h"
+#include "image/image_webp.h"
+#include "image/orientation.h"
 
-#define SIGNATURE_BYTES 8
+#define SIGNATURE_BYTES 12
+
+/* ---- Files ------------------------------------------------------------------------------------- */
 
 /* The module, which is loaded on the first call.  NULL after reporting an error about `label`. */
 static const image_module *load_module(const char *label) {
     const image_module *module = module_load(IMAGE_MODULE_FILE, IMAGE_MODULE_SYMBOL);
     if (!module)
-        report_error(label, "needs the module gscl-imageio.so, which reads and writes all formats but PNG: %s",
+        report_error(label, "needs the module gscl-imageio.so, which handles all formats but PNG and JPEG: %s",
                      dlerror());
     return module;
 }
 
-static bool read_through_module(const char *label, const char *path, gscl_image *image) {
+/* `bytes` may be NULL: then the module reads the file. */
+static bool read_through_module(const char *label, const char *path, const uint8_t *bytes, size_t size,
+                                image_content *content) {
     char message[IMAGE_MESSAGE_SIZE];
     const image_module *module = load_module(label);
-    return module && (module->read(path, image, message) || report_error(label, "%s", message));
+    return module && (module->read(path, bytes, size, content, message) || report_error(label, "%s", message));
 }
 
-/* The module reads files only, so bytes from a pipe go through a temporary file without a name. */
-static bool read_bytes_through_module(const char *label, const uint8_t *bytes, size_t size, gscl_image *image) {
+/* The module reads files of most formats only, so bytes from a pipe go through a temporary file without a name. */
+static bool read_spooled(const char *label, const uint8_t *bytes, size_t size, image_content *content) {
     FILE *spool = tmpfile();
     if (!spool)
         return report_error(label, "cannot be stored in a temporary file: %s", strerror(errno));
     char path[32];
     snprintf(path, sizeof path, "/dev/fd/%d", fileno(spool));
     const bool stored = fwrite(bytes, 1, size, spool) == size && fflush(spool) == 0;
-    const bool ok = stored ? read_through_module(label, path, image)
+    const bool ok = stored ? read_through_module(label, path, NULL, 0, content)
                            : report_error(label, "cannot be stored in a temporary file: %s", strerror(errno));
     fclose(spool);
     return ok;
@@ -53,52 +62,139 @@ static bool is_regular_file(const char *name) {
     return stat(name, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Decodes the bytes of the input `name`. */
-static bool read_bytes(const char *name, const uint8_t *bytes, size_t size, gscl_image *image) {
+/* Whether a file is TIFF and no format that derives from it, as those of cameras do. */
+static bool is_plain_tiff(const char *name, const uint8_t *bytes, size_t size) {
+    const char *suffix = name_suffix(name);
+    return image_is_tiff(bytes, size) &&
+           (strcmp(name, "-") == 0 || strcasecmp(suffix, ".tif") == 0 || strcasecmp(suffix, ".tiff") == 0);
+}
+
+/* Whether a file is read into memory: its format has a reader here, or its metadata has. */
+static bool is_read_in_memory(const char *name, const uint8_t *start, size_t count) {
+    return count == 0 || image_is_png(start, count) || image_is_jpeg(start, count) || image_is_webp(start, count) ||
+           is_plain_tiff(name, start, count);
+}
+
+/* Decodes the bytes of the input `name`, which it may change. */
+static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_content *content) {
     char message[IMAGE_MESSAGE_SIZE];
     const char *label = input_label(name);
     if (size == 0)
         return report_error(label, "is empty; an image is expected");
     if (image_is_png(bytes, size))
-        return image_read_png(bytes, size, image, message) || report_error(label, "%s", message);
-    if (image_is_jpeg(bytes, size) && !image_jpeg_is_complete(bytes, size))
-        return report_error(label, "ends too early; the file is truncated");
-    if (is_regular_file(name))
-        return read_through_module(label, name, image);
-    return read_bytes_through_module(label, bytes, size, image);
+        return image_read_png(bytes, size, content, message) || report_error(label, "%s", message);
+    if (image_is_jpeg(bytes, size))
+        return image_read_jpeg(bytes, size, content, message) || report_error(label, "%s", message);
+    if (image_is_webp(bytes, size)) {
+        image_take_webp_metadata(bytes, size, content);
+        return read_through_module(label, "image.webp", bytes, size, content);
+    }
+    if (is_plain_tiff(name, bytes, size)) {
+        image_take_tiff_metadata(bytes, size, content);
+        return read_through_module(label, "image.tif", bytes, size, content);
+    }
+    return read_spooled(label, bytes, size, content);
 }
 
-static bool read_in_memory(const char *name, gscl_image *image) {
+static bool read_in_memory(const char *name, image_content *content) {
     uint8_t *bytes;
     size_t size;
     if (!read_file(name, MAX_IMAGE_FILE, &bytes, &size))
         return false;
-    const bool ok = read_bytes(name, bytes, size, image);
+    const bool ok = read_bytes(name, bytes, size, content);
     free(bytes);
     return ok;
 }
 
-bool image_read(const char *name, gscl_image *image) {
+static bool read_content(const char *name, image_content *content) {
     uint8_t start[SIGNATURE_BYTES];
     size_t count;
     if (!is_regular_file(name)) /* a pipe can be read only once; reading reports a missing file */
-        return read_in_memory(name, image);
+        return read_in_memory(name, content);
     if (!read_file_start(name, start, sizeof start, &count))
         return false;
-    if (count == 0 || image_is_png(start, count) || image_is_jpeg(start, count))
-        return read_in_memory(name, image);
-    return read_through_module(name, name, image);
+    return is_read_in_memory(name, start, count) ? read_in_memory(name, content)
+                                                 : read_through_module(name, name, NULL, 0, content);
 }
 
-static bool is_png_output(const output_file *output) {
-    return !output->target || strcasecmp(name_suffix(output->label), ".png") == 0;
+/* ---- What else a file holds ------------------------------------------------------------------------ */
+
+static bool turn_upright(const char *label, const image_read_options *options, image_content *content) {
+    const int own = content->orientation, orientation = own ? own : exif_orientation(&content->metadata.exif);
+    if (!orientation_apply(&content->image, orientation))
+        return report_error(label, "is too large for the available memory");
+    if (orientation > 1 && options->verbose)
+        report_note("%s: turned upright (orientation %d)", label, orientation);
+    exif_set_upright(&content->metadata.exif);
+    xmp_set_upright(&content->metadata.xmp);
+    return true;
+}
+
+/* Drops a block that is not kept, and says so. */
+static void settle_block(const char *label, const image_read_options *options, const char *name, bool keep,
+                         image_blob *block) {
+    if (block->size && options->verbose)
+        report_note("%s: %s of %zu bytes %s", label, name, block->size, keep ? "kept" : "dropped");
+    if (!keep)
+        image_blob_free(block);
+}
+
+static void settle_metadata(const char *label, const image_read_options *options, image_content *content) {
+    image_metadata *metadata = &content->metadata;
+    exif_drop_thumbnail(&metadata->exif);
+    settle_block(label, options, "EXIF", options->keep_exif, &metadata->exif);
+    settle_block(label, options, "XMP", options->keep_xmp, &metadata->xmp);
+    if (content->other_bytes && options->verbose)
+        report_note("%s: other metadata of %zu bytes dropped", label, content->other_bytes);
+}
+
+static bool settle(const char *label, const image_read_options *options, image_content *content) {
+    if (content->metadata.exif.size && !exif_is_valid(&content->metadata.exif)) {
+        image_blob_free(&content->metadata.exif);
+        if (!options->quiet)
+            report_warning(label, "its EXIF is damaged; it is taken as upright");
+    }
+    if (!turn_upright(label, options, content) || !image_settle_colours(label, options, content))
+        return false;
+    settle_metadata(label, options, content);
+    return true;
+}
+
+bool image_read_with(const char *name, const image_read_options *options, gscl_image *image, image_metadata *metadata) {
+    image_content content = {0};
+    if (!read_content(name, &content) || !settle(input_label(name), options, &content)) {
+        image_content_free(&content);
+        return false;
+    }
+    *image = content.image;
+    *metadata = content.metadata;
+    return true;
+}
+
+bool image_read(const char *name, gscl_image *image) {
+    const image_read_options options = {.keep_profile = false};
+    image_metadata metadata;
+    if (!image_read_with(name, &options, image, &metadata))
+        return false;
+    image_metadata_free(&metadata);
+    return true;
+}
+
+/* ---- Writing ----------------------------------------------------------------------------------- */
+
+static bool is_named(const output_file *output, const char *suffix) {
+    return strcasecmp(name_suffix(output->label), suffix) == 0;
 }
 
 /* Returns false after reporting an error.  A failure of the output itself sets output->error and returns true. */
 static bool write_pixels(output_file *output, const gscl_image *image) {
     char message[IMAGE_MESSAGE_SIZE];
-    if (is_png_output(output))
-        return image_write_png(output, image, message) || output->error || report_error(output->label, "%s", message);
+    if (!output->target || is_named(output, ".png"))
+        return image_write_png(output, image, NULL, message) || output->error ||
+               report_error(output->label, "%s", message);
+    if (is_named(output, ".jpg") || is_named(output, ".jpeg"))
+        return image_write_jpeg(output, image, NULL, message) || output->error ||
+               report_error(output->label, "%s", message);
     if (image_is_pnm_name(output->label))
         return image_write_pnm(output, image) || output->error;
     const image_module *module = load_module(output->label);

@@ -7,18 +7,19 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include <gscl/gscl.h>
 
-#define IMAGE_MESSAGE_SIZE 512 /* bytes of an error message, a phrase that follows the name of the file */
-
-/* Format of the message about an image outside the limits of the library; takes width and height as unsigned. */
-#define IMAGE_SIZE_MESSAGE "is %u x %u pixels; 1 x 1 to 16384 x 16384 are possible"
+#include "image/image_content.h"
 
 typedef struct image_module {
-    /* Reads the first image of a file; image->pixels is released with free. */
-    bool (*read)(const char *path, gscl_image *image, char message[IMAGE_MESSAGE_SIZE]);
+    /* Reads the first image of a file: of the file `path`, or of bytes, whose format the suffix of `path` names then.
+     * content->cmyk says on entry whether four channels are inks; a file of inks is refused otherwise.  Bytes come with
+     * their metadata taken; of that of a path, the module takes the profile, the primaries and the orientation.  The caller frees the content in any case. */
+    bool (*read)(const char *path, const uint8_t *bytes, size_t size, image_content *content,
+                 char message[IMAGE_MESSAGE_SIZE]);
     /* Writes an image to a stream, in the format that the suffix (".tif") names. */
     bool (*write)(FILE *stream, const char *suffix, const gscl_image *image, char message[IMAGE_MESSAGE_SIZE]);
 } image_module;

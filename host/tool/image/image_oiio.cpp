@@ -13,14 +13,10 @@
 #include <vector>
 
 #include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>
 
 namespace {
-
-constexpr int jpeg_quality = 95; // of 100; high, because the decoded image should lose little more
 
 bool fail(char *message, const std::string &text) {
     std::snprintf(message, IMAGE_MESSAGE_SIZE, "%s", text.c_str());
@@ -131,6 +127,11 @@ void to_premultiplied_linear(const gscl_image &image) {
 
 // ---- Reading --------------------------------------------------------------------------------------
 
+// Whether the module gives four channels of inks, as it was asked to.
+bool holds_inks(const OIIO::ImageSpec &spec) {
+    return spec.nchannels == 4 && OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "CMYK");
+}
+
 // Checks that need no decoded pixels.
 bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     if (spec.width < 1 || spec.height < 1 || spec.width > GSCL_MAX_DIMENSION || spec.height > GSCL_MAX_DIMENSION) {
@@ -139,6 +140,8 @@ bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     }
     if (spec.deep || spec.depth > 1)
         return fail(message, "is a deep or volume image; a flat one is needed");
+    if (holds_inks(spec))
+        return true;
     if (!foreign_colours(spec).empty())
         return fail(message, "holds " + foreign_colours(spec) + " colours; convert it to RGB or grey first");
     if (image_channels(spec) == 0) {
@@ -148,57 +151,64 @@ bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     return true;
 }
 
-// Rotates the image upright according to its orientation tag.
-bool apply_orientation(gscl_image &image, int orientation, char *message) {
-    if (orientation <= 1 || orientation > 8)
-        return true;
-    OIIO::ImageBuf stored(
-        OIIO::ImageSpec(int(image.width), int(image.height), int(image.channels), type_of(image.sample)), image.pixels);
-    stored.set_orientation(orientation);
-    const OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(stored);
-    // A rotation keeps the number of pixels, so the buffer is large enough.
-    if (upright.has_error() || !upright.get_pixels(upright.roi(), type_of(image.sample), image.pixels))
-        return fail(message, "cannot be rotated upright: " + upright.geterror());
-    image.width = uint32_t(upright.spec().width);
-    image.height = uint32_t(upright.spec().height);
-    return true;
-}
-
 bool read_pixels(OIIO::ImageInput &input, gscl_image &image, char *message) {
     const OIIO::ImageSpec &spec = input.spec();
     if (!input.read_image(0, 0, 0, int(image.channels), type_of(image.sample), image.pixels))
         return fail(message, "cannot be read: " + reason(input.geterror()));
+    if (holds_inks(spec))
+        return true;
     image.premultiplied = image.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
     if (holds_linear_light(spec)) {
         to_straight_srgb(image);
         image.premultiplied = false;
     }
-    return apply_orientation(image, spec.get_int_attribute("Orientation", 1), message);
+    return true;
 }
 
-bool read_file(const char *path, gscl_image *image, char *message) {
+// Copies what OpenImageIO found beside the pixels.
+void take_metadata(const OIIO::ImageSpec &spec, image_content &content) {
+    const OIIO::ParamValue *icc = spec.find_attribute("ICCProfile");
+    if (icc && icc->type().basetype == OIIO::TypeDesc::UINT8)
+        content.damaged_profile = !image_blob_set(&content.metadata.icc, icc->data(), icc->type().size());
+    float red_to_white[8];
+    if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), red_to_white)) {
+        content.has_primaries = true;
+        for (int i = 0; i < 8; i++)
+            content.primaries[i] = red_to_white[(i + 6) % 8];
+    }
+    content.orientation = spec.get_int_attribute("Orientation", 0);
+}
+
+std::unique_ptr<OIIO::ImageInput> open_input(const char *path, OIIO::Filesystem::IOProxy *bytes, bool inks) {
     OIIO::ImageSpec config;
     config["oiio:UnassociatedAlpha"] = 1; // straight colours stay as the file has them
-    auto input = OIIO::ImageInput::open(path, &config);
+    if (inks)
+        config["oiio:RawColor"] = 1;
+    if (bytes) // some plug-ins forget a proxy that comes as an argument
+        config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &bytes);
+    return OIIO::ImageInput::open(path, &config, bytes);
+}
+
+bool read_file(const char *path, const uint8_t *bytes, size_t size, image_content *content, char *message) {
+    OIIO::Filesystem::IOMemReader memory(const_cast<uint8_t *>(bytes), size); // it only reads
+    auto input = open_input(path, bytes ? &memory : nullptr, content->cmyk);
     if (!input)
         return fail(message, "is not an image that can be read: " + reason(OIIO::geterror()));
     const OIIO::ImageSpec &spec = input->spec();
     if (!check_spec(spec, message))
         return false;
-    gscl_image read = {};
-    read.width = uint32_t(spec.width);
-    read.height = uint32_t(spec.height);
-    read.channels = uint32_t(image_channels(spec));
-    read.sample = sample_for(spec);
-    read.pixels = std::malloc(size_t(read.width) * read.height * read.channels * sample_bytes(read.sample));
-    if (!read.pixels)
+    gscl_image &image = content->image;
+    image.width = uint32_t(spec.width);
+    image.height = uint32_t(spec.height);
+    image.channels = holds_inks(spec) ? 4 : uint32_t(image_channels(spec));
+    image.sample = sample_for(spec);
+    image.pixels = std::malloc(size_t(image.width) * image.height * image.channels * sample_bytes(image.sample));
+    if (!image.pixels)
         return fail(message, "is too large for the available memory");
-    if (!read_pixels(*input, read, message)) {
-        std::free(read.pixels);
-        return false;
-    }
-    *image = read;
-    return true;
+    content->cmyk = holds_inks(spec);
+    if (!bytes)
+        take_metadata(spec, *content);
+    return read_pixels(*input, image, message);
 }
 
 // ---- Writing --------------------------------------------------------------------------------------
@@ -211,7 +221,6 @@ OIIO::ImageSpec output_spec(const gscl_image &image) {
     }
     if (image.channels <= 2)
         spec.channelnames[0] = "Y";
-    spec["CompressionQuality"] = jpeg_quality;
     return spec;
 }
 
@@ -290,8 +299,8 @@ template <typename Function> bool guarded(char *message, Function function) noex
     }
 }
 
-bool guarded_read(const char *path, gscl_image *image, char *message) noexcept {
-    return guarded(message, [=] { return read_file(path, image, message); });
+bool guarded_read(const char *path, const uint8_t *bytes, size_t size, image_content *content, char *message) noexcept {
+    return guarded(message, [=] { return read_file(path, bytes, size, content, message); });
 }
 
 bool guarded_write(FILE *stream, const char *suffix, const gscl_image *image, char *message) noexcept {

@@ -6,6 +6,9 @@
 #include <string.h>
 
 #include <png.h>
+#include <zlib.h>
+
+#include "image/png_chunks.h"
 
 /* Upper bound of the compression ratio of deflate.  A file that declares more pixels is truncated or damaged. */
 #define MAX_DEFLATE_RATIO 1032
@@ -66,6 +69,7 @@ static void read_header(png_structp png, png_infop info, const png_source *sourc
     char text[IMAGE_MESSAGE_SIZE];
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* the check below has the better message */
     png_set_chunk_malloc_max(png, MAX_CHUNK_BYTES);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, png_metadata_chunks, PNG_METADATA_CHUNK_COUNT);
     png_read_info(png, info);
     const png_uint_32 width = png_get_image_width(png, info), height = png_get_image_height(png, info);
     if (width > GSCL_MAX_DIMENSION || height > GSCL_MAX_DIMENSION) {
@@ -107,7 +111,7 @@ static void read_rows(png_structp png, png_infop info, const gscl_image *image) 
     png_read_end(png, NULL); /* detects a truncated file and a wrong checksum */
 }
 
-/* Returns false after an error of libpng (a longjmp); image->pixels may then be set. */
+/* Returns false after an error of libpng (a longjmp). */
 static bool read_image(png_structp png, png_infop info, png_source *source, gscl_image *image) {
     if (setjmp(png_jmpbuf(png)))
         return false;
@@ -123,18 +127,15 @@ bool image_is_png(const uint8_t *bytes, size_t size) {
     return size >= 8 && png_sig_cmp(bytes, 0, 8) == 0;
 }
 
-bool image_read_png(const uint8_t *bytes, size_t size, gscl_image *image, char message[IMAGE_MESSAGE_SIZE]) {
+bool image_read_png(const uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]) {
     png_source source = {bytes, size, 0};
-    gscl_image read = {0};
     snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the available memory");
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
-    const bool ok = info && read_image(png, info, &source, &read);
+    const bool ok = info && read_image(png, info, &source, &content->image);
     png_destroy_read_struct(&png, &info, NULL);
     if (ok)
-        *image = read;
-    else
-        free(read.pixels);
+        png_take_metadata(bytes, size, content);
     return ok;
 }
 
@@ -146,7 +147,47 @@ static int png_colour_type(uint32_t channels) {
     return types[channels - 1];
 }
 
-static bool write_image(png_structp png, png_infop info, output_file *output, const gscl_image *image) {
+/* Name, zero, method of compression, zlib stream. */
+static void write_icc(png_structp png, const image_blob *icc) {
+    static const uint8_t head[] = "ICC profile\0";
+    image_blob chunk = {0};
+    uLongf packed_size = compressBound((uLong)icc->size);
+    uint8_t *packed = malloc(packed_size);
+    const bool ok = packed && compress2(packed, &packed_size, icc->bytes, (uLong)icc->size, 9) == Z_OK &&
+                    image_blob_append(&chunk, head, sizeof head) && image_blob_append(&chunk, packed, packed_size);
+    free(packed);
+    if (ok)
+        png_write_chunk(png, (png_const_bytep) "iCCP", chunk.bytes, chunk.size);
+    image_blob_free(&chunk);
+    if (!ok)
+        png_error(png, "is too large for the available memory");
+}
+
+/* Keyword, zero, not compressed, method, no language, zero, no translated keyword, zero, text. */
+static void write_xmp(png_structp png, const image_blob *xmp) {
+    static const uint8_t head[] = "XML:com.adobe.xmp\0\0\0\0";
+    png_write_chunk_start(png, (png_const_bytep) "iTXt", (png_uint_32)(sizeof head + xmp->size));
+    png_write_chunk_data(png, head, sizeof head);
+    png_write_chunk_data(png, xmp->bytes, xmp->size);
+    png_write_chunk_end(png);
+}
+
+/* Writes the chunks of metadata, which stand before the pixels. */
+static void write_metadata(png_structp png, const image_metadata *metadata) {
+    if (metadata->has_cicp) {
+        const uint8_t chunk[4] = {metadata->cicp[0], metadata->cicp[1], metadata->cicp[2], 1 /* full range */};
+        png_write_chunk(png, (png_const_bytep) "cICP", chunk, sizeof chunk);
+    }
+    if (metadata->icc.size)
+        write_icc(png, &metadata->icc);
+    if (metadata->exif.size)
+        png_write_chunk(png, (png_const_bytep) "eXIf", metadata->exif.bytes, metadata->exif.size);
+    if (metadata->xmp.size)
+        write_xmp(png, &metadata->xmp);
+}
+
+static bool write_image(png_structp png, png_infop info, output_file *output, const gscl_image *image,
+                        const image_metadata *metadata) {
     const int bytes_per_sample = image->sample == GSCL_SAMPLE_U16 ? 2 : 1;
     const size_t row_bytes = (size_t)image->width * image->channels * (size_t)bytes_per_sample;
     if (setjmp(png_jmpbuf(png)))
@@ -157,6 +198,8 @@ static bool write_image(png_structp png, png_infop info, output_file *output, co
     png_set_IHDR(png, info, image->width, image->height, 8 * bytes_per_sample, png_colour_type(image->channels),
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_write_info(png, info);
+    if (metadata)
+        write_metadata(png, metadata);
     if (bytes_per_sample == 2)
         swap_if_little_endian(png);
     for (uint32_t y = 0; y < image->height; y++)
@@ -165,11 +208,12 @@ static bool write_image(png_structp png, png_infop info, output_file *output, co
     return true;
 }
 
-bool image_write_png(output_file *output, const gscl_image *image, char message[IMAGE_MESSAGE_SIZE]) {
+bool image_write_png(output_file *output, const gscl_image *image, const image_metadata *metadata,
+                     char message[IMAGE_MESSAGE_SIZE]) {
     snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the available memory");
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
-    const bool ok = info && write_image(png, info, output, image);
+    const bool ok = info && write_image(png, info, output, image, metadata);
     png_destroy_write_struct(&png, &info);
     return ok;
 }

@@ -1,0 +1,97 @@
+#include "image/image_colours.h"
+
+#include <stdio.h>
+
+#include "cli/message.h"
+#include "image/cicp.h"
+#include "image/colour_convert.h"
+#include "image/colour_profile.h"
+#include "image/exif.h"
+
+static bool has_colours(const image_content *content) {
+    const image_metadata *metadata = &content->metadata;
+    return content->cmyk || content->damaged_profile || metadata->has_cicp || metadata->icc.size ||
+           content->has_primaries || content->gamma > 0.0 || exif_names_adobe_rgb(&metadata->exif);
+}
+
+static void forget_colours(image_content *content) {
+    image_blob_free(&content->metadata.icc);
+    content->metadata.has_cicp = false;
+    content->has_primaries = false;
+    content->gamma = 0.0;
+    exif_set_srgb(&content->metadata.exif);
+}
+
+/* Where the colours come from, for messages. */
+static void name_colours(const image_content *content, const colour_profile *profile, char name[COLOUR_NAME_SIZE]) {
+    if (content->metadata.has_cicp)
+        snprintf(name, COLOUR_NAME_SIZE, "%s", cicp_name(content->metadata.cicp));
+    else if (content->metadata.icc.size)
+        colour_profile_name(profile, name);
+    else if (content->has_primaries || content->gamma > 0.0)
+        snprintf(name, COLOUR_NAME_SIZE, "the primaries and the gamma of the file");
+    else
+        snprintf(name, COLOUR_NAME_SIZE, "Adobe RGB, as its EXIF says,");
+}
+
+/* Takes the colours as sRGB, where that is possible, because nothing better is known. */
+static bool take_as_srgb(const char *label, const image_read_options *options, image_content *content) {
+    const bool has_profile = content->damaged_profile || content->metadata.icc.size;
+    if (content->cmyk)
+        return report_error(label, "holds CMYK colours %s; convert it to RGB first",
+                            has_profile ? "and a colour profile that is damaged or not for CMYK"
+                                        : "without a colour profile");
+    forget_colours(content);
+    if (!options->quiet)
+        report_warning(label, "its colour profile is damaged or does not suit its pixels; it is taken as sRGB");
+    return true;
+}
+
+/* Leaves the shortest description of the colours. */
+static bool keep_colours(const char *label, const colour_profile *profile, image_content *content) {
+    image_metadata *metadata = &content->metadata;
+    if (metadata->has_cicp)
+        return true;
+    metadata->has_cicp = colour_profile_find_cicp(profile, metadata->cicp);
+    if (metadata->has_cicp)
+        image_blob_free(&metadata->icc);
+    else if (!metadata->icc.size && !colour_profile_save(profile, &metadata->icc))
+        return report_error(label, "is too large for the available memory");
+    return true;
+}
+
+static bool convert_colours(const char *label, const image_read_options *options, const colour_profile *profile,
+                            image_content *content) {
+    char name[COLOUR_NAME_SIZE];
+    name_colours(content, profile, name);
+    if (!colour_convert_to_srgb(profile, &content->image))
+        return take_as_srgb(label, options, content);
+    if (!options->quiet)
+        report_note("%s: colours converted from %s to sRGB", label, name);
+    content->cmyk = false;
+    forget_colours(content);
+    return true;
+}
+
+bool image_settle_colours(const char *label, const image_read_options *options, image_content *content) {
+    const image_metadata *metadata = &content->metadata;
+    colour_profile profile;
+    if (!has_colours(content))
+        return true;
+    if (metadata->has_cicp && cicp_is_hdr(metadata->cicp))
+        return options->keep_profile || report_error(label,
+                                                     "holds HDR colours (%s), which cannot be converted to sRGB; "
+                                                     "'gscl encode --keep-profile' stores them unchanged",
+                                                     cicp_name(metadata->cicp));
+    if (!colour_profile_open(&profile, content))
+        return take_as_srgb(label, options, content);
+    bool ok = true;
+    if (colour_profile_is_srgb(&profile))
+        forget_colours(content);
+    else if (options->keep_profile && !content->cmyk)
+        ok = keep_colours(label, &profile, content);
+    else
+        ok = convert_colours(label, options, &profile, content);
+    colour_profile_close(&profile);
+    return ok;
+}

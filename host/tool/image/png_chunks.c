@@ -1,0 +1,153 @@
+#include "image/png_chunks.h"
+
+#include <string.h>
+
+#include <zlib.h>
+
+#include "image/exif.h"
+
+const uint8_t png_metadata_chunks[] = "cICP\0iCCP\0sRGB\0gAMA\0cHRM\0eXIf";
+
+#define SIGNATURE_SIZE 8
+#define CHUNK_OVERHEAD 12 /* length, name, checksum */
+#define UNIT 100000.0     /* of the integers of gAMA and cHRM */
+#define SRGB_GAMMA 45455  /* of gAMA: 1 / 2.2, by which encoders approximate the curve of sRGB */
+
+static const char xmp_keyword[] = "XML:com.adobe.xmp";
+
+/* What the chunks about colours say, before one of them is chosen. */
+typedef struct png_colours {
+    bool srgb;
+    uint32_t gamma; /* 0: none */
+} png_colours;
+
+typedef struct png_chunk {
+    const uint8_t *name, *bytes;
+    size_t size;
+    bool intact; /* the checksum matches */
+} png_chunk;
+
+static uint32_t big_endian(const uint8_t *b) {
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
+
+static bool is_named(const png_chunk *chunk, const char *name) {
+    return memcmp(chunk->name, name, 4) == 0;
+}
+
+/* Unpacks a zlib stream.  Returns false if it is damaged or too long. */
+static bool unpack(const uint8_t *bytes, size_t size, image_blob *blob) {
+    uint8_t part[16384];
+    z_stream stream = {.next_in = (Bytef *)(uintptr_t)bytes, .avail_in = (uInt)size};
+    int status = inflateInit(&stream);
+    bool ok = status == Z_OK;
+    while (ok && status != Z_STREAM_END) {
+        stream.next_out = part;
+        stream.avail_out = sizeof part;
+        status = inflate(&stream, Z_NO_FLUSH);
+        ok =
+            (status == Z_OK || status == Z_STREAM_END) && image_blob_append(blob, part, sizeof part - stream.avail_out);
+    }
+    inflateEnd(&stream);
+    if (!ok)
+        image_blob_free(blob);
+    return ok;
+}
+
+/* ---- Single chunks ----------------------------------------------------------------------------- */
+
+/* Primaries, transfer characteristics, matrix coefficients (0), full range (1). */
+static void take_cicp(const png_chunk *chunk, image_content *content) {
+    image_metadata *metadata = &content->metadata;
+    metadata->has_cicp = chunk->intact && chunk->size == 4 && chunk->bytes[2] == 0 && chunk->bytes[3] == 1;
+    if (metadata->has_cicp)
+        memcpy(metadata->cicp, chunk->bytes, sizeof metadata->cicp);
+    else
+        content->damaged_profile = true;
+}
+
+/* Name, zero, method of compression (0), zlib stream. */
+static void take_icc(const png_chunk *chunk, image_content *content) {
+    const uint8_t *end = memchr(chunk->bytes, 0, chunk->size);
+    const size_t name = end ? (size_t)(end - chunk->bytes) : chunk->size;
+    if (content->metadata.icc.size)
+        return;
+    if (!chunk->intact || name + 2 > chunk->size || chunk->bytes[name + 1] != 0 ||
+        !unpack(chunk->bytes + name + 2, chunk->size - name - 2, &content->metadata.icc))
+        content->damaged_profile = true;
+}
+
+static void take_primaries(const png_chunk *chunk, image_content *content) {
+    if (!chunk->intact || chunk->size != 32)
+        return;
+    content->has_primaries = true;
+    for (int i = 0; i < 8; i++)
+        content->primaries[i] = big_endian(chunk->bytes + 4 * i) / UNIT;
+}
+
+/* The text of an iTXt chunk with a keyword: compressed or not, method, language, zero, translated keyword, zero, text. */
+static bool take_text(const png_chunk *chunk, const char *keyword, size_t keyword_size, image_blob *text) {
+    const uint8_t *at = chunk->bytes + keyword_size + 2, *end = chunk->bytes + chunk->size;
+    if (!chunk->intact || chunk->size < keyword_size + 2 || memcmp(chunk->bytes, keyword, keyword_size) != 0)
+        return false;
+    const bool packed = at[-2] != 0;
+    for (int zeros = 0; zeros < 2; zeros++) {
+        at = memchr(at, 0, (size_t)(end - at));
+        if (!at++)
+            return false;
+    }
+    return packed ? unpack(at, (size_t)(end - at), text) : image_blob_set(text, at, (size_t)(end - at));
+}
+
+/* ---- All chunks -------------------------------------------------------------------------------- */
+
+static void take_chunk(const png_chunk *chunk, image_content *content, png_colours *colours) {
+    image_metadata *metadata = &content->metadata;
+    if (is_named(chunk, "cICP"))
+        take_cicp(chunk, content);
+    else if (is_named(chunk, "iCCP"))
+        take_icc(chunk, content);
+    else if (is_named(chunk, "sRGB"))
+        colours->srgb = chunk->intact;
+    else if (is_named(chunk, "gAMA") && chunk->intact && chunk->size == 4)
+        colours->gamma = big_endian(chunk->bytes);
+    else if (is_named(chunk, "cHRM"))
+        take_primaries(chunk, content);
+    else if (is_named(chunk, "eXIf") && chunk->intact)
+        image_blob_set(&metadata->exif, chunk->bytes, chunk->size);
+    else if (is_named(chunk, "iTXt") && take_text(chunk, xmp_keyword, sizeof xmp_keyword, &metadata->xmp))
+        return;
+    else if (is_named(chunk, "tEXt") || is_named(chunk, "zTXt") || is_named(chunk, "iTXt"))
+        content->other_bytes += chunk->size;
+}
+
+/* cICP precedes iCCP, which precedes sRGB, which precedes gAMA and cHRM. */
+static void choose_colours(image_content *content, const png_colours *colours) {
+    image_metadata *metadata = &content->metadata;
+    if (metadata->has_cicp)
+        image_blob_free(&metadata->icc);
+    if (metadata->has_cicp || metadata->icc.size)
+        content->damaged_profile = false;
+    if (metadata->has_cicp || metadata->icc.size || colours->srgb)
+        content->has_primaries = false;
+    else if (colours->gamma && colours->gamma != SRGB_GAMMA)
+        content->gamma = UNIT / colours->gamma;
+}
+
+void png_take_metadata(const uint8_t *bytes, size_t size, image_content *content) {
+    png_colours colours = {0};
+    size_t at = SIGNATURE_SIZE;
+    while (at < size && size - at >= CHUNK_OVERHEAD) {
+        const uint32_t length = big_endian(bytes + at);
+        if (length > size - at - CHUNK_OVERHEAD)
+            break;
+        const png_chunk chunk = {.name = bytes + at + 4, .bytes = bytes + at + 8, .size = length};
+        png_chunk checked = chunk;
+        if (!is_named(&chunk, "IDAT"))
+            checked.intact = crc32(0, chunk.name, (uInt)(length + 4)) == big_endian(chunk.bytes + length);
+        take_chunk(&checked, content, &colours);
+        at += CHUNK_OVERHEAD + (size_t)length;
+    }
+    exif_trim(&content->metadata.exif);
+    choose_colours(content, &colours);
+}

@@ -1,0 +1,262 @@
+"""Colour profiles and other descriptions of colours: pixels are converted to sRGB, and never change without a word."""
+import struct
+import unittest
+
+from images import (Image, blocks, exr_bytes, flat, jpeg_bytes, jpeg_exif, jpeg_icc, png_bytes, png_icc, scene, tiff_bytes,
+                    webp_bytes)
+from profiles import (ADOBE_RGB, ADOBE_RGB_GAMMA, BT2020, COLOUR_SPACE, DISPLAY_P3, EXIF_DIRECTORY, INDEX,
+                      INTEROPERABILITY, SRGB, exif_bytes, icc_cmyk, icc_grey, icc_rgb, srgb_of, srgb_of_lab, srgb_to_linear)
+from tool import FAST, ToolTest, main
+
+P3 = icc_rgb(DISPLAY_P3, name="Test P3")
+ADOBE = icc_rgb(ADOBE_RGB, ADOBE_RGB_GAMMA, name="Test Adobe")
+TIFF_ICC = 34675
+WARNING = "warning: its colour profile is damaged or does not suit its pixels; it is taken as sRGB"
+INKS = [(100, 0, 0), (0, 0, 0), (90, 0, 80), (0, 0, 0), (50, 50, 0), (0, 0, 0), (50, 60, 40), (0, 0, 0),
+        (60, -30, -40), (0, 0, 0), (50, -60, 30), (0, 0, 0), (30, 20, -40), (0, 0, 0), (20, 0, 0), (0, 0, 0)]
+
+
+def converted(image, primaries, gamma=None):
+    """The image in sRGB."""
+    size, peak, samples = image.channels, image.peak, []
+    for at in range(0, len(image.samples), size):
+        pixel = image.samples[at:at + size]
+        colours = pixel[:3] if size >= 3 else pixel[:1] * 3
+        result = [round(peak * v) for v in srgb_of([v / peak for v in colours], primaries, gamma)]
+        samples += result[:3 if size >= 3 else 1] + (pixel[-1:] if image.has_alpha else [])
+    return Image(image.width, image.height, size, image.depth, samples)
+
+
+def chromaticities(primaries):
+    return b"cHRM", struct.pack(">8I", *(round(100000 * value) for xy in primaries for value in xy))
+
+
+def gamma_chunk(exponent):
+    return b"gAMA", struct.pack(">I", round(100000 / exponent))
+
+
+def cicp(primaries, transfer, matrix=0, full_range=1):
+    return b"cICP", bytes((primaries, transfer, matrix, full_range))
+
+
+class ColourTest(ToolTest):
+    def read(self, name, data, expected, message, tolerance=1.0):
+        """Reads a file, whose pixels must be those of `expected`, and whose notes must be `message` or nothing."""
+        self.write(name, data)
+        self.write_png("expected.png", expected)
+        done = self.start("compare", "expected.png", name, "--json")
+        error = done.stderr.decode()
+        self.assertEqual(done.returncode, 0, error)
+        self.assertEqual(error, f"{message}\n" if message else "")
+        self.write("report.json", done.stdout)
+        difference = float(done.stdout.split(b'"max_difference":')[1].split(b",")[0].strip(b" }\n"))
+        self.assertLessEqual(difference, tolerance)
+
+    def from_to_srgb(self, name, source):
+        return f"{name}: colours converted from {source} to sRGB"
+
+    def damaged(self, name, data, image):
+        self.read(name, data, image, f"gscl: {name}: {WARNING}", 0)
+
+
+class Profiles(ColourTest):
+    def test_each_format(self):
+        image = blocks(scene(40, 24))
+        for profile, name, primaries, gamma in ((P3, "Test P3", DISPLAY_P3, None),
+                                                (ADOBE, "Test Adobe", ADOBE_RGB, ADOBE_RGB_GAMMA)):
+            expected = converted(image, primaries, gamma)
+            self.assertNotEqual(expected.samples, image.samples)
+            for file, data in (("in.png", png_bytes(image, [png_icc(profile)])),
+                               ("in.jpg", jpeg_bytes(image, jpeg_icc(profile))),
+                               ("in.tif", tiff_bytes(image, blocks=[(TIFF_ICC, profile)])),
+                               ("in.webp", webp_bytes(image, [(b"ICCP", profile)]))):
+                with self.subTest(file=file, name=name):
+                    self.read(file, data, expected, self.from_to_srgb(file, name))
+
+    def test_profile_in_parts(self):
+        image = blocks(scene(24, 16))
+        parts = jpeg_icc(P3, 100)
+        self.assertGreater(len(parts), 3)
+        expected = converted(image, DISPLAY_P3)
+        self.read("in.jpg", jpeg_bytes(image, parts[::-1]), expected, self.from_to_srgb("in.jpg", "Test P3"))
+
+    def test_precision_of_16_bits(self):
+        image = scene(24, 16, 3, 16)
+        for file, data in (("in.png", png_bytes(image, [png_icc(P3)])),
+                           ("in.tif", tiff_bytes(image, blocks=[(TIFF_ICC, P3)]))):
+            with self.subTest(file=file):
+                expected = converted(image, DISPLAY_P3)
+                self.read(file, data, expected, self.from_to_srgb(file, "Test P3"), 0.02)
+
+    def test_grey(self):
+        image = scene(24, 16, 1)
+        ramp = converted(image, SRGB, 1.8)
+        self.read("in.png", png_bytes(image, [png_icc(icc_grey(1.8))]), ramp, self.from_to_srgb("in.png", "Test Grey"))
+        self.read("in.png", png_bytes(image, [png_icc(icc_rgb(DISPLAY_P3, 1.8))]), ramp,
+                  self.from_to_srgb("in.png", "Test RGB"))
+
+    def test_alpha_is_not_converted(self):
+        image = scene(24, 16, 4)
+        expected = converted(image, ADOBE_RGB, ADOBE_RGB_GAMMA)
+        self.read("in.png", png_bytes(image, [png_icc(ADOBE)]), expected, self.from_to_srgb("in.png", "Test Adobe"))
+        multiplied = Image(24, 16, 4, 8, [round(value) for value in image.normal()])
+        multiplied.samples[3::4] = image.samples[3::4]
+        self.read("in.tif", tiff_bytes(multiplied, extra_samples=(1,), blocks=[(TIFF_ICC, ADOBE)]), expected,
+                  self.from_to_srgb("in.tif", "Test Adobe"), 4.0)
+
+    def test_srgb_needs_no_conversion(self):
+        image = scene(24, 16)
+        self.read("in.png", png_bytes(image, [png_icc(icc_rgb(SRGB))]), image, "", 0)
+        self.read("in.tif", tiff_bytes(scene(24, 16, 1), blocks=[(TIFF_ICC, icc_grey(None))]), scene(24, 16, 1), "", 0)
+
+    def test_quiet(self):
+        self.write("in.png", png_bytes(scene(24, 16), [png_icc(P3)]))
+        self.write("bad.png", png_bytes(scene(24, 16), [png_icc(P3[:300])]))
+        done = self.start("encode", "in.png", "bad.png", *FAST, "-q")
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+
+    def test_both_images_are_converted(self):
+        """Encoding an image with a profile gives the same file as encoding it in sRGB."""
+        image = scene(24, 16)
+        self.assertEqual(self.encode(png_bytes(image, [png_icc(P3)])), self.encode(converted(image, DISPLAY_P3)))
+
+
+class Chunks(ColourTest):
+    """What PNG and OpenEXR say without a profile."""
+
+    def png(self, chunks, expected, source, tolerance=1.0):
+        message = self.from_to_srgb("in.png", source) if source else ""
+        self.read("in.png", png_bytes(scene(24, 16), chunks), expected, message, tolerance)
+
+    def test_code_points(self):
+        image = scene(24, 16)
+        self.png([cicp(12, 13)], converted(image, DISPLAY_P3), "Display P3")
+        self.png([cicp(9, 14)], converted(image, BT2020), "BT.2020")
+        self.png([cicp(1, 13)], image, "", 0)
+
+    def test_gamma_and_primaries(self):
+        image, source = scene(24, 16), "the primaries and the gamma of the file"
+        self.png([gamma_chunk(1.8)], converted(image, SRGB, 1.8), source)
+        self.png([gamma_chunk(1.8), chromaticities(BT2020)], converted(image, BT2020, 1.8), source)
+        self.png([gamma_chunk(2.2), chromaticities(SRGB)], image, "", 0)
+
+    def test_order_of_precedence(self):
+        image = scene(24, 16)
+        weakest = [gamma_chunk(1.0), chromaticities(BT2020)]
+        self.png([(b"sRGB", b"\0"), *weakest], image, "", 0)
+        self.png([png_icc(ADOBE), *weakest], converted(image, ADOBE_RGB, ADOBE_RGB_GAMMA), "Test Adobe")
+        self.png([cicp(12, 13), png_icc(ADOBE), *weakest], converted(image, DISPLAY_P3), "Display P3")
+
+    def test_linear_light_of_16_bits(self):
+        image = scene(24, 16, 3, 16)
+        self.read("in.png", png_bytes(image, [gamma_chunk(1.0)]), converted(image, SRGB, 1.0),
+                  self.from_to_srgb("in.png", "the primaries and the gamma of the file"), 0.05)
+
+    def test_hdr_is_refused(self):
+        for transfer, name in ((16, "PQ"), (18, "HLG")):
+            self.write("in.png", png_bytes(scene(24, 16), [cicp(9, transfer)]))
+            self.refused("in.png", f"HDR.*BT.2020 {name}.*--keep-profile", "encode", "in.png", "-o", "out.gscl", *FAST)
+
+    def test_primaries_of_exr(self):
+        image = scene(20, 15, 3)
+        linear = [srgb_to_linear(sample / 255) for sample in image.samples]
+        data = exr_bytes(20, 15, {"R": linear[0::3], "G": linear[1::3], "B": linear[2::3]}, primaries=BT2020)
+        self.read("in.exr", data, converted(image, BT2020),
+                  self.from_to_srgb("in.exr", "the primaries and the gamma of the file"))
+
+    def test_adobe_rgb_by_exif(self):
+        """Cameras that are set to Adobe RGB say so in EXIF and may store no profile."""
+        image = blocks(scene(24, 16))
+        expected = converted(image, ADOBE_RGB, ADOBE_RGB_GAMMA)
+        for order in "<>":
+            exif = exif_bytes([(EXIF_DIRECTORY, [(COLOUR_SPACE, 65535), (INTEROPERABILITY, [(INDEX, "R03")])])], order)
+            self.read("in.jpg", jpeg_bytes(image, [jpeg_exif(exif)]), expected,
+                      self.from_to_srgb("in.jpg", "Adobe RGB, as its EXIF says,"))
+            self.read("in.jpg", jpeg_bytes(image, [jpeg_exif(exif), *jpeg_icc(P3)]), converted(image, DISPLAY_P3),
+                      self.from_to_srgb("in.jpg", "Test P3"))
+
+
+class Inks(ColourTest):
+    # No ink, all inks, and the single inks but black: entries of INKS, in which the last ink changes fastest.
+    CORNERS = [((0, 0, 0, 0), 0), ((255, 255, 255, 255), 15), ((0, 255, 0, 0), 4), ((255, 0, 0, 0), 8)]
+
+    def test_profile_of_inks(self):
+        profile = icc_cmyk(INKS)
+        for inks, corner in self.CORNERS:
+            expected = flat(16, 8, tuple(round(255 * value) for value in srgb_of_lab(INKS[corner])))
+            inverted = flat(16, 8, tuple(255 - ink for ink in inks))
+            adobe = (0xEE, b"Adobe\0\x64\0\0\0\0\0")
+            for file, data in (("in.tif", tiff_bytes(flat(16, 8, inks), photometric=5, blocks=[(TIFF_ICC, profile)])),
+                               ("in.jpg", jpeg_bytes(flat(16, 8, inks), jpeg_icc(profile))),
+                               ("in.jpg", jpeg_bytes(inverted, [adobe, *jpeg_icc(profile)]))):
+                with self.subTest(file=file, inks=inks):
+                    self.read(file, data, expected, self.from_to_srgb(file, "Test CMYK"), 3.0)
+
+    def test_inks_without_profile(self):
+        inks = flat(16, 8, (0, 255, 0, 0))
+        for file, data in (("in.tif", tiff_bytes(inks, photometric=5)), ("in.jpg", jpeg_bytes(inks))):
+            self.write(file, data)
+            self.refused(file, "holds CMYK colours without a colour profile; convert it to RGB first", "encode", file)
+
+    def test_profile_of_other_colours(self):
+        inks = flat(16, 8, (0, 255, 0, 0))
+        self.write("in.jpg", jpeg_bytes(inks, jpeg_icc(P3)))
+        self.refused("in.jpg", "holds CMYK.*a colour profile that is damaged or not for CMYK", "encode", "in.jpg")
+        image = blocks(scene(24, 16))
+        self.damaged("in.jpg", jpeg_bytes(image, jpeg_icc(icc_cmyk(INKS))), image)
+        self.damaged("in.jpg", jpeg_bytes(image, jpeg_icc(icc_grey(1.8))), image)
+
+
+class Damaged(ColourTest):
+    """Profiles of any content: the image is read, and a warning says that its profile is not used."""
+
+    def test_truncated_profile(self):
+        image = blocks(scene(24, 16))
+        for size in (1, 127, 128, 131, 132, 200, 300, len(P3) - 200):
+            with self.subTest(size=size):
+                self.damaged("in.png", png_bytes(image, [png_icc(P3[:size])]), image)
+                self.damaged("in.jpg", jpeg_bytes(image, jpeg_icc(P3[:size])), image)
+                self.damaged("in.tif", tiff_bytes(image, blocks=[(TIFF_ICC, P3[:size])]), image)
+                self.damaged("in.webp", webp_bytes(image, [(b"ICCP", P3[:size])]), image)
+
+    def test_damaged_chunks(self):
+        image = scene(24, 16)
+        good = png_bytes(image, [png_icc(P3)])
+        at = good.index(b"iCCP") + 60
+        self.damaged("in.png", good[:at] + bytes([good[at] ^ 1]) + good[at + 1:], image)
+        for content in (b"", b"name", b"name\0", b"name\0\1" + bytes(20), b"name\0\0", b"name\0\0" + bytes(50)):
+            with self.subTest(content=content):
+                self.damaged("in.png", png_bytes(image, [(b"iCCP", content)]), image)
+        for content in (b"", b"\1", bytes((12, 13, 1, 1)), bytes((12, 13, 0, 0)), bytes((3, 13, 0, 1)),
+                        bytes((12, 3, 0, 1))):
+            with self.subTest(content=content):
+                self.damaged("in.png", png_bytes(image, [(b"cICP", content)]), image)
+
+    def test_damaged_segments(self):
+        image = blocks(scene(24, 16))
+        parts = jpeg_icc(P3, 100)
+        icc = b"ICC_PROFILE\0"
+        for segments in (parts[1:], parts[:-1], parts + parts[:1], [(0xE2, icc)], [(0xE2, icc + b"\1")],
+                         [(0xE2, icc + b"\1\1")], [(0xE2, icc + b"\0\1abc")], [(0xE2, icc + b"\2\1abc")]):
+            with self.subTest(segments=segments[:1]):
+                self.damaged("in.jpg", jpeg_bytes(image, segments), image)
+
+    def test_forged_values(self):
+        """Each 32-bit field of the header and of the table of tags is set to its largest value, and to 0."""
+        image = blocks(scene(16, 8))
+        for at in (*range(0, 44, 4), *range(64, 84, 4), *range(128, 132 + 12 * 9, 4)):
+            for value in (b"\xff\xff\xff\xff", b"\0\0\0\0"):
+                self.write("in.jpg", jpeg_bytes(image, jpeg_icc(P3[:at] + value + P3[at + 4:])))
+                done = self.start("compare", "in.jpg", "in.jpg")
+                self.assertEqual(done.returncode, 0, (at, done.stderr))
+
+    def test_primaries_without_triangle(self):
+        image = scene(24, 16)
+        point = (0.3127, 0.3290)
+        for primaries in ((point,) * 4, (point, (0.6, 0.3), (0.6, 0.3), (0.1, 0.1)), ((0.9, 0.0), *SRGB[1:]),
+                          ((9.0, 9.0), *DISPLAY_P3[1:])):
+            self.damaged("in.png", png_bytes(image, [chromaticities(primaries)]), image)
+
+
+if __name__ == "__main__":
+    main()
