@@ -84,12 +84,18 @@ static bool open_target(output_file *output) {
 }
 
 bool output_open(output_file *output, const char *name) {
+    if (strcmp(name, "-") == 0 && isatty(STDOUT_FILENO))
+        return report_error("standard output",
+                            "is a terminal; redirect it to a file or a pipe, or name a file with -o");
+    return output_open_text(output, name);
+}
+
+bool output_open_text(output_file *output, const char *name) {
     *output = (output_file){.label = name};
     if (strcmp(name, "-") == 0) {
         output->label = "standard output";
         output->stream = stdout;
-        return !isatty(STDOUT_FILENO) ||
-               report_error(output->label, "is a terminal; redirect it to a file or a pipe, or name a file with -o");
+        return true;
     }
     /* A symbolic link stays; the file that it names is replaced. */
     output->target = realpath(name, NULL);

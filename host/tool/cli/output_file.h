@@ -20,6 +20,8 @@ bool output_is_separate(const char *command, const char *input, const char *outp
 
 /* Opens `name` ("-": standard output), which must stay valid.  Reports errors. */
 bool output_open(output_file *output, const char *name);
+/* The same for text, which a terminal can show. */
+bool output_open_text(output_file *output, const char *name);
 
 /* Appends bytes.  A failure is kept and reported by output_commit. */
 bool output_write(output_file *output, const void *bytes, size_t size);

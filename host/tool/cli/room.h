@@ -6,6 +6,7 @@
  *   options.h: command lines described by a table
  *   message.h, exit_code.h: errors, notes and the exit code of the program
  *   read_file.h, output_file.h: files and pipes
+ *   base64.h, gscl_input.h: the forms of gscl files
  *   interrupt.h, progress.h: signals and the progress line of a long computation
  *   device_choice.h: the OpenCL device of a command
  *   json.h, report_json.h: JSON output

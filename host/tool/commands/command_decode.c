@@ -7,6 +7,7 @@
 
 #include "cli/device_choice.h"
 #include "cli/exit_code.h"
+#include "cli/gscl_input.h"
 #include "cli/message.h"
 #include "cli/options.h"
 #include "cli/read_file.h"
@@ -22,6 +23,7 @@ typedef struct decode_options {
     int depth;                     /* index into depth_words */
     uint64_t max_pixels, max_work; /* 0: no limit */
     bool has_scale, has_size, has_crop, has_depth;
+    gscl_form form;
     device_choice choice;
 } decode_options;
 
@@ -87,13 +89,15 @@ static int decode_bytes(const decode_options *options, const image_format *forma
     gscl_info info = {.struct_size = sizeof info};
     gscl_decode_settings settings;
     output_file output;
-    const gscl_result result = gscl_probe(bytes, size, NULL, &info);
+    const gscl_read_settings reading = read_settings_of(&options->form);
+    const gscl_result result = gscl_probe(bytes, size, &reading, &info);
     if (result != GSCL_OK)
         return report_result(NULL, input_label(options->input), result);
     gscl_decode_settings_default(&settings);
     settings.sample = choose_sample(options, format, &info);
     settings.max_pixels = options->max_pixels;
     settings.max_work = options->max_work;
+    settings.bare = options->form.bare;
     if (!choose_area(options, &info, &settings) ||
         !image_format_holds(format, options->output, info.channels, settings.sample) ||
         !output_open(&output, options->output))
@@ -110,7 +114,7 @@ static int decode_file(const decode_options *options) {
                             format->suffix);
     uint8_t *bytes;
     size_t size;
-    if (!read_file(options->input, MAX_GSCL_FILE, &bytes, &size))
+    if (!read_gscl_file(options->input, &options->form, &bytes, &size))
         return EXIT_FAILURE;
     const int status = decode_bytes(options, format, bytes, size);
     free(bytes);
@@ -169,6 +173,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .max_integer = UINT64_MAX,
          .help =
              "refuse a file that needs more evaluations of a splat at a pixel, see 'gscl info' (default: no limit)"},
+        GSCL_FORM_OPTIONS(decode->form),
         DEVICE_OPTIONS(decode->choice),
         {.name = "verbose",
          .letter = 'v',

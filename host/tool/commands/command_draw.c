@@ -5,6 +5,7 @@
 
 #include "cli/device_choice.h"
 #include "cli/exit_code.h"
+#include "cli/gscl_input.h"
 #include "cli/message.h"
 #include "cli/options.h"
 #include "cli/read_file.h"
@@ -16,6 +17,7 @@
 typedef struct draw_options {
     const char *input, *output;
     uint64_t scale;
+    gscl_form form;
     device_choice choice;
 } draw_options;
 
@@ -40,10 +42,12 @@ static bool make_colour(const gscl_image *from, gscl_image *to) {
     return true;
 }
 
-static gscl_result draw_outlines(const uint8_t *bytes, size_t size, const gscl_info *info, gscl_image *image) {
+static gscl_result draw_outlines(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
+                                 gscl_image *image) {
     gscl_splat *splats;
     size_t count;
-    const gscl_result result = gscl_read_splats(bytes, size, NULL, &splats, &count);
+    const gscl_read_settings reading = read_settings_of(&options->form);
+    const gscl_result result = gscl_read_splats(bytes, size, &reading, &splats, &count);
     if (result != GSCL_OK)
         return result;
     const double scale_x = (double)image->width / info->width, scale_y = (double)image->height / info->height;
@@ -61,6 +65,7 @@ static int decode_with_outlines(const draw_options *options, const uint8_t *byte
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_U8;
+    settings.bare = options->form.bare;
     settings.width = info->width * (uint32_t)options->scale;
     settings.height = info->height * (uint32_t)options->scale;
     int status = open_device(&options->choice, &context);
@@ -68,7 +73,8 @@ static int decode_with_outlines(const draw_options *options, const uint8_t *byte
         return status;
     gscl_result result = gscl_decode(context, bytes, size, &settings, &decoded);
     if (result == GSCL_OK)
-        result = make_colour(&decoded, image) ? draw_outlines(bytes, size, info, image) : GSCL_ERROR_OUT_OF_MEMORY;
+        result =
+            make_colour(&decoded, image) ? draw_outlines(options, bytes, size, info, image) : GSCL_ERROR_OUT_OF_MEMORY;
     if (result != GSCL_OK)
         status = report_result(context, input_label(options->input), result);
     gscl_free(decoded.pixels);
@@ -81,7 +87,8 @@ static int draw_bytes(const draw_options *options, const image_format *format, c
     gscl_image image = {0};
     output_file output;
     const char *label = input_label(options->input);
-    const gscl_result result = gscl_probe(bytes, size, NULL, &info);
+    const gscl_read_settings reading = read_settings_of(&options->form);
+    const gscl_result result = gscl_probe(bytes, size, &reading, &info);
     if (result != GSCL_OK)
         return report_result(NULL, label, result);
     if (info.width * options->scale > GSCL_MAX_DIMENSION || info.height * options->scale > GSCL_MAX_DIMENSION) {
@@ -108,7 +115,7 @@ static int draw_file(const draw_options *options) {
         return EXIT_USAGE;
     uint8_t *bytes;
     size_t size;
-    if (!read_file(options->input, MAX_GSCL_FILE, &bytes, &size))
+    if (!read_gscl_file(options->input, &options->form, &bytes, &size))
         return EXIT_FAILURE;
     const int status = draw_bytes(options, format, bytes, size);
     free(bytes);
@@ -131,6 +138,7 @@ int command_draw(int argc, char **argv) {
          .min_integer = 1,
          .max_integer = 64,
          .help = "scale of the image; the width of the lines stays (default 1)"},
+        GSCL_FORM_OPTIONS(draw.form),
         DEVICE_OPTIONS(draw.choice),
     };
     const option_command command = {

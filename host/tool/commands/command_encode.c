@@ -124,6 +124,15 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .min_integer = 0,
          .max_integer = UINT64_MAX,
          .help = "seed of the random numbers; the same seed gives the same file (default 1)"},
+        {.name = "bare",
+         .kind = OPTION_FLAG,
+         .value = &batch->settings.bare,
+         .help = "write the picture alone, 7 bytes less: without magic bytes, version and check; readers must be told"},
+        {.name = "base64",
+         .kind = OPTION_FLAG,
+         .value = &batch->base64,
+         .help =
+             "write one line of base64url text (default output: standard output; in --out-dir: IN with suffix .b64)"},
         DEVICE_OPTIONS(batch->choice),
         {.name = "json",
          .kind = OPTION_FLAG,
@@ -179,7 +188,7 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "-o and --out-dir exclude each other; give one of them");
     if (batch->output && batch->count > 1)
         return report_usage("encode", "-o names one file but there are %d inputs; use --out-dir", batch->count);
-    if (!batch->output && reads_standard_input(batch))
+    if (!batch->output && !batch->base64 && reads_standard_input(batch))
         return report_usage("encode", "the output's name is missing; with standard input, give -o");
     if (batch->quiet && batch->choice.verbose)
         return report_usage("encode", "-q and -v exclude each other; give one of them");
@@ -187,6 +196,8 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "--trace is part of the JSON report; add --json");
     if (batch->json && batch->output && strcmp(batch->output, "-") == 0)
         return report_usage("encode", "--json and -o - both write to standard output; name a file with -o");
+    if (batch->json && batch->base64 && !batch->output && !batch->out_dir)
+        return report_usage("encode", "--json and --base64 both write to standard output; name a file with -o");
     return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <gscl/measure.h>
 
 #include "cli/device_choice.h"
+#include "cli/gscl_input.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/names.h"
@@ -16,10 +17,19 @@
 #include "commands/command.h"
 #include "image/image_file.h"
 
+static const char *const block_names[] = {
+    [GSCL_BLOCK_COLOUR_SPACE] = "colour-space",
+    [GSCL_BLOCK_ICC] = "icc",
+    [GSCL_BLOCK_EXIF] = "exif",
+    [GSCL_BLOCK_XMP] = "xmp",
+};
+#define BLOCK_TYPES (sizeof block_names / sizeof *block_names)
+
 /* The contents of the output. */
 typedef struct file_facts {
     const char *name;
     gscl_info info;
+    size_t block_sizes[BLOCK_TYPES]; /* bytes of content; 0: the file has no such block */
     size_t use_count;
     gscl_effect_use uses[GSCL_MAX_EFFECTS];
 } file_facts;
@@ -65,6 +75,19 @@ static void print_streams(const gscl_info *info) {
            bits_per_splat(info, 8.0 * (double)info->bytes), 100.0);
 }
 
+/* Prints the blocks of the file, if it has any. */
+static void print_blocks(const file_facts *facts) {
+    const char *before = "blocks: ";
+    for (size_t i = 0; i < BLOCK_TYPES; i++) {
+        if (facts->block_sizes[i] == 0)
+            continue;
+        printf("%s%s (%zu bytes)", before, block_names[i], facts->block_sizes[i]);
+        before = ", ";
+    }
+    if (*before == ',')
+        putchar('\n');
+}
+
 static void print_text(const file_facts *facts) {
     const gscl_info *info = &facts->info;
     printf("%s: %u x %u %s, %u bits, format version %u\n", facts->name, info->width, info->height,
@@ -77,6 +100,7 @@ static void print_text(const file_facts *facts) {
     if (info->shape_words || info->colour_words)
         printf(", code words: %u shapes, %u colours", info->shape_words, info->colour_words);
     putchar('\n');
+    print_blocks(facts);
     print_effects(facts);
     print_streams(info);
 }
@@ -110,6 +134,19 @@ static void write_effects(json_writer *json, const file_facts *facts) {
     json_close_array(json);
 }
 
+static void write_blocks(json_writer *json, const file_facts *facts) {
+    json_open_array(json, "blocks");
+    for (size_t i = 0; i < BLOCK_TYPES; i++) {
+        if (facts->block_sizes[i] == 0)
+            continue;
+        json_open_object(json, NULL);
+        json_string(json, "name", block_names[i]);
+        json_integer(json, "bytes", facts->block_sizes[i]);
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
 static void write_json(const file_facts *facts) {
     const gscl_info *info = &facts->info;
     json_writer json;
@@ -131,13 +168,14 @@ static void write_json(const file_facts *facts) {
     json_real(&json, "bpp", bits_per_pixel(info->bytes, info->width, info->height));
     json_integer(&json, "pixels", info->pixels);
     json_integer(&json, "work", info->work);
+    write_blocks(&json, facts);
     write_streams(&json, info);
     json_close_object(&json);
 }
 
 /* Measures the gains of the effects against the image that was encoded.  Returns the exit code. */
 static int inspect_against(file_facts *facts, const char *reference, const uint8_t *bytes, size_t size,
-                           const device_choice *device) {
+                           const gscl_read_settings *reading, const device_choice *device) {
     gscl_image image = {0};
     gscl_context *context = NULL;
     int status = EXIT_FAILURE;
@@ -150,7 +188,7 @@ static int inspect_against(file_facts *facts, const char *reference, const uint8
                      channels_name(facts->info.channels));
     else if ((status = open_device(device, &context)) == EXIT_SUCCESS) {
         const gscl_result result =
-            gscl_inspect_effects(context, bytes, size, NULL, &image, facts->uses, &facts->use_count);
+            gscl_inspect_effects(context, bytes, size, reading, &image, facts->uses, &facts->use_count);
         if (result != GSCL_OK)
             status = report_result(context, facts->name, result);
     }
@@ -159,18 +197,31 @@ static int inspect_against(file_facts *facts, const char *reference, const uint8
     return status;
 }
 
-static int inspect(const char *input, const char *reference, const device_choice *device, bool as_json) {
+static gscl_result find_blocks(file_facts *facts, const uint8_t *bytes, size_t size) {
+    gscl_result result = GSCL_OK;
+    for (size_t i = 0; i < BLOCK_TYPES && result == GSCL_OK; i++) {
+        const void *content;
+        result = gscl_find_block(bytes, size, (gscl_block_type)i, &content, &facts->block_sizes[i]);
+    }
+    return result;
+}
+
+static int inspect(const char *input, const char *reference, const gscl_form *form, const device_choice *device,
+                   bool as_json) {
     file_facts facts = {.name = input_label(input), .info = {.struct_size = sizeof facts.info}};
+    const gscl_read_settings reading = read_settings_of(form);
     uint8_t *bytes;
     size_t size;
-    if (!read_file(input, MAX_GSCL_FILE, &bytes, &size))
+    if (!read_gscl_file(input, form, &bytes, &size))
         return EXIT_FAILURE;
-    gscl_result result = gscl_inspect(bytes, size, NULL, &facts.info);
+    gscl_result result = gscl_inspect(bytes, size, &reading, &facts.info);
+    if (result == GSCL_OK && !form->bare)
+        result = find_blocks(&facts, bytes, size);
     if (result == GSCL_OK && !reference)
-        result = gscl_inspect_effects(NULL, bytes, size, NULL, NULL, facts.uses, &facts.use_count);
+        result = gscl_inspect_effects(NULL, bytes, size, &reading, NULL, facts.uses, &facts.use_count);
     int status = result == GSCL_OK ? EXIT_SUCCESS : report_result(NULL, facts.name, result);
     if (status == EXIT_SUCCESS && reference)
-        status = inspect_against(&facts, reference, bytes, size, device);
+        status = inspect_against(&facts, reference, bytes, size, &reading, device);
     free(bytes);
     if (status != EXIT_SUCCESS)
         return status;
@@ -184,6 +235,7 @@ static int inspect(const char *input, const char *reference, const device_choice
 int command_info(int argc, char **argv) {
     bool as_json = false;
     const char *reference = NULL;
+    gscl_form form = {.bare = false};
     device_choice device = {0};
     const option_spec options[] = {
         {.name = "reference",
@@ -191,13 +243,15 @@ int command_info(int argc, char **argv) {
          .value = &reference,
          .argument = "IMAGE",
          .help = "the image that was encoded; adds the loss in PSNR of the same splats without each effect"},
+        GSCL_FORM_OPTIONS(form),
         DEVICE_OPTIONS(device),
         {.name = "json", .kind = OPTION_FLAG, .value = &as_json, .help = "write JSON; null stands for unknown figures"},
     };
     const option_command command = {
         .name = "info",
         .usage = "IN.gscl [--reference IMAGE] [--json]",
-        .about = "Checks a gscl file and shows its header, its effects with the bits that the same splats save without "
+        .about = "Checks a gscl file and shows its header, its blocks, its effects with the bits that the same splats "
+                 "save without "
                  "each,\n"
                  "and the bits of each stream.",
         .options = options,
@@ -209,5 +263,5 @@ int command_info(int argc, char **argv) {
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
-    return inspect(argv[first], reference, &device, as_json);
+    return inspect(argv[first], reference, &form, &device, as_json);
 }

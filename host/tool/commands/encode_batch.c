@@ -1,9 +1,11 @@
 #include "commands/encode_batch.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "cli/base64.h"
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/json.h"
@@ -113,6 +115,10 @@ static void free_input(encode_job *job) {
     image_metadata_free(&job->metadata);
 }
 
+static bool open_output(const batch_state *state, encode_job *job, const char *name) {
+    return state->batch->base64 ? output_open_text(&job->output, name) : output_open(&job->output, name);
+}
+
 /* Reads an image and starts its encode.  A failure is reported and left in job->status. */
 static void start_job(batch_state *state, encode_job *job, const char *input, const char *output_name) {
     job->input = input;
@@ -124,10 +130,25 @@ static void start_job(batch_state *state, encode_job *job, const char *input, co
         job->status = open_device(&state->batch->choice, &job->context);
         state->stop = job->status != EXIT_SUCCESS;
     }
-    if (job->context && (!output_open(&job->output, output_name) || !start_thread(state, job)))
+    if (job->context && (!open_output(state, job, output_name) || !start_thread(state, job)))
         job->status = EXIT_FAILURE;
     if (!job->started)
         free_input(job);
+}
+
+/* Writes the file, as bytes or as text. */
+static void write_file(batch_state *state, encode_job *job) {
+    if (!state->batch->base64) {
+        output_write(&job->output, job->bytes, job->size);
+        return;
+    }
+    size_t length = 0;
+    char *line = base64_line(job->bytes, job->size, &length);
+    if (line)
+        output_write(&job->output, line, length);
+    else
+        job->output.error = ENOMEM;
+    free(line);
 }
 
 /* Writes the result of the thread.  Returns the exit code. */
@@ -136,7 +157,7 @@ static int write_output(batch_state *state, encode_job *job) {
         output_discard(&job->output);
         return report_result(job->context, input_label(job->input), job->result);
     }
-    output_write(&job->output, job->bytes, job->size);
+    write_file(state, job);
     gscl_free(job->bytes);
     if (!output_commit(&job->output))
         return EXIT_FAILURE;
@@ -188,7 +209,9 @@ static int encode_files(batch_state *state, char *const *names) {
 
 int encode_batch_run(const encode_batch *batch) {
     batch_state state = {.batch = batch};
-    char **names = output_names_make(batch->inputs, batch->count, batch->output, batch->out_dir);
+    const char *output = batch->base64 && !batch->output && !batch->out_dir ? "-" : batch->output;
+    char **names =
+        output_names_make(batch->inputs, batch->count, output, batch->out_dir, batch->base64 ? ".b64" : ".gscl");
     if (!names) {
         report_error(batch->inputs[0], "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
         return EXIT_FAILURE;

@@ -11,11 +11,12 @@
 typedef struct encode_batch {
     char *const *inputs;
     int count;
-    const char *output;            /* for a single input; NULL: the name of the input with .gscl */
+    const char *output;            /* for a single input; NULL: the name of the input with .gscl or .b64 */
     const char *out_dir;           /* folder of those names; NULL: beside the input */
     gscl_encode_settings settings; /* without the progress callback */
     device_choice choice;
     bool json, quiet;
+    bool base64; /* each file is written as a line of text; without `output` and `out_dir` on standard output */
 } encode_batch;
 
 /* Encodes all inputs, and continues after a failed one.  Returns the exit code of the program. */
