@@ -131,7 +131,7 @@
 
 /* Quantiser settings (floats) of scalar coding, in the units of the parameters. */
 #define GSCL_STEP_SCALE 0    /* step of ln sigma */
-#define GSCL_STEP_POSITION 1 /* step of x and y, in minor axes */
+#define GSCL_STEP_POSITION 1 /* side of a cell of positions, in major axes */
 #define GSCL_STEP_ANGLE 2    /* angle step is this / (aspect - 1/aspect) */
 #define GSCL_STEP_LUMA 3
 #define GSCL_STEP_CHROMA 4
@@ -174,7 +174,7 @@
 #define GSCL_BOOK_SHAPE_DIMS 3 /* ln s1, ln s2, theta; words of colours have the channels and an opacity logit */
 
 /* A splat's codes in scalar coding (gscl_codes). */
-#define GSCL_CODE_MINOR 0
+#define GSCL_CODE_MAJOR 0
 #define GSCL_CODE_ASPECT 1
 #define GSCL_CODE_ANGLE 2
 #define GSCL_CODE_X 3

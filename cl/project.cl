@@ -175,6 +175,21 @@ inline void colour_from_ycocg(vfloat y, vfloat co, vfloat cg, vfloat *restrict c
 }
 #endif
 
+inline vfloat cell_centre(vfloat x, vfloat step) { return (floor(x / step) + 0.5f) * step; }
+
+/* Rounds the centre to cells that are divided into `parts` across the major axis, which has the angle `theta`.
+ * Rounding along the other axis of the image moves the centre along the major axis. */
+inline void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat theta) {
+    vfloat c = ROTATION ? cos(theta) : (vfloat)(1.0f), n = ROTATION ? sin(theta) : (vfloat)(0.0f);
+    vint steep = fabs(n) > fabs(c);
+    vfloat along = steep ? s->y : s->x, across = steep ? s->x : s->y;
+    vfloat slope = parts > 1.0f ? (steep ? c / n : n / c) : (vfloat)(0.0f);
+    vfloat rounded = cell_centre(along, cell);
+    across = cell_centre(across + (rounded - along) * slope, cell / parts);
+    s->x = steep ? across : rounded;
+    s->y = steep ? rounded : across;
+}
+
 /* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit draws
  * splats as the quantiser leaves them, so that it compensates for the rounding.  steps[GSCL_STEP_SCALE] = 0: none. */
 inline splat splat_quantise(splat s, __global const float *restrict steps) {
@@ -185,16 +200,18 @@ inline splat splat_quantise(splat s, __global const float *restrict steps) {
     }
     splat_set_axes(&s, fmax(rint((s.log_s1 + M_LN2_F) / scale), (vfloat)(0.0f)) * scale - M_LN2_F,
                    fmax(rint((s.log_s2 + M_LN2_F) / scale), (vfloat)(0.0f)) * scale - M_LN2_F);
-    vfloat position = fmax(steps[GSCL_STEP_POSITION] * fmin(s.s1, s.s2), (vfloat)(1.0f / 32.0f));
-    s.x = (floor(s.x / position) + 0.5f) * position;
-    s.y = (floor(s.y / position) + 0.5f) * position;
-#if ROTATION
+    vfloat cell = fmax(steps[GSCL_STEP_POSITION] * fmax(s.s1, s.s2), (vfloat)(1.0f / 32.0f));
     vfloat aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
+#if ROTATION
     vfloat angles =
         clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), (vfloat)(1.0f), (vfloat)(512.0f));
     vfloat turn = s.log_s1 < s.log_s2 ? (vfloat)(M_PI_2_F) : (vfloat)(0.0f); /* codes count from the major axis */
-    s.theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles - turn;
+    vfloat major_theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles;
+    s.theta = major_theta - turn;
+#else
+    vfloat major_theta = (vfloat)(0.0f);
 #endif
+    splat_quantise_centre(&s, cell, rint(aspect), major_theta);
     float luma = steps[GSCL_STEP_LUMA];
 #if COLOURS == 3
     float chroma = steps[GSCL_STEP_CHROMA];

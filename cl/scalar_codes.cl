@@ -18,18 +18,58 @@ inline void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restri
 #endif
 }
 
-inline splat codes_splat(const gscl_codes *c, __global const gscl_minor_entry *minors,
+/* The cells in which the centre of one splat lies (gsf_splat_grid in format/quantiser.h). */
+typedef struct {
+    int2 parts, cells;
+    float2 step; /* pixels */
+} splat_grid;
+
+inline float codes_theta(const gscl_codes *c, __global const gscl_aspect_entry *aspects) {
+    return ROTATION ? (float)c->code[GSCL_CODE_ANGLE] * M_PI_F / (float)aspects[c->code[GSCL_CODE_ASPECT]].angles
+                    : 0.0f;
+}
+
+inline splat_grid codes_grid(const gscl_codes *c, __global const gscl_major_entry *majors,
+                             __global const gscl_aspect_entry *aspects) {
+    __global const gscl_major_entry *m = majors + c->code[GSCL_CODE_MAJOR];
+    __global const gscl_aspect_entry *a = aspects + c->code[GSCL_CODE_ASPECT];
+    int angle4 = 4 * c->code[GSCL_CODE_ANGLE];
+    bool steep = ROTATION && angle4 > a->angles && angle4 < 3 * a->angles;
+    splat_grid g;
+    g.parts = steep ? (int2)(a->parts, 1) : (int2)(1, a->parts);
+    g.cells = (int2)(m->cells_x * g.parts.x, m->cells_y * g.parts.y);
+    g.step = (float2)(m->step / (float)g.parts.x, m->step / (float)g.parts.y);
+    return g;
+}
+
+inline float2 codes_centre(const gscl_codes *c, const splat_grid *g) {
+    return (float2)(((float)c->code[GSCL_CODE_X] + 0.5f) * g->step.x, ((float)c->code[GSCL_CODE_Y] + 0.5f) * g->step.y);
+}
+
+/* Quantises a centre.  Rounding to a cell of the class moves it along the major axis. */
+inline void codes_set_centre(gscl_codes *c, float2 at, const splat_grid *g, float theta) {
+    if (g->parts.x > 1) {
+        int y = clamp((int)(at.y / g->step.y), 0, g->cells.y - 1);
+        at.x += (((float)y + 0.5f) * g->step.y - at.y) * cos(theta) / sin(theta);
+    } else if (g->parts.y > 1) {
+        int x = clamp((int)(at.x / g->step.x), 0, g->cells.x - 1);
+        at.y += (((float)x + 0.5f) * g->step.x - at.x) * sin(theta) / cos(theta);
+    }
+    c->code[GSCL_CODE_X] = clamp((int)(at.x / g->step.x), 0, g->cells.x - 1);
+    c->code[GSCL_CODE_Y] = clamp((int)(at.y / g->step.y), 0, g->cells.y - 1);
+}
+
+inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
                          __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     splat s;
-    __global const gscl_minor_entry *m = minors + c->code[GSCL_CODE_MINOR];
-    s.x = ((float)c->code[GSCL_CODE_X] + 0.5f) * m->step;
-    s.y = ((float)c->code[GSCL_CODE_Y] + 0.5f) * m->step;
-    splat_set_axes(&s,
-                   fmin((float)(c->code[GSCL_CODE_MINOR] + c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
-                        GSCL_LOG_LARGEST_AXIS),
-                   fmin((float)c->code[GSCL_CODE_MINOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS));
-    s.theta =
-        ROTATION ? (float)c->code[GSCL_CODE_ANGLE] * M_PI_F / (float)aspects[c->code[GSCL_CODE_ASPECT]].angles : 0.0f;
+    splat_grid g = codes_grid(c, majors, aspects);
+    float2 centre = codes_centre(c, &g);
+    s.x = centre.x;
+    s.y = centre.y;
+    splat_set_axes(&s, fmin((float)c->code[GSCL_CODE_MAJOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS),
+                   fmin((float)(c->code[GSCL_CODE_MAJOR] - c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
+                        GSCL_LOG_LARGEST_AXIS));
+    s.theta = codes_theta(c, aspects);
     s.opacity = OPACITY ? ((float)c->code[GSCL_CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
     codes_colour(c, t, s.colour);
 #if TEXTURE

@@ -112,11 +112,25 @@ inline float colour_descend(const quadratic *q, gscl_codes *c, __global const fl
 #define MOVE_Y 11
 #define MOVE_OPACITY 13
 
+/* One step along x or y.  Across the cells of the class it goes along the major axis, else to the next part of a cell.
+ * False when it leaves the image. */
+inline bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, float theta) {
+    int *moved = &c->code[along_x ? GSCL_CODE_X : GSCL_CODE_Y];
+    int *other = &c->code[along_x ? GSCL_CODE_Y : GSCL_CODE_X];
+    int parts = along_x ? g->parts.y : g->parts.x, other_cells = along_x ? g->cells.y : g->cells.x;
+    *moved += step;
+    if (parts > 1) {
+        float slope = along_x ? sin(theta) / cos(theta) : cos(theta) / sin(theta);
+        *other += (int)rint((float)(step * parts) * slope);
+    }
+    return *moved >= 0 && *moved < (along_x ? g->cells.x : g->cells.y) && *other >= 0 && *other < other_cells;
+}
+
 /* Makes a move; false when it leaves the code's range.  When an axis changes, position and angle are quantised again
  * with their new steps. */
-inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry *minors,
+inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
                        __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
-    const int minor_step[MOVES] = {0, 1, -1, 0, 0, 1, -1};
+    const int major_step[MOVES] = {0, 1, -1, 1, -1, 0, 0};
     const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
     if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
@@ -124,30 +138,29 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_minor_entry 
         c->code[GSCL_CODE_OPACITY] += move == MOVE_OPACITY ? 1 : -1;
         return OPACITY && c->code[GSCL_CODE_OPACITY] >= 0 && (float)c->code[GSCL_CODE_OPACITY] < t.opacity_levels;
     }
-    __global const gscl_minor_entry *m = minors + c->code[GSCL_CODE_MINOR];
-    float x = ((float)c->code[GSCL_CODE_X] + 0.5f) * m->step, y = ((float)c->code[GSCL_CODE_Y] + 0.5f) * m->step;
+    splat_grid g = codes_grid(c, majors, aspects);
+    if (move == MOVE_X || move == MOVE_X + 1 || move == MOVE_Y || move == MOVE_Y + 1) {
+        bool along_x = move == MOVE_X || move == MOVE_X + 1;
+        return centre_move(c, along_x, move == (along_x ? MOVE_X : MOVE_Y) ? 1 : -1, &g, codes_theta(c, aspects));
+    }
+    if (move == 0) return true;
+    float2 centre = codes_centre(c, &g);
     int angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
     float turn = (float)c->code[GSCL_CODE_ANGLE] / (float)angles;
-    c->code[GSCL_CODE_MINOR] += minor_step[move];
+    c->code[GSCL_CODE_MAJOR] += major_step[move];
     c->code[GSCL_CODE_ASPECT] += aspect_step[move];
-    if (c->code[GSCL_CODE_MINOR] < 0 || c->code[GSCL_CODE_ASPECT] < 0 ||
-        c->code[GSCL_CODE_MINOR] + c->code[GSCL_CODE_ASPECT] > GSCL_MAX_SCALE)
+    if (c->code[GSCL_CODE_MAJOR] < 0 || c->code[GSCL_CODE_ASPECT] < 0 || c->code[GSCL_CODE_MAJOR] > GSCL_MAX_SCALE ||
+        c->code[GSCL_CODE_ASPECT] > c->code[GSCL_CODE_MAJOR])
         return false;
-    m = minors + c->code[GSCL_CODE_MINOR];
-    if (minor_step[move] != 0) {
-        c->code[GSCL_CODE_X] = clamp((int)(x / m->step), 0, m->cells_x - 1);
-        c->code[GSCL_CODE_Y] = clamp((int)(y / m->step), 0, m->cells_y - 1);
-    }
     angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
     if (aspect_step[move] != 0) c->code[GSCL_CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
     if (move == MOVE_ANGLE || move == MOVE_ANGLE + 1) {
         if (angles < 2) return false;
         c->code[GSCL_CODE_ANGLE] = (c->code[GSCL_CODE_ANGLE] + (move == MOVE_ANGLE ? 1 : angles - 1)) % angles;
     }
-    if (move == MOVE_X || move == MOVE_X + 1) c->code[GSCL_CODE_X] += move == MOVE_X ? 1 : -1;
-    if (move == MOVE_Y || move == MOVE_Y + 1) c->code[GSCL_CODE_Y] += move == MOVE_Y ? 1 : -1;
-    return c->code[GSCL_CODE_X] >= 0 && c->code[GSCL_CODE_X] < m->cells_x && c->code[GSCL_CODE_Y] >= 0 &&
-           c->code[GSCL_CODE_Y] < m->cells_y;
+    g = codes_grid(c, majors, aspects);
+    codes_set_centre(c, centre, &g, codes_theta(c, aspects));
+    return true;
 }
 
 /* Whether the outline stays within the pixels of the task. */
@@ -162,7 +175,7 @@ __kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_task *restr
     int task = (int)get_global_id(0);
     if (task >= pass.count) return;
     gscl_codes now = all[tasks[pass.start + task].splat];
-    splat s = codes_splat(&now, tables->minors, tables->aspects, pass.settings);
+    splat s = codes_splat(&now, tables->majors, tables->aspects, pass.settings);
     projected_splat a = splat_project(s, pass.view);
     rendering_change(&a, -1.0f, rendering, weights, pass.width, pass.height, (ulong)pass.width * (ulong)pass.height);
 }
@@ -179,9 +192,9 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *res
     gscl_move_outcome outcome = {MAXFLOAT, {0, 0, 0, 0}};
     __global const float *bits = tables->bits;
     float other_bits = wave_bits(&now, bits);
-    bool possible = codes_move(&now, move, tables->minors, tables->aspects, pass.settings);
+    bool possible = codes_move(&now, move, tables->majors, tables->aspects, pass.settings);
     if (possible) {
-        splat s = codes_splat(&now, tables->minors, tables->aspects, pass.settings);
+        splat s = codes_splat(&now, tables->majors, tables->aspects, pass.settings);
         projected_splat a = splat_project(s, pass.view);
         if (move == 0 || task_contains(own, &a)) {
             quadratic q = error_of_colour(&a, rendering, weights, target, pass.width, pass.height,
@@ -189,15 +202,16 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *res
             outcome.cost = colour_descend(&q, &now, bits, pass.settings);
             if (OPACITY) other_bits += bits[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
             outcome.cost += pass.settings.lambda *
-                            (pass.bits_per_splat + other_bits + tables->minors[now.code[GSCL_CODE_MINOR]].bits +
-                             tables->aspects[now.code[GSCL_CODE_ASPECT]].bits);
+                            (pass.bits_per_splat + other_bits + tables->majors[now.code[GSCL_CODE_MAJOR]].bits +
+                             tables->aspects[now.code[GSCL_CODE_ASPECT]].bits +
+                             tables->shape_bits[now.code[GSCL_CODE_MAJOR]][now.code[GSCL_CODE_ASPECT]]);
             for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[GSCL_CODE_LUMA + k];
         }
     }
     outcomes[(size_t)task * MOVES + move] = outcome;
 }
 
-/* Third kernel for a group: adds the splats with their best codes to the rendering.  The minor code of a splat that is
+/* Third kernel for a group: adds the splats with their best codes to the rendering.  The major code of a splat that is
  * not worth its bits becomes -1. */
 __kernel void rdo_commit(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                          __global gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
@@ -216,17 +230,17 @@ __kernel void rdo_commit(gscl_rdo_pass pass, __global const gscl_rdo_task *restr
         }
     gscl_codes choice = all[i];
     if (best < 0) {
-        all[i].code[GSCL_CODE_MINOR] = -1;
+        all[i].code[GSCL_CODE_MAJOR] = -1;
         return;
     }
-    codes_move(&choice, best, tables->minors, tables->aspects, pass.settings);
+    codes_move(&choice, best, tables->majors, tables->aspects, pass.settings);
     for (int k = 0; k < 4; k++) choice.code[GSCL_CODE_LUMA + k] = outcomes[best].colour[k];
 #if TEXTURE
-    texture_choose(&choice, tables->minors, tables->aspects, tables->bits, pass.settings, pass.view, rendering, weights,
+    texture_choose(&choice, tables->majors, tables->aspects, tables->bits, pass.settings, pass.view, rendering, weights,
                    target, pass.width, pass.height, plane);
 #endif
     all[i] = choice;
-    splat s = codes_splat(&choice, tables->minors, tables->aspects, pass.settings);
+    splat s = codes_splat(&choice, tables->majors, tables->aspects, pass.settings);
     projected_splat a = splat_project(s, pass.view);
     rendering_change(&a, 1.0f, rendering, weights, pass.width, pass.height, plane);
 }

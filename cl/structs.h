@@ -91,24 +91,26 @@ typedef struct gscl_codes {
     cl_int code[GSCL_CODE_COUNT]; /* by GSCL_CODE_... */
 } gscl_codes;
 
-/* Meaning and cost of one code of the minor axis. */
-typedef struct gscl_minor_entry {
-    cl_float step;           /* of the position grid, pixels */
-    cl_int cells_x, cells_y; /* of the position grid */
-    cl_float bits;           /* of the code and of a position on the grid */
-} gscl_minor_entry;
+/* Meaning and cost of one code of the major axis. */
+typedef struct gscl_major_entry {
+    cl_float step;           /* side of a cell of positions, pixels */
+    cl_int cells_x, cells_y; /* of positions */
+    cl_float bits;           /* of the code and of a cell */
+} gscl_major_entry;
 
 /* Meaning and cost of one code of the aspect ratio. */
 typedef struct gscl_aspect_entry {
     cl_int angles; /* number of angle codes */
-    cl_float bits; /* of the code and of an angle */
+    cl_int parts;  /* of a cell of positions, across the major axis */
+    cl_float bits; /* of an angle and of a part */
 } gscl_aspect_entry;
 
 /* Meanings and costs of all codes. */
 typedef struct gscl_rdo_tables {
-    gscl_minor_entry minors[GSCL_MAX_SCALE + 1];
+    gscl_major_entry majors[GSCL_MAX_SCALE + 1];
     gscl_aspect_entry aspects[GSCL_MAX_SCALE + 1];
-    cl_float bits[GSCL_BITS_COUNT]; /* by GSCL_BITS_... */
+    cl_float shape_bits[GSCL_MAX_SCALE + 1][GSCL_MAX_SCALE + 1]; /* of an aspect code, by the major code and it */
+    cl_float bits[GSCL_BITS_COUNT];                              /* by GSCL_BITS_... */
 } gscl_rdo_tables;
 
 /* A splat that is changed in a pass. */

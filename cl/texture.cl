@@ -186,7 +186,7 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
 }
 
 /* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
-inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minors,
+inline void texture_choose(gscl_codes *c, __global const gscl_major_entry *majors,
                            __global const gscl_aspect_entry *aspects, __global const float *restrict tables,
                            gscl_rdo_settings t, gscl_view view, __global const float *restrict rendering,
                            __global const float *restrict weights, __global const float *restrict target, int width,
@@ -195,7 +195,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minor
     for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) choice.code[k] = 0;
     float best = t.lambda * tables[GSCL_BITS_PLAIN];
     bool textured = now.code[GSCL_CODE_AMPLITUDE] > 0;
-    splat s = codes_splat(&choice, minors, aspects, t);
+    splat s = codes_splat(&choice, majors, aspects, t);
     projected_splat plain = splat_project(s, view);
     int2 tried[6];
     int count = 0;
@@ -213,7 +213,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_minor_entry *minor
         other.code[GSCL_CODE_WAVE] = tried[i].x;
         other.code[GSCL_CODE_DIRECTION] = tried[i].y;
         other.code[GSCL_CODE_AMPLITUDE] = 1;
-        splat waved = codes_splat(&other, minors, aspects, t);
+        splat waved = codes_splat(&other, majors, aspects, t);
         projected_splat projected = splat_project(waved, view);
         float2 cycles =
             (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);

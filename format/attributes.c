@@ -1,35 +1,58 @@
 #include "format/attributes.h"
 
 #include "format/quantiser.h"
+#include "format/tables.h"
 
 /* These numbers are part of the format: FORMAT.md, "Adaptive models". */
-static const gsf_model_shape ASPECT = {2, 40, 4, {32, 24, 12}, 96};
-static const gsf_model_shape DIRECTION = {64, 0, 1, {16, 6, 0}, 256};
+static const gsf_model_shape WAVE_DIRECTION = {64, 0, 1, {16, 6, 0}, 256};
 static const gsf_model_shape LUMA = {8, 0, 1, {32, 20, 10}, 192};
 static const gsf_model_shape ALPHA = {4, 0, 1, {32, 8, 2}, 256};
 static const gsf_model_shape OPACITY = {16, 0, 1, {32, 8, 0}, 256};
-static const gsf_model_shape TEXTURED = {64, 0, 1, {24, 0, 0}, 1024};
-static const gsf_model_shape WAVE = {12, 0, 1, {24, 10, 0}, 192};
-static const gsf_model_shape AMPLITUDE = {2, 40, 2, {32, 12, 4}, 192};
-enum { ASPECT_CENTRE = 4 };
+const gsf_conditional_shape gsf_aspect_shape = {gsf_aspect_table,
+                                                GSF_ASPECT_ROWS,
+                                                GSF_ASPECT_COLUMNS,
+                                                false,
+                                                {4, 2, 1}};
+static const gsf_conditional_shape DIRECTION = {gsf_direction_table,
+                                                GSF_DIRECTION_ROWS,
+                                                GSF_DIRECTION_COLUMNS,
+                                                true,
+                                                {7, 1, 0}};
+static const gsf_conditional_shape TEXTURED = {gsf_textured_table, GSF_TEXTURED_ROWS, 2, false, {10, 0, 0}};
+static const gsf_conditional_shape AMPLITUDE = {gsf_amplitude_table, 1, GSF_AMPLITUDES, false, {5, 2, 1}};
+static const gsf_conditional_shape WAVE = {gsf_wave_table, 1, GSF_WAVES, false, {5, 2, 0}};
+enum { LAST_ASPECT = GSF_ASPECT_COLUMNS - 1 };
+
+/* Dark colours are more frequent than bright ones, and those outside 0..1 rare. */
+static void start_luma(gsf_model *model, int min, int levels) {
+    model->total = 0;
+    for (int i = 0; i < (int)model->count; i++) {
+        const int code = i + min;
+        model->freq[i] = (uint16_t)(code < 0 || code > levels ? 1 : 5 + 9 * (levels - code) / levels);
+        model->total += model->freq[i];
+    }
+}
 
 void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_steps *steps) {
     int min, max;
     a->header = *header;
     a->steps = *steps;
-    gsf_model_init(&a->aspect, &ASPECT, GSF_MAX_SCALE_CODE + 1, ASPECT_CENTRE);
-    gsf_model_init(&a->direction, &DIRECTION, GSF_DIRECTIONS, 0);
+    a->typical_size = gsf_typical_size(header, steps);
+    gsf_conditional_init(&a->aspect, &gsf_aspect_shape);
+    gsf_conditional_init(&a->direction, &DIRECTION);
+    gsf_conditional_init(&a->textured, &TEXTURED);
+    gsf_conditional_init(&a->amplitude, &AMPLITUDE);
+    gsf_conditional_init(&a->wave, &WAVE);
     gsf_luma_range(header->blend, steps->luma, &min, &max);
     a->luma_min = min;
     gsf_model_init(&a->luma, &LUMA, (uint32_t)(max - min + 1), 0);
+    if (header->blend != GSF_BLEND_SUM)
+        start_luma(&a->luma, min, (int)gsf_colour_levels(steps->luma));
     gsf_luma_range(header->blend, steps->alpha, &min, &max);
     a->alpha_min = min;
     gsf_model_init(&a->alpha, &ALPHA, (uint32_t)(max - min + 1), 0);
     gsf_model_init(&a->opacity, &OPACITY, steps->opacity + 1u, 0);
-    gsf_model_init(&a->textured, &TEXTURED, 2, 0);
-    gsf_model_init(&a->amplitude, &AMPLITUDE, GSF_AMPLITUDES, 0);
-    gsf_model_init(&a->wave, &WAVE, GSF_WAVES, 0);
-    gsf_model_init(&a->wave_direction, &DIRECTION, GSF_DIRECTIONS, 0);
+    gsf_model_init(&a->wave_direction, &WAVE_DIRECTION, GSF_DIRECTIONS, 0);
     gsf_chroma_range(steps->chroma, &min, &max);
     gsf_chroma_init(&a->chroma, max);
 }
@@ -54,38 +77,72 @@ static void update_direction(gsf_model *model, uint32_t bin) {
         gsf_model_add(model, 0, model->gain[1]);
 }
 
+/* The row of a conditional model for a splat's size relative to that of a typical splat. */
+static uint32_t size_row(unsigned major, unsigned typical, uint32_t below, uint32_t rows) {
+    const int32_t relative = (int32_t)major - (int32_t)typical + (int32_t)below;
+    return relative < 0 ? 0 : (uint32_t)relative < rows ? (uint32_t)relative : rows - 1;
+}
+
+uint32_t gsf_aspect_row(unsigned major, unsigned typical) {
+    return size_row(major, typical, GSF_ASPECT_BELOW, GSF_ASPECT_ROWS);
+}
+
+/* Aspects from LAST_ASPECT on share a symbol. */
+static uint16_t code_aspect(gsf_coder *coder, gsf_attributes *a, const gsf_splat *splat) {
+    const uint32_t row = gsf_aspect_row(splat->major, a->typical_size);
+    const uint32_t known = splat->aspect < LAST_ASPECT ? splat->aspect : LAST_ASPECT;
+    const uint32_t symbol = gsf_code_conditional(coder, known, &a->aspect, row);
+    if (symbol < LAST_ASPECT)
+        return (uint16_t)symbol;
+    return (uint16_t)(symbol + gsf_code_uniform(coder, splat->aspect - symbol, GSF_MAX_SCALE_CODE + 1 - LAST_ASPECT));
+}
+
 /* Codes the bin, in proportion to its frequency and its number of codes, then the code within the bin. */
-static uint32_t code_angle(gsf_coder *coder, gsf_model *model, uint32_t count, uint32_t code) {
+static uint32_t code_angle(gsf_coder *coder, gsf_conditional *model, uint32_t row, uint32_t count, uint32_t code) {
     const uint32_t per_bin = (count + GSF_DIRECTIONS - 1) / GSF_DIRECTIONS;
     uint16_t freq[GSF_DIRECTIONS];
     uint32_t total = 0;
     for (uint32_t i = 0; i < GSF_DIRECTIONS; i++) {
         const uint32_t codes = first_in_bin(i + 1, count) - first_in_bin(i, count);
-        freq[i] = codes == 0 ? 0 : (uint16_t)(1 + model->freq[i] * codes / per_bin);
+        freq[i] = codes == 0 ? 0 : (uint16_t)(1 + model->freq[row][i] * codes / per_bin);
         total += freq[i];
     }
     const uint32_t bin = gsf_code_symbol(coder, bin_of(code, count), freq, GSF_DIRECTIONS, total);
     const uint32_t first = first_in_bin(bin, count);
     const uint32_t codes = first_in_bin(bin + 1, count) - first;
     const uint32_t offset = gsf_code_uniform(coder, (code - first + count) % count, codes);
-    update_direction(model, bin);
+    gsf_conditional_update(model, row, bin);
     return (first + offset + count) % count;
+}
+
+/* Codes the part of the cell across the major axis.  Before, a decoder has the cell of the class in x and y. */
+static void code_part(gsf_coder *coder, const gsf_attributes *a, gsf_splat *splat) {
+    const gsf_splat_grid grid = gsf_splat_grid_of(&a->header, &a->steps, splat);
+    uint32_t *place = grid.parts_x > 1 ? &splat->x : &splat->y;
+    const uint32_t parts = grid.parts_x > 1 ? grid.parts_x : grid.parts_y;
+    const uint32_t cell = coder->decoding ? *place : *place / parts;
+    *place = cell * parts + gsf_code_uniform(coder, coder->decoding ? 0 : *place % parts, parts);
+}
+
+static uint32_t direction_row(uint32_t aspect) {
+    return aspect / 2 < GSF_DIRECTION_ROWS ? aspect / 2 : GSF_DIRECTION_ROWS - 1;
 }
 
 static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     coder->stream = GSF_STREAM_SCALE;
     if (a->header.has_anisotropy)
-        splat->aspect = (uint16_t)gsf_code_with_model(coder, splat->aspect, &a->aspect);
+        splat->aspect = code_aspect(coder, a, splat);
     coder->stream = GSF_STREAM_ANGLE;
     const unsigned angles = a->header.has_rotation ? gsf_angle_count(&a->steps, splat->aspect) : 1;
     if (angles > 1)
-        splat->angle = (uint16_t)code_angle(coder, &a->direction, angles, splat->angle);
+        splat->angle = (uint16_t)code_angle(coder, &a->direction, direction_row(splat->aspect), angles, splat->angle);
+    coder->stream = GSF_STREAM_POSITION;
+    code_part(coder, a, splat);
 }
 
 /* The bucket of the splat's centre along one axis, 0..GSF_PYRAMID_SIDE - 1. */
-static uint32_t bucket_at(const gsf_attributes *a, const gsf_splat *splat, uint32_t cell, uint32_t dimension) {
-    const uint64_t step = gsf_position_step_q8(&a->steps, splat->minor);
-    const uint64_t index = (2 * (uint64_t)cell + 1) * step * GSF_PYRAMID_SIDE / (512 * (uint64_t)dimension);
+static uint32_t bucket_at(uint32_t step, uint32_t cell, uint32_t parts, uint32_t dimension) {
+    const uint64_t index = (2 * (uint64_t)cell + 1) * step * GSF_PYRAMID_SIDE / (512 * (uint64_t)dimension * parts);
     return index < GSF_PYRAMID_SIDE ? (uint32_t)index : GSF_PYRAMID_SIDE - 1;
 }
 
@@ -95,21 +152,24 @@ static int16_t code_from(gsf_coder *coder, gsf_model *model, int min, int16_t co
 }
 
 static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
-    const uint32_t bucket_x = bucket_at(a, splat, splat->x, a->header.width);
-    const uint32_t bucket_y = bucket_at(a, splat, splat->y, a->header.height);
+    const gsf_splat_grid grid = gsf_splat_grid_of(&a->header, &a->steps, splat);
+    const uint32_t bucket_x = bucket_at(grid.step, splat->x, grid.parts_x, a->header.width);
+    const uint32_t bucket_y = bucket_at(grid.step, splat->y, grid.parts_y, a->header.height);
     int16_t code[2] = {splat->co, splat->cg};
     gsf_code_chroma(coder, &a->chroma, bucket_x, bucket_y, code);
     splat->co = code[0];
     splat->cg = code[1];
 }
 
-static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_texture *t) {
-    if (!gsf_code_with_model(coder, t->amplitude > 0, &a->textured)) {
+static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
+    gsf_texture *t = &splat->texture;
+    const uint32_t row = size_row(splat->major, a->typical_size, 2 * GSF_TEXTURED_BELOW, 2 * GSF_TEXTURED_ROWS) / 2;
+    if (!gsf_code_conditional(coder, t->amplitude > 0, &a->textured, row)) {
         *t = (gsf_texture){0};
         return;
     }
-    t->amplitude = (uint8_t)(1 + gsf_code_with_model(coder, t->amplitude - 1u, &a->amplitude));
-    t->wave = (uint8_t)gsf_code_with_model(coder, t->wave, &a->wave);
+    t->amplitude = (uint8_t)(1 + gsf_code_conditional(coder, t->amplitude - 1u, &a->amplitude, 0));
+    t->wave = (uint8_t)gsf_code_conditional(coder, t->wave, &a->wave, 0);
     gsf_model *directions = &a->wave_direction;
     t->direction = (uint8_t)gsf_code_symbol(coder, t->direction, directions->freq, GSF_DIRECTIONS, directions->total);
     update_direction(directions, t->direction);
@@ -132,5 +192,5 @@ void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat
         splat->opacity = (uint16_t)gsf_code_with_model(coder, splat->opacity, &a->opacity);
     coder->stream = GSF_STREAM_TEXTURE;
     if (a->header.has_texture)
-        code_texture(coder, a, &splat->texture);
+        code_texture(coder, a, splat);
 }

@@ -4,21 +4,28 @@
 
 #include "format/chroma.h"
 #include "format/coder.h"
+#include "format/conditional.h"
 #include "format/model.h"
 #include "format/types.h"
 
 typedef struct gsf_attributes {
     gsf_header header;
     gsf_steps steps;
+    unsigned typical_size; /* gsf_typical_size */
     int luma_min, alpha_min;
-    gsf_model aspect, direction, luma, alpha, opacity;
-    gsf_model textured, amplitude, wave, wave_direction;
+    gsf_model luma, alpha, opacity, wave_direction;
+    gsf_conditional aspect, direction, textured, amplitude, wave;
     gsf_chroma chroma;
 } gsf_attributes;
 
+/* The conditional model of the aspect. */
+extern const gsf_conditional_shape gsf_aspect_shape;
+/* Its row for a major code; `typical` is gsf_typical_size. */
+uint32_t gsf_aspect_row(unsigned major, unsigned typical);
+
 void gsf_attributes_init(gsf_attributes *attributes, const gsf_header *header, const gsf_steps *steps);
 
-/* Codes one splat.  Splats must come in stored order, with minor, x and y in place.  Fields whose effect is off are not
+/* Codes one splat.  Splats must come in stored order, with major axis and cell of the class in place.  Fields whose effect is off are not
  * changed. */
 void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat *splat);
 

@@ -13,8 +13,8 @@ static uint32_t whole_pixels(uint64_t q16) {
 static void splat_axes(const gsf_coded_image *image, uint32_t splat, uint64_t axes[2]) {
     if (image->header.coding == GSF_CODING_SCALAR) {
         const gsf_splat *s = &image->splats[splat];
-        axes[0] = whole_pixels(gsf_sigma_q16(&image->steps, (unsigned)s->minor + s->aspect));
-        axes[1] = whole_pixels(gsf_sigma_q16(&image->steps, s->minor));
+        axes[0] = whole_pixels(gsf_sigma_q16(&image->steps, s->major));
+        axes[1] = whole_pixels(gsf_sigma_q16(&image->steps, (unsigned)s->major - s->aspect));
     } else {
         axes[0] = gsf_shape_sigma(&image->codebooks, image->indexed[splat].shape, 0);
         axes[1] = gsf_shape_sigma(&image->codebooks, image->indexed[splat].shape, 1);
@@ -51,11 +51,11 @@ static bool steps_are_valid(const gsf_steps *steps) {
 static bool shape_is_valid(const gsf_coded_image *image, const gsf_splat *splat) {
     const gsf_header *header = &image->header;
     const gsf_steps *steps = &image->steps;
-    if (splat->minor > GSF_MAX_SCALE_CODE || (header->has_anisotropy && splat->aspect > GSF_MAX_SCALE_CODE))
+    if (splat->major > GSF_MAX_SCALE_CODE || (header->has_anisotropy && splat->aspect > splat->major) ||
+        (header->has_rotation && splat->angle >= gsf_angle_count(steps, splat->aspect)))
         return false;
-    return splat->x < gsf_position_cells(steps, splat->minor, header->width) &&
-           splat->y < gsf_position_cells(steps, splat->minor, header->height) &&
-           (!header->has_rotation || splat->angle < gsf_angle_count(steps, splat->aspect));
+    const gsf_splat_grid grid = gsf_splat_grid_of(header, steps, splat);
+    return splat->x < grid.cells_x && splat->y < grid.cells_y;
 }
 
 static bool texture_is_valid(const gsf_texture *texture) {

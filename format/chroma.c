@@ -9,12 +9,14 @@
 #define MIN_WEIGHT 2048u    /* of either model, of MIX_ONE */
 #define START_WEIGHT 40000u /* of the plain model, of MIX_ONE */
 #define MEAN_DIVISOR 3      /* a new splat contributes a third to the mean of its bucket */
-static const gsf_model_shape PLAIN = {1, 80, 2, {64, 6, 0}, 192};
-static const gsf_model_shape RESIDUAL = {1, 100, 2, {64, 14, 3}, 128};
+#define START_CO_CO 2048    /* keeps the first slopes of Cg against Co small */
+static const gsf_model_shape PLAIN = {1, 150, 1, {150, 6, 0}, 600};
+static const gsf_model_shape RESIDUAL = {1, 150, 1, {150, 14, 2}, 400};
 
 void gsf_chroma_init(gsf_chroma *chroma, int32_t levels) {
     memset(chroma, 0, sizeof *chroma);
     chroma->levels = levels;
+    chroma->co_co = START_CO_CO;
     for (int i = 0; i < 2; i++) {
         gsf_model_init(&chroma->channel[i].plain, &PLAIN, 2 * (uint32_t)levels + 1, levels);
         gsf_model_init(&chroma->channel[i].residual, &RESIDUAL, 4 * (uint32_t)levels + 1, 2 * levels);
@@ -43,6 +45,11 @@ static int32_t finest_filled(const gsf_chroma *chroma, uint32_t bucket_x, uint32
 static int32_t rounded(int32_t sixteenths) {
     const int32_t positive = 1024; /* makes the division round down */
     return (sixteenths + 8 + 16 * positive) / 16 - positive;
+}
+
+static int32_t rounded_in_range(const gsf_chroma *chroma, int64_t sixteenths) {
+    const int64_t max = 16 * (int64_t)chroma->levels;
+    return rounded((int32_t)(sixteenths < -max ? -max : sixteenths > max ? max : sixteenths));
 }
 
 static void update_pyramid(gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y, const int16_t code[2]) {
@@ -107,9 +114,13 @@ static int16_t code_channel(gsf_coder *coder, gsf_chroma_channel *channel, int32
 
 void gsf_code_chroma(gsf_coder *coder, gsf_chroma *chroma, uint32_t bucket_x, uint32_t bucket_y, int16_t code[2]) {
     const int32_t index = finest_filled(chroma, bucket_x, bucket_y);
-    for (int i = 0; i < 2; i++) {
-        const int32_t predicted = index < 0 ? 0 : rounded(chroma->channel[i].mean[index]);
-        code[i] = code_channel(coder, &chroma->channel[i], chroma->levels, predicted, code[i]);
-    }
+    const int32_t co_mean = index < 0 ? 0 : chroma->channel[0].mean[index];
+    const int32_t cg_mean = index < 0 ? 0 : chroma->channel[1].mean[index];
+    code[0] = code_channel(coder, &chroma->channel[0], chroma->levels, rounded(co_mean), code[0]);
+    const int64_t co_difference = 16 * code[0] - co_mean;
+    const int32_t predicted = rounded_in_range(chroma, cg_mean + chroma->co_cg * co_difference / chroma->co_co);
+    code[1] = code_channel(coder, &chroma->channel[1], chroma->levels, predicted, code[1]);
+    chroma->co_co += co_difference * co_difference;
+    chroma->co_cg += co_difference * (16 * code[1] - cg_mean);
     update_pyramid(chroma, bucket_x, bucket_y, code);
 }

@@ -21,6 +21,7 @@ typedef struct gsf_chroma_channel {
 typedef struct gsf_chroma {
     int32_t levels; /* codes are -levels..levels */
     gsf_chroma_channel channel[2];
+    int64_t co_co, co_cg;             /* sums of products of the differences of codes from the means nearby, in 1/256 */
     bool filled[GSF_PYRAMID_BUCKETS]; /* the bucket has a mean */
 } gsf_chroma;
 

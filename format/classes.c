@@ -7,7 +7,7 @@ uint32_t gsf_class_count(const gsf_coded_image *image) {
 }
 
 uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat) {
-    return image->header.coding == GSF_CODING_SCALAR ? (uint32_t)GSF_MAX_SCALE_CODE - image->splats[splat].minor
+    return image->header.coding == GSF_CODING_SCALAR ? (uint32_t)GSF_MAX_SCALE_CODE - image->splats[splat].major
                                                      : image->indexed[splat].shape;
 }
 
@@ -17,8 +17,16 @@ gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
         const uint32_t cells = UINT32_C(1) << image->codebooks.position_bits;
         return (gsf_grid){cells, cells, header->width, header->height};
     }
-    const unsigned minor = GSF_MAX_SCALE_CODE - class_no;
-    const uint32_t step = gsf_position_step_q8(&image->steps, minor);
-    return (gsf_grid){gsf_position_cells(&image->steps, minor, header->width),
-                      gsf_position_cells(&image->steps, minor, header->height), step, step};
+    const unsigned major = GSF_MAX_SCALE_CODE - class_no;
+    const uint32_t step = gsf_position_step_q8(&image->steps, major);
+    return (gsf_grid){gsf_position_cells(&image->steps, major, header->width),
+                      gsf_position_cells(&image->steps, major, header->height), step, step};
+}
+
+gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat) {
+    if (image->header.coding == GSF_CODING_CODEBOOK)
+        return (gsf_point){image->indexed[splat].x, image->indexed[splat].y};
+    const gsf_splat *s = &image->splats[splat];
+    const gsf_splat_grid grid = gsf_splat_grid_of(&image->header, &image->steps, s);
+    return (gsf_point){s->x / grid.parts_x, s->y / grid.parts_y};
 }

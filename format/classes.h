@@ -10,5 +10,7 @@
 uint32_t gsf_class_count(const gsf_coded_image *image);
 uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat);
 gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no);
+/* The cell of its class's grid in which a splat lies. */
+gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat);
 
 #endif

@@ -91,7 +91,9 @@ bool gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gs
 static void code_sorted(gsf_coder *coder, gsf_point *points, uint32_t n, unsigned bits) {
     const gsf_grid line = {UINT32_C(1) << bits, 1, 1, 1};
     gsf_prior none;
-    gsf_code_points(coder, points, &n, &line, 1, &none);
+    gsf_set set;
+    gsf_set_init(&set, points, &n, &line, &none);
+    gsf_code_class_points(coder, &set, 0, 0);
 }
 
 static void code_shape_words(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books, gsf_point *points) {

@@ -10,6 +10,8 @@
  *     coder         one coder for both directions, which counts the bits of each stream
  *     header        the start of a picture: kind, size, number of splats, steps, background
  *     model         adaptive symbol frequencies
+ *     conditional   adaptive symbol frequencies under a condition
+ *     tables        the trained tables that those start from
  *     count_split   beta-binomial coding of a count that is split in two
  *     set           splats as a set: class counts and positions
  *     chroma        the two colour differences

@@ -28,10 +28,8 @@ static uint64_t path_to(const gsf_grid *grid, uint32_t x, uint32_t y) {
 static uint64_t key_of(const gsf_coded_image *image, uint32_t splat) {
     const uint32_t class_no = gsf_class_of(image, splat);
     const gsf_grid grid = gsf_class_grid(image, class_no);
-    const uint64_t path = image->header.coding == GSF_CODING_SCALAR
-                              ? path_to(&grid, image->splats[splat].x, image->splats[splat].y)
-                              : path_to(&grid, image->indexed[splat].x, image->indexed[splat].y);
-    return (uint64_t)class_no << PATH_BITS | path;
+    const gsf_point point = gsf_class_point(image, splat);
+    return (uint64_t)class_no << PATH_BITS | path_to(&grid, point.x, point.y);
 }
 
 static int compare(int a, int b) {
@@ -42,6 +40,7 @@ static int compare(int a, int b) {
 static int compare_codes(const gsf_splat *a, const gsf_splat *b) {
     const gsf_texture *s = &a->texture, *t = &b->texture;
     const int order[] = {compare(a->aspect, b->aspect),   compare(a->angle, b->angle),
+                         compare((int)a->x, (int)b->x),   compare((int)a->y, (int)b->y),
                          compare(a->luma, b->luma),       compare(a->co, b->co),
                          compare(a->cg, b->cg),           compare(a->alpha, b->alpha),
                          compare(a->opacity, b->opacity), compare(s->amplitude, t->amplitude),

@@ -2,6 +2,9 @@
 
 #include "format/check.h"
 #include "format/codebooks.h"
+#include "format/count_split.h"
+#include "format/quantiser.h"
+#include "format/tables.h"
 
 static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
 
@@ -11,56 +14,79 @@ static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
         w->counts[i] = 0;
     for (uint32_t i = 0; i < image->header.splat_count; i++) {
         w->counts[gsf_class_of(image, i)]++;
-        w->points[i] = image->header.coding == GSF_CODING_SCALAR
-                           ? (gsf_point){image->splats[i].x, image->splats[i].y}
-                           : (gsf_point){image->indexed[i].x, image->indexed[i].y};
+        w->points[i] = gsf_class_point(image, i);
     }
 }
 
 static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_no, gsf_point at) {
     if (image->header.coding == GSF_CODING_SCALAR)
-        image->splats[splat] = (gsf_splat){.minor = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
+        image->splats[splat] = (gsf_splat){.major = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
     else
         image->indexed[splat] =
             (gsf_indexed_splat){.shape = (uint16_t)class_no, .x = (uint16_t)at.x, .y = (uint16_t)at.y};
 }
 
-/* Sets class and cell of the splats from the decoded lists (reader). */
-static void place_splats(gsf_coded_image *image, const gsf_workspace *w) {
-    uint32_t splat = 0;
-    for (uint32_t i = 0; i < gsf_class_count(image); i++)
-        for (uint32_t n = w->counts[i]; n > 0; n--, splat++)
-            place_splat(image, splat, i, w->points[splat]);
+/* Codes the number of splats in a class of scalar coding; `left` splats are in this class and those after it. */
+static uint32_t code_class_count(gsf_coder *coder, uint32_t count, uint32_t left, uint32_t class_no, uint32_t typical) {
+    const int32_t relative = (int32_t)(GSF_MAX_SCALE_CODE - class_no) - (int32_t)typical + GSF_CLASS_BELOW;
+    const uint32_t row = relative < 0 ? 0 : relative < GSF_CLASS_ROWS ? (uint32_t)relative : GSF_CLASS_ROWS - 1;
+    if (left == 0 || class_no == GSF_MAX_SCALE_CODE)
+        return left;
+    return gsf_code_count_split(coder, count, left, gsf_class_weight_table[row][0], gsf_class_weight_table[row][1]);
 }
 
-/* Codes classes and positions. */
-static void code_positions(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+static void code_class_counts(gsf_coder *coder, const gsf_coded_image *image, gsf_workspace *w) {
     const uint32_t classes = gsf_class_count(image);
-    const bool scalar = image->header.coding == GSF_CODING_SCALAR;
+    uint32_t left = image->header.splat_count;
+    if (image->header.coding == GSF_CODING_CODEBOOK) {
+        coder->stream = GSF_STREAM_SHAPE_INDEX;
+        gsf_code_class_counts(coder, w->counts, classes, left);
+        return;
+    }
+    const uint32_t typical = gsf_typical_size(&image->header, &image->steps);
+    coder->stream = GSF_STREAM_SCALE;
+    for (uint32_t i = 0; i < classes; i++) {
+        w->counts[i] = code_class_count(coder, w->counts[i], left, i, typical);
+        left -= w->counts[i];
+    }
+}
+
+static void code_indexed(gsf_coder *coder, gsf_workspace *w, gsf_indexed_splat *splat) {
+    coder->stream = GSF_STREAM_COLOUR_INDEX;
+    splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->colour_index);
+}
+
+/* Codes the positions of the splats of a class, then all else of each of them. */
+static void code_class(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w, uint32_t class_no, uint32_t first) {
+    const uint32_t end = first + w->counts[class_no];
+    coder->stream = GSF_STREAM_POSITION;
+    gsf_code_class_points(coder, &w->set, class_no, first);
+    for (uint32_t i = first; i < end && !gsf_coder_overrun(coder); i++) {
+        if (coder->decoding)
+            place_splat(image, i, class_no, w->points[i]);
+        if (image->header.coding == GSF_CODING_SCALAR)
+            gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
+        else
+            code_indexed(coder, w, &image->indexed[i]);
+    }
+}
+
+static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+    const uint32_t classes = gsf_class_count(image);
+    uint32_t first = 0;
     if (!coder->decoding)
         list_splats(image, w);
-    coder->stream = scalar ? GSF_STREAM_SCALE : GSF_STREAM_SHAPE_INDEX;
-    gsf_code_class_counts(coder, w->counts, classes, image->header.splat_count);
     for (uint32_t i = 0; i < classes; i++)
         w->grids[i] = gsf_class_grid(image, i);
-    coder->stream = GSF_STREAM_POSITION;
-    gsf_code_points(coder, w->points, w->counts, w->grids, classes, w->priors);
-    if (coder->decoding && !gsf_coder_overrun(coder))
-        place_splats(image, w);
-}
-
-static void code_scalar(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
-    gsf_attributes_init(&w->attributes, &image->header, &image->steps);
-    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_overrun(coder); i++)
-        gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
-}
-
-static void code_indexed(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
-    coder->stream = GSF_STREAM_COLOUR_INDEX;
-    gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
-    for (uint32_t i = 0; i < image->header.splat_count && !gsf_coder_overrun(coder); i++) {
-        gsf_indexed_splat *splat = &image->indexed[i];
-        splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->colour_index);
+    gsf_set_init(&w->set, w->points, w->counts, w->grids, w->priors);
+    if (image->header.coding == GSF_CODING_SCALAR)
+        gsf_attributes_init(&w->attributes, &image->header, &image->steps);
+    else
+        gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
+    code_class_counts(coder, image, w);
+    for (uint32_t i = 0; i < classes && !gsf_coder_overrun(coder); i++) {
+        code_class(coder, image, w, i, first);
+        first += w->counts[i];
     }
 }
 
@@ -80,12 +106,6 @@ bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w
         return true;
     if (image->header.coding == GSF_CODING_CODEBOOK && !code_codebooks(coder, image, workspace))
         return false;
-    code_positions(coder, image, workspace);
-    if (gsf_coder_overrun(coder))
-        return false;
-    if (image->header.coding == GSF_CODING_SCALAR)
-        code_scalar(coder, image, workspace);
-    else
-        code_indexed(coder, image, workspace);
+    code_splats(coder, image, workspace);
     return !gsf_coder_overrun(coder) && gsf_work_is_bounded(image);
 }

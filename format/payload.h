@@ -13,6 +13,7 @@
 typedef struct gsf_workspace {
     uint32_t counts[GSF_MAX_CLASSES]; /* splats, by class */
     gsf_grid grids[GSF_MAX_CLASSES];
+    gsf_set set;
     gsf_attributes attributes;
     gsf_model colour_index;
     gsf_point *points; /* one for every splat, at least GSF_MAX_CODEBOOK */

@@ -21,14 +21,45 @@ uint32_t gsf_octaves_to_pixels(unsigned octaves32) {
     return (uint32_t)((q28 + (1u << 28) - 1) >> 28);
 }
 
-uint32_t gsf_position_step_q8(const gsf_steps *steps, unsigned minor) {
-    const uint64_t step = gsf_sigma_q16(steps, minor) * (steps->position + 2u) >> 13;
+uint32_t gsf_position_step_q8(const gsf_steps *steps, unsigned major) {
+    const uint64_t step = gsf_sigma_q16(steps, major) * (steps->position + 2u) >> 13;
     return step < 8 ? 8 : (uint32_t)step;
 }
 
-uint32_t gsf_position_cells(const gsf_steps *steps, unsigned minor, uint32_t dimension) {
-    const uint32_t step = gsf_position_step_q8(steps, minor);
+uint32_t gsf_position_cells(const gsf_steps *steps, unsigned major, uint32_t dimension) {
+    const uint32_t step = gsf_position_step_q8(steps, major);
     return (dimension * 256u + step - 1) / step;
+}
+
+uint32_t gsf_position_parts(const gsf_steps *steps, unsigned aspect) {
+    const unsigned exponent = aspect * (steps->scale + 4u);
+    if (exponent >= 16 * 32)
+        return 65536;
+    return (uint32_t)((((uint64_t)POWER[exponent % 32] << (exponent / 32)) + (1u << 23)) >> 24);
+}
+
+unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps) {
+    const uint64_t area = (uint64_t)header->width * header->height << 16; /* of the image, in 1/256 pixel squared */
+    for (unsigned code = 0; code < GSF_MAX_SCALE_CODE; code++) {
+        const uint64_t sigma = gsf_sigma_q16(steps, code) >> 8;
+        if (sigma * sigma * header->splat_count >= area) /* below 2^64: the area is below 2^44, a step below 2^4 */
+            return code;
+    }
+    return GSF_MAX_SCALE_CODE;
+}
+
+bool gsf_angle_is_steep(unsigned angle, unsigned angle_count) {
+    return 4 * angle > angle_count && 4 * angle < 3 * angle_count;
+}
+
+gsf_splat_grid gsf_splat_grid_of(const gsf_header *header, const gsf_steps *steps, const gsf_splat *splat) {
+    const uint32_t parts = header->has_anisotropy ? gsf_position_parts(steps, splat->aspect) : 1;
+    const bool steep = header->has_rotation && gsf_angle_is_steep(splat->angle, gsf_angle_count(steps, splat->aspect));
+    gsf_splat_grid grid = {
+        .step = gsf_position_step_q8(steps, splat->major), .parts_x = steep ? parts : 1, .parts_y = steep ? 1 : parts};
+    grid.cells_x = grid.parts_x * ((header->width * 256u + grid.step - 1) / grid.step);
+    grid.cells_y = grid.parts_y * ((header->height * 256u + grid.step - 1) / grid.step);
+    return grid;
 }
 
 unsigned gsf_angle_count(const gsf_steps *steps, unsigned aspect) {

@@ -8,13 +8,32 @@
 /* Axis length (sigma) in 1/65536 pixel: 2^(code * (steps->scale + 4) / 32 - 1) pixels, from an
  * integer table; at most 2^15 pixels (larger codes saturate). */
 uint64_t gsf_sigma_q16(const gsf_steps *steps, unsigned code);
-/* Position step of a splat in 1/256 pixel: sigma_minor * (steps->position + 2) / 32, at least 8. */
-uint32_t gsf_position_step_q8(const gsf_steps *steps, unsigned minor);
-/* Number of cells of that step that cover `dimension` pixels, rounded up.  Position = (cell + 0.5) * step. */
-uint32_t gsf_position_cells(const gsf_steps *steps, unsigned minor, uint32_t dimension);
+/* Side of the square cells of a class, in 1/256 pixel: sigma_major * (steps->position + 2) / 32, at least 8. */
+uint32_t gsf_position_step_q8(const gsf_steps *steps, unsigned major);
+/* Number of cells of that side that cover `dimension` pixels, rounded up. */
+uint32_t gsf_position_cells(const gsf_steps *steps, unsigned major, uint32_t dimension);
+/* Number of parts into which a cell is divided across the major axis: 2^(aspect * (steps->scale + 4) / 32), rounded; at
+ * most 65536. */
+uint32_t gsf_position_parts(const gsf_steps *steps, unsigned aspect);
 /* Number of angles in half a turn for an aspect code: ceil(pi / QT * (a - 1/a)) clamped to 1..GSF_MAX_ANGLES with
  * a = 2^(aspect * (steps->scale + 4) / 32), QT = (steps->angle + 2) / 16.  theta = code * pi / count. */
 unsigned gsf_angle_count(const gsf_steps *steps, unsigned aspect);
+/* The major code of a typical splat: the smallest with which as many circles of that sigma have, as squares, the area of
+ * the image.  0..GSF_MAX_SCALE_CODE. */
+unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps);
+/* Whether the major axis of an angle code is closer to the vertical than to the horizontal.  A tie is horizontal. */
+bool gsf_angle_is_steep(unsigned angle, unsigned angle_count);
+
+/* The cells in which the centre of one splat lies: those of its class, divided across its major axis.  The centre of
+ * cell (x, y) is ((x + 1/2) step / parts_x, (y + 1/2) step / parts_y) in 1/256 pixel. */
+typedef struct gsf_splat_grid {
+    uint32_t step;
+    uint32_t parts_x, parts_y; /* of a cell of the class; at least one of them is 1 */
+    uint32_t cells_x, cells_y; /* of the splat: those of the class times the parts */
+} gsf_splat_grid;
+
+gsf_splat_grid gsf_splat_grid_of(const gsf_header *header, const gsf_steps *steps, const gsf_splat *splat);
+
 /* Codes per unit of value: luma, chroma and alpha = code / levels.  Levels by index:
  * 4 6 8 11 16 20 24 28 32 40 48 64 96 128 192 255. */
 unsigned gsf_colour_levels(unsigned step_index);

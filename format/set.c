@@ -1,12 +1,9 @@
 #include "format/set.h"
 
-#include "format/count_split.h"
-
 /* These weights are part of the format: FORMAT.md, "Set coding".  Splats cluster over an image, but not within a few of
  * their own widths, where the weights of a split follow the areas alone. */
 enum {
     CLASS_WEIGHT = 2 * GSF_WEIGHT_UNIT,  /* for every class */
-    WIDE = 128,                          /* cells: a rectangle longer than that is wide */
     WIDE_WEIGHT = 3 * GSF_WEIGHT_UNIT,   /* divided between the halves of a wide rectangle by area */
     PRIOR_WEIGHT = GSF_WEIGHT_UNIT / 4,  /* added to a half of a wide rectangle for each prior splat in it */
     NARROW_WEIGHT = 16 * GSF_WEIGHT_UNIT /* divided between the halves of any other rectangle by area */
@@ -87,7 +84,7 @@ typedef struct node {
 } node;
 
 static bool is_wide(gsf_rect rect) {
-    return rect.width > WIDE || rect.height > WIDE;
+    return rect.width > GSF_MAX_NARROW || rect.height > GSF_MAX_NARROW;
 }
 
 /* Nodes on the stack: a grid has at most 2^19 x 2^19 cells, and each of 38 splits leaves one half pending. */
@@ -231,24 +228,23 @@ static void code_class(gsf_coder *coder, const class_task *t) {
     }
 }
 
-static void fill_narrow_splits(gsf_single_split narrow[WIDE + 1]) {
-    for (uint32_t length = 2; length <= WIDE; length++) {
+void gsf_set_init(gsf_set *set, gsf_point *points, const uint32_t *counts, const gsf_grid *grids, gsf_prior *priors) {
+    set->points = points;
+    set->counts = counts;
+    set->grids = grids;
+    set->priors = priors;
+    for (uint32_t length = 2; length <= GSF_MAX_NARROW; length++) {
         uint32_t weight[2];
         narrow_weights(length, weight);
-        narrow[length] = gsf_single_split_of(weight[0], weight[1]);
+        set->narrow[length] = gsf_single_split_of(weight[0], weight[1]);
     }
 }
 
-void gsf_code_points(gsf_coder *coder, gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
-                     uint32_t classes, gsf_prior *priors) {
-    gsf_single_split narrow[WIDE + 1];
-    fill_narrow_splits(narrow);
-    for (uint32_t i = 0; i < classes; i++) {
-        if (counts[i] == 0)
-            continue;
-        const uint32_t prior_n = collect_priors(points, counts, grids, i, priors);
-        const class_task t = {&grids[i], points, counts[i], priors, prior_n, narrow};
-        code_class(coder, &t);
-        points += counts[i];
-    }
+void gsf_code_class_points(gsf_coder *coder, const gsf_set *set, uint32_t class_no, uint32_t first) {
+    if (set->counts[class_no] == 0)
+        return;
+    gsf_point *points = set->points + first;
+    const uint32_t prior_n = collect_priors(points, set->counts, set->grids, class_no, set->priors);
+    const class_task t = {&set->grids[class_no], points, set->counts[class_no], set->priors, prior_n, set->narrow};
+    code_class(coder, &t);
 }

@@ -4,6 +4,7 @@
 #define GSCL_FORMAT_SET_H
 
 #include "format/coder.h"
+#include "format/count_split.h"
 
 /* The cells of the splats of one class.  Cell (i, j) has its centre at
  * ((2 i + 1) pitch_x, (2 j + 1) pitch_y), in a unit of length common to all classes. */
@@ -38,12 +39,24 @@ typedef struct gsf_prior {
 
 #define GSF_MAX_PRIORS 4096u /* bounds the work */
 
+#define GSF_MAX_NARROW 128u /* cells: a rectangle that is longer is wide */
+
+/* Splats that are coded class by class. */
+typedef struct gsf_set {
+    gsf_point *points;                           /* of all classes in turn */
+    const uint32_t *counts;                      /* of each class */
+    const gsf_grid *grids;                       /* of each class */
+    gsf_prior *priors;                           /* memory for as many as there are points, at most GSF_MAX_PRIORS */
+    gsf_single_split narrow[GSF_MAX_NARROW + 1]; /* splits of one point, by the length of the side that is cut */
+} gsf_set;
+
 /* Codes counts[0..classes), which add up to n > 0; 1 <= classes <= 1024. */
 void gsf_code_class_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, uint32_t n);
 
-/* Codes the cells of all points, class by class; the points of a class are in the traversal order of the splits.
- * `priors` is memory for as many as there are points, at most GSF_MAX_PRIORS. */
-void gsf_code_points(gsf_coder *coder, gsf_point *points, const uint32_t *counts, const gsf_grid *grids,
-                     uint32_t classes, gsf_prior *priors);
+/* Sets up the lists, which stay the caller's. */
+void gsf_set_init(gsf_set *set, gsf_point *points, const uint32_t *counts, const gsf_grid *grids, gsf_prior *priors);
+/* Codes the cells of the points of one class, which begin at points[first].  They are in the traversal order of the
+ * splits.  The points and counts of the classes before must be in place, and the class's own count and grid. */
+void gsf_code_class_points(gsf_coder *coder, const gsf_set *set, uint32_t class_no, uint32_t first);
 
 #endif

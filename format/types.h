@@ -69,11 +69,11 @@ typedef struct gsf_texture {
 
 /* One splat in scalar coding. */
 typedef struct gsf_splat {
-    uint16_t minor;              /* minor-axis code, 0..63: sigma = 2^(minor * scale_step / 32 - 1) pixels */
-    uint16_t aspect;             /* major-axis code minus minor-axis code, 0..63 */
+    uint16_t major;              /* code of the major axis, 0..63: sigma = 2^(major * scale_step / 32 - 1) pixels */
+    uint16_t aspect;             /* code of the major axis less that of the minor axis, 0..major */
     uint16_t angle;              /* 0..gsf_angle_count(steps, aspect) - 1, of half a turn */
     uint16_t opacity;            /* 0..opacity levels - 1 */
-    uint32_t x, y;               /* cell of the splat's own position grid */
+    uint32_t x, y;               /* cell of the splat's own grid, see gsf_splat_grid */
     int16_t luma, co, cg, alpha; /* colour codes */
     gsf_texture texture;
 } gsf_splat;

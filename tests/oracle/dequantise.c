@@ -15,8 +15,8 @@ static uint64_t sigma_of(const gsf_steps *steps, uint32_t code) {
     return e >= 512 ? (uint64_t)1 << 31 : (T[e % 32] << (e / 32)) >> 9;
 }
 
-static double position_step(const gsf_steps *steps, uint32_t minor) {
-    const uint64_t step = sigma_of(steps, minor) * (steps->position + 2u) >> 13;
+static double position_step(const gsf_steps *steps, uint32_t major) {
+    const uint64_t step = sigma_of(steps, major) * (steps->position + 2u) >> 13;
     return step > 8 ? (double)step : 8.0;
 }
 
@@ -28,6 +28,11 @@ static double angle_count(const gsf_steps *steps, uint32_t aspect) {
     const uint64_t product = (a - inverse) * 52707179, divisor = (uint64_t)(steps->angle + 2u) << 44;
     const uint64_t count = product / divisor + (product % divisor != 0);
     return count < 1 ? 1 : count > 512 ? 512 : (double)count;
+}
+
+static double part_count(const gsf_steps *steps, uint32_t aspect) {
+    const uint32_t e = aspect * (steps->scale + 4u);
+    return e >= 512 ? 65536 : (double)(((T[e % 32] << (e / 32)) + (1 << 23)) >> 24);
 }
 
 static double levels_of(uint32_t step) {
@@ -61,12 +66,14 @@ static void scalar_colour(const gsf_coded_image *coded, const gsf_splat *codes, 
 
 static oracle_splat scalar_splat(const gsf_coded_image *coded, const gsf_splat *codes) {
     const gsf_steps *steps = &coded->steps;
-    const double step = position_step(steps, codes->minor);
+    const double step = position_step(steps, codes->major), parts = part_count(steps, codes->aspect);
+    const double quarter_turns = 4.0 * codes->angle / angle_count(steps, codes->aspect); /* quarters of half a turn */
+    const bool steep = coded->header.has_rotation && quarter_turns > 1.0 && quarter_turns < 3.0;
     oracle_splat splat = {
-        .x = (codes->x + 0.5) * step / 256.0,
-        .y = (codes->y + 0.5) * step / 256.0,
-        .s1 = axis_length(steps, (uint32_t)codes->minor + codes->aspect),
-        .s2 = axis_length(steps, codes->minor),
+        .x = (codes->x + 0.5) * step / (256.0 * (steep ? parts : 1.0)),
+        .y = (codes->y + 0.5) * step / (256.0 * (steep ? 1.0 : parts)),
+        .s1 = axis_length(steps, codes->major),
+        .s2 = axis_length(steps, (uint32_t)codes->major - codes->aspect),
         .theta = codes->angle * pi / angle_count(steps, codes->aspect),
         .opacity = coded->header.has_opacity ? (codes->opacity + 1.0) / (steps->opacity + 1.0) : 1.0,
     };

@@ -105,23 +105,25 @@ void synthetic_colour(const gsf_coded_image *image, gsf_splat *splat) {
 }
 
 void synthetic_splat(const gsf_coded_image *image, gsf_splat *splat, unsigned minor, unsigned aspect) {
-    splat->minor = (uint16_t)minor;
-    splat->aspect = (uint16_t)aspect;
-    splat->angle = image->header.has_rotation ? (uint16_t)synthetic_random(gsf_angle_count(&image->steps, aspect)) : 0;
-    splat->x = synthetic_random(gsf_position_cells(&image->steps, minor, image->header.width));
-    splat->y = synthetic_random(gsf_position_cells(&image->steps, minor, image->header.height));
+    splat->major = (uint16_t)(minor + aspect < GSF_MAX_SCALE_CODE ? minor + aspect : GSF_MAX_SCALE_CODE);
+    splat->aspect = (uint16_t)(splat->major - minor);
+    splat->angle =
+        image->header.has_rotation ? (uint16_t)synthetic_random(gsf_angle_count(&image->steps, splat->aspect)) : 0;
+    const gsf_splat_grid grid = gsf_splat_grid_of(&image->header, &image->steps, splat);
+    splat->x = synthetic_random(grid.cells_x);
+    splat->y = synthetic_random(grid.cells_y);
     synthetic_colour(image, splat);
 }
 
-static uint32_t cell_at(const gsf_coded_image *image, unsigned minor, double place, uint32_t dimension) {
-    const uint32_t cells = gsf_position_cells(&image->steps, minor, dimension);
-    const double cell = floor(place * 256.0 / gsf_position_step_q8(&image->steps, minor));
+static uint32_t cell_at(double place, double step, uint32_t cells) {
+    const double cell = floor(place * 256.0 / step);
     return cell < 0.0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
 }
 
 void synthetic_place_splat(const gsf_coded_image *image, gsf_splat *splat, double x, double y) {
-    splat->x = cell_at(image, splat->minor, x, image->header.width);
-    splat->y = cell_at(image, splat->minor, y, image->header.height);
+    const gsf_splat_grid grid = gsf_splat_grid_of(&image->header, &image->steps, splat);
+    splat->x = cell_at(x, (double)grid.step / grid.parts_x, grid.cells_x);
+    splat->y = cell_at(y, (double)grid.step / grid.parts_y, grid.cells_y);
 }
 
 static int descending(const void *a, const void *b) {

@@ -85,11 +85,12 @@ static void fill_splat(const gsf_coded_image *image, gsf_splat *splat) {
     const gsf_header *h = &image->header;
     const gsf_steps *steps = &image->steps;
     int min, max;
-    splat->minor = (uint16_t)pick(pick(2) ? 64 : 12);
-    splat->x = pick(gsf_position_cells(steps, splat->minor, h->width));
-    splat->y = pick(gsf_position_cells(steps, splat->minor, h->height));
-    splat->aspect = h->has_anisotropy ? (uint16_t)pick(pick(2) ? 64 : 8) : 0;
+    splat->major = (uint16_t)pick(pick(2) ? 64 : 12);
+    splat->aspect = h->has_anisotropy ? (uint16_t)pick(splat->major + 1u) : 0;
     splat->angle = h->has_rotation ? (uint16_t)pick(gsf_angle_count(steps, splat->aspect)) : 0;
+    const gsf_splat_grid grid = gsf_splat_grid_of(h, steps, splat);
+    splat->x = pick(grid.cells_x);
+    splat->y = pick(grid.cells_y);
     gsf_luma_range(h->blend, steps->luma, &min, &max);
     splat->luma = pick_between(min, max);
     gsf_luma_range(h->blend, steps->alpha, &min, &max);
@@ -289,8 +290,8 @@ static void test_many_splats(void **unused) {
     f.image.steps = (gsf_steps){.scale = 8, .position = 10, .angle = 6, .luma = 8, .chroma = 4};
     for (uint32_t i = 0; i < header.splat_count; i++) {
         fill_splat(&f.image, &f.image.splats[i]);
-        f.image.splats[i].minor = (uint16_t)pick(3);
-        f.image.splats[i].aspect %= 3;
+        f.image.splats[i].major = (uint16_t)pick(3);
+        f.image.splats[i].aspect %= f.image.splats[i].major + 1;
         f.image.splats[i].angle = 0;
         f.image.splats[i].x %= 512;
         f.image.splats[i].y = 0;
@@ -309,10 +310,10 @@ static void test_all_in_one_cell(void **unused) {
     f.image.steps = (gsf_steps){.luma = 15, .chroma = 15};
     for (uint32_t i = 0; i < header.splat_count; i++) {
         fill_splat(&f.image, &f.image.splats[i]);
-        f.image.splats[i].minor = 3;
+        f.image.splats[i].major = 3;
         f.image.splats[i].x = 100;
         f.image.splats[i].y = 99;
-        f.image.splats[i].aspect %= 8;
+        f.image.splats[i].aspect %= 4;
         f.image.splats[i].angle = 0;
     }
     check_round_trip(&f);
@@ -331,7 +332,7 @@ static void test_largest_codes(void **unused) {
     f.image.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
     memset(f.image.background, 0xFF, sizeof f.image.background);
     for (int i = 0; i < 2; i++)
-        f.image.splats[i] = (gsf_splat){.minor = 63,
+        f.image.splats[i] = (gsf_splat){.major = 63,
                                         .aspect = 63,
                                         .angle = 511,
                                         .opacity = 15,
@@ -439,7 +440,7 @@ static void test_writer_refuses_scalar(void **unused) {
     REFUSES(header.has_anisotropy = false);
     REFUSES(background[2] = 256);
     REFUSES(steps.scale = 16);
-    REFUSES(splats[1].minor = 64);
+    REFUSES(splats[1].major = 64);
     REFUSES(splats[1].aspect = 64);
     REFUSES(splats[1].angle = 512);
     REFUSES(splats[1].x = 1u << 30);
@@ -484,7 +485,7 @@ static void test_work_is_limited(void **unused) {
     header.has_rotation = false;
     create(&f, &header);
     for (uint32_t i = 0; i < header.splat_count; i++)
-        f.image.splats[i] = (gsf_splat){.minor = 63, .aspect = 20};
+        f.image.splats[i] = (gsf_splat){.major = 63, .aspect = 20};
     f.image.steps.scale = 8;
     check_invalid(&f);
 }

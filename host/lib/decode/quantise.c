@@ -94,23 +94,36 @@ static void quantise_colour(const gsf_coded_image *p, const float *colour, gsf_s
     }
 }
 
-static uint32_t quantise_position(const gsf_coded_image *p, unsigned minor, float x, uint32_t dimension) {
-    double cell = floor(x * 256.0 / gsf_position_step_q8(&p->steps, minor));
-    uint32_t cells = gsf_position_cells(&p->steps, minor, dimension);
+static uint32_t nearest_cell(double x, double step, uint32_t cells) {
+    double cell = floor(x / step);
     return cell <= 0 ? 0 : cell >= cells ? cells - 1 : (uint32_t)cell;
 }
 
-/* Position and angle codes of a splat whose axes' codes have been set. */
-static void quantise_placement(const gsf_coded_image *p, const float *params, gsf_splat *s) {
-    s->x = quantise_position(p, s->minor, params[GSCL_X], p->header.width);
-    s->y = quantise_position(p, s->minor, params[GSCL_Y], p->header.height);
-    s->angle = 0;
-    if (!p->header.has_rotation)
-        return;
+/* Position codes of a splat whose other geometry has been coded.  The cells are long along the major axis and follow
+ * one axis of the image, so that rounding along that axis moves the centre along the major axis. */
+static void quantise_position(const gsf_coded_image *p, const float *params, gsf_splat *s) {
+    const gsf_splat_grid grid = gsf_splat_grid_of(&p->header, &p->steps, s);
+    const double step_x = grid.step / 256.0 / grid.parts_x, step_y = grid.step / 256.0 / grid.parts_y;
+    const double theta = p->header.has_rotation ? s->angle * pi / gsf_angle_count(&p->steps, s->aspect) : 0;
+    double x = params[GSCL_X], y = params[GSCL_Y];
+    if (grid.parts_x > 1) {
+        s->y = nearest_cell(y, step_y, grid.cells_y);
+        x += ((s->y + 0.5) * step_y - y) / tan(theta);
+        s->x = nearest_cell(x, step_x, grid.cells_x);
+    } else {
+        s->x = nearest_cell(x, step_x, grid.cells_x);
+        if (grid.parts_y > 1)
+            y += ((s->x + 0.5) * step_x - x) * tan(theta);
+        s->y = nearest_cell(y, step_y, grid.cells_y);
+    }
+}
+
+/* Angle code of a splat whose axes' codes have been set. */
+static uint16_t quantise_angle(const gsf_coded_image *p, const float *params, const gsf_splat *s) {
     int count = (int)gsf_angle_count(&p->steps, s->aspect);
     double turn = params[GSCL_LOG_S1] < params[GSCL_LOG_S2] ? pi / 2 : 0; /* codes count from the major axis */
     double code = fmod(rint((params[GSCL_THETA] + turn) * count / pi), count);
-    s->angle = (uint16_t)(code < 0 ? code + count : code);
+    return (uint16_t)(code < 0 ? code + count : code);
 }
 
 static void quantise_texture(const gsf_coded_image *p, const float *params, gsf_texture *t) {
@@ -133,9 +146,10 @@ void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) 
     int b = nearest_code((params[GSCL_LOG_S2] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
     if (!p->header.has_anisotropy)
         a = b = nearest_code(((params[GSCL_LOG_S1] + params[GSCL_LOG_S2]) / 2 + ln2) / step, 0, GSF_MAX_SCALE_CODE);
-    s->minor = (uint16_t)(a < b ? a : b);
+    s->major = (uint16_t)(a < b ? b : a);
     s->aspect = (uint16_t)(a < b ? b - a : a - b);
-    quantise_placement(p, params, s);
+    s->angle = p->header.has_rotation ? quantise_angle(p, params, s) : 0;
+    quantise_position(p, params, s);
     quantise_colour(p, params + GSCL_COLOUR, s);
     quantise_texture(p, params, &s->texture);
     if (p->header.has_opacity) {
@@ -171,11 +185,12 @@ static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, f
 }
 
 void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params) {
-    double step = scale_step(&p->steps), position = gsf_position_step_q8(&p->steps, s->minor) / 256.0;
-    params[GSCL_X] = (float)((s->x + 0.5) * position);
-    params[GSCL_Y] = (float)((s->y + 0.5) * position);
-    params[GSCL_LOG_S1] = (float)fmin((s->minor + s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS);
-    params[GSCL_LOG_S2] = (float)fmin(s->minor * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    const gsf_splat_grid grid = gsf_splat_grid_of(&p->header, &p->steps, s);
+    double step = scale_step(&p->steps), cell = grid.step / 256.0;
+    params[GSCL_X] = (float)((s->x + 0.5) * cell / grid.parts_x);
+    params[GSCL_Y] = (float)((s->y + 0.5) * cell / grid.parts_y);
+    params[GSCL_LOG_S1] = (float)fmin(s->major * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    params[GSCL_LOG_S2] = (float)fmin((s->major - s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS);
     params[GSCL_THETA] = p->header.has_rotation ? (float)(s->angle * pi / gsf_angle_count(&p->steps, s->aspect)) : 0.0f;
     params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
     dequantise_colour(p, s, params + GSCL_COLOUR);

@@ -70,8 +70,8 @@ gscl_result gscl_scalar_meet_budget(gscl_scalar_state *s) {
 static void drop_smallest(gsf_coded_image *file) {
     size_t smallest = 0, count = file->header.splat_count;
     for (size_t i = 1; i < count; i++)
-        if (2 * file->splats[i].minor + file->splats[i].aspect <
-            2 * file->splats[smallest].minor + file->splats[smallest].aspect)
+        if (2 * file->splats[i].major - file->splats[i].aspect <
+            2 * file->splats[smallest].major - file->splats[smallest].aspect)
             smallest = i;
     memmove(&file->splats[smallest], &file->splats[smallest + 1], (count - 1 - smallest) * sizeof file->splats[0]);
     file->header.splat_count--;

@@ -5,6 +5,7 @@
 
 #include "cl/constants.h"
 #include "decode/quantise.h"
+#include "format/attributes.h"
 #include "scalar/tunables.h"
 
 /* Fails to compile unless kernels and format agree on a number of codes. */
@@ -23,7 +24,7 @@ typedef struct code_list {
 
 gscl_codes gscl_rdo_codes_of(const gsf_splat *s) {
     const gsf_texture *t = &s->texture;
-    return (gscl_codes){.code = {[GSCL_CODE_MINOR] = s->minor,
+    return (gscl_codes){.code = {[GSCL_CODE_MAJOR] = s->major,
                                  [GSCL_CODE_ASPECT] = s->aspect,
                                  [GSCL_CODE_ANGLE] = s->angle,
                                  [GSCL_CODE_X] = (cl_int)s->x,
@@ -40,7 +41,7 @@ gscl_codes gscl_rdo_codes_of(const gsf_splat *s) {
 }
 
 gsf_splat gscl_rdo_splat_of(const gscl_codes *c) {
-    return (gsf_splat){.minor = (uint16_t)c->code[GSCL_CODE_MINOR],
+    return (gsf_splat){.major = (uint16_t)c->code[GSCL_CODE_MAJOR],
                        .aspect = (uint16_t)c->code[GSCL_CODE_ASPECT],
                        .angle = (uint16_t)c->code[GSCL_CODE_ANGLE],
                        .x = (uint32_t)c->code[GSCL_CODE_X],
@@ -92,22 +93,44 @@ static void bits_of_counts(const double *counts, int n, float *bits) {
     }
 }
 
+/* The bits of aspect codes, from the frequencies of the format's model after all splats. */
+static void make_aspect_bits(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list) {
+    const unsigned typical = gsf_typical_size(&image->header, &image->steps);
+    const unsigned last = gsf_aspect_shape.columns - 1;
+    gsf_conditional model;
+    gsf_conditional_init(&model, &gsf_aspect_shape);
+    for (size_t i = 0; i < list->count; i++) {
+        const unsigned aspect = (unsigned)list->codes[i].code[GSCL_CODE_ASPECT];
+        gsf_conditional_update(&model, gsf_aspect_row((unsigned)list->codes[i].code[GSCL_CODE_MAJOR], typical),
+                               aspect < last ? aspect : last);
+    }
+    for (unsigned major = 0; major <= GSCL_MAX_SCALE; major++) {
+        const unsigned row = gsf_aspect_row(major, typical);
+        for (unsigned aspect = 0; aspect <= GSCL_MAX_SCALE; aspect++) {
+            const double freq = model.freq[row][aspect < last ? aspect : last];
+            const double codes = aspect < last ? 1 : GSCL_MAX_SCALE + 1 - last;
+            t->shape_bits[major][aspect] = (float)-log2(freq / model.total[row] / codes);
+        }
+    }
+}
+
 static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list) {
     const gsf_header *header = &image->header;
-    double minors[GSCL_MAX_SCALE + 1] = {0}, aspects[GSCL_MAX_SCALE + 1] = {0};
-    float minor_bits[GSCL_MAX_SCALE + 1], aspect_bits[GSCL_MAX_SCALE + 1];
-    count_codes(list, GSCL_CODE_MINOR, 0, minors);
-    count_codes(list, GSCL_CODE_ASPECT, 0, aspects);
-    bits_of_counts(minors, GSCL_MAX_SCALE + 1, minor_bits);
-    bits_of_counts(aspects, GSCL_MAX_SCALE + 1, aspect_bits);
+    double majors[GSCL_MAX_SCALE + 1] = {0};
+    float major_bits[GSCL_MAX_SCALE + 1];
+    count_codes(list, GSCL_CODE_MAJOR, 0, majors);
+    bits_of_counts(majors, GSCL_MAX_SCALE + 1, major_bits);
+    make_aspect_bits(t, image, list);
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
-        gscl_minor_entry *m = &t->minors[i];
+        gscl_major_entry *m = &t->majors[i];
         m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;
         m->cells_x = (cl_int)gsf_position_cells(&image->steps, i, header->width);
         m->cells_y = (cl_int)gsf_position_cells(&image->steps, i, header->height);
-        m->bits = minor_bits[i] + log2f((float)m->cells_x * (float)m->cells_y);
-        t->aspects[i].angles = (cl_int)gsf_angle_count(&image->steps, i);
-        t->aspects[i].bits = aspect_bits[i] + log2f((float)t->aspects[i].angles);
+        m->bits = major_bits[i] + log2f((float)m->cells_x * (float)m->cells_y);
+        gscl_aspect_entry *a = &t->aspects[i];
+        a->angles = (cl_int)gsf_angle_count(&image->steps, i);
+        a->parts = (cl_int)gsf_position_parts(&image->steps, i);
+        a->bits = log2f((float)a->angles * (float)a->parts);
     }
 }
 

@@ -128,7 +128,7 @@ static gscl_result rdo_read_codes(rdo_pass *p) {
     uint32_t kept = 0;
     GSCL_TRY(gscl_buffer_read(p->fit->context, &rdo->device_codes, 0, rdo->codes, p->count * sizeof *rdo->codes));
     for (size_t i = 0; i < p->count; i++)
-        if (rdo->codes[i].code[GSCL_CODE_MINOR] >= 0)
+        if (rdo->codes[i].code[GSCL_CODE_MAJOR] >= 0)
             file->splats[kept++] = gscl_rdo_splat_of(&rdo->codes[i]);
     file->header.splat_count = kept;
     return GSCL_OK;
