@@ -13,6 +13,10 @@ library=$(find "$work" -name libgscl.so)
 prefix=${library%/lib/*}
 libdir=$(dirname "$library")
 
+for file in mime/packages/gscl.xml misc/gscl.magic; do
+    test -f "$prefix/share/$file"
+done
+
 # The files contain paths for an installation in /, not in $work.
 export PKG_CONFIG_PATH="$libdir/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$work"
 flags="-std=c99 -Wall -Wextra -Werror -pedantic $source/tests/example/encode_decode.c"
