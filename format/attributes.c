@@ -87,14 +87,16 @@ uint32_t gsf_aspect_row(unsigned major, unsigned typical) {
     return size_row(major, typical, GSF_ASPECT_BELOW, GSF_ASPECT_ROWS);
 }
 
-/* Aspects from LAST_ASPECT on share a symbol. */
+/* An aspect is at most the major code.  Aspects from LAST_ASPECT on share a symbol. */
 static uint16_t code_aspect(gsf_coder *coder, gsf_attributes *a, const gsf_splat *splat) {
     const uint32_t row = gsf_aspect_row(splat->major, a->typical_size);
     const uint32_t known = splat->aspect < LAST_ASPECT ? splat->aspect : LAST_ASPECT;
+    if (splat->major < LAST_ASPECT)
+        return (uint16_t)gsf_code_conditional_below(coder, known, &a->aspect, row, splat->major + 1u);
     const uint32_t symbol = gsf_code_conditional(coder, known, &a->aspect, row);
     if (symbol < LAST_ASPECT)
         return (uint16_t)symbol;
-    return (uint16_t)(symbol + gsf_code_uniform(coder, splat->aspect - symbol, GSF_MAX_SCALE_CODE + 1 - LAST_ASPECT));
+    return (uint16_t)(symbol + gsf_code_uniform(coder, splat->aspect - symbol, splat->major + 1u - symbol));
 }
 
 /* Codes the bin, in proportion to its frequency and its number of codes, then the code within the bin. */

@@ -54,6 +54,10 @@ bool gsf_coder_overrun(const gsf_coder *coder) {
     return coder->decoding && gsf_range_decoder_overrun(&coder->decoder);
 }
 
+bool gsf_coder_is_certain(const gsf_coder *coder) {
+    return !coder->decoding || coder->decoder.position <= coder->decoder.size;
+}
+
 static void count_bits(gsf_coder *coder, uint32_t freq, uint32_t total) {
     if (coder->stream_bits256)
         coder->stream_bits256[coder->stream] += gsf_cost256(freq, total);

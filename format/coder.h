@@ -20,6 +20,8 @@ void gsf_coder_read_from(gsf_coder *coder, const uint8_t *bytes, size_t size, ui
 
 /* Whether the input has run out, so that decoding can stop.  Always false when writing. */
 bool gsf_coder_overrun(const gsf_coder *coder);
+/* Whether what has been coded so far does not depend on bytes after the end of the input.  Always true when writing. */
+bool gsf_coder_is_certain(const gsf_coder *coder);
 
 /* Codes a value below `count` with the frequencies freq[0..count), which add up to `total`. */
 uint32_t gsf_code_symbol(gsf_coder *coder, uint32_t value, const uint16_t *freq, uint32_t count, uint32_t total);

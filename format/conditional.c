@@ -58,3 +58,13 @@ uint32_t gsf_code_conditional(gsf_coder *coder, uint32_t symbol, gsf_conditional
     gsf_conditional_update(m, row, symbol);
     return symbol;
 }
+
+uint32_t gsf_code_conditional_below(gsf_coder *coder, uint32_t symbol, gsf_conditional *m, uint32_t row,
+                                    uint32_t count) {
+    uint32_t total = 0;
+    for (uint32_t i = 0; i < count; i++)
+        total += m->freq[row][i];
+    symbol = gsf_code_symbol(coder, symbol, m->freq[row], count, total);
+    gsf_conditional_update(m, row, symbol);
+    return symbol;
+}

@@ -27,5 +27,8 @@ void gsf_conditional_init(gsf_conditional *model, const gsf_conditional_shape *s
 void gsf_conditional_update(gsf_conditional *model, uint32_t row, uint32_t symbol);
 /* Codes a symbol and adapts the model to it. */
 uint32_t gsf_code_conditional(gsf_coder *coder, uint32_t symbol, gsf_conditional *model, uint32_t row);
+/* The same where only the first `count` symbols are possible, 1 <= count <= columns. */
+uint32_t gsf_code_conditional_below(gsf_coder *coder, uint32_t symbol, gsf_conditional *model, uint32_t row,
+                                    uint32_t count);
 
 #endif

@@ -2,8 +2,13 @@
 
 #include <string.h>
 
+#include "format/range_coder.h"
+
 #define FIXED_SIZE 5u /* magic and version */
 #define CHECK_SIZE 2u
+/* Zeros between the picture and blocks after it: a reader that does not know yet where the picture ends reads the bytes
+ * that its decoder implies. */
+#define GAP_SIZE GSF_IMPLIED_BYTES
 #define LENGTH_SIZE 4u /* of the field before the check with the length of the blocks after the picture */
 
 enum { VERSION_MASK = 0x0F, HAS_BLOCKS_BEFORE = 0x10, HAS_BLOCKS_AFTER = 0x20, RESERVED_FLAGS = 0xC0 };
@@ -101,10 +106,13 @@ static gsf_result get_blocks_after(cursor *c, gsf_container *container) {
         return GSF_TRUNCATED;
     const uint8_t *field = c->end - LENGTH_SIZE;
     const uint32_t size = field[0] | (uint32_t)field[1] << 8 | (uint32_t)field[2] << 16 | (uint32_t)field[3] << 24;
-    if (size > bytes_left(c) - LENGTH_SIZE)
+    if (bytes_left(c) < GAP_SIZE + LENGTH_SIZE || size > bytes_left(c) - LENGTH_SIZE - GAP_SIZE)
         return GSF_TRUNCATED;
     cursor blocks = {field - size, field};
-    c->end = blocks.at;
+    c->end = blocks.at - GAP_SIZE;
+    for (unsigned i = 0; i < GAP_SIZE; i++)
+        if (c->end[i] != 0)
+            return GSF_CORRUPT;
     const gsf_result result = get_blocks(&blocks, FIRST_TYPE_AFTER, TYPE_MASK, container);
     return result == GSF_OK && bytes_left(&blocks) > 0 ? GSF_CORRUPT : result;
 }
@@ -119,14 +127,19 @@ static gsf_result get_parts(cursor *c, uint8_t flags, gsf_container *container) 
     return result;
 }
 
-gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *container) {
-    *container = (gsf_container){.is_intact = false};
+static gsf_result check_magic(const uint8_t *bytes, size_t size) {
     if (size < sizeof MAGIC || memcmp(bytes, MAGIC, sizeof MAGIC) != 0)
         return GSF_NOT_GSCL;
     if (size > sizeof MAGIC && (bytes[4] & VERSION_MASK) != GSF_VERSION)
         return (bytes[4] & VERSION_MASK) > GSF_VERSION ? GSF_NEWER_VERSION : GSF_NOT_GSCL;
-    if (size < FIXED_SIZE + CHECK_SIZE)
-        return GSF_TRUNCATED;
+    return size < FIXED_SIZE + CHECK_SIZE ? GSF_TRUNCATED : GSF_OK;
+}
+
+gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *container) {
+    *container = (gsf_container){.is_intact = false};
+    const gsf_result magic = check_magic(bytes, size);
+    if (magic != GSF_OK)
+        return magic;
     const uint8_t *check = bytes + size - CHECK_SIZE;
     container->is_intact = gsf_crc16(bytes, size - CHECK_SIZE) == (check[0] << 8 | check[1]);
     cursor c = {bytes + FIXED_SIZE, check};
@@ -136,6 +149,11 @@ gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *
     if (container->is_intact)
         return result == GSF_TRUNCATED ? GSF_CORRUPT : result;
     return result == GSF_TRUNCATED ? GSF_TRUNCATED : GSF_DAMAGED;
+}
+
+gsf_result gsf_open_container_prefix(const uint8_t *bytes, size_t size, gsf_container *container) {
+    const gsf_result result = gsf_open_container(bytes, size, container);
+    return container->is_intact || result != GSF_DAMAGED ? result : GSF_CORRUPT;
 }
 
 /* ---- Writing ---- */
@@ -166,7 +184,7 @@ size_t gsf_container_start_size(const gsf_bytes *blocks) {
 
 size_t gsf_container_end_size(const gsf_bytes *blocks) {
     const size_t after = after_size(blocks);
-    return after + (after > 0 ? LENGTH_SIZE : 0) + CHECK_SIZE;
+    return after + (after > 0 ? GAP_SIZE + LENGTH_SIZE : 0) + CHECK_SIZE;
 }
 
 bool gsf_blocks_are_valid(const gsf_bytes *blocks) {
@@ -209,7 +227,10 @@ void gsf_put_container_start(uint8_t *bytes, const gsf_bytes *blocks) {
 
 void gsf_put_container_end(uint8_t *bytes, size_t size, const gsf_bytes *blocks) {
     const size_t after = after_size(blocks);
-    uint8_t *at = put_list(bytes + size, blocks, GSF_BLOCK_EXIF, GSF_BLOCK_COUNT);
+    uint8_t *at = bytes + size;
+    for (unsigned i = 0; after > 0 && i < GAP_SIZE; i++)
+        *at++ = 0;
+    at = put_list(at, blocks, GSF_BLOCK_EXIF, GSF_BLOCK_COUNT);
     for (unsigned i = 0; after > 0 && i < LENGTH_SIZE; i++)
         *at++ = (uint8_t)(after >> (8 * i));
     const uint16_t crc = gsf_crc16(bytes, (size_t)(at - bytes));

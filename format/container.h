@@ -13,6 +13,9 @@ typedef struct gsf_container {
 
 /* Finds the parts of a file.  Does not look into the picture. */
 gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *container);
+/* The same for the first bytes of a file, of which more may follow.  Where the check does not match, the picture is all
+ * that has come of it, less the last bytes, which may be the check. */
+gsf_result gsf_open_container_prefix(const uint8_t *bytes, size_t size, gsf_container *container);
 
 /* Bytes before and after the picture.  `blocks`: GSF_BLOCK_COUNT blocks, or NULL. */
 size_t gsf_container_start_size(const gsf_bytes *blocks);

@@ -109,6 +109,30 @@ gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, v
     return result_of_picture(read_picture(image, container.picture, scratch), &container, image->bare);
 }
 
+gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *image, uint32_t *total, void *scratch) {
+    gsf_container container = {.picture = {bytes, size}};
+    gsf_coder coder;
+    clear_fields(image);
+    const gsf_result result = image->bare ? GSF_OK : gsf_open_container_prefix(bytes, size, &container);
+    if (result != GSF_OK)
+        return result;
+    if (container.is_intact || (image->bare && read_picture(image, container.picture, scratch) == GSF_OK)) {
+        const gsf_result whole = gsf_read(bytes, size, image, scratch);
+        *total = image->header.splat_count;
+        return whole;
+    }
+    count_container(image, size, container.picture.size);
+    gsf_coder_read_from(&coder, container.picture.data, container.picture.size, image->stream_bits256);
+    gsf_code_header(&coder, image);
+    if (!gsf_coder_is_certain(&coder))
+        return GSF_TRUNCATED;
+    gsf_workspace *workspace = workspace_in(&image->header, scratch);
+    gsf_code_payload(&coder, image, workspace);
+    *total = image->header.splat_count;
+    image->header.splat_count = workspace->certain;
+    return gsf_work_is_bounded(image) ? GSF_OK : GSF_CORRUPT;
+}
+
 /* The largest number of splits from the whole grid of a class to one cell. */
 static size_t max_splits(const gsf_coded_image *image) {
     size_t splits = 0;
@@ -128,10 +152,10 @@ static size_t container_size(const gsf_coded_image *image) {
 }
 
 /* No symbol costs more than 17 bits: a frequency is at least 1 of 2^16, and dividing the range loses less than a bit.
- * The attributes of a splat are at most 13 symbols.  A split of n > 0 splats is one symbol, or two when n > 255. */
+ * The attributes of a splat are at most 15 symbols.  A split of n > 0 splats is one symbol, or two when n > 255. */
 size_t gsf_write_bound(const gsf_coded_image *image) {
     const gsf_header *header = &image->header;
-    const size_t splat_bits = 17 * (13 + (header->splat_count > 0 ? max_splits(image) : 0));
+    const size_t splat_bits = 17 * (15 + (header->splat_count > 0 ? max_splits(image) : 0));
     const size_t class_bits = 2 * 17 * GSF_MAX_CLASSES;
     const size_t word_bits = GSF_MAX_CODEBOOK * 17 * (16 + GSF_SHAPE_DIMS + 16 + GSF_MAX_COLOUR_DIMS);
     const size_t book_bits = header->coding == GSF_CODING_CODEBOOK ? word_bits : 0;

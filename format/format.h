@@ -43,6 +43,11 @@ size_t gsf_scratch_size(const gsf_header *header);
  * Never reads outside bytes[0..size), whatever it holds. */
 gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, void *scratch);
 
+/* Reads what the first bytes of a file hold, of the form that image->bare says; more may follow.  *total is the number
+ * of splats of the image, and image->header.splat_count that of those which no further byte can change: the first in the
+ * stored order.  Returns GSF_TRUNCATED where not even the header of the picture has come.  Damage is not detected. */
+gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *image, uint32_t *total, void *scratch);
+
 /* An upper bound of the size of the written file. */
 size_t gsf_write_bound(const gsf_coded_image *image);
 

@@ -68,6 +68,8 @@ static void code_class(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *
             gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
         else
             code_indexed(coder, w, &image->indexed[i]);
+        if (gsf_coder_is_certain(coder))
+            w->certain = i + 1;
     }
 }
 
@@ -102,6 +104,7 @@ static bool code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspa
 }
 
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
+    workspace->certain = 0;
     if (image->header.splat_count == 0)
         return true;
     if (image->header.coding == GSF_CODING_CODEBOOK && !code_codebooks(coder, image, workspace))

@@ -16,6 +16,7 @@ typedef struct gsf_workspace {
     gsf_set set;
     gsf_attributes attributes;
     gsf_model colour_index;
+    uint32_t certain;  /* splats decoded without a byte beyond the end (reader) */
     gsf_point *points; /* one for every splat, at least GSF_MAX_CODEBOOK */
     gsf_prior *priors; /* one for every splat, at most GSF_MAX_PRIORS */
 } gsf_workspace;

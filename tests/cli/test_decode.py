@@ -62,6 +62,31 @@ class Limits(ToolTest):
         self.decode("--crop", "3,4,10,10", "--max-pixels", "100")
 
 
+class Partial(ToolTest):
+    def cut(self, share):
+        whole = self.path("in.gscl").read_bytes()
+        self.path("in.gscl").write_bytes(whole[:int(len(whole) * share)])
+
+    def test_prefix_is_drawn_on_request_only(self):
+        image = scene(61, 43)
+        self.encode(image, *HIGH_RATE)
+        whole = psnr(image, self.decode())
+        self.cut(0.5)
+        self.refused("in.gscl", "the file is incomplete", "decode", "in.gscl", "-o", "out.png")
+        half = psnr(image, self.decode("--partial"))
+        self.assertGreater(half, 10)
+        self.assertLess(half, whole)
+
+    def test_whole_file_is_the_same(self):
+        self.encode(scene(61, 43), *HIGH_RATE)
+        self.assertEqual(self.decode(), self.decode("--partial"))
+
+    def test_prefix_of_a_header_is_refused(self):
+        self.encode(scene(61, 43), *HIGH_RATE)
+        self.cut(0.01)
+        self.refused("in.gscl", "the file is incomplete", "decode", "--partial", "in.gscl", "-o", "out.png")
+
+
 class Mappings(ToolTest):
     def test_cpu_and_gpu_draw_the_same(self):
         for channels, profile, blend in ((3, "default", "normalized"), (4, "default", "alpha"), (1, "default", "sum"),

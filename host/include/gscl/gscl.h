@@ -389,6 +389,8 @@ typedef struct gscl_decode_settings {
                           about 5e8 a second */
     bool bare;         /* whether the file is bare (gscl_encode_settings.bare), which its bytes do not tell; default
                           false */
+    bool partial;      /* whether the file may be cut off: draws the splats that gscl_certain_splats counts.  Damage is
+                          then not detected.  Default false: a file that is cut off is refused */
 } gscl_decode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_decode_settings_default. */
@@ -455,6 +457,14 @@ GSCL_API GSCL_CHECKED gscl_result gscl_probe(const uint8_t *bytes, size_t size, 
 /* Reads and checks the whole file and counts the bits of each stream.  Errors as gscl_probe, and those of memory. */
 GSCL_API GSCL_CHECKED gscl_result gscl_inspect(const uint8_t *bytes, size_t size, const gscl_read_settings *settings,
                                                gscl_info *info);
+
+/* Counts the splats that the first `size` bytes of a file hold: `certain` of `total`, which no further byte can change.
+ * gscl_decode with the setting `partial` draws them; splats come in the order of their length, longest first.
+ * `settings` may be NULL for the defaults.  Errors: as gscl_inspect; GSCL_ERROR_TRUNCATED while not even the header has
+ * come. */
+GSCL_API GSCL_CHECKED gscl_result gscl_certain_splats(const uint8_t *bytes, size_t size,
+                                                      const gscl_read_settings *settings, uint32_t *certain,
+                                                      uint32_t *total);
 
 /* Finds a block of a whole file that is not bare, without reading its picture.  *data points into the file; where the
  * file has no such block, *data is NULL and *data_size is 0.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK,

@@ -64,6 +64,19 @@ gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *by
     return result;
 }
 
+gscl_result gscl_coded_image_read_prefix(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare,
+                                         uint32_t *total) {
+    memset(p, 0, sizeof *p);
+    p->file.bare = bare;
+    GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, bare, &p->file.header)));
+    gscl_result result = gscl_coded_image_reserve(p, p->file.header.splat_count);
+    if (result == GSCL_OK)
+        result = gscl_result_of_format(gsf_read_prefix(bytes, size, &p->file, total, p->scratch));
+    if (result != GSCL_OK)
+        gscl_coded_image_free(p);
+    return result;
+}
+
 gscl_result gscl_coded_image_write(gscl_coded_image *p, uint8_t **bytes, size_t *size) {
     GSCL_TRY(gscl_coded_image_reserve(p, p->file.header.splat_count));
     size_t bound = gsf_write_bound(&p->file);

@@ -25,6 +25,9 @@ gscl_result gscl_coded_image_read(gscl_coded_image *coded, const uint8_t *bytes,
  * image, or NULL. */
 gscl_result gscl_coded_image_read_counted(gscl_coded_image *coded, const uint8_t *bytes, size_t size, bool bare,
                                           uint64_t *stream_bits256);
+/* Reads the splats that the first bytes of a file hold; *total is the number of splats of the whole file. */
+gscl_result gscl_coded_image_read_prefix(gscl_coded_image *coded, const uint8_t *bytes, size_t size, bool bare,
+                                         uint32_t *total);
 /* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);
 /* The exact size of the file that gscl_coded_image_write would write.  The splats must be in the stored order. */

@@ -133,7 +133,9 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
     }
     GSCL_TRY(gscl_frame_resolve(context, s, &header, f));
     gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
-    result = gscl_coded_image_read(coded, bytes, size, s->bare);
+    uint32_t total;
+    result = s->partial ? gscl_coded_image_read_prefix(coded, bytes, size, s->bare, &total)
+                        : gscl_coded_image_read(coded, bytes, size, s->bare);
     if (result != GSCL_OK)
         gscl_coded_image_fail(context, result, bytes, size);
     else if ((result = gscl_frame_check_work(context, s, coded, f)) != GSCL_OK)

@@ -99,6 +99,19 @@ static gscl_result read_settings(const gscl_read_settings *settings, gscl_read_s
     return gscl_struct_read(NULL, "gscl_read_settings", settings, sizeof *own, own, sizeof *own);
 }
 
+gscl_result gscl_certain_splats(const uint8_t *bytes, size_t size, const gscl_read_settings *settings,
+                                uint32_t *certain, uint32_t *total) {
+    if (!bytes || !certain || !total)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_read_settings s;
+    GSCL_TRY(read_settings(settings, &s));
+    gscl_coded_image coded;
+    GSCL_TRY(gscl_coded_image_read_prefix(&coded, bytes, size, s.bare, total));
+    *certain = coded.file.header.splat_count;
+    gscl_coded_image_free(&coded);
+    return GSCL_OK;
+}
+
 gscl_result gscl_probe(const uint8_t *bytes, size_t size, const gscl_read_settings *settings, gscl_info *info) {
     if (!bytes || !info)
         return GSCL_ERROR_INVALID_ARGUMENT;

@@ -23,6 +23,7 @@ typedef struct decode_options {
     int depth;                     /* index into depth_words */
     uint64_t max_pixels, max_work; /* 0: no limit */
     bool has_scale, has_size, has_crop, has_depth;
+    bool partial;
     gscl_form form;
     device_choice choice;
 } decode_options;
@@ -98,6 +99,7 @@ static int decode_bytes(const decode_options *options, const image_format *forma
     settings.max_pixels = options->max_pixels;
     settings.max_work = options->max_work;
     settings.bare = options->form.bare;
+    settings.partial = options->partial;
     if (!choose_area(options, &info, &settings) ||
         !image_format_holds(format, options->output, info.channels, settings.sample) ||
         !output_open(&output, options->output))
@@ -173,6 +175,10 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .max_integer = UINT64_MAX,
          .help =
              "refuse a file that needs more evaluations of a splat at a pixel, see 'gscl info' (default: no limit)"},
+        {.name = "partial",
+         .kind = OPTION_FLAG,
+         .value = &decode->partial,
+         .help = "draw what has come of a file that is cut off (default: refuse it)"},
         GSCL_FORM_OPTIONS(decode->form),
         DEVICE_OPTIONS(decode->choice),
         {.name = "verbose",
