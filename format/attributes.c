@@ -38,6 +38,10 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
     a->header = *header;
     a->steps = *steps;
     a->typical_size = gsf_typical_size(header, steps);
+    for (unsigned i = 0; i <= GSF_MAX_SCALE_CODE; i++) {
+        a->angles[i] = (uint16_t)gsf_angle_count(steps, i);
+        a->parts[i] = gsf_position_parts(steps, i);
+    }
     gsf_conditional_init(&a->aspect, &gsf_aspect_shape);
     gsf_conditional_init(&a->direction, &DIRECTION);
     gsf_conditional_init(&a->textured, &TEXTURED);
@@ -102,11 +106,13 @@ static uint16_t code_aspect(gsf_coder *coder, gsf_attributes *a, const gsf_splat
 /* Codes the bin, in proportion to its frequency and its number of codes, then the code within the bin. */
 static uint32_t code_angle(gsf_coder *coder, gsf_conditional *model, uint32_t row, uint32_t count, uint32_t code) {
     const uint32_t per_bin = (count + GSF_DIRECTIONS - 1) / GSF_DIRECTIONS;
+    const uint32_t share = 65536 / per_bin; /* of a bin's frequency, for each code in it */
+    const uint16_t *directions = gsf_conditional_row(model, row);
     uint16_t freq[GSF_DIRECTIONS];
     uint32_t total = 0;
     for (uint32_t i = 0; i < GSF_DIRECTIONS; i++) {
         const uint32_t codes = first_in_bin(i + 1, count) - first_in_bin(i, count);
-        freq[i] = codes == 0 ? 0 : (uint16_t)(1 + model->freq[row][i] * codes / per_bin);
+        freq[i] = codes == 0 ? 0 : (uint16_t)(1 + (directions[i] * codes * share >> 16));
         total += freq[i];
     }
     const uint32_t bin = gsf_code_symbol(coder, bin_of(code, count), freq, GSF_DIRECTIONS, total);
@@ -118,12 +124,10 @@ static uint32_t code_angle(gsf_coder *coder, gsf_conditional *model, uint32_t ro
 }
 
 /* Codes the part of the cell across the major axis.  Before, a decoder has the cell of the class in x and y. */
-static void code_part(gsf_coder *coder, const gsf_attributes *a, gsf_splat *splat) {
-    const gsf_splat_grid grid = gsf_splat_grid_of(&a->header, &a->steps, splat);
-    uint32_t *place = grid.parts_x > 1 ? &splat->x : &splat->y;
-    const uint32_t parts = grid.parts_x > 1 ? grid.parts_x : grid.parts_y;
-    const uint32_t cell = coder->decoding ? *place : *place / parts;
-    *place = cell * parts + gsf_code_uniform(coder, coder->decoding ? 0 : *place % parts, parts);
+static void code_part(gsf_coder *coder, gsf_splat *splat, uint32_t parts, bool steep) {
+    uint32_t *place = steep ? &splat->x : &splat->y;
+    const uint32_t cell = coder->decoding || parts == 1 ? *place : *place / parts;
+    *place = cell * parts + gsf_code_uniform(coder, *place - cell * parts, parts);
 }
 
 static uint32_t direction_row(uint32_t aspect) {
@@ -135,11 +139,15 @@ static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     if (a->header.has_anisotropy)
         splat->aspect = code_aspect(coder, a, splat);
     coder->stream = GSF_STREAM_ANGLE;
-    const unsigned angles = a->header.has_rotation ? gsf_angle_count(&a->steps, splat->aspect) : 1;
+    const unsigned angles = a->header.has_rotation ? a->angles[splat->aspect] : 1;
     if (angles > 1)
         splat->angle = (uint16_t)code_angle(coder, &a->direction, direction_row(splat->aspect), angles, splat->angle);
     coder->stream = GSF_STREAM_POSITION;
-    code_part(coder, a, splat);
+    const uint32_t parts = a->parts[splat->aspect];
+    const bool steep = gsf_angle_is_steep(splat->angle, angles);
+    code_part(coder, splat, parts, steep);
+    a->parts_x = steep ? parts : 1;
+    a->parts_y = steep ? 1 : parts;
 }
 
 /* The bucket of the splat's centre along one axis, 0..GSF_PYRAMID_SIDE - 1. */
@@ -154,9 +162,9 @@ static int16_t code_from(gsf_coder *coder, gsf_model *model, int min, int16_t co
 }
 
 static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
-    const gsf_splat_grid grid = gsf_splat_grid_of(&a->header, &a->steps, splat);
-    const uint32_t bucket_x = bucket_at(grid.step, splat->x, grid.parts_x, a->header.width);
-    const uint32_t bucket_y = bucket_at(grid.step, splat->y, grid.parts_y, a->header.height);
+    const uint32_t step = gsf_position_step_q8(&a->steps, splat->major);
+    const uint32_t bucket_x = bucket_at(step, splat->x, a->parts_x, a->header.width);
+    const uint32_t bucket_y = bucket_at(step, splat->y, a->parts_y, a->header.height);
     int16_t code[2] = {splat->co, splat->cg};
     gsf_code_chroma(coder, &a->chroma, bucket_x, bucket_y, code);
     splat->co = code[0];

@@ -8,6 +8,7 @@
 
 #define GSF_MAX_ROWS 24
 #define GSF_MAX_COLUMNS 24
+#define GSF_REACH 2 /* symbols at this distance also learn */
 
 typedef struct gsf_conditional_shape {
     const uint8_t *table; /* rows * columns start values, each at least 1; a frequency starts at 4 times its value */
@@ -19,10 +20,16 @@ typedef struct gsf_conditional_shape {
 typedef struct gsf_conditional {
     const gsf_conditional_shape *shape;
     uint32_t total[GSF_MAX_ROWS];
-    uint16_t freq[GSF_MAX_ROWS][GSF_MAX_COLUMNS];
+    /* Neighbours beyond the ends of a row have places of their own, which are never read. */
+    uint16_t padded[GSF_MAX_ROWS][GSF_MAX_COLUMNS + 2 * GSF_REACH];
 } gsf_conditional;
 
 void gsf_conditional_init(gsf_conditional *model, const gsf_conditional_shape *shape);
+/* The frequencies of a row. */
+static inline const uint16_t *gsf_conditional_row(const gsf_conditional *model, uint32_t row) {
+    return model->padded[row] + GSF_REACH;
+}
+
 /* Adapts the model to a coded symbol. */
 void gsf_conditional_update(gsf_conditional *model, uint32_t row, uint32_t symbol);
 /* Codes a symbol and adapts the model to it. */

@@ -107,7 +107,7 @@ static void make_aspect_bits(gscl_rdo_tables *t, const gsf_coded_image *image, c
     for (unsigned major = 0; major <= GSCL_MAX_SCALE; major++) {
         const unsigned row = gsf_aspect_row(major, typical);
         for (unsigned aspect = 0; aspect <= GSCL_MAX_SCALE; aspect++) {
-            const double freq = model.freq[row][aspect < last ? aspect : last];
+            const double freq = gsf_conditional_row(&model, row)[aspect < last ? aspect : last];
             const double codes = aspect < last ? 1 : GSCL_MAX_SCALE + 1 - last;
             t->shape_bits[major][aspect] = (float)-log2(freq / model.total[row] / codes);
         }
