@@ -67,14 +67,19 @@ static uint32_t code_number(gsf_coder *coder, uint32_t value) {
     return leading + gsf_code_bits(coder, value - leading, bits - 1);
 }
 
+/* The sum of the two, but at most `highest`: all numbers that can be decoded are allowed. */
+static int32_t end_of_range(int32_t from, uint32_t number, int32_t highest) {
+    return number < (uint32_t)(highest - from) ? from + (int32_t)number : highest;
+}
+
 static void code_range(gsf_coder *coder, gsf_range *range, const limits *bounds) {
     const uint32_t low = (uint32_t)(range->min - bounds->min);
     const uint32_t span = (uint32_t)(range->max - range->min);
-    range->min = bounds->min + (int32_t)code_number(coder, low);
-    range->max = range->min + (int32_t)code_number(coder, span);
+    range->min = end_of_range(bounds->min, code_number(coder, low), bounds->max);
+    range->max = end_of_range(range->min, code_number(coder, span), bounds->max);
 }
 
-bool gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books) {
+void gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books) {
     books->position_bits = (uint8_t)(gsf_code_bits(coder, books->position_bits - 1u, 4) + 1);
     books->shape_bits = (uint8_t)(gsf_code_bits(coder, books->shape_bits - 1u, 4) + 1);
     books->colour_bits = (uint8_t)(gsf_code_bits(coder, books->colour_bits - 1u, 4) + 1);
@@ -84,7 +89,6 @@ bool gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gs
         code_range(coder, &books->shape[i], &SHAPE_LIMITS[i]);
     for (unsigned i = 0; i < gsf_colour_dims(header); i++)
         code_range(coder, &books->colour[i], colour_limits(header, i));
-    return gsf_codebook_parameters_are_valid(header, books);
 }
 
 /* Codes a sorted list of numbers of `bits` bits as points on a line. */

@@ -10,12 +10,12 @@
 unsigned gsf_shape_dims(const gsf_header *header);
 unsigned gsf_colour_dims(const gsf_header *header);
 
-/* Codes the bits of a code, counts and ranges.  Returns false when a decoded value is outside its limits. */
-bool gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books);
+/* Codes the bits of a code, counts and ranges. */
+void gsf_code_codebook_parameters(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books);
 /* Codes the words.  `points` is working memory for GSF_MAX_CODEBOOK points. */
 void gsf_code_codebook_words(gsf_coder *coder, const gsf_header *header, gsf_codebooks *books, gsf_point *points);
 
-/* Whether counts, bits and ranges are within their limits (reader and writer). */
+/* Whether counts, bits and ranges are within their limits (writer; decoded ones always are). */
 bool gsf_codebook_parameters_are_valid(const gsf_header *header, const gsf_codebooks *books);
 /* Whether the words are within their limits and in order (writer; decoded words always are). */
 bool gsf_codebook_words_are_valid(const gsf_header *header, const gsf_codebooks *books);

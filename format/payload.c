@@ -93,22 +93,21 @@ static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
 }
 
 /* Codes parameters and words of the codebooks. */
-static bool code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
+static void code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     coder->stream = GSF_STREAM_SIDE;
-    if (!gsf_code_codebook_parameters(coder, &image->header, &image->codebooks))
-        return false;
+    gsf_code_codebook_parameters(coder, &image->header, &image->codebooks);
     coder->stream = GSF_STREAM_CODEBOOK;
     gsf_code_codebook_words(coder, &image->header, &image->codebooks, w->points);
     gsf_complete_shape_words(&image->header, &image->codebooks);
-    return !gsf_coder_overrun(coder);
 }
 
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
     workspace->certain = 0;
     if (image->header.splat_count == 0)
         return true;
-    if (image->header.coding == GSF_CODING_CODEBOOK && !code_codebooks(coder, image, workspace))
-        return false;
-    code_splats(coder, image, workspace);
+    if (image->header.coding == GSF_CODING_CODEBOOK)
+        code_codebooks(coder, image, workspace);
+    if (!gsf_coder_overrun(coder))
+        code_splats(coder, image, workspace);
     return !gsf_coder_overrun(coder) && gsf_work_is_bounded(image);
 }

@@ -21,8 +21,8 @@ typedef struct gsf_workspace {
     gsf_prior *priors; /* one for every splat, at most GSF_MAX_PRIORS */
 } gsf_workspace;
 
-/* Codes the payload in the direction of the coder.  Returns false when the content breaks a rule of the format or the
- * input ran out. */
+/* Codes the payload in the direction of the coder.  Returns false when the input ran out or the splats cover
+ * too many pixels (FORMAT.md, "Limits"). */
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace);
 
 #endif

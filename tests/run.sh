@@ -69,7 +69,7 @@ check "build with sanitizers" build build-sanitize \
 [ -d build-sanitize/tests/pocl ] || cp -R build-test/tests/pocl build-sanitize/tests/
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export STABILITY_SMALL=1
-suite build-sanitize --suite unit --suite fuzz --suite stability
+suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
 unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 

@@ -75,5 +75,5 @@ def contained(picture, version=2, before=b"", after=b""):
     """A file with a check that matches, of a picture and lists of blocks."""
     data = MAGIC + bytes([version | bool(before) << 4 | bool(after) << 5]) + before + picture
     if after:
-        data += after + len(after).to_bytes(4, "little")
+        data += bytes(3) + after + len(after).to_bytes(4, "little")
     return data + crc16(data).to_bytes(2, "big")

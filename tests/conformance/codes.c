@@ -1,0 +1,513 @@
+/* Writes files from their codes as text, reads files to that text, and decodes them by the library.
+ *
+ *     codes write TEXT OUT [bare] [unchecked]
+ *     codes read whole|bare FILE...          prints for each file: file NAME RESULT, then the codes of a valid one
+ *     codes prefixes whole|bare FILE...      prints for each valid file: file NAME, then of each prefix:
+ *                                            prefix SIZE RESULT CERTAIN TOTAL
+ *     codes decode whole|bare FOLDER FILE... writes the samples of the Nth file to FOLDER/N.raw, numbers from 0, and
+ *                                            prints: file NAME RESULT WIDTH HEIGHT CHANNELS BITS
+ *
+ * README.md describes the text.  RESULT is `valid` or a result of FORMAT.md, with `-` for spaces.  `unchecked` writes
+ * files that break the limit of the work, too. */
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <gscl/gscl.h>
+
+#include "format/codebooks.h"
+#include "format/coder.h"
+#include "format/format.h"
+#include "format/header.h"
+#include "format/payload.h"
+
+#define MAX_LINE 100000
+#define MAX_NUMBERS 16
+
+static void fail(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    exit(1);
+}
+
+static void *allocate(size_t count, size_t size) {
+    void *memory = calloc(count > 0 ? count : 1, size);
+    if (!memory)
+        fail("out of memory");
+    return memory;
+}
+
+static const char *result_name(gsf_result result) {
+    static const char *const names[] = {[GSF_OK] = "valid",
+                                        [GSF_NOT_GSCL] = "not-a-gscl-file",
+                                        [GSF_NEWER_VERSION] = "newer-version",
+                                        [GSF_TRUNCATED] = "truncated",
+                                        [GSF_DAMAGED] = "damaged",
+                                        [GSF_CORRUPT] = "corrupt",
+                                        [GSF_UNKNOWN_BLOCK] = "unknown-block"};
+    return names[result];
+}
+
+/* ---- A coded image with memory of its own ---- */
+
+static void allocate_arrays(gsf_coded_image *image) {
+    image->splats = allocate(image->header.splat_count, sizeof *image->splats);
+    image->indexed = allocate(image->header.splat_count, sizeof *image->indexed);
+    image->codebooks.shape_words = allocate(GSF_MAX_CODEBOOK, sizeof *image->codebooks.shape_words);
+    image->codebooks.colour_words = allocate(GSF_MAX_CODEBOOK, sizeof *image->codebooks.colour_words);
+}
+
+static void free_arrays(gsf_coded_image *image) {
+    free(image->splats);
+    free(image->indexed);
+    free(image->codebooks.shape_words);
+    free(image->codebooks.colour_words);
+}
+
+/* ---- Files ---- */
+
+static uint8_t *read_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        fail("%s: cannot be opened", path);
+    fseek(file, 0, SEEK_END);
+    *size = (size_t)ftell(file);
+    rewind(file);
+    uint8_t *bytes = allocate(*size, 1);
+    if (fread(bytes, 1, *size, file) != *size)
+        fail("%s: cannot be read", path);
+    fclose(file);
+    return bytes;
+}
+
+static void write_file(const char *path, const void *bytes, size_t size) {
+    FILE *file = fopen(path, "wb");
+    if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0)
+        fail("%s: cannot be written", path);
+}
+
+/* ---- Codes to text ---- */
+
+static const uint8_t BLOCK_TYPES[GSF_BLOCK_COUNT] = {0, 1, 32, 33};
+
+static void print_blocks(const uint8_t *bytes, size_t size) {
+    gsf_container container;
+    if (gsf_open_container(bytes, size, &container) != GSF_OK)
+        fail("the container cannot be read again");
+    for (int i = 0; i < GSF_BLOCK_COUNT; i++) {
+        if (!container.blocks[i].data)
+            continue;
+        printf("block %d ", BLOCK_TYPES[i]);
+        for (size_t at = 0; at < container.blocks[i].size; at++)
+            printf("%02x", container.blocks[i].data[at]);
+        puts(container.blocks[i].size == 0 ? "-" : "");
+    }
+}
+
+static void print_ranges(const gsf_range *ranges, unsigned count) {
+    for (unsigned i = 0; i < count; i++)
+        printf("range %" PRId32 " %" PRId32 "\n", ranges[i].min, ranges[i].max);
+}
+
+static void print_word(const char *name, const uint16_t *word, const bool *used, unsigned dims) {
+    fputs(name, stdout);
+    for (unsigned i = 0; i < dims; i++)
+        if (used[i])
+            printf(" %u", word[i]);
+    putchar('\n');
+}
+
+/* Which of s1, s2 and theta are coded. */
+static void used_shape_dims(const gsf_header *header, bool used[GSF_SHAPE_DIMS]) {
+    used[0] = true;
+    used[1] = header->has_anisotropy;
+    used[2] = header->has_rotation;
+}
+
+static void print_codebooks(const gsf_coded_image *image) {
+    const gsf_codebooks *books = &image->codebooks;
+    const unsigned colour_dims = gsf_colour_dims(&image->header);
+    const bool all[GSF_MAX_COLOUR_DIMS] = {true, true, true, true, true};
+    bool used[GSF_SHAPE_DIMS];
+    used_shape_dims(&image->header, used);
+    printf("bits %u %u %u\n", books->position_bits, books->shape_bits, books->colour_bits);
+    for (unsigned i = 0; i < GSF_SHAPE_DIMS; i++)
+        print_ranges(&books->shape[i], used[i]);
+    print_ranges(books->colour, colour_dims);
+    for (unsigned i = 0; i < books->shape_count; i++)
+        print_word("shape", books->shape_words[i], used, GSF_SHAPE_DIMS);
+    for (unsigned i = 0; i < books->colour_count; i++)
+        print_word("colour", books->colour_words[i], all, colour_dims);
+}
+
+static void print_splat(const gsf_splat *s) {
+    printf("splat %u %u %u %" PRIu32 " %" PRIu32 " %d %d %d %d %u %u %u %u %u\n", s->major, s->aspect, s->angle, s->x,
+           s->y, s->luma, s->co, s->cg, s->alpha, s->opacity, s->texture.amplitude, s->texture.wave,
+           s->texture.direction, s->texture.phase);
+}
+
+static void print_image(const gsf_coded_image *image) {
+    const gsf_header *h = &image->header;
+    const gsf_steps *s = &image->steps;
+    printf("size %" PRIu32 " %" PRIu32 "\n", h->width, h->height);
+    printf("kind %d %d %d %d %d %d %d %d %d %d\nbackground", h->blend, h->coding, h->layout, h->high_bit_depth,
+           h->has_chroma, h->has_alpha, h->has_opacity, h->has_anisotropy, h->has_rotation, h->has_texture);
+    for (unsigned i = 0; i < gsf_channel_count(h); i++)
+        printf(" %u", image->background[i]);
+    putchar('\n');
+    if (h->coding == GSF_CODING_SCALAR)
+        printf("steps %u %u %u %u %u %u %u\n", s->scale, s->position, s->angle, s->luma, s->chroma, s->alpha,
+               s->opacity);
+    else if (h->splat_count > 0)
+        print_codebooks(image);
+    printf("splats %" PRIu32 "\n", h->splat_count);
+    for (uint32_t i = 0; i < h->splat_count; i++) {
+        const gsf_indexed_splat *indexed = &image->indexed[i];
+        if (h->coding == GSF_CODING_SCALAR)
+            print_splat(&image->splats[i]);
+        else
+            printf("splat %u %u %u %u\n", indexed->shape, indexed->colour, indexed->x, indexed->y);
+    }
+}
+
+static void read_and_print(const char *path, bool bare) {
+    size_t size;
+    uint8_t *bytes = read_file(path, &size);
+    gsf_coded_image image = {.bare = bare};
+    gsf_result result = gsf_read_header(bytes, size, bare, &image.header);
+    if (result == GSF_OK) {
+        allocate_arrays(&image);
+        void *scratch = allocate(gsf_scratch_size(&image.header), 1);
+        result = gsf_read(bytes, size, &image, scratch);
+        free(scratch);
+    }
+    printf("file %s %s\n", path, result_name(result));
+    if (result == GSF_OK && !bare)
+        print_blocks(bytes, size);
+    if (result == GSF_OK)
+        print_image(&image);
+    free_arrays(&image);
+    free(bytes);
+}
+
+/* Reads the first `size` bytes, from memory of that size, so that a sanitizer sees reads beyond them. */
+static void print_prefix(const uint8_t *bytes, size_t size, gsf_coded_image image, void *scratch) {
+    uint8_t *exact = allocate(size, 1);
+    uint32_t total = 0;
+    memcpy(exact, bytes, size);
+    const gsf_result result = gsf_read_prefix(exact, size, &image, &total, scratch);
+    printf("prefix %zu %s", size, result_name(result));
+    if (result == GSF_OK)
+        printf(" %" PRIu32 " %" PRIu32, image.header.splat_count, total);
+    putchar('\n');
+    free(exact);
+}
+
+/* The memory for the whole file is enough for each of its prefixes. */
+static void read_prefixes(const char *path, bool bare) {
+    size_t size;
+    uint8_t *bytes = read_file(path, &size);
+    gsf_coded_image image = {.bare = bare};
+    if (gsf_read_header(bytes, size, bare, &image.header) != GSF_OK)
+        fail("%s: not a valid file", path);
+    allocate_arrays(&image);
+    void *scratch = allocate(gsf_scratch_size(&image.header), 1);
+    printf("file %s\n", path);
+    for (size_t i = 0; i <= size; i++) {
+        gsf_coded_image cut = image;
+        cut.header = (gsf_header){.width = 0};
+        print_prefix(bytes, i, cut, scratch);
+    }
+    free(scratch);
+    free_arrays(&image);
+    free(bytes);
+}
+
+/* ---- Text to codes ---- */
+
+typedef struct text {
+    gsf_coded_image image;
+    gsf_bytes blocks[GSF_BLOCK_COUNT];
+    unsigned ranges; /* read so far */
+    uint32_t splats;
+} text;
+
+static void parse_block(text *t, const char *line) {
+    unsigned type;
+    char *hex = allocate(MAX_LINE, 1);
+    if (sscanf(line, "block %u %s", &type, hex) != 2)
+        fail("%s: not a block", line);
+    const size_t size = strcmp(hex, "-") == 0 ? 0 : strlen(hex) / 2;
+    uint8_t *data = allocate(size, 1);
+    for (size_t i = 0; i < size; i++) {
+        unsigned byte;
+        sscanf(hex + 2 * i, "%2x", &byte);
+        data[i] = (uint8_t)byte;
+    }
+    for (int i = 0; i < GSF_BLOCK_COUNT; i++)
+        if (BLOCK_TYPES[i] == type)
+            t->blocks[i] = (gsf_bytes){data, size};
+    t->image.blocks = t->blocks;
+    free(hex);
+}
+
+static void set_kind(gsf_header *h, const int *v) {
+    h->blend = (gsf_blend)v[0];
+    h->coding = (gsf_coding)v[1];
+    h->layout = (gsf_layout)v[2];
+    h->high_bit_depth = v[3];
+    h->has_chroma = v[4];
+    h->has_alpha = v[5];
+    h->has_opacity = v[6];
+    h->has_anisotropy = v[7];
+    h->has_rotation = v[8];
+    h->has_texture = v[9];
+}
+
+static gsf_steps steps_of(const int *v) {
+    return (gsf_steps){(uint8_t)v[0], (uint8_t)v[1], (uint8_t)v[2], (uint8_t)v[3],
+                       (uint8_t)v[4], (uint8_t)v[5], (uint8_t)v[6]};
+}
+
+/* The ranges stand in the order of the dimensions that are used: first those of shapes. */
+static void add_range(text *t, const int *v) {
+    bool used[GSF_SHAPE_DIMS];
+    unsigned shape_dims = 0, places[GSF_SHAPE_DIMS];
+    used_shape_dims(&t->image.header, used);
+    for (unsigned i = 0; i < GSF_SHAPE_DIMS; i++)
+        if (used[i])
+            places[shape_dims++] = i;
+    const gsf_range range = {v[0], v[1]};
+    if (t->ranges < shape_dims)
+        t->image.codebooks.shape[places[t->ranges]] = range;
+    else
+        t->image.codebooks.colour[t->ranges - shape_dims] = range;
+    t->ranges++;
+}
+
+static void add_shape(text *t, const int *v) {
+    gsf_codebooks *books = &t->image.codebooks;
+    bool used[GSF_SHAPE_DIMS];
+    used_shape_dims(&t->image.header, used);
+    for (unsigned i = 0; i < GSF_SHAPE_DIMS; i++)
+        books->shape_words[books->shape_count][i] = used[i] ? (uint16_t)*v++ : 0;
+    books->shape_count++;
+}
+
+static void add_colour(text *t, const int *v) {
+    gsf_codebooks *books = &t->image.codebooks;
+    for (unsigned i = 0; i < gsf_colour_dims(&t->image.header); i++)
+        books->colour_words[books->colour_count][i] = (uint16_t)v[i];
+    books->colour_count++;
+}
+
+static void add_splat(text *t, const int *v) {
+    if (t->splats == t->image.header.splat_count)
+        fail("there are too many splats");
+    if (t->image.header.coding == GSF_CODING_SCALAR)
+        t->image.splats[t->splats] = (gsf_splat){.major = (uint16_t)v[0],
+                                                 .aspect = (uint16_t)v[1],
+                                                 .angle = (uint16_t)v[2],
+                                                 .x = (uint32_t)v[3],
+                                                 .y = (uint32_t)v[4],
+                                                 .luma = (int16_t)v[5],
+                                                 .co = (int16_t)v[6],
+                                                 .cg = (int16_t)v[7],
+                                                 .alpha = (int16_t)v[8],
+                                                 .opacity = (uint16_t)v[9],
+                                                 .texture = {.amplitude = (uint8_t)v[10],
+                                                             .wave = (uint8_t)v[11],
+                                                             .direction = (uint8_t)v[12],
+                                                             .phase = (uint8_t)v[13]}};
+    else
+        t->image.indexed[t->splats] =
+            (gsf_indexed_splat){(uint16_t)v[0], (uint16_t)v[1], (uint16_t)v[2], (uint16_t)v[3]};
+    t->splats++;
+}
+
+static void set_sizes(gsf_coded_image *image, const char *word, const int *v) {
+    if (strcmp(word, "size") == 0) {
+        image->header.width = (uint32_t)v[0];
+        image->header.height = (uint32_t)v[1];
+    } else if (strcmp(word, "bits") == 0) {
+        image->codebooks.position_bits = (uint8_t)v[0];
+        image->codebooks.shape_bits = (uint8_t)v[1];
+        image->codebooks.colour_bits = (uint8_t)v[2];
+    } else {
+        fail("%s: not known", word);
+    }
+}
+
+/* The line with the number of splats comes before the words of codebooks, so that there is memory for them. */
+static void parse_numbers(text *t, const char *word, const int *v) {
+    if (strcmp(word, "kind") == 0)
+        set_kind(&t->image.header, v);
+    else if (strcmp(word, "background") == 0)
+        for (int i = 0; i < GSF_MAX_CHANNELS; i++)
+            t->image.background[i] = (uint16_t)v[i];
+    else if (strcmp(word, "steps") == 0)
+        t->image.steps = steps_of(v);
+    else if (strcmp(word, "range") == 0)
+        add_range(t, v);
+    else if (strcmp(word, "shape") == 0)
+        add_shape(t, v);
+    else if (strcmp(word, "colour") == 0)
+        add_colour(t, v);
+    else if (strcmp(word, "splat") == 0)
+        add_splat(t, v);
+    else
+        set_sizes(&t->image, word, v);
+}
+
+static void parse_line(text *t, const char *line) {
+    char word[20];
+    int v[MAX_NUMBERS] = {0}, at = 0, used = 0;
+    if (sscanf(line, "%19s%n", word, &at) != 1 || strcmp(word, "splats") == 0)
+        return;
+    if (strcmp(word, "block") == 0) {
+        parse_block(t, line);
+        return;
+    }
+    for (int i = 0; i < MAX_NUMBERS && sscanf(line + at, "%d%n", &v[i], &used) == 1; i++)
+        at += used;
+    parse_numbers(t, word, v);
+}
+
+/* The number of splats is needed first, for the memory. */
+static void parse_file(text *t, const char *path) {
+    static char line[MAX_LINE];
+    FILE *file = fopen(path, "r");
+    if (!file)
+        fail("%s: cannot be opened", path);
+    while (fgets(line, sizeof line, file))
+        sscanf(line, "splats %" SCNu32, &t->image.header.splat_count);
+    rewind(file);
+    allocate_arrays(&t->image);
+    while (fgets(line, sizeof line, file))
+        parse_line(t, line);
+    fclose(file);
+    if (t->splats != t->image.header.splat_count)
+        fail("%s: %" PRIu32 " splats are missing", path, t->image.header.splat_count - t->splats);
+}
+
+/* Writes a bare file whose work may be above the limit. */
+static size_t write_unchecked(gsf_coded_image *image, uint8_t *bytes, size_t capacity, void *scratch) {
+    gsf_coder coder;
+    gsf_workspace *workspace = scratch;
+    const uint32_t splats = image->header.splat_count;
+    gsf_sort(image, scratch);
+    gsf_coder_write_to(&coder, bytes, capacity, NULL);
+    gsf_code_header(&coder, image);
+    workspace->points = (gsf_point *)(workspace + 1);
+    workspace->priors = (gsf_prior *)(workspace->points + (splats > GSF_MAX_CODEBOOK ? splats : GSF_MAX_CODEBOOK));
+    if (gsf_code_payload(&coder, image, workspace))
+        fail("the file keeps all limits");
+    gsf_range_encoder_finish(&coder.encoder);
+    return coder.encoder.size;
+}
+
+static void write_codes(const char *text_path, const char *path, bool bare, bool unchecked) {
+    text t = {.splats = 0};
+    size_t size = 0;
+    t.image.bare = bare || unchecked;
+    parse_file(&t, text_path);
+    const size_t capacity = gsf_write_bound(&t.image);
+    uint8_t *bytes = allocate(capacity, 1);
+    void *scratch = allocate(gsf_scratch_size(&t.image.header), 1);
+    if (unchecked)
+        size = write_unchecked(&t.image, bytes, capacity, scratch);
+    else if (gsf_write(&t.image, bytes, capacity, &size, scratch) != GSF_OK)
+        fail("%s: not a valid image", text_path);
+    write_file(path, bytes, size);
+    free(scratch);
+    free(bytes);
+    free_arrays(&t.image);
+    for (int i = 0; i < GSF_BLOCK_COUNT; i++)
+        free((void *)t.blocks[i].data);
+}
+
+/* ---- Decoding ---- */
+
+static gsf_result format_result(gscl_context *context, gscl_result result, const char *path) {
+    switch (result) {
+    case GSCL_OK:
+        return GSF_OK;
+    case GSCL_ERROR_NOT_GSCL:
+        return GSF_NOT_GSCL;
+    case GSCL_ERROR_NEWER_VERSION:
+        return GSF_NEWER_VERSION;
+    case GSCL_ERROR_TRUNCATED:
+        return GSF_TRUNCATED;
+    case GSCL_ERROR_DAMAGED:
+        return GSF_DAMAGED;
+    case GSCL_ERROR_CORRUPT:
+        return GSF_CORRUPT;
+    case GSCL_ERROR_UNKNOWN_BLOCK:
+        return GSF_UNKNOWN_BLOCK;
+    default:
+        fail("%s: %s", path, gscl_context_message(context));
+        return GSF_INVALID;
+    }
+}
+
+static void decode_file(gscl_context *context, const char *path, bool bare, const char *folder, int number) {
+    size_t size;
+    uint8_t *bytes = read_file(path, &size);
+    gscl_image image = {0};
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.bare = bare;
+    const gscl_result result = gscl_decode(context, bytes, size, &settings, &image);
+    printf("file %s %s", path, result_name(format_result(context, result, path)));
+    if (result == GSCL_OK) {
+        char out[1000];
+        const unsigned sample = image.sample == GSCL_SAMPLE_U8 ? 1 : 2;
+        snprintf(out, sizeof out, "%s/%d.raw", folder, number);
+        write_file(out, image.pixels, (size_t)image.width * image.height * image.channels * sample);
+        printf(" %u %u %u %u", (unsigned)image.width, (unsigned)image.height, (unsigned)image.channels, 8 * sample);
+    }
+    putchar('\n');
+    gscl_free(image.pixels);
+    free(bytes);
+}
+
+static void decode_files(bool bare, const char *folder, char **paths, int count) {
+    gscl_context *context;
+    if (gscl_context_create(&context, NULL) != GSCL_OK)
+        fail("there is no OpenCL device");
+    for (int i = 0; i < count; i++)
+        decode_file(context, paths[i], bare, folder, i);
+    gscl_context_free(&context);
+}
+
+static bool has_word(char **words, int count, const char *word) {
+    bool found = false;
+    for (int i = 0; i < count; i++)
+        found = found || strcmp(words[i], word) == 0;
+    return found;
+}
+
+int main(int count, char **words) {
+    if (count < 4)
+        fail("codes write TEXT OUT [bare] [unchecked], codes read whole|bare FILE..., codes prefixes whole|bare "
+             "FILE... or codes decode whole|bare FOLDER "
+             "FILE...");
+    const bool bare = strcmp(words[2], "bare") == 0;
+    if (strcmp(words[1], "write") == 0)
+        write_codes(words[2], words[3], has_word(words + 4, count - 4, "bare"),
+                    has_word(words + 4, count - 4, "unchecked"));
+    else if (strcmp(words[1], "read") == 0)
+        for (int i = 3; i < count; i++)
+            read_and_print(words[i], bare);
+    else if (strcmp(words[1], "prefixes") == 0)
+        for (int i = 3; i < count; i++)
+            read_prefixes(words[i], bare);
+    else
+        decode_files(bare, words[3], words + 4, count - 4);
+    return 0;
+}
