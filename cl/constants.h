@@ -201,6 +201,7 @@
 /* Format: a texture's codes. */
 #define GSCL_WAVES 16
 #define GSCL_DIRECTIONS 16
+#define GSCL_DIRECTION_ROWS 8
 #define GSCL_PHASES 8
 #define GSCL_AMPLITUDES 16
 #define GSCL_OPACITIES 16             /* at most */

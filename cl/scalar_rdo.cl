@@ -163,6 +163,14 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry 
     return true;
 }
 
+/* What the direction adds to the bits of an angle. */
+inline float codes_direction_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
+    int aspect = c->code[GSCL_CODE_ASPECT], angles = tables->aspects[aspect].angles;
+    if (!ROTATION || angles < 2) return 0.0f;
+    int bin = (2 * GSCL_DIRECTIONS * c->code[GSCL_CODE_ANGLE] + angles) / (2 * angles) % GSCL_DIRECTIONS;
+    return tables->direction_bits[min(aspect / 2, GSCL_DIRECTION_ROWS - 1)][bin];
+}
+
 /* Whether the outline stays within the pixels of the task. */
 inline bool task_contains(gscl_rdo_task task, const projected_splat *a) {
     return outline_is_within(a, (int4)(task.x0, task.x1, task.y0, task.y1));
@@ -204,7 +212,8 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *res
             outcome.cost += pass.settings.lambda *
                             (pass.bits_per_splat + other_bits + tables->majors[now.code[GSCL_CODE_MAJOR]].bits +
                              tables->aspects[now.code[GSCL_CODE_ASPECT]].bits +
-                             tables->shape_bits[now.code[GSCL_CODE_MAJOR]][now.code[GSCL_CODE_ASPECT]]);
+                             tables->shape_bits[now.code[GSCL_CODE_MAJOR]][now.code[GSCL_CODE_ASPECT]] +
+                             codes_direction_bits(&now, tables));
             for (int k = 0; k < 4; k++) outcome.colour[k] = now.code[GSCL_CODE_LUMA + k];
         }
     }

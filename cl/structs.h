@@ -110,7 +110,9 @@ typedef struct gscl_rdo_tables {
     gscl_major_entry majors[GSCL_MAX_SCALE + 1];
     gscl_aspect_entry aspects[GSCL_MAX_SCALE + 1];
     cl_float shape_bits[GSCL_MAX_SCALE + 1][GSCL_MAX_SCALE + 1]; /* of an aspect code, by the major code and it */
-    cl_float bits[GSCL_BITS_COUNT];                              /* by GSCL_BITS_... */
+    /* Of a direction, less those of an angle that is as likely as all others: by half the aspect code, and by the bin. */
+    cl_float direction_bits[GSCL_DIRECTION_ROWS][GSCL_DIRECTIONS];
+    cl_float bits[GSCL_BITS_COUNT]; /* by GSCL_BITS_... */
 } gscl_rdo_tables;
 
 /* A splat that is changed in a pass. */

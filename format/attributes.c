@@ -13,11 +13,11 @@ const gsf_conditional_shape gsf_aspect_shape = {gsf_aspect_table,
                                                 GSF_ASPECT_COLUMNS,
                                                 false,
                                                 {4, 2, 1}};
-static const gsf_conditional_shape DIRECTION = {gsf_direction_table,
-                                                GSF_DIRECTION_ROWS,
-                                                GSF_DIRECTION_COLUMNS,
-                                                true,
-                                                {7, 1, 0}};
+const gsf_conditional_shape gsf_direction_shape = {gsf_direction_table,
+                                                   GSF_DIRECTION_ROWS,
+                                                   GSF_DIRECTION_COLUMNS,
+                                                   true,
+                                                   {7, 1, 0}};
 static const gsf_conditional_shape TEXTURED = {gsf_textured_table, GSF_TEXTURED_ROWS, 2, false, {10, 0, 0}};
 static const gsf_conditional_shape AMPLITUDE = {gsf_amplitude_table, 1, GSF_AMPLITUDES, false, {5, 2, 1}};
 static const gsf_conditional_shape WAVE = {gsf_wave_table, 1, GSF_WAVES, false, {5, 2, 0}};
@@ -43,7 +43,7 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
         a->parts[i] = gsf_position_parts(steps, i);
     }
     gsf_conditional_init(&a->aspect, &gsf_aspect_shape);
-    gsf_conditional_init(&a->direction, &DIRECTION);
+    gsf_conditional_init(&a->direction, &gsf_direction_shape);
     gsf_conditional_init(&a->textured, &TEXTURED);
     gsf_conditional_init(&a->amplitude, &AMPLITUDE);
     gsf_conditional_init(&a->wave, &WAVE);
@@ -68,7 +68,7 @@ static uint32_t first_in_bin(uint32_t bin, uint32_t count) {
     return (count * (2 * bin + width - 1) + width - 1) / width - count;
 }
 
-static uint32_t bin_of(uint32_t code, uint32_t count) {
+uint32_t gsf_direction_of(uint32_t code, uint32_t count) {
     return (2 * GSF_DIRECTIONS * code + count) / (2 * count) % GSF_DIRECTIONS;
 }
 
@@ -85,6 +85,10 @@ static void update_direction(gsf_model *model, uint32_t bin) {
 static uint32_t size_row(unsigned major, unsigned typical, uint32_t below, uint32_t rows) {
     const int32_t relative = (int32_t)major - (int32_t)typical + (int32_t)below;
     return relative < 0 ? 0 : (uint32_t)relative < rows ? (uint32_t)relative : rows - 1;
+}
+
+uint32_t gsf_direction_row(unsigned aspect) {
+    return aspect / 2 < GSF_DIRECTION_ROWS ? aspect / 2 : GSF_DIRECTION_ROWS - 1;
 }
 
 uint32_t gsf_aspect_row(unsigned major, unsigned typical) {
@@ -115,7 +119,7 @@ static uint32_t code_angle(gsf_coder *coder, gsf_conditional *model, uint32_t ro
         freq[i] = codes == 0 ? 0 : (uint16_t)(1 + (directions[i] * codes * share >> 16));
         total += freq[i];
     }
-    const uint32_t bin = gsf_code_symbol(coder, bin_of(code, count), freq, GSF_DIRECTIONS, total);
+    const uint32_t bin = gsf_code_symbol(coder, gsf_direction_of(code, count), freq, GSF_DIRECTIONS, total);
     const uint32_t first = first_in_bin(bin, count);
     const uint32_t codes = first_in_bin(bin + 1, count) - first;
     const uint32_t offset = gsf_code_uniform(coder, (code - first + count) % count, codes);
@@ -130,10 +134,6 @@ static void code_part(gsf_coder *coder, gsf_splat *splat, uint32_t parts, bool s
     *place = cell * parts + gsf_code_uniform(coder, *place - cell * parts, parts);
 }
 
-static uint32_t direction_row(uint32_t aspect) {
-    return aspect / 2 < GSF_DIRECTION_ROWS ? aspect / 2 : GSF_DIRECTION_ROWS - 1;
-}
-
 static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     coder->stream = GSF_STREAM_SCALE;
     if (a->header.has_anisotropy)
@@ -141,7 +141,8 @@ static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     coder->stream = GSF_STREAM_ANGLE;
     const unsigned angles = a->header.has_rotation ? a->angles[splat->aspect] : 1;
     if (angles > 1)
-        splat->angle = (uint16_t)code_angle(coder, &a->direction, direction_row(splat->aspect), angles, splat->angle);
+        splat->angle =
+            (uint16_t)code_angle(coder, &a->direction, gsf_direction_row(splat->aspect), angles, splat->angle);
     coder->stream = GSF_STREAM_POSITION;
     const uint32_t parts = a->parts[splat->aspect];
     const bool steep = gsf_angle_is_steep(splat->angle, angles);

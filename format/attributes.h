@@ -26,6 +26,11 @@ extern const gsf_conditional_shape gsf_aspect_shape;
 /* Its row for a major code; `typical` is gsf_typical_size. */
 uint32_t gsf_aspect_row(unsigned major, unsigned typical);
 
+/* The conditional model of the direction, its row for an aspect, and its symbol for an angle code of `count`. */
+extern const gsf_conditional_shape gsf_direction_shape;
+uint32_t gsf_direction_row(unsigned aspect);
+uint32_t gsf_direction_of(uint32_t code, uint32_t count);
+
 void gsf_attributes_init(gsf_attributes *attributes, const gsf_header *header, const gsf_steps *steps);
 
 /* Codes one splat.  Splats must come in stored order, with major axis and cell of the class in place.  Fields whose effect is off are not

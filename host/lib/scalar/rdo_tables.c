@@ -6,6 +6,7 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 #include "format/attributes.h"
+#include "format/tables.h"
 #include "scalar/tunables.h"
 
 /* Fails to compile unless kernels and format agree on a number of codes. */
@@ -13,6 +14,7 @@
 ASSERT_CODES_AGREE(scales, GSCL_MAX_SCALE, GSF_MAX_SCALE_CODE);
 ASSERT_CODES_AGREE(waves, GSCL_WAVES, GSF_WAVES);
 ASSERT_CODES_AGREE(directions, GSCL_DIRECTIONS, GSF_DIRECTIONS);
+ASSERT_CODES_AGREE(direction_rows, GSCL_DIRECTION_ROWS, GSF_DIRECTION_ROWS);
 ASSERT_CODES_AGREE(phases, GSCL_PHASES, GSF_PHASES);
 ASSERT_CODES_AGREE(amplitudes, GSCL_AMPLITUDES, GSF_AMPLITUDES);
 
@@ -114,6 +116,24 @@ static void make_aspect_bits(gscl_rdo_tables *t, const gsf_coded_image *image, c
     }
 }
 
+/* The same for directions. */
+static void make_direction_bits(gscl_rdo_tables *t, const code_list *list) {
+    gsf_conditional model;
+    gsf_conditional_init(&model, &gsf_direction_shape);
+    for (size_t i = 0; i < list->count; i++) {
+        const cl_int *code = list->codes[i].code;
+        const unsigned aspect = (unsigned)code[GSCL_CODE_ASPECT];
+        if (t->aspects[aspect].angles > 1)
+            gsf_conditional_update(
+                &model, gsf_direction_row(aspect),
+                gsf_direction_of((unsigned)code[GSCL_CODE_ANGLE], (unsigned)t->aspects[aspect].angles));
+    }
+    for (unsigned row = 0; row < GSCL_DIRECTION_ROWS; row++)
+        for (unsigned i = 0; i < GSCL_DIRECTIONS; i++)
+            t->direction_bits[row][i] =
+                (float)-log2(GSCL_DIRECTIONS * (double)gsf_conditional_row(&model, row)[i] / model.total[row]);
+}
+
 static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list) {
     const gsf_header *header = &image->header;
     double majors[GSCL_MAX_SCALE + 1] = {0};
@@ -132,6 +152,7 @@ static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, 
         a->parts = (cl_int)gsf_position_parts(&image->steps, i);
         a->bits = log2f((float)a->angles * (float)a->parts);
     }
+    make_direction_bits(t, list);
 }
 
 static void make_colour_tables(gscl_rdo_tables *t, const gscl_rdo_settings *settings, const code_list *list) {
