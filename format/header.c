@@ -160,7 +160,7 @@ void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
 }
 
 gsf_steps gsf_default_steps(void) {
-    return (gsf_steps){.scale = 6, .position = 10, .angle = 4, .luma = 8, .chroma = 4, .alpha = 4, .opacity = 3};
+    return (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 9, .chroma = 5, .alpha = 4, .opacity = 3};
 }
 
 uint16_t gsf_default_background(const gsf_header *header) {

@@ -21,7 +21,7 @@ import gscl_file
 
 NORMALIZED, ALPHA, SUM = range(3)
 GREY, GREY_ALPHA, RGB, RGB_ALPHA = range(4)
-DEFAULT_STEPS = (6, 10, 4, 8, 4, 4, 3)
+DEFAULT_STEPS = (6, 8, 4, 9, 5, 4, 3)
 MAX_DRAWN = 4096  # pixels: larger pictures are not kept, but some of their samples
 
 
@@ -157,7 +157,7 @@ def scalar_scenes():
 
 
 def shape_scenes():
-    scene = Scene(20, 20, n=11, steps=(6, 10, 4, 8, 4, 4, 3))
+    scene = Scene(20, 20, n=11, steps=(6, 8, 4, 9, 5, 4, 3))
     for i in range(11):
         scene.add(12 + i, min(2 * i, 12 + i), 0, (i + .5) / 11, .5, 3 * i)
     yield "aspects", "aspects 0 to 20 at the angle 0", scene
@@ -170,7 +170,7 @@ def shape_scenes():
     for i, angle in enumerate((0, 1, C // 4, C // 4 + 1, C // 2, 3 * C // 4, 3 * C // 4 + 1, C - 1)):
         scene.add(20, 8, angle, (i % 4 + .5) / 4, (i // 4 + .5) / 2, 4 * i)
     yield "angles", f"flat and steep angles of {C}", scene
-    scene = Scene(20, 20, n=5, steps=(6, 10, 4, 8, 4, 4, 3))
+    scene = Scene(20, 20, n=5, steps=(6, 8, 4, 9, 5, 4, 3))
     aspect = next(a for a in range(1, 40) if scene.angle_count(a) % 4 == 0)
     C = scene.angle_count(aspect)
     for i in range(5):
@@ -308,7 +308,7 @@ def forged_pictures():
     yield "long-square", "a square by the ratio `free`", forge({**SQUARE, 5: 0, 6: 8, 7: 1})
     yield "long-side", "64 pixels that are not coded as a multiple of 64", forge({**SQUARE, 3: 6, 4: 31})
     yield "long-steps", "explicit steps that are the default", \
-        forge({**SQUARE, 7: 1, **{8 + i: step for i, step in enumerate((6, 10, 4, 8, 4))}})
+        forge({**SQUARE, 7: 1, **{8 + i: step for i, step in enumerate((6, 8, 4, 9, 5))}})
     yield "long-background", "an explicit background that is the default", forge({**SQUARE, 8: 1, 9: 128, 10: 128, 11: 128})
     yield "long-range-axis", "an axis of a codebook of 641, which counts as 640", forge({**BOOK, 19: 10, 21: 8, 22: 1})
     yield "long-range-min", "a range of a codebook of which both ends are too high", forge({**BOOK, 19: 16, 20: 1, 21: 16})

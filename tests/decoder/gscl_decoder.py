@@ -287,7 +287,7 @@ class Picture:
     def read_steps(self, coder):
         used = {"angle": self.has_rotation, "chroma": self.has_chroma, "alpha": self.has_alpha,
                 "opacity": self.has_opacity}
-        default = dict(zip(STEPS, (6, 10, 4, 8, 4, 4, 3)))
+        default = dict(zip(STEPS, (6, 8, 4, 9, 5, 4, 3)))
         explicit = coder.flag(2)
         for name in STEPS:
             if used.get(name, 1):
