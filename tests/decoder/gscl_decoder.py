@@ -53,25 +53,17 @@ class BeyondEnd(Exception):
 # ---------------------------------------------------------------------------------------------- the page's tables
 
 def read_tables(path=PAGE):
-    """The tables of the section "Trained tables", in their order: rows of numbers, paragraph by paragraph."""
+    """The tables of the section "Trained tables": rows are separated by `|` and by line feeds, tables by text."""
     with open(path, encoding="utf-8") as page:
         section = re.search(r"^## Trained tables\n(.*?)^## ", page.read(), re.M | re.S).group(1)
-    tables = []
-    previous = ""
-    for line in section.splitlines():
-        if re.fullmatch(r" {4}[\d ]+", line):
-            if not re.fullmatch(r" {4}[\d ]+", previous):
-                tables.append([])
-            tables[-1].append([int(word) for word in line.split()])
-        previous = line
-    aspect, direction, textured, waves, classes = tables
-    pairs = [row[i:i + 2] for row in textured for i in range(0, len(row), 2)]
-    weights = [row[i:i + 2] for row in classes for i in range(0, len(row), 2)]
-    shapes = [(len(table), {len(row) for row in table}) for table in (aspect, direction, pairs, waves, weights)]
+    paragraphs = re.findall(r"(?:^ {4}[\d |]+\n)+", section, re.M)
+    aspect, direction, textured, waves, classes = (
+        [[int(word) for word in row.split()] for row in re.split(r"[|\n]", paragraph.strip("\n"))] for paragraph in paragraphs)
+    shapes = [(len(table), {len(row) for row in table}) for table in (aspect, direction, textured, waves, classes)]
     if shapes != [(24, {24}), (8, {16}), (12, {2}), (2, {16}), (40, {2})]:
         raise ValueError(f"{path}: the trained tables have the shapes {shapes}")
-    return {"aspect": aspect, "direction": direction, "textured": pairs, "amplitude": waves[:1], "wave": waves[1:],
-            "class": weights}
+    return {"aspect": aspect, "direction": direction, "textured": textured, "amplitude": waves[:1], "wave": waves[1:],
+            "class": classes}
 
 
 TABLES = read_tables()
@@ -167,11 +159,6 @@ class Model:
         self.f = f
         self.gains = gains
         self.limit = min(len(f) * mean_limit, 32000)
-
-    @classmethod
-    def bell(cls, count, centre, base, height, width, gains, mean_limit):
-        f = [base + height * width * width // (width * width + (i - centre) ** 2) for i in range(count)]
-        return cls(f, gains, mean_limit)
 
     def add(self, i, amount):
         if 0 <= i < len(self.f):
@@ -420,7 +407,7 @@ class Picture:
         return [[value] + [coder.raw(bits) for _ in range(dimensions - 1)] for value in first]
 
     def start_codebook_splats(self):
-        self.colour_model = Model.bell(len(self.colour_words), 0, 16, 0, 1, (32, 4, 0), 256)
+        self.colour_model = Model([16] * len(self.colour_words), (32, 4, 0), 256)
 
     def read_codebook_splat(self, coder, number, x, y):
         splat = Splat()
@@ -442,14 +429,14 @@ class Picture:
         self.textured_model = ConditionalModel(TABLES["textured"], (10, 0, 0))
         self.amplitude_model = ConditionalModel(TABLES["amplitude"], (5, 2, 1))
         self.wave_model = ConditionalModel(TABLES["wave"], (5, 2, 0))
-        self.wave_direction_model = Model.bell(16, 0, 64, 0, 1, (16, 6, 0), 256)
+        self.wave_direction_model = Model([64] * 16, (16, 6, 0), 256)
         L = self.levels["luma"]
         low, high = self.limits("luma")
         f = [8 if self.blend == SUM else 5 + 9 * (L - code) // L if 0 <= code <= L else 1 for code in range(low, high + 1)]
         self.luma_model = Model(f, (32, 20, 10), 192)
         low, high = self.limits("alpha")
-        self.alpha_model = Model.bell(high - low + 1, 0, 4, 0, 1, (32, 8, 2), 256)
-        self.opacity_model = Model.bell(self.step["opacity"] + 1, 0, 16, 0, 1, (32, 8, 0), 256)
+        self.alpha_model = Model([4] * (high - low + 1), (32, 8, 2), 256)
+        self.opacity_model = Model([16] * (self.step["opacity"] + 1), (32, 8, 0), 256)
         self.chroma = Chroma(self.levels["chroma"])
 
     def read_scalar_splat(self, coder, major, x, y):
@@ -668,8 +655,9 @@ class Chroma:
 
     def __init__(self, L):
         self.L = L
-        self.plain = [Model.bell(2 * L + 1, L, 1, 150, 1, (150, 6, 0), 600) for _ in range(2)]
-        self.residual = [Model.bell(4 * L + 1, 2 * L, 1, 150, 1, (150, 14, 2), 400) for _ in range(2)]
+        peak = lambda width: [1 + 150 // (1 + (i - width) ** 2) for i in range(2 * width + 1)]
+        self.plain = [Model(peak(L), (150, 6, 0), 600) for _ in range(2)]
+        self.residual = [Model(peak(2 * L), (150, 14, 2), 400) for _ in range(2)]
         self.weight = [40000, 40000]
         self.pyramid = [{} for _ in range(6)]
         self.XX, self.XY = 2048, 0
