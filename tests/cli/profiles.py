@@ -60,12 +60,18 @@ def srgb_of(colour, primaries, gamma=None):
     return [linear_to_srgb(min(max(row[0], 0.0), 1.0)) for row in result]
 
 
-def srgb_of_lab(lab):
-    """A colour of CIELAB, white D50, in sRGB."""
-    lightness, a, b = lab
-    middle = (lightness + 16) / 116
-    cubes = [v ** 3 if v > 6 / 29 else 3 * (6 / 29) ** 2 * (v - 4 / 29) for v in (middle + a / 500, middle, middle - b / 200)]
-    linear = multiply(inverse(to_d50(SRGB)), [[v * white] for v, white in zip(cubes, D50)])
+def lab_to_xyz(lab):
+    """A colour of CIELAB relative to a white of 1, 1, 1."""
+    middle = (lab[0] + 16) / 116
+    return [v ** 3 if v > 6 / 29 else 3 * (6 / 29) ** 2 * (v - 4 / 29)
+            for v in (middle + lab[1] / 500, middle, middle - lab[2] / 200)]
+
+
+def srgb_of_lab(lab, black):
+    """A colour of CIELAB, white D50, in sRGB, after black point compensation for a grey of lightness `black`."""
+    least = lab_to_xyz((black, 0, 0))[1]
+    scaled = [(v - least) / (1 - least) for v in lab_to_xyz(lab)]
+    linear = multiply(inverse(to_d50(SRGB)), [[v * white] for v, white in zip(scaled, D50)])
     return [linear_to_srgb(min(max(row[0], 0.0), 1.0)) for row in linear]
 
 
@@ -117,13 +123,15 @@ def icc_grey(gamma, name="Test Grey"):
 
 
 def icc_cmyk(colours, name="Test CMYK"):
-    """Inks whose 16 full combinations have the given colours, (L, a, b), the last ink changing fastest."""
+    """Inks whose 16 full combinations have the given colours, (L, a, b) relative to the paper, the last ink changing
+    fastest.  The paper is yellowish."""
     identity = b"".join(fixed(1.0 if i % 4 == 0 else 0.0) for i in range(9))
     ramp = bytes(range(256))
     corners = b"".join(bytes((round(l * 2.55), round(a + 128), round(b + 128))) for l, a, b in colours)
     table = b"mft1" + bytes(4) + bytes((4, 3, 2, 0)) + identity + ramp * 4 + corners + ramp * 3
-    return icc_file(b"CMYK", b"Lab ", [(b"desc", text_tag(name)), (b"cprt", text_tag("none")), (b"wtpt", xyz_tag(D50)),
-                                       (b"A2B0", table)], kind=b"prtr")
+    tags = [(b"desc", text_tag(name)), (b"cprt", text_tag("none")), (b"wtpt", xyz_tag((0.85, 0.88, 0.6))),
+            (b"A2B0", table), (b"A2B1", table)]
+    return icc_file(b"CMYK", b"Lab ", tags, kind=b"scnr")
 
 
 # ---- EXIF -----------------------------------------------------------------------------------------
@@ -133,8 +141,8 @@ BYTE_SHORT, BYTE_LONG, BYTE_ASCII = 3, 4, 2
 
 
 def exif_directory(order, at, entries, following=0):
-    """A directory at the offset `at`.  Entries are (tag, value): an integer below 65536 is a SHORT, text is ASCII, and a
-    list is a directory of its own."""
+    """A directory at the offset `at`.  Entries are (tag, value): an integer below 65536 is a SHORT, text is ASCII, and
+    a list is a directory of its own."""
     data_at = at + 2 + 12 * len(entries) + 4
     table, data = struct.pack(order + "H", len(entries)), b""
     for tag, value in entries:

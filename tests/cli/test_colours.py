@@ -12,8 +12,9 @@ P3 = icc_rgb(DISPLAY_P3, name="Test P3")
 ADOBE = icc_rgb(ADOBE_RGB, ADOBE_RGB_GAMMA, name="Test Adobe")
 TIFF_ICC = 34675
 WARNING = "warning: its colour profile is damaged or does not suit its pixels; it is taken as sRGB"
-INKS = [(100, 0, 0), (0, 0, 0), (90, 0, 80), (0, 0, 0), (50, 50, 0), (0, 0, 0), (50, 60, 40), (0, 0, 0),
-        (60, -30, -40), (0, 0, 0), (50, -60, 30), (0, 0, 0), (30, 20, -40), (0, 0, 0), (20, 0, 0), (0, 0, 0)]
+BLACK = 10  # lightness of black ink
+INKS = [(100, 0, 0), (BLACK, 0, 0), (90, 0, 80), (BLACK, 0, 0), (50, 50, 0), (BLACK, 0, 0), (50, 60, 40), (BLACK, 0, 0),
+        (60, -20, -30), (BLACK, 0, 0), (50, -60, 30), (BLACK, 0, 0), (30, 20, -40), (BLACK, 0, 0), (20, 0, 0), (BLACK, 0, 0)]
 
 
 def converted(image, primaries, gamma=None):
@@ -183,7 +184,7 @@ class Inks(ColourTest):
     def test_profile_of_inks(self):
         profile = icc_cmyk(INKS)
         for inks, corner in self.CORNERS:
-            expected = flat(16, 8, tuple(round(255 * value) for value in srgb_of_lab(INKS[corner])))
+            expected = flat(16, 8, tuple(round(255 * value) for value in srgb_of_lab(INKS[corner], BLACK)))
             inverted = flat(16, 8, tuple(255 - ink for ink in inks))
             adobe = (0xEE, b"Adobe\0\x64\0\0\0\0\0")
             for file, data in (("in.tif", tiff_bytes(flat(16, 8, inks), photometric=5, blocks=[(TIFF_ICC, profile)])),
@@ -222,13 +223,13 @@ class Damaged(ColourTest):
     def test_damaged_chunks(self):
         image = scene(24, 16)
         good = png_bytes(image, [png_icc(P3)])
-        at = good.index(b"iCCP") + 60
-        self.damaged("in.png", good[:at] + bytes([good[at] ^ 1]) + good[at + 1:], image)
+        for at in (good.index(b"iCCP") + 4, good.index(b"iCCP") + 60):  # a byte of the name, and of the profile
+            self.damaged("in.png", good[:at] + bytes([good[at] ^ 1]) + good[at + 1:], image)
         for content in (b"", b"name", b"name\0", b"name\0\1" + bytes(20), b"name\0\0", b"name\0\0" + bytes(50)):
             with self.subTest(content=content):
                 self.damaged("in.png", png_bytes(image, [(b"iCCP", content)]), image)
         for content in (b"", b"\1", bytes((12, 13, 1, 1)), bytes((12, 13, 0, 0)), bytes((3, 13, 0, 1)),
-                        bytes((12, 3, 0, 1))):
+                        bytes((12, 3, 0, 1)), bytes((12, 13, 0, 1, 0))):
             with self.subTest(content=content):
                 self.damaged("in.png", png_bytes(image, [(b"cICP", content)]), image)
 

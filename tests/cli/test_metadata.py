@@ -146,6 +146,26 @@ class Damaged(MetadataTest):
             done = self.start("compare", "a.jpg", "b.jpg")
             self.assertEqual(done.returncode, 0, (at, done.stderr))
 
+    def test_values_outside(self):
+        """A value of 16 bytes that begins near the end of the block, at it, or far beyond it."""
+        image = blocks(scene(16, 8))
+        size = len(exif_bytes([(ORIENTATION, 1)]))
+        for offset in (size - 15, size, size + 1, 2 ** 31, 2 ** 32 - 16, 2 ** 32 - 1):
+            entry = struct.pack(">HHHII", 1, ORIENTATION, 3, 8, offset)
+            exif = struct.pack(">2sHI", b"MM", 42, 8) + entry + bytes(4)
+            self.assertEqual(len(exif), size)
+            self.same("in.png", png_bytes(image, [(b"eXIf", exif)]), image)
+
+    def test_forged_chunks_of_webp(self):
+        """Sizes of chunks that end beyond the file: the image is read or refused."""
+        image = scene(16, 8)
+        good = webp_bytes(image, [(b"EXIF", exif_bytes([(ORIENTATION, 1)])), (b"XMP ", XMP)])
+        for name in (b"VP8X", b"VP8L", b"EXIF", b"XMP "):
+            at = good.index(name) + 4
+            for size in (0, 1, 1000, 2 ** 31, 2 ** 32 - 1):
+                self.write("in.webp", good[:at] + struct.pack("<I", size) + good[at + 4:])
+                self.assertIn(self.start("compare", "in.webp", "in.webp").returncode, (0, 1), (name, size))
+
     def test_forged_tiff(self):
         """The same for the types, counts and values of a directory of a TIFF file: it is read or refused."""
         exif = (EXIF_DIRECTORY, b"\0\1\0\1\0\3\0\0\0\1\0\1\0\0")

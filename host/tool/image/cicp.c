@@ -57,11 +57,11 @@ cmsToneCurve *cicp_curve(cmsContext context, uint8_t code) {
     }
 }
 
-bool cicp_is_hdr(const uint8_t cicp[3]) {
+bool cicp_is_hdr(const uint8_t cicp[2]) {
     return cicp[1] == CICP_TRANSFER_PQ || cicp[1] == CICP_TRANSFER_HLG;
 }
 
-const char *cicp_name(const uint8_t cicp[3]) {
+const char *cicp_name(const uint8_t cicp[2]) {
     const bool srgb_curve = cicp[1] == CICP_TRANSFER_SRGB;
     if (cicp[0] == CICP_PRIMARIES_SRGB && srgb_curve)
         return "sRGB";

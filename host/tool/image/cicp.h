@@ -24,9 +24,9 @@ const double *cicp_primaries(uint8_t code);
 cmsToneCurve *cicp_curve(cmsContext context, uint8_t code);
 
 /* Whether the colours exceed the range of a display, and need a reader that maps them. */
-bool cicp_is_hdr(const uint8_t cicp[3]);
+bool cicp_is_hdr(const uint8_t cicp[2]);
 
 /* A name for messages: "Display P3". */
-const char *cicp_name(const uint8_t cicp[3]);
+const char *cicp_name(const uint8_t cicp[2]);
 
 #endif

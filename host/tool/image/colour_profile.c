@@ -68,7 +68,7 @@ static bool finish(colour_profile *profile, bool ok) {
     return ok;
 }
 
-bool colour_profile_open_cicp(colour_profile *profile, const uint8_t cicp[3], unsigned channels) {
+bool colour_profile_open_cicp(colour_profile *profile, const uint8_t cicp[2], unsigned channels) {
     const double *xy = cicp_primaries(cicp[0]);
     return start(profile) &&
            finish(profile, xy && open_made(profile, xy, cicp_curve(profile->context, cicp[1]), channels));
@@ -196,7 +196,7 @@ bool colour_profile_is_srgb(const colour_profile *profile) {
     return same;
 }
 
-static bool is_cicp(const colour_profile *profile, const uint8_t cicp[3]) {
+static bool is_cicp(const colour_profile *profile, const uint8_t cicp[2]) {
     colour_profile candidate;
     if (!colour_profile_open_cicp(&candidate, cicp, profile->channels))
         return false;
@@ -205,13 +205,13 @@ static bool is_cicp(const colour_profile *profile, const uint8_t cicp[3]) {
     return same;
 }
 
-bool colour_profile_find_cicp(const colour_profile *profile, uint8_t cicp[3]) {
+bool colour_profile_find_cicp(const colour_profile *profile, uint8_t cicp[2]) {
     static const uint8_t primaries[] = {1, 12, 9, 5, 6, 11}, curves[] = {CICP_TRANSFER_SRGB, 4, 8};
     if (profile->channels == 4)
         return false;
     for (size_t i = 0; i < sizeof primaries; i++) {
         for (size_t j = 0; j < sizeof curves; j++) {
-            const uint8_t candidate[3] = {primaries[i], curves[j], 0};
+            const uint8_t candidate[2] = {primaries[i], curves[j]};
             if (is_cicp(profile, candidate)) {
                 memcpy(cicp, candidate, sizeof candidate);
                 return true;

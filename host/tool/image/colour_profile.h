@@ -21,7 +21,7 @@ typedef struct colour_profile {
  * that it says nothing about are those of sRGB.  Returns false if that is damaged or does not apply to such pixels. */
 bool colour_profile_open(colour_profile *profile, const image_content *content);
 /* Opens code points (primaries, transfer characteristics).  Returns false for those that no profile can express. */
-bool colour_profile_open_cicp(colour_profile *profile, const uint8_t cicp[3], unsigned channels);
+bool colour_profile_open_cicp(colour_profile *profile, const uint8_t cicp[2], unsigned channels);
 /* Opens sRGB, grey (1 channel) or RGB. */
 bool colour_profile_open_srgb(colour_profile *profile, unsigned channels);
 /* Opens the bytes of a profile.  Returns false if they are damaged or do not apply to `channels` colours, inks if 4. */
@@ -36,7 +36,7 @@ bool colour_profile_save(const colour_profile *profile, image_blob *icc);
 /* Whether the colours are those of sRGB, within 2 of 255. */
 bool colour_profile_is_srgb(const colour_profile *profile);
 /* The code points of the same colours, within a quarter of 1 of 255.  Returns false when there are none. */
-bool colour_profile_find_cicp(const colour_profile *profile, uint8_t cicp[3]);
+bool colour_profile_find_cicp(const colour_profile *profile, uint8_t cicp[2]);
 
 /* A conversion between samples in 0..1 (inks: in 0..100) of two profiles, with relative colorimetric intent and black
  * point compensation; to be freed with cmsDeleteTransform.  Returns NULL if the profiles allow none. */

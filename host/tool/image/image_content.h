@@ -25,7 +25,7 @@ typedef struct image_blob {
 typedef struct image_metadata {
     image_blob icc;  /* a colour profile */
     bool has_cicp;   /* colours as code points of ITU-T H.273; they precede the profile */
-    uint8_t cicp[3]; /* colour primaries, transfer characteristics, matrix coefficients (0: RGB) */
+    uint8_t cicp[2]; /* colour primaries, transfer characteristics */
     image_blob exif, xmp;
 } image_metadata;
 

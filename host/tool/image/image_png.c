@@ -175,7 +175,7 @@ static void write_xmp(png_structp png, const image_blob *xmp) {
 /* Writes the chunks of metadata, which stand before the pixels. */
 static void write_metadata(png_structp png, const image_metadata *metadata) {
     if (metadata->has_cicp) {
-        const uint8_t chunk[4] = {metadata->cicp[0], metadata->cicp[1], metadata->cicp[2], 1 /* full range */};
+        const uint8_t chunk[4] = {metadata->cicp[0], metadata->cicp[1], 0 /* RGB */, 1 /* full range */};
         png_write_chunk(png, (png_const_bytep) "cICP", chunk, sizeof chunk);
     }
     if (metadata->icc.size)
