@@ -276,7 +276,8 @@ typedef enum gscl_tune {
 
 /* The target of an encode, and the unit of target_value. */
 typedef enum gscl_target {
-    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more; target_value is not used */
+    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more, and the blocks on top; target_value is
+                              not used */
     GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, never exceeded */
     GSCL_TARGET_BYTES = 2, /* bytes of the whole file, never exceeded */
     GSCL_TARGET_PSNR = 3,  /* dB, exceeded by at most 0.3 */

@@ -76,6 +76,7 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
     const double pixels = (double)e->header.width * e->header.height, value = e->settings.target_value;
     double budget = 0;
+    size_t blocks;
     switch (e->settings.target) {
     case GSCL_TARGET_SPLATS:
         e->target.splats = (size_t)value;
@@ -84,7 +85,8 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
         e->target.bytes = (size_t)(t->auto_bpp / 8 * e->header.width * e->header.height);
         return GSCL_OK;
     case GSCL_TARGET_AUTO:
-        budget = fmax(t->auto_bpp * pixels / 8, t->auto_bytes);
+        container_size(e, &blocks);
+        budget = fmax(t->auto_bpp * pixels / 8, t->auto_bytes) + (double)blocks;
         break;
     case GSCL_TARGET_BYTES:
         budget = value;
