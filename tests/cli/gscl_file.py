@@ -77,3 +77,16 @@ def contained(picture, version=2, before=b"", after=b""):
     if after:
         data += bytes(3) + after + len(after).to_bytes(4, "little")
     return data + crc16(data).to_bytes(2, "big")
+
+
+COLOUR_SPACE, ICC, EXIF, XMP = 0, 1, 32, 33
+
+
+def block(kind, content, last=True):
+    """A block of a list.  Its size is a number of 7 bits a byte, least significant first."""
+    size, digits = len(content), b""
+    while True:
+        digits += bytes([size & 127 | (128 if size > 127 else 0)])
+        size >>= 7
+        if not size:
+            return bytes([kind | last << 7]) + digits + content

@@ -152,6 +152,44 @@ def png_header(width, height, depth, colour_type, interlace=0):
     return png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, colour_type, 0, 0, interlace))
 
 
+def jpeg_parts(data):
+    """The contents of the segments of metadata of a JPEG by their identifiers, those of a profile joined."""
+    parts, at = {}, 2
+    while data[at + 1] != 0xDA:
+        length = struct.unpack_from(">H", data, at + 2)[0]
+        content, at = data[at + 4:at + 2 + length], at + 2 + length
+        for identifier, skip in ((b"Exif\0\0", 6), (b"http://ns.adobe.com/xap/1.0/\0", 29), (b"ICC_PROFILE\0", 14)):
+            if content.startswith(identifier):
+                parts[identifier] = parts.get(identifier, b"") + content[skip:]
+    return parts
+
+
+def metadata_of(data):
+    """Profile, EXIF and XMP of a PNG, JPEG or TIFF; None for what it lacks, and for the EXIF of a TIFF, which is the
+    file itself."""
+    if data[:2] == b"\xff\xd8":
+        parts = jpeg_parts(data)
+        return parts.get(b"ICC_PROFILE\0"), parts.get(b"Exif\0\0"), parts.get(b"http://ns.adobe.com/xap/1.0/\0")
+    if data[:4] in (b"II*\0", b"MM\0*"):
+        return tiff_block(data, 34675), None, tiff_block(data, 700)
+    parts = png_parts(data)
+    icc, xmp = parts.get(b"iCCP"), parts.get(b"iTXt")
+    return (icc and zlib.decompress(icc[icc.index(b"\0") + 2:]), parts.get(b"eXIf"),
+            xmp and xmp[len(b"XML:com.adobe.xmp") + 5:])
+
+
+def tiff_block(data, tag):
+    """The bytes of a field of the first directory of a TIFF, or None."""
+    order = "<" if data[:2] == b"II" else ">"
+    at = struct.unpack_from(order + "I", data, 4)[0]
+    for i in range(struct.unpack_from(order + "H", data, at)[0]):
+        found, kind, count, value = struct.unpack_from(order + "HHII", data, at + 2 + 12 * i)
+        if found == tag:
+            assert kind in (1, 7) and count > 4
+            return data[value:value + count]
+    return None
+
+
 def big_endian(samples, depth):
     return bytes(samples) if depth == 8 else struct.pack(f">{len(samples)}H", *samples)
 

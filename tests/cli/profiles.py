@@ -163,3 +163,26 @@ def exif_directory(order, at, entries, following=0):
 def exif_bytes(entries, order=">"):
     header = struct.pack(order + "2sHI", b"MM" if order == ">" else b"II", 42, 8)
     return header + exif_directory(order, 8, entries)
+
+
+TYPE_SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 7: 1}
+
+
+def exif_values(data, at=None):
+    """What a structure of TIFF holds, as exif_bytes takes it: tags with integers, text (also for bytes) or a list for
+    the directories of EXIF."""
+    order = "<" if data[:2] == b"II" else ">"
+    at = at or struct.unpack_from(order + "I", data, 4)[0]
+    values = []
+    for i in range(struct.unpack_from(order + "H", data, at)[0]):
+        tag, kind, count = struct.unpack_from(order + "HHI", data, at + 2 + 12 * i)
+        place, size = at + 10 + 12 * i, count * TYPE_SIZES[kind]
+        number = struct.unpack_from(order + ("H" if kind == BYTE_SHORT else "I"), data, place)[0]
+        if tag in (EXIF_DIRECTORY, INTEROPERABILITY):
+            values.append((tag, exif_values(data, number)))
+        elif kind in (BYTE_SHORT, BYTE_LONG) and count == 1:
+            values.append((tag, number))
+        else:
+            start = place if size <= 4 else number
+            values.append((tag, data[start:start + size].rstrip(b"\0").decode("latin-1")))
+    return values

@@ -2,10 +2,13 @@
 import struct
 import unittest
 
-from images import (Image, blocks, exr_bytes, flat, jpeg_bytes, jpeg_exif, jpeg_icc, png_bytes, png_icc, scene, tiff_bytes,
-                    webp_bytes)
+from gscl_file import COLOUR_SPACE as COLOUR_BLOCK
+from gscl_file import ICC, block, contained
+from images import (Image, blocks, exr_bytes, flat, jpeg_bytes, jpeg_exif, jpeg_icc, metadata_of, png_bytes, png_icc,
+                    png_parts, read_png, scene, tiff_bytes, webp_bytes)
 from profiles import (ADOBE_RGB, ADOBE_RGB_GAMMA, BT2020, COLOUR_SPACE, DISPLAY_P3, EXIF_DIRECTORY, INDEX,
-                      INTEROPERABILITY, SRGB, exif_bytes, icc_cmyk, icc_grey, icc_rgb, srgb_of, srgb_of_lab, srgb_to_linear)
+                      INTEROPERABILITY, SRGB, exif_bytes, icc_cmyk, icc_grey, icc_rgb, srgb_of, srgb_of_lab,
+                      srgb_to_linear)
 from tool import FAST, ToolTest, main
 
 P3 = icc_rgb(DISPLAY_P3, name="Test P3")
@@ -14,7 +17,8 @@ TIFF_ICC = 34675
 WARNING = "warning: its colour profile is damaged or does not suit its pixels; it is taken as sRGB"
 BLACK = 10  # lightness of black ink
 INKS = [(100, 0, 0), (BLACK, 0, 0), (90, 0, 80), (BLACK, 0, 0), (50, 50, 0), (BLACK, 0, 0), (50, 60, 40), (BLACK, 0, 0),
-        (60, -20, -30), (BLACK, 0, 0), (50, -60, 30), (BLACK, 0, 0), (30, 20, -40), (BLACK, 0, 0), (20, 0, 0), (BLACK, 0, 0)]
+        (60, -20, -30), (BLACK, 0, 0), (50, -60, 30), (BLACK, 0, 0), (30, 20, -40), (BLACK, 0, 0), (20, 0, 0),
+        (BLACK, 0, 0)]
 
 
 def converted(image, primaries, gamma=None):
@@ -257,6 +261,144 @@ class Damaged(ColourTest):
         for primaries in ((point,) * 4, (point, (0.6, 0.3), (0.6, 0.3), (0.1, 0.1)), ((0.9, 0.0), *SRGB[1:]),
                           ((9.0, 9.0), *DISPLAY_P3[1:])):
             self.damaged("in.png", png_bytes(image, [chromaticities(primaries)]), image)
+
+
+class Kept(ColourTest):
+    """gscl encode --keep-profile, and what decode makes of it."""
+
+    def keep(self, data, *arguments):
+        return self.encode(data, "--keep-profile", *arguments)
+
+    def decode_to(self, suffix):
+        """Decodes in.gscl.  Returns the bytes of the output and the notes."""
+        done = self.start("decode", "in.gscl", "-o", f"out.{suffix}")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return self.path(f"out.{suffix}").read_bytes(), done.stderr.decode()
+
+    def test_profile_is_stored_and_written(self):
+        image = scene(24, 16)
+        plain = self.encode(image)
+        expected = self.decode()
+        kept = self.keep(png_bytes(image, [png_icc(ADOBE)]))
+        self.assertEqual(contained(plain[5:-2], before=block(ICC, ADOBE)), kept)  # the target does not count the block
+        for suffix in ("png", "jpg", "tif"):
+            data, notes = self.decode_to(suffix)
+            self.assertEqual((metadata_of(data), notes), ((ADOBE, None, None), ""))
+        self.assertEqual(self.decode(), expected)
+        self.gscl("compare", "out.png", "out.tif")
+
+    def test_grey_and_16_bits(self):
+        profile = icc_grey(1.8)
+        for channels, depth in ((1, 8), (2, 8), (1, 16)):
+            image = scene(24, 16, channels, depth)
+            self.encode(image)
+            expected = self.decode()
+            self.keep(png_bytes(image, [png_icc(profile)]))
+            self.assertEqual(self.decode(), expected)
+            data, notes = self.decode_to("tif")
+            self.assertEqual((metadata_of(data)[0], notes), (profile, ""))
+
+    def test_code_points_replace_profiles(self):
+        image = scene(24, 16)
+        plain = self.encode(image)[5:-2]
+        for data, code in ((png_bytes(image, [png_icc(P3)]), bytes((12, 13))),
+                           (png_bytes(image, [cicp(12, 13), png_icc(ADOBE)]), bytes((12, 13))),
+                           (png_bytes(image, [png_icc(icc_rgb(BT2020, 2.2))]), bytes((9, 4))),
+                           (png_bytes(image, [cicp(9, 14)]), bytes((9, 14)))):
+            with self.subTest(code=code):
+                self.assertEqual(self.keep(data), contained(plain, before=block(COLOUR_BLOCK, code)))
+                png, notes = self.decode_to("png")
+                self.assertEqual((png_parts(png)[b"cICP"], notes), (code + b"\0\1", ""))
+                # Beside the code points, there is a profile of the same colours for readers that do not know them.
+                profile = metadata_of(png)[0]
+                self.assertEqual(metadata_of(self.decode_to("jpg")[0])[0], profile)
+                decoded = read_png(png)
+                self.read("profile.png", png_bytes(decoded, [png_icc(profile)]),
+                          converted(decoded, DISPLAY_P3 if code[0] == 12 else BT2020, 2.2 if code[1] == 4 else None),
+                          self.from_to_srgb("profile.png", "RGB built-in"))
+
+    def test_nothing_is_stored_for_srgb(self):
+        image = scene(24, 16)
+        self.assertEqual(self.keep(png_bytes(image, [png_icc(icc_rgb(SRGB))])), self.encode(image))
+        self.assertEqual(self.keep(png_bytes(image, [cicp(1, 13)])), self.encode(image))
+        self.assertEqual(set(png_parts(self.decode_to("png")[0])), {b"IHDR", b"IDAT", b"IEND"})
+
+    def test_gamma_and_primaries_become_a_profile(self):
+        image = scene(24, 16)
+        self.keep(png_bytes(image, [gamma_chunk(1.8), chromaticities(DISPLAY_P3)]))
+        data, notes = self.decode_to("png")
+        self.assertEqual(notes, "")
+        decoded = read_png(data)
+        self.read("out.png", data, converted(decoded, DISPLAY_P3, 1.8), self.from_to_srgb("out.png", "RGB built-in"))
+
+    def test_hdr(self):
+        for transfer, name in ((16, "PQ"), (18, "HLG")):
+            image = scene(24, 16)
+            plain = self.encode(image)[5:-2]
+            kept = self.keep(png_bytes(image, [cicp(9, transfer)]))
+            self.assertEqual(kept, contained(plain, before=block(COLOUR_BLOCK, bytes((9, transfer)))))
+            png, notes = self.decode_to("png")
+            self.assertEqual((png_parts(png)[b"cICP"], metadata_of(png)[0], notes),
+                             (bytes((9, transfer, 0, 1)), None, ""))
+            for suffix in ("jpg", "tif", "ppm"):
+                self.refused(f"x.{suffix}", f"HDR.*BT.2020 {name}.*choose .png", "decode", "in.gscl", "-o", f"x.{suffix}")
+
+    def test_formats_without_profile(self):
+        self.keep(png_bytes(scene(24, 16), [png_icc(ADOBE)]))
+        for suffix, depth, tolerance in (("ppm", 8, 1.0), ("bmp", 8, 1.0), ("tga", 8, 1.0), ("exr", 16, 0.5)):
+            with self.subTest(suffix=suffix):
+                expected = converted(self.decode("--depth", depth), ADOBE_RGB, ADOBE_RGB_GAMMA)
+                data, notes = self.decode_to(suffix)
+                self.assertEqual(notes, self.from_to_srgb(f"out.{suffix}", "Test Adobe") +
+                                 f", because .{suffix} holds no colour profile\n")
+                self.read(f"out.{suffix}", data, expected, "", tolerance)
+
+    def test_colours_that_cannot_be_kept(self):
+        self.write("in.jpg", jpeg_bytes(flat(16, 8, (0, 255, 0, 0)), jpeg_icc(icc_cmyk(INKS))))
+        self.write("in.png", png_bytes(scene(16, 8, 1), [png_icc(icc_rgb(ADOBE_RGB, 1.8))]))
+        for name, source in (("in.jpg", "Test CMYK"), ("in.png", "Test RGB")):
+            done = self.start("encode", name, "-o", "out.gscl", "--keep-profile", *FAST)
+            self.assertIn(self.from_to_srgb(name, source), done.stderr.decode())
+            self.assertEqual(self.gscl_json("info", "out.gscl")["blocks"], [])
+
+    def test_verbose(self):
+        self.write("in.png", png_bytes(scene(16, 8), [png_icc(P3)]))
+        self.write("b.png", png_bytes(scene(16, 8), [png_icc(ADOBE)]))
+        notes = self.start("encode", "in.png", "b.png", "--keep-profile", "-v", *FAST).stderr.decode()
+        self.assertIn("in.png: colours of Test P3 kept as code points 12, 13\n", notes)
+        self.assertIn(f"b.png: colours of Test Adobe kept, with a profile of {len(ADOBE)} bytes\n", notes)
+        self.assertIn(f"out.png: colour profile of {len(ADOBE)} bytes written\n",
+                      self.start("decode", "b.gscl", "-o", "out.png", "-v").stderr.decode())
+
+    def test_reference_of_info(self):
+        """The image that was encoded is compared in its own colours."""
+        self.keep(png_bytes(scene(24, 16), [png_icc(ADOBE)]))
+        done = self.start("info", "in.gscl", "--reference", "in.image", "--json")
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+
+    def test_forged_blocks(self):
+        """Profiles of any content in a gscl file: a warning, and the colours are taken as sRGB."""
+        image = scene(16, 8)
+        picture = self.encode(image)[5:-2]
+        expected = self.decode()
+        for profile in (b"x", ADOBE[:200], icc_grey(1.8), icc_cmyk(INKS)):
+            self.write("in.gscl", contained(picture, before=block(ICC, profile)))
+            for suffix in ("png", "jpg", "ppm"):
+                data, notes = self.decode_to(suffix)
+                self.assertRegex(notes, r"\Agscl: out.\w+: warning: the colours of the file are of an unknown kind;"
+                                        r"[^\n]*\n\Z")
+            self.assertEqual(self.decode(), expected)
+        self.write("in.gscl", contained(picture, before=block(COLOUR_BLOCK, bytes((200, 99)))))
+        self.assertEqual(png_parts(self.decode_to("png")[0])[b"cICP"], bytes((200, 99, 0, 1)))
+        self.assertIn("unknown kind", self.decode_to("jpg")[1])
+
+    def test_profile_precedes_code_points(self):
+        picture = self.encode(scene(16, 8))[5:-2]
+        both = block(COLOUR_BLOCK, bytes((12, 13)), last=False) + block(ICC, ADOBE)
+        self.write("in.gscl", contained(picture, before=both))
+        parts = png_parts(self.decode_to("png")[0])
+        self.assertNotIn(b"cICP", parts)
+        self.assertEqual(metadata_of(self.path("out.png").read_bytes())[0], ADOBE)
 
 
 if __name__ == "__main__":

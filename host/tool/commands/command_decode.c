@@ -14,6 +14,7 @@
 #include "commands/command.h"
 #include "image/image_file.h"
 #include "image/image_format.h"
+#include "image/image_output.h"
 
 typedef struct decode_options {
     const char *input, *output;
@@ -66,8 +67,45 @@ static gscl_sample choose_sample(const decode_options *options, const image_form
     return info->sample;
 }
 
+/* Copies a block of the file.  Returns false without memory. */
+static bool copy_block(const uint8_t *bytes, size_t size, gscl_block_type type, image_blob *blob) {
+    const void *data;
+    size_t data_size;
+    return gscl_find_block(bytes, size, type, &data, &data_size) != GSCL_OK || image_blob_set(blob, data, data_size);
+}
+
+/* Copies what the file holds beside the picture.  Reports errors. */
+static bool copy_metadata(const decode_options *options, const uint8_t *bytes, size_t size, image_metadata *metadata) {
+    image_blob cicp = {0};
+    if (options->form.bare)
+        return true;
+    const bool ok = copy_block(bytes, size, GSCL_BLOCK_COLOUR_SPACE, &cicp) &&
+                    copy_block(bytes, size, GSCL_BLOCK_ICC, &metadata->icc) &&
+                    copy_block(bytes, size, GSCL_BLOCK_EXIF, &metadata->exif) &&
+                    copy_block(bytes, size, GSCL_BLOCK_XMP, &metadata->xmp);
+    metadata->has_cicp = cicp.size == sizeof metadata->cicp;
+    if (metadata->has_cicp)
+        memcpy(metadata->cicp, cicp.bytes, sizeof metadata->cicp);
+    image_blob_free(&cicp);
+    return ok || report_error(input_label(options->input), "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
+}
+
+/* Writes the decoded image, with what the file holds beside it.  The output is closed in any case. */
+static int write_decoded(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size,
+                         gscl_image *image, output_file *output) {
+    image_metadata metadata = {0};
+    bool ok = copy_metadata(options, bytes, size, &metadata) &&
+              image_prepare_output(output->label, format, options->choice.verbose, image, &metadata);
+    if (ok)
+        ok = image_write_with(output, image, &metadata);
+    else
+        output_discard(output);
+    image_metadata_free(&metadata);
+    return ok ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 /* Decodes the file and writes the image to `output`, which is closed in any case. */
-static int decode_to(const decode_options *options, const uint8_t *bytes, size_t size,
+static int decode_to(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size,
                      const gscl_decode_settings *settings, output_file *output) {
     gscl_context *context;
     gscl_image image = {0};
@@ -79,7 +117,7 @@ static int decode_to(const decode_options *options, const uint8_t *bytes, size_t
         gscl_context_free(&context);
     }
     if (status == EXIT_SUCCESS)
-        status = image_write(output, &image) ? EXIT_SUCCESS : EXIT_FAILURE;
+        status = write_decoded(options, format, bytes, size, &image, output);
     else
         output_discard(output);
     gscl_free(image.pixels);
@@ -104,7 +142,7 @@ static int decode_bytes(const decode_options *options, const image_format *forma
         !image_format_holds(format, options->output, info.channels, settings.sample) ||
         !output_open(&output, options->output))
         return EXIT_FAILURE;
-    return decode_to(options, bytes, size, &settings, &output);
+    return decode_to(options, format, bytes, size, &settings, &output);
 }
 
 static int decode_file(const decode_options *options) {
@@ -185,13 +223,15 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .letter = 'v',
          .kind = OPTION_FLAG,
          .value = &decode->choice.verbose,
-         .help = "print messages of the library on standard error"},
+         .help = "print on standard error what was written beside the pixels, and messages of the library"},
     };
     const option_command command = {
         .name = "decode",
         .usage = "IN.gscl -o OUT.png [options]",
-        .about = "Decodes a gscl file to an image.  Alpha is written straight; OpenEXR holds premultiplied alpha and "
-                 "linear light.",
+        .about =
+            "Decodes a gscl file to an image, with the colour profile, EXIF and XMP that the file has, where the "
+            "format holds\nthem; colours are converted to sRGB otherwise.  Alpha is written straight; OpenEXR holds "
+            "premultiplied alpha\nand linear light.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,

@@ -19,8 +19,12 @@ typedef struct encode_options {
     const char *effects;
     uint32_t effects_on, effects_off;
     int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
+    int metadata;                   /* index into metadata_words */
     bool has_bytes, has_bpp, has_psnr, has_splats, has_codebook;
 } encode_options;
+
+enum { METADATA_NONE, METADATA_EXIF, METADATA_ALL };
+static const char *const metadata_words[] = {"none", "exif", "all", NULL};
 
 #define MAX_FILE_BYTES UINT32_MAX
 #define MIN_CODEBOOK 2
@@ -133,6 +137,16 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .value = &batch->base64,
          .help =
              "write one line of base64url text (default output: standard output; in --out-dir: IN with suffix .b64)"},
+        {.name = "keep-profile",
+         .kind = OPTION_FLAG,
+         .value = &batch->reading.keep_profile,
+         .help = "store colours other than sRGB as they are, with their profile (default: convert them to sRGB)"},
+        {.name = "metadata",
+         .kind = OPTION_WORD,
+         .value = &encode->metadata,
+         .argument = "M",
+         .words = metadata_words,
+         .help = "metadata to store: EXIF, or all, which is EXIF and XMP (default none)"},
         DEVICE_OPTIONS(batch->choice),
         {.name = "json",
          .kind = OPTION_FLAG,
@@ -154,7 +168,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
         .usage = "IN... [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] [options]",
         .about =
             "Encodes images as gscl files.  Reads PNG, JPEG, TIFF, OpenEXR, PNM and the other formats of OpenImageIO,\n"
-            "grey or RGB, with or without alpha.  IN may be -, standard input.",
+            "grey or RGB, with or without alpha.  IN may be -, standard input.  Images are turned upright by their "
+            "EXIF, and\n"
+            "colours are converted to sRGB by their profile, CMYK included.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -190,6 +206,8 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "-o names one file but there are %d inputs; use --out-dir", batch->count);
     if (!batch->output && !batch->base64 && reads_standard_input(batch))
         return report_usage("encode", "the output's name is missing; with standard input, give -o");
+    if (batch->settings.bare && (batch->reading.keep_profile || encode->metadata != METADATA_NONE))
+        return report_usage("encode", "a bare file has no room for --keep-profile and --metadata; leave out --bare");
     if (batch->quiet && batch->choice.verbose)
         return report_usage("encode", "-q and -v exclude each other; give one of them");
     if (batch->settings.trace && !batch->json)
@@ -212,6 +230,8 @@ static void fill_settings(encode_options *encode) {
     settings->effects_off = encode->effects_off;
     settings->codebook_size = (uint32_t)encode->codebook;
     settings->seed = encode->seed;
+    encode->batch.reading.keep_exif = encode->metadata != METADATA_NONE;
+    encode->batch.reading.keep_xmp = encode->metadata == METADATA_ALL;
     if (encode->has_bytes) {
         settings->target = GSCL_TARGET_BYTES;
         settings->target_value = (double)encode->bytes;

@@ -173,13 +173,25 @@ static void write_json(const file_facts *facts) {
     json_close_object(&json);
 }
 
+/* Reads the image that was encoded, with its own colours where the file has them. */
+static bool read_reference(const file_facts *facts, const char *reference, gscl_image *image) {
+    const image_read_options options = {
+        .keep_profile = facts->block_sizes[GSCL_BLOCK_COLOUR_SPACE] > 0 || facts->block_sizes[GSCL_BLOCK_ICC] > 0,
+    };
+    image_metadata metadata;
+    if (!image_read_with(reference, &options, image, &metadata))
+        return false;
+    image_metadata_free(&metadata);
+    return true;
+}
+
 /* Measures the gains of the effects against the image that was encoded.  Returns the exit code. */
 static int inspect_against(file_facts *facts, const char *reference, const uint8_t *bytes, size_t size,
                            const gscl_read_settings *reading, const device_choice *device) {
     gscl_image image = {0};
     gscl_context *context = NULL;
     int status = EXIT_FAILURE;
-    if (!image_read(reference, &image))
+    if (!read_reference(facts, reference, &image))
         return status;
     if (image.width != facts->info.width || image.height != facts->info.height ||
         image.channels != facts->info.channels)

@@ -29,6 +29,7 @@ typedef struct encode_job {
     const char *input;
     gscl_image image;
     image_metadata metadata;
+    gscl_block blocks[GSCL_BLOCK_XMP + 1]; /* by type */
     output_file output;
     gscl_encode_settings settings;
     progress_line line;
@@ -88,10 +89,27 @@ static void *run_job(void *opaque) {
     return NULL;
 }
 
+static void add_block(encode_job *job, gscl_block_type type, const void *data, size_t size) {
+    gscl_block *block = &job->blocks[type];
+    if (size == 0)
+        return;
+    *block = (gscl_block){.next = job->settings.blocks, .type = type, .data = data, .size = size};
+    job->settings.blocks = block;
+}
+
+static void add_blocks(encode_job *job) {
+    const image_metadata *metadata = &job->metadata;
+    add_block(job, GSCL_BLOCK_COLOUR_SPACE, metadata->cicp, metadata->has_cicp ? sizeof metadata->cicp : 0);
+    add_block(job, GSCL_BLOCK_ICC, metadata->icc.bytes, metadata->icc.size);
+    add_block(job, GSCL_BLOCK_EXIF, metadata->exif.bytes, metadata->exif.size);
+    add_block(job, GSCL_BLOCK_XMP, metadata->xmp.bytes, metadata->xmp.size);
+}
+
 /* Starts the thread.  Signals are deferred until it ends, so that the library cancels the encode. */
 static bool start_thread(batch_state *state, encode_job *job) {
     const encode_batch *batch = state->batch;
     job->settings = batch->settings;
+    add_blocks(job);
     progress_start(&job->line, input_label(job->input), batch->quiet || batch->choice.verbose);
     job->settings.progress = progress_update;
     job->settings.progress_opaque = &job->line;
@@ -106,7 +124,9 @@ static bool start_thread(batch_state *state, encode_job *job) {
 }
 
 static bool read_input(const encode_batch *batch, encode_job *job) {
-    const image_read_options options = {.quiet = batch->quiet, .verbose = batch->choice.verbose};
+    image_read_options options = batch->reading;
+    options.quiet = batch->quiet;
+    options.verbose = batch->choice.verbose;
     return image_read_with(job->input, &options, &job->image, &job->metadata);
 }
 

@@ -7,6 +7,7 @@
 #include <gscl/gscl.h>
 
 #include "cli/device_choice.h"
+#include "image/image_content.h"
 
 typedef struct encode_batch {
     char *const *inputs;
@@ -14,6 +15,7 @@ typedef struct encode_batch {
     const char *output;            /* for a single input; NULL: the name of the input with .gscl or .b64 */
     const char *out_dir;           /* folder of those names; NULL: beside the input */
     gscl_encode_settings settings; /* without the progress callback */
+    image_read_options reading;    /* what becomes of metadata; quiet and verbose are those of this struct */
     device_choice choice;
     bool json, quiet;
     bool base64; /* each file is written as a line of text; without `output` and `out_dir` on standard output */

@@ -48,16 +48,27 @@ static bool take_as_srgb(const char *label, const image_read_options *options, i
 }
 
 /* Leaves the shortest description of the colours. */
-static bool keep_colours(const char *label, const colour_profile *profile, image_content *content) {
+static bool keep_colours(const char *label, const image_read_options *options, const colour_profile *profile,
+                         image_content *content) {
     image_metadata *metadata = &content->metadata;
-    if (metadata->has_cicp)
-        return true;
-    metadata->has_cicp = colour_profile_find_cicp(profile, metadata->cicp);
+    char name[COLOUR_NAME_SIZE];
+    name_colours(content, profile, name);
+    metadata->has_cicp = metadata->has_cicp || colour_profile_find_cicp(profile, metadata->cicp);
     if (metadata->has_cicp)
         image_blob_free(&metadata->icc);
     else if (!metadata->icc.size && !colour_profile_save(profile, &metadata->icc))
         return report_error(label, "is too large for the available memory");
+    if (options->verbose && metadata->has_cicp)
+        report_note("%s: colours of %s kept as code points %d, %d", label, name, metadata->cicp[0], metadata->cicp[1]);
+    else if (options->verbose)
+        report_note("%s: colours of %s kept, with a profile of %zu bytes", label, name, metadata->icc.size);
     return true;
+}
+
+/* Whether the colours can be stored as they are.  Formats allow no profile of RGB for grey pixels. */
+static bool can_keep(const colour_profile *profile, const image_content *content) {
+    return profile->channels == (content->image.channels <= 2 ? 1 : 3) &&
+           content->metadata.icc.size <= GSCL_MAX_BLOCK_SIZE && !content->cmyk;
 }
 
 static bool convert_colours(const char *label, const image_read_options *options, const colour_profile *profile,
@@ -88,8 +99,8 @@ bool image_settle_colours(const char *label, const image_read_options *options, 
     bool ok = true;
     if (colour_profile_is_srgb(&profile))
         forget_colours(content);
-    else if (options->keep_profile && !content->cmyk)
-        ok = keep_colours(label, &profile, content);
+    else if (options->keep_profile && can_keep(&profile, content))
+        ok = keep_colours(label, options, &profile, content);
     else
         ok = convert_colours(label, options, &profile, content);
     colour_profile_close(&profile);

@@ -62,17 +62,17 @@ static bool is_regular_file(const char *name) {
     return stat(name, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Whether a file is TIFF and no format that derives from it, as those of cameras do. */
+/* Whether a file is TIFF and no format that derives from it. */
 static bool is_plain_tiff(const char *name, const uint8_t *bytes, size_t size) {
     const char *suffix = name_suffix(name);
     return image_is_tiff(bytes, size) &&
-           (strcmp(name, "-") == 0 || strcasecmp(suffix, ".tif") == 0 || strcasecmp(suffix, ".tiff") == 0);
+           (strcasecmp(suffix, ".tif") == 0 || strcasecmp(suffix, ".tiff") == 0 || !image_tiff_is_raw(bytes, size));
 }
 
 /* Whether a file is read into memory: its format has a reader here, or its metadata has. */
-static bool is_read_in_memory(const char *name, const uint8_t *start, size_t count) {
+static bool is_read_in_memory(const uint8_t *start, size_t count) {
     return count == 0 || image_is_png(start, count) || image_is_jpeg(start, count) || image_is_webp(start, count) ||
-           is_plain_tiff(name, start, count);
+           image_is_tiff(start, count);
 }
 
 /* Decodes the bytes of the input `name`, which it may change. */
@@ -93,7 +93,8 @@ static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_cont
         image_take_tiff_metadata(bytes, size, content);
         return read_through_module(label, "image.tif", bytes, size, content);
     }
-    return read_spooled(label, bytes, size, content);
+    return is_regular_file(name) ? read_through_module(label, name, NULL, 0, content)
+                                 : read_spooled(label, bytes, size, content);
 }
 
 static bool read_in_memory(const char *name, image_content *content) {
@@ -113,8 +114,8 @@ static bool read_content(const char *name, image_content *content) {
         return read_in_memory(name, content);
     if (!read_file_start(name, start, sizeof start, &count))
         return false;
-    return is_read_in_memory(name, start, count) ? read_in_memory(name, content)
-                                                 : read_through_module(name, name, NULL, 0, content);
+    return is_read_in_memory(start, count) ? read_in_memory(name, content)
+                                           : read_through_module(name, name, NULL, 0, content);
 }
 
 /* ---- What else a file holds ------------------------------------------------------------------------ */
@@ -133,7 +134,12 @@ static bool turn_upright(const char *label, const image_read_options *options, i
 /* Drops a block that is not kept, and says so. */
 static void settle_block(const char *label, const image_read_options *options, const char *name, bool keep,
                          image_blob *block) {
-    if (block->size && options->verbose)
+    if (keep && block->size > GSCL_MAX_BLOCK_SIZE) {
+        keep = false;
+        if (!options->quiet)
+            report_warning(label, "its %s of %zu bytes is dropped, because a block holds at most %d", name, block->size,
+                           GSCL_MAX_BLOCK_SIZE);
+    } else if (block->size && options->verbose)
         report_note("%s: %s of %zu bytes %s", label, name, block->size, keep ? "kept" : "dropped");
     if (!keep)
         image_blob_free(block);
@@ -186,25 +192,35 @@ static bool is_named(const output_file *output, const char *suffix) {
     return strcasecmp(name_suffix(output->label), suffix) == 0;
 }
 
-/* Returns false after reporting an error.  A failure of the output itself sets output->error and returns true. */
-static bool write_pixels(output_file *output, const gscl_image *image) {
-    char message[IMAGE_MESSAGE_SIZE];
-    if (!output->target || is_named(output, ".png"))
-        return image_write_png(output, image, NULL, message) || output->error ||
-               report_error(output->label, "%s", message);
+static bool is_png_output(const output_file *output) {
+    return !output->target || is_named(output, ".png");
+}
+
+/* On failure sets either output->error or the message, or leaves it empty after reporting the error. */
+static bool write_format(output_file *output, const gscl_image *image, const image_metadata *metadata, char *message) {
+    if (is_png_output(output))
+        return image_write_png(output, image, metadata, message);
     if (is_named(output, ".jpg") || is_named(output, ".jpeg"))
-        return image_write_jpeg(output, image, NULL, message) || output->error ||
-               report_error(output->label, "%s", message);
+        return image_write_jpeg(output, image, metadata, message);
+    if (is_named(output, ".tif") || is_named(output, ".tiff"))
+        return image_write_tiff(output, image, metadata, message);
     if (image_is_pnm_name(output->label))
-        return image_write_pnm(output, image) || output->error;
-    const image_module *module = load_module(output->label);
-    return module && (module->write(output->stream, name_suffix(output->label), image, message) ||
-                      report_error(output->label, "%s", message));
+        return image_write_pnm(output, image);
+    const image_module *module = load_module(output->label); /* reports its errors */
+    *message = '\0';
+    return module && module->write(output->stream, name_suffix(output->label), image, message);
+}
+
+bool image_write_with(output_file *output, const gscl_image *image, const image_metadata *metadata) {
+    char message[IMAGE_MESSAGE_SIZE];
+    if (write_format(output, image, metadata, message) || output->error)
+        return output_commit(output); /* also reports output->error */
+    if (*message)
+        report_error(output->label, "%s", message);
+    output_discard(output);
+    return false;
 }
 
 bool image_write(output_file *output, const gscl_image *image) {
-    if (write_pixels(output, image))
-        return output_commit(output); /* also reports output->error */
-    output_discard(output);
-    return false;
+    return image_write_with(output, image, NULL);
 }

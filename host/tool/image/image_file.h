@@ -1,4 +1,4 @@
-/* Image files by name: PNG and JPEG directly, all other formats through the image module. */
+/* Image files by name: PNG, JPEG, and outputs of TIFF and PNM directly, all other formats through the image module. */
 #ifndef GSCL_TOOL_IMAGE_FILE_H
 #define GSCL_TOOL_IMAGE_FILE_H
 
@@ -21,5 +21,8 @@ bool image_read_with(const char *name, const image_read_options *options, gscl_i
 /* Writes an image with packed rows and straight colours in the format of the suffix of the output, and finishes the
  * output.  Reports errors.  The output is closed in any case. */
 bool image_write(output_file *output, const gscl_image *image);
+
+/* The same with metadata that image_prepare_output has prepared. */
+bool image_write_with(output_file *output, const gscl_image *image, const image_metadata *metadata);
 
 #endif

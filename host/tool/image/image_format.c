@@ -8,10 +8,12 @@
 #include "cli/output_file.h"
 
 static const image_format formats[] = {
-    {".png", true, true, true, 16},   {".jpg", true, true, false, 8},   {".jpeg", true, true, false, 8},
-    {".tif", true, true, true, 16},   {".tiff", true, true, true, 16},  {".exr", true, true, true, 32},
-    {".pgm", true, false, false, 16}, {".ppm", false, true, false, 16}, {".pnm", true, true, false, 16},
-    {".bmp", true, true, false, 8},   {".tga", true, true, true, 8},
+    {".png", true, true, true, true, 16},    {".jpg", true, true, false, true, 8},
+    {".jpeg", true, true, false, true, 8},   {".tif", true, true, true, true, 16},
+    {".tiff", true, true, true, true, 16},   {".exr", true, true, true, false, 32},
+    {".pgm", true, false, false, false, 16}, {".ppm", false, true, false, false, 16},
+    {".pnm", true, true, false, false, 16},  {".bmp", true, true, false, false, 8},
+    {".tga", true, true, true, false, 8},
 };
 
 const image_format *image_format_of(const char *command, const char *name) {

@@ -9,7 +9,8 @@
 typedef struct image_format {
     const char *suffix;
     bool grey, colour, alpha;
-    int bits; /* maximum bits per sample; 32 is floating point */
+    bool metadata; /* a colour profile, EXIF and XMP */
+    int bits;      /* maximum bits per sample; 32 is floating point */
 } image_format;
 
 /* The format of the suffix of a file name; "-", standard output, is PNG.  NULL after reporting a usage error of `command`

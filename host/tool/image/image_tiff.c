@@ -4,50 +4,28 @@
 
 #include "image/tiff_tags.h"
 
-enum {
-    TAG_PHOTOMETRIC = 262,
-    TAG_DESCRIPTION = 270,
-    TAG_MAKE = 271,
-    TAG_MODEL = 272,
-    TAG_ORIENTATION = 274,
-    TAG_SAMPLES = 277,
-    TAG_SOFTWARE = 305,
-    TAG_DATE = 306,
-    TAG_ARTIST = 315,
-    TAG_INK_SET = 332,
-    TAG_XMP = 700,
-    TAG_COPYRIGHT = 33432,
-    TAG_IPTC = 33723,
-    TAG_PHOTOSHOP = 34377,
-    TAG_EXIF = 34665,
-    TAG_ICC = 34675,
-    TAG_GPS = 34853,
-    TAG_LAYERS = 37724,
-    TAG_INTEROPERABILITY = 40965,
-};
-
-enum { PHOTOMETRIC_INKS = 5, INK_SET_CMYK = 1 };
+enum { PHOTOMETRIC_INKS = 5, PHOTOMETRIC_RAW = 32803, INK_SET_CMYK = 1 };
 
 bool image_is_tiff(const uint8_t *bytes, size_t size) {
     return size >= 4 && (memcmp(bytes, "II*\0", 4) == 0 || memcmp(bytes, "MM\0*", 4) == 0);
 }
 
-/* ---- EXIF: a TIFF structure of its own ----------------------------------------------------------- */
-
-static bool is_one_of(uint16_t tag, const uint16_t *tags, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        if (tags[i] == tag)
-            return true;
-    }
-    return false;
+bool image_tiff_is_raw(const uint8_t *bytes, size_t size) {
+    tiff_view view;
+    tiff_entry entry;
+    if (size >= 10 && memcmp(bytes + 8, "CR", 2) == 0)
+        return true;
+    return tiff_open(&view, (uint8_t *)(uintptr_t)bytes, size) /* it only reads */ &&
+           (tiff_find(&view, view.directory, TAG_SUBDIRECTORIES, &entry) ||
+            tiff_find(&view, view.directory, TAG_DNG_VERSION, &entry) ||
+            tiff_find_number(&view, view.directory, TAG_PHOTOMETRIC, 0) == PHOTOMETRIC_RAW);
 }
 
-/* Whether an entry goes into the block.  At the top these are the values that describe the image and not its storage;
- * deeper down all. */
+/* ---- EXIF: a TIFF structure of its own ----------------------------------------------------------- */
+
+/* Whether an entry goes into the block: at the top those that describe the image and not its storage, deeper down all. */
 static bool belongs_to_exif(uint16_t tag, int depth) {
-    static const uint16_t tags[] = {TAG_DESCRIPTION, TAG_MAKE,      TAG_MODEL, TAG_SOFTWARE, TAG_DATE,
-                                    TAG_ARTIST,      TAG_COPYRIGHT, TAG_EXIF,  TAG_GPS};
-    return depth > 0 || is_one_of(tag, tags, sizeof tags / sizeof *tags);
+    return depth > 0 || tiff_tag_describes_image(tag);
 }
 
 static bool is_directory(uint16_t tag, int depth) {
@@ -147,14 +125,18 @@ static void take_xmp(const tiff_view *view, image_blob *xmp) {
         image_blob_set(xmp, view->bytes + entry.value, entry.value_size);
 }
 
+static bool is_metadata(uint16_t tag) {
+    return tag == TAG_XMP || tag == TAG_IPTC || tag == TAG_PHOTOSHOP || tag == TAG_EXIF || tag == TAG_ICC ||
+           tag == TAG_GPS || tag == TAG_LAYERS;
+}
+
 /* Gives entries a type that does not exist, so that libtiff ignores them. */
 static void hide_metadata(const tiff_view *view, image_content *content) {
-    static const uint16_t tags[] = {TAG_XMP, TAG_IPTC, TAG_PHOTOSHOP, TAG_EXIF, TAG_ICC, TAG_GPS, TAG_LAYERS};
     const unsigned count = tiff_entry_count(view, view->directory);
     for (unsigned i = 0; i < count; i++) {
         tiff_entry entry;
         const bool readable = tiff_entry_read(view, view->directory, i, &entry);
-        if (!is_one_of(entry.tag, tags, sizeof tags / sizeof *tags))
+        if (!is_metadata(entry.tag))
             continue;
         if (entry.tag == TAG_ICC && !readable)
             content->damaged_profile = true;

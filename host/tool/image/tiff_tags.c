@@ -81,3 +81,31 @@ uint32_t tiff_find_number(const tiff_view *view, uint32_t directory, uint16_t ta
     tiff_entry entry;
     return tiff_find(view, directory, tag, &entry) ? tiff_number(view, &entry) : otherwise;
 }
+
+bool tiff_tag_describes_image(uint16_t tag) {
+    enum {
+        DESCRIPTION = 270,
+        MAKE,
+        MODEL,
+        SOFTWARE = 305,
+        DATE,
+        ARTIST = 315,
+        COPYRIGHT = 33432,
+        EXIF = 34665,
+        GPS = 34853
+    };
+    switch (tag) {
+    case DESCRIPTION:
+    case MAKE:
+    case MODEL:
+    case SOFTWARE:
+    case DATE:
+    case ARTIST:
+    case COPYRIGHT:
+    case EXIF:
+    case GPS:
+        return true;
+    default:
+        return false;
+    }
+}

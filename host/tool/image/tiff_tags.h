@@ -43,6 +43,9 @@ uint32_t tiff_number(const tiff_view *view, const tiff_entry *entry);
 /* The first number of the entry with a tag, or `otherwise`. */
 uint32_t tiff_find_number(const tiff_view *view, uint32_t directory, uint16_t tag, uint32_t otherwise);
 
+/* Whether a tag of the first directory describes the image (its maker, date, author) and not how it is stored. */
+bool tiff_tag_describes_image(uint16_t tag);
+
 /* Numbers in the byte order of the structure, at an offset that lies inside. */
 uint16_t tiff_get16(const tiff_view *view, size_t at);
 uint32_t tiff_get32(const tiff_view *view, size_t at);
