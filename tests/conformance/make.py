@@ -127,7 +127,7 @@ def header_scenes():
 
 
 def scalar_scenes():
-    yield "one", "one splat", Scene(n=1).add(16, 4, 3, luma=28, co=5, cg=-3)
+    yield "one", "one splat", Scene(n=1).add(10, 4, 3, luma=28, co=5, cg=-3)
     yield "photograph", "an ordinary photograph in colour", Scene(24, 16, n=20, texture=1).fill(1)
     yield "portrait", "a higher than wide picture", Scene(11, 19, n=12).fill(2)
     for blend, layout in itertools.product((NORMALIZED, ALPHA, SUM), range(4)):
@@ -140,9 +140,9 @@ def scalar_scenes():
     yield "plain-alpha", "alpha in the layout, but not coded", Scene(n=6, layout=RGB_ALPHA, alpha=0).fill(33)
     yield "bits-16", "16 bits a sample, alpha", Scene(8, 7, n=5, layout=RGB_ALPHA, high=1).fill(34)
     yield "waves", "waves on the colours of 16 bits", Scene(9, 8, n=6, texture=1, high=1).fill(35)
-    waves = Scene(16, 16, n=16, texture=1, blend=SUM, background=(20, 20, 20))
+    waves = Scene(32, 32, n=16, texture=1, blend=SUM)
     for i in range(16):
-        waves.add(14, i % 4, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 4, 12, 0, 0, amplitude=1 + i, wave=15 - i, direction=i, phase=i % 8)
+        waves.add(7, i % 4, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 4, amplitude=1 + i, wave=15 - i, direction=i, phase=i % 8)
     yield "waves-all", "every amplitude, wavelength, direction and phase", waves
     few = Scene(n=5, opacity=1, steps=DEFAULT_STEPS[:6] + (0,)).fill(36)
     yield "opacity-1", "one level of opacity", few
@@ -162,23 +162,23 @@ def shape_scenes():
         scene.add(12 + i, min(2 * i, 12 + i), 0, (i + .5) / 11, .5, 3 * i)
     yield "aspects", "aspects 0 to 20 at the angle 0", scene
     scene = Scene(20, 20, n=6, steps=(2, 10, 4, 8, 4, 4, 3))
-    for aspect, y in ((22, .1), (23, .3), (24, .5), (40, .7), (62, .8), (63, .9)):
-        scene.add(63, aspect, 0, .5, y, aspect // 2)
+    for major, aspect, y in ((30, 22, .1), (30, 23, .3), (30, 24, .5), (30, 30, .7), (63, 62, .8), (63, 63, .9)):
+        scene.add(major, aspect, 0, .5, y, aspect // 2)
     yield "aspect-escape", "aspects around 23, and the largest", scene
     scene = Scene(20, 20, n=8)
     C = scene.angle_count(8)
     for i, angle in enumerate((0, 1, C // 4, C // 4 + 1, C // 2, 3 * C // 4, 3 * C // 4 + 1, C - 1)):
-        scene.add(20, 8, angle, (i % 4 + .5) / 4, (i // 4 + .5) / 2, 4 * i)
+        scene.add(12, 8, angle, (i % 4 + .5) / 4, (i // 4 + .5) / 2, 4 * i)
     yield "angles", f"flat and steep angles of {C}", scene
     scene = Scene(20, 20, n=5, steps=(6, 8, 4, 9, 5, 4, 3))
     aspect = next(a for a in range(1, 40) if scene.angle_count(a) % 4 == 0)
     C = scene.angle_count(aspect)
     for i in range(5):
-        scene.add(22 + i % 2, aspect, i * C // 4 % C, .3 + .1 * i, .4, 6 * i)
+        scene.add(10 + i % 2, aspect, i * C // 4 % C, .1 + .2 * i, .2 + .15 * i, 6 * i)
     yield "angle-ties", f"aspect {aspect}, of {C} angles: exactly one and three quarters are flat", scene
     scene = Scene(20, 20, n=4, steps=(15, 0, 0, 8, 4, 4, 3))
     for i, angle in enumerate((0, 100, 256, 511)):
-        scene.add(40, 30, angle, .2 + .2 * i, .5, 10 + i)
+        scene.add(14, 14, angle, .2 + .2 * i, .5, 10 * i)
     yield "angles-512", "the most angles", scene
     scene = Scene(16, 16, n=4, steps=(15, 15, 4, 8, 4, 4, 3))
     for major, aspect in ((63, 0), (63, 63), (28, 28), (27, 27)):
@@ -195,11 +195,11 @@ def shape_scenes():
     L = 16
     colours = Scene(12, 12, n=12, blend=SUM, background=(128, 128, 128))
     for i, (luma, co, cg) in enumerate(((-36, -16, -16), (36, 16, 16), (-36, 16, -16), (36, -16, 16), (0, 0, 0), (32, 0, 16)) * 2):
-        colours.add(12 + i, 0, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 3, luma, co, cg)
+        colours.add(4 + i % 4, 0, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 3, luma, co, cg)
     yield "colours-sum", "the ends of the ranges of colours, blend sum", colours
     colours = Scene(12, 12, n=12, layout=RGB_ALPHA)
     for i, (luma, co, cg, alpha) in enumerate(((-4, -L, -L, -2), (36, L, L, 18), (36, L, -L, 0), (-4, -L, L, 16)) * 3):
-        colours.add(12 + i, 0, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 3, luma, co, cg, alpha)
+        colours.add(6 + i % 4, 0, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 3, luma, co, cg, alpha)
     yield "colours-ends", "the ends of the ranges of colours and alpha", colours
 
 
