@@ -128,6 +128,7 @@ def header_scenes():
 
 def scalar_scenes():
     yield "one", "one splat", Scene(n=1).add(10, 4, 3, luma=28, co=5, cg=-3)
+    yield "example", "the example of the page", Scene(12, 8, n=2).add(13, 6, 12, .3, .4, 12, 6, -2).add(8, 2, 1, .75, .6, 31, -3, 1)
     yield "photograph", "an ordinary photograph in colour", Scene(24, 16, n=20, texture=1).fill(1)
     yield "portrait", "a higher than wide picture", Scene(11, 19, n=12).fill(2)
     for blend, layout in itertools.product((NORMALIZED, ALPHA, SUM), range(4)):

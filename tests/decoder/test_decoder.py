@@ -24,7 +24,7 @@ class Page(unittest.TestCase):
         return [int(number) for number in re.findall(r"\b\d+\b", self.page.split(text)[1])[:count]]
 
     def test_powers(self):
-        self.assertEqual(self.numbers_after("i = 0..32:", 33), gscl.T)
+        self.assertEqual(self.numbers_after("and for i = 0..31", 32), gscl.T[:32])
 
     def test_levels(self):
         self.assertEqual(self.numbers_after("\n| levels |", 16), gscl.LEVELS)
@@ -32,6 +32,37 @@ class Page(unittest.TestCase):
     def test_check(self):
         self.assertEqual(gscl.crc16(b"123456789"), 0xD64E)
         self.assertIn("0xD64E", self.page)
+
+    def test_example(self):
+        """The page has these lines about example.gscl."""
+        data = (SET / "files" / "example.gscl").read_bytes()
+        picture = gscl.decode(data)
+        for line in (bytes_line(data), *splat_lines(picture), *pixel_lines(picture)):
+            self.assertIn(f"\n{line}\n", self.page)
+
+
+def bytes_line(data):
+    return "    " + " | ".join(part.hex(" ").upper() for part in (data[:5], data[5:-2], data[-2:]))
+
+
+def splat_lines(picture):
+    for number, (splat, gaussian) in enumerate(zip(picture.splats, picture.gaussians())):
+        x, y, s1, s2, theta, _, colour = gaussian[:7]
+        across, along = max(splat.parts_x, splat.parts_y), (splat.x // splat.parts_x, splat.y // splat.parts_y)
+        part = splat.x % splat.parts_x if splat.parts_x > 1 else splat.y % splat.parts_y
+        cells = (number, splat.major, splat.aspect, f"{splat.angle} of {picture.angle_count(splat.aspect)}", f"{along[0]}, {along[1]}",
+                 f"{part} of {across}", splat.luma, splat.co, splat.cg, f"{x:.4f}, {y:.4f}", f"{s1:.4f}, {s2:.4f}", f"{theta:.4f}",
+                 ", ".join(f"{c:.4f}" for c in colour))
+        yield "| " + " | ".join(map(str, cells)) + " |"
+
+
+def pixel_lines(picture):
+    places = ((0, 0), (3, 3), (6, 4), (8, 5), (11, 7))
+    yield "| pixel (i, j) | " + " | ".join(f"{i}, {j}" for i, j in places) + " |"
+    for name, pixels in (("values", picture.samples), ("samples", picture.integers)):
+        form = "{:.4f}" if name == "values" else "{}"
+        shown = [", ".join(form.format(v) for v in pixels((i, j, 1, 1))[0][0]) for i, j in places]
+        yield f"| {name} | " + " | ".join(shown) + " |"
 
 
 class Command(unittest.TestCase):
