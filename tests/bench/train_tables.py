@@ -159,20 +159,24 @@ def write_c(tables):
     (FORMAT / "tables.c").write_text("\n".join(text))
 
 
+def page_rows(*tables, per_line):
+    """Rows as the page has them: several on a line, separated by `|`."""
+    rows = [" ".join(map(str, row)) for table in tables for row in table]
+    return lines(rows, per_line, "  |  ")
+
+
 def write_page(tables):
-    pairs = lambda table: [f"{a} {b} " for a, b in table]
-    section = ["## Trained tables", "", "Each row of numbers is a row of a table. The rows of the aspect table are for "
-               "size_row + 10 = 0..23:", ""]
-    section += lines(tables["aspect"].ravel(), 24)
-    section += ["", "Direction, for aspect / 2 = 0..7 (the last for all above):", ""] + lines(tables["direction"].ravel(), 16)
-    section += ["", "Textured, for (size_row + 10) / 2 = 0..11, two numbers each:", ""] + lines(pairs(tables["textured"]), 12)
-    section += ["", "Amplitude, then wave:", ""] + lines(tables["amplitude"][0], 16) + lines(tables["wave"][0], 16)
-    section += ["", "Class weights A B, for size_row + 12 = 0..39:", ""] + lines(pairs(tables["class"]), 8) + ["", ""]
+    section = ["## Trained tables", "", 'Rows are separated by `|` and by line feeds. With size = size_row of "Class counts", '
+               "clamped to -10..13 (class weights: -12..27):", ""]
+    section += ["    # aspect, rows size + 10 = 0..23"] + page_rows(tables["aspect"], per_line=2)
+    section += ["    # direction, rows min(aspect / 2, 7) = 0..7"] + page_rows(tables["direction"], per_line=2)
+    section += ["    # textured, rows (size + 10) / 2 = 0..11"] + page_rows(tables["textured"], per_line=12)
+    section += ["    # amplitude; wave"] + page_rows(tables["amplitude"], tables["wave"], per_line=2)
+    section += ["    # class weights A B, rows size + 12 = 0..39"] + page_rows(tables["class"], per_line=10) + ["", ""]
     page = (FORMAT / "FORMAT.md").read_text()
     start = page.index("## Trained tables")
     end = page.index("\n## ", start) + 1
-    text = "\n".join(line.rstrip() for line in section)
-    (FORMAT / "FORMAT.md").write_text(page[:start] + text + page[end:])
+    (FORMAT / "FORMAT.md").write_text(page[:start] + "\n".join(section) + page[end:])
 
 
 # ---- Gain ------------------------------------------------------------------------------------------------------------

@@ -49,7 +49,9 @@ static const char *result_name(gsf_result result) {
                                         [GSF_TRUNCATED] = "truncated",
                                         [GSF_DAMAGED] = "damaged",
                                         [GSF_CORRUPT] = "corrupt",
-                                        [GSF_UNKNOWN_BLOCK] = "unknown-block"};
+                                        [GSF_UNKNOWN_BLOCK] = "unknown-block",
+                                        [GSF_NO_SPACE] = "no-space",
+                                        [GSF_INVALID] = "invalid"};
     return names[result];
 }
 

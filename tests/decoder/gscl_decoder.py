@@ -53,12 +53,12 @@ class BeyondEnd(Exception):
 # ---------------------------------------------------------------------------------------------- the page's tables
 
 def read_tables(path=PAGE):
-    """The tables of the section "Trained tables": rows are separated by `|` and by line feeds, tables by text."""
+    """The tables of the section "Trained tables": rows are separated by `|` and by line feeds, tables by comments."""
     with open(path, encoding="utf-8") as page:
         section = re.search(r"^## Trained tables\n(.*?)^## ", page.read(), re.M | re.S).group(1)
-    paragraphs = re.findall(r"(?:^ {4}[\d |]+\n)+", section, re.M)
+    parts = re.findall(r"(?:^ {4}[\d |]+\n)+", section, re.M)
     aspect, direction, textured, waves, classes = (
-        [[int(word) for word in row.split()] for row in re.split(r"[|\n]", paragraph.strip("\n"))] for paragraph in paragraphs)
+        [[int(word) for word in row.split()] for row in re.split(r"[|\n]", part.strip("\n"))] for part in parts)
     shapes = [(len(table), {len(row) for row in table}) for table in (aspect, direction, textured, waves, classes)]
     if shapes != [(24, {24}), (8, {16}), (12, {2}), (2, {16}), (40, {2})]:
         raise ValueError(f"{path}: the trained tables have the shapes {shapes}")
