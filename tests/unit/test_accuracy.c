@@ -40,7 +40,8 @@ static file encode_with_blend(gscl_blend blend) {
     settings.blend = blend;
     settings.effort = 2;
     settings.target = GSCL_TARGET_BYTES;
-    settings.target_value = blend == GSCL_BLEND_ALPHA ? 3000 : 500; /* opaque in places */
+    settings.target_value = blend == GSCL_BLEND_ALPHA ? 3000 : 500;
+    settings.effects_off = blend == GSCL_BLEND_ALPHA ? GSCL_EFFECT_OPACITY : 0; /* opaque in places */
     assert_int_equal(gscl_encode(contexts[0], &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
     f.psnr = report.psnr;
     return f;
