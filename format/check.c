@@ -34,6 +34,8 @@ bool gsf_work_is_bounded(const gsf_coded_image *image) {
 
 static bool background_is_valid(const gsf_coded_image *image) {
     bool valid = true;
+    if (image->has_mean_background && image->header.splat_count > 0)
+        return true;
     for (unsigned i = 0; i < gsf_channel_count(&image->header); i++)
         valid = valid && (image->header.high_bit_depth || image->background[i] <= 255);
     return valid;

@@ -91,6 +91,7 @@ static gsf_result read_picture(gsf_coded_image *image, gsf_bytes picture, void *
 /* Clears the fields that reading sets.  The arrays and the pointers to them stay. */
 static void clear_fields(gsf_coded_image *image) {
     gsf_codebooks *books = &image->codebooks;
+    image->has_mean_background = false;
     memset(image->background, 0, sizeof image->background);
     memset(&image->steps, 0, sizeof image->steps);
     memset(books->shape, 0, sizeof books->shape);

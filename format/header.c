@@ -163,10 +163,6 @@ gsf_steps gsf_default_steps(void) {
     return (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 9, .chroma = 5, .alpha = 4, .opacity = 3};
 }
 
-uint16_t gsf_default_background(const gsf_header *header) {
-    return header->high_bit_depth ? 1 << 15 : 1 << 7;
-}
-
 /* The steps that the header codes; the others are 0. */
 static gsf_steps used_steps(const gsf_header *header, gsf_steps steps) {
     steps.angle = header->has_rotation ? steps.angle : 0;
@@ -192,15 +188,14 @@ static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *st
             *own[i] = (uint8_t)gsf_code_bits(coder, *own[i], 4);
 }
 
-static void code_background(gsf_coder *coder, const gsf_header *header, uint16_t *background) {
-    const unsigned channels = gsf_channel_count(header);
-    const uint16_t middle = gsf_default_background(header);
-    bool own = false;
-    for (unsigned i = 0; i < channels; i++)
-        own = own || background[i] != middle;
-    own = code_flag(coder, own, 2);
-    for (unsigned i = 0; i < channels; i++)
-        background[i] = own ? (uint16_t)gsf_code_bits(coder, background[i], header->high_bit_depth ? 16 : 8) : middle;
+static void code_background(gsf_coder *coder, gsf_coded_image *image) {
+    const gsf_header *header = &image->header;
+    const bool has_splats = header->splat_count > 0;
+    const bool own = !has_splats || code_flag(coder, !image->has_mean_background, 2);
+    if (has_splats)
+        image->has_mean_background = !own;
+    for (unsigned i = 0; own && i < gsf_channel_count(header); i++)
+        image->background[i] = (uint16_t)gsf_code_bits(coder, image->background[i], header->high_bit_depth ? 16 : 8);
 }
 
 void gsf_code_header(gsf_coder *coder, gsf_coded_image *image) {
@@ -208,5 +203,5 @@ void gsf_code_header(gsf_coder *coder, gsf_coded_image *image) {
     coder->stream = GSF_STREAM_SIDE;
     if (image->header.coding == GSF_CODING_SCALAR && image->header.splat_count > 0)
         code_steps(coder, &image->header, &image->steps);
-    code_background(coder, &image->header, image->background);
+    code_background(coder, image);
 }

@@ -13,8 +13,6 @@ bool gsf_header_is_valid(const gsf_header *header);
 
 /* The steps that take one bit in the file. */
 gsf_steps gsf_default_steps(void);
-/* The value of a channel of the background that takes one bit in the file. */
-uint16_t gsf_default_background(const gsf_header *header);
 
 /* Codes kind, size and number of splats.  Every decoded header is valid. */
 void gsf_code_fields(gsf_coder *coder, gsf_header *header);

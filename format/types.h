@@ -150,7 +150,8 @@ typedef enum gsf_stream {
  * blend `alpha` draws in it, the last splat in front. */
 typedef struct gsf_coded_image {
     gsf_header header;
-    uint16_t background[GSF_MAX_CHANNELS]; /* coded channels (Y, or R G B; then alpha), in 1/255 or, with
+    bool has_mean_background;              /* the background is the mean of the splats' colours; not without splats */
+    uint16_t background[GSF_MAX_CHANNELS]; /* otherwise,  coded channels (Y, or R G B; then alpha), in 1/255 or, with
                                               high_bit_depth, in 1/65535 */
     gsf_steps steps;                       /* scalar coding */
     gsf_splat *splats;                     /* scalar coding: array of splat_count */

@@ -159,7 +159,7 @@ static void print_image(const gsf_coded_image *image) {
     printf("size %" PRIu32 " %" PRIu32 "\n", h->width, h->height);
     printf("kind %d %d %d %d %d %d %d %d %d %d\nbackground", h->blend, h->coding, h->layout, h->high_bit_depth,
            h->has_chroma, h->has_alpha, h->has_opacity, h->has_anisotropy, h->has_rotation, h->has_texture);
-    for (unsigned i = 0; i < gsf_channel_count(h); i++)
+    for (unsigned i = 0; i < gsf_channel_count(h) && !image->has_mean_background; i++)
         printf(" %u", image->background[i]);
     putchar('\n');
     if (h->coding == GSF_CODING_SCALAR)
@@ -345,13 +345,18 @@ static void set_sizes(gsf_coded_image *image, const char *word, const int *v) {
     }
 }
 
+static void set_background(gsf_coded_image *image, const int *v, int count) {
+    image->has_mean_background = count == 0;
+    for (int i = 0; i < GSF_MAX_CHANNELS; i++)
+        image->background[i] = (uint16_t)v[i];
+}
+
 /* The line with the number of splats comes before the words of codebooks, so that there is memory for them. */
-static void parse_numbers(text *t, const char *word, const int *v) {
+static void parse_numbers(text *t, const char *word, const int *v, int count) {
     if (strcmp(word, "kind") == 0)
         set_kind(&t->image.header, v);
     else if (strcmp(word, "background") == 0)
-        for (int i = 0; i < GSF_MAX_CHANNELS; i++)
-            t->image.background[i] = (uint16_t)v[i];
+        set_background(&t->image, v, count);
     else if (strcmp(word, "steps") == 0)
         t->image.steps = steps_of(v);
     else if (strcmp(word, "range") == 0)
@@ -368,16 +373,16 @@ static void parse_numbers(text *t, const char *word, const int *v) {
 
 static void parse_line(text *t, const char *line) {
     char word[20];
-    int v[MAX_NUMBERS] = {0}, at = 0, used = 0;
+    int v[MAX_NUMBERS] = {0}, count = 0, at = 0, used = 0;
     if (sscanf(line, "%19s%n", word, &at) != 1 || strcmp(word, "splats") == 0)
         return;
     if (strcmp(word, "block") == 0) {
         parse_block(t, line);
         return;
     }
-    for (int i = 0; i < MAX_NUMBERS && sscanf(line + at, "%d%n", &v[i], &used) == 1; i++)
+    for (; count < MAX_NUMBERS && sscanf(line + at, "%d%n", &v[count], &used) == 1; count++)
         at += used;
-    parse_numbers(t, word, v);
+    parse_numbers(t, word, v, count);
 }
 
 /* The number of splats is needed first, for the memory. */

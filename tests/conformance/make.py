@@ -44,7 +44,7 @@ class Scene(gscl.Picture):
         self.step = dict(zip(gscl.STEPS, (step if use and stored else 0 for step, use in zip(steps, used))))
         self.levels = {name: gscl.LEVELS[self.step[name]] for name in ("luma", "chroma", "alpha")}
         self.channels = (3 if self.has_chroma else 1) + self.has_alpha
-        self.background = list(background or [32768 if high else 128] * self.channels)
+        self.background = list(background) if background else None if n > 0 else [32768 if high else 128] * self.channels
         self.blocks = list(blocks)
 
     def add(self, major, aspect=0, angle=0, x=0.5, y=0.5, luma=0, co=0, cg=0, alpha=None, opacity=0, amplitude=0, wave=0,
@@ -310,7 +310,6 @@ def forged_pictures():
     yield "long-side", "64 pixels that are not coded as a multiple of 64", forge({**SQUARE, 3: 6, 4: 31})
     yield "long-steps", "explicit steps that are the default", \
         forge({**SQUARE, 7: 1, **{8 + i: step for i, step in enumerate((6, 8, 4, 9, 5))}})
-    yield "long-background", "an explicit background that is the default", forge({**SQUARE, 8: 1, 9: 128, 10: 128, 11: 128})
     yield "long-range-axis", "an axis of a codebook of 641, which counts as 640", forge({**BOOK, 19: 10, 21: 8, 22: 1})
     yield "long-range-min", "a range of a codebook of which both ends are too high", forge({**BOOK, 19: 16, 20: 1, 21: 16})
     yield "long-range-angle", "an angle of a codebook of 257, which counts as 256", forge({**BOOK, 23: 9, 24: 1})

@@ -235,10 +235,8 @@ class Picture:
         if self.coding == SCALAR and self.n > 0:
             self.read_steps(coder)
         self.channels = (3 if self.has_chroma else 1) + self.has_alpha
-        if coder.flag(2) == 0:
-            self.background = [32768 if self.high_bit_depth else 128] * self.channels
-        else:
-            self.background = [coder.raw(16 if self.high_bit_depth else 8) for _ in range(self.channels)]
+        own = 1 if self.n == 0 else coder.flag(2)
+        self.background = [coder.raw(16 if self.high_bit_depth else 8) for _ in range(self.channels)] if own else None
         self.levels = {name: LEVELS[self.step[name]] for name in ("luma", "chroma", "alpha")}
 
     def read_kind(self, coder):
@@ -523,7 +521,7 @@ class Picture:
         add = lambda word, *numbers: lines.append(" ".join([word, *map(str, numbers)]))
         add("size", self.width, self.height)
         add("kind", self.blend, self.coding, self.layout, self.high_bit_depth, *(getattr(self, name) for name in FLAGS))
-        add("background", *self.background)
+        add("background", *(self.background or ()))
         if self.coding == SCALAR:
             add("steps", *self.step.values())
         elif self.n > 0:
@@ -584,16 +582,22 @@ class Picture:
     def draw(self, window=None):
         """Rows of the coded channels' values, before they are clamped, of the pixels in the window (x, y, width, height)."""
         x0, y0, width, height = window or (0, 0, self.width, self.height)
-        highest = 65535 if self.high_bit_depth else 255
-        background = [value / highest for value in self.background]
+        gaussians = self.gaussians()
+        background = self.drawn_background([gaussian[6] for gaussian in gaussians])
         # Sums of the channels of each pixel, then the sum of weights of the blend `normalized`.
         start = [b / 1024 for b in background] + [1 / 1024] if self.blend == NORMALIZED else background + [1.0]
         sums = [[list(start) for _ in range(width)] for _ in range(height)]
-        for gaussian in self.gaussians():
+        for gaussian in gaussians:
             self.add_gaussian(sums, x0, y0, gaussian)
         if self.blend == NORMALIZED:
             return [[[value / pixel[-1] for value in pixel[:-1]] for pixel in row] for row in sums]
         return [[pixel[:-1] for pixel in row] for row in sums]
+
+    def drawn_background(self, colours):
+        """The background as it is drawn; None stands for the mean of the splats' colours."""
+        if self.background is None:
+            return [sum(channel) / len(colours) for channel in zip(*colours)] or [0.0] * self.channels
+        return [value / (65535 if self.high_bit_depth else 255) for value in self.background]
 
     def add_gaussian(self, sums, x0, y0, gaussian):
         mx, my, s1, s2, theta, opacity, colour, amplitude, wavelength, direction, phase = gaussian

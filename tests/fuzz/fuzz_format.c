@@ -62,6 +62,7 @@ static void check_rewriting(gsf_coded_image *image, void *scratch) {
     uint8_t *bytes = write_image(image, &size, scratch);
     create(&again, &image->header);
     again.bare = image->bare;
+    again.blocks = image->blocks;
     require(gsf_read(bytes, size, &again, scratch) == GSF_OK, "a file that was written cannot be read");
     uint8_t *bytes_again = write_image(&again, &size_again, scratch);
     require(size == size_again && memcmp(bytes, bytes_again, size) == 0, "writing is not stable");
@@ -73,13 +74,17 @@ static void check_rewriting(gsf_coded_image *image, void *scratch) {
 static void read_and_rewrite(const uint8_t *bytes, size_t size, bool bare) {
     gsf_header header;
     gsf_coded_image image;
+    gsf_container container;
     if (gsf_read_header(bytes, size, bare, &header) != GSF_OK || header.splat_count > MAX_SPLATS)
         return;
     void *scratch = allocate(gsf_scratch_size(&header));
     create(&image, &header);
     image.bare = bare;
-    if (gsf_read(bytes, size, &image, scratch) == GSF_OK)
+    if (gsf_read(bytes, size, &image, scratch) == GSF_OK) {
+        if (!bare && gsf_open_container(bytes, size, &container) == GSF_OK)
+            image.blocks = container.blocks;
         check_rewriting(&image, scratch);
+    }
     destroy(&image);
     free(scratch);
 }

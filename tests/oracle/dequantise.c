@@ -114,6 +114,14 @@ static oracle_splat codebook_splat(const gsf_coded_image *coded, const gsf_index
     return splat;
 }
 
+static void set_mean_background(oracle_image *image) {
+    for (uint32_t k = 0; k < image->header.channels; k++) {
+        image->background[k] = 0.0;
+        for (uint32_t i = 0; i < image->header.splats; i++)
+            image->background[k] += image->splats[i].colour[k] / image->header.splats;
+    }
+}
+
 void oracle_dequantise(const gsf_coded_image *coded, oracle_image *image) {
     const uint32_t channels = image->header.channels;
     for (uint32_t i = 0; i < channels; i++)
@@ -122,4 +130,6 @@ void oracle_dequantise(const gsf_coded_image *coded, oracle_image *image) {
         image->splats[i] = coded->header.coding == GSF_CODING_CODEBOOK
                                ? codebook_splat(coded, &coded->indexed[i], channels)
                                : scalar_splat(coded, &coded->splats[i]);
+    if (coded->has_mean_background)
+        set_mean_background(image);
 }

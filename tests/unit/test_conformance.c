@@ -328,6 +328,7 @@ static synthetic_scene *scalar_scene(int number) {
     synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
     synthetic_background(&s->image);
+    s->image.has_mean_background = number % 3 == 0;
     synthetic_steps(&s->image);
     for (uint32_t i = 0; i < header.splat_count; i++)
         synthetic_splat(&s->image, &s->image.splats[i], synthetic_random(20),
@@ -341,6 +342,7 @@ static synthetic_scene *codebook_scene(int number) {
     synthetic_scene *s = synthetic_scene_new(&header);
     assert_non_null(s);
     synthetic_background(&s->image);
+    s->image.has_mean_background = number % 3 == 0;
     if (header.splat_count > 0)
         synthetic_codebooks(&s->image, longest[synthetic_random(4)]);
     return s;

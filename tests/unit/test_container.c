@@ -124,7 +124,7 @@ static void check_blocks(unsigned chosen, const file *plain) {
     }
     assert_int_equal(container.picture.size, plain->size - 7);
     assert_memory_equal(container.picture.data, plain->bytes + 5, container.picture.size);
-    assert_in_range(f.size - plain->size, content, content + 4 * 3 + 4);
+    assert_in_range(f.size - plain->size, content, content + 4 * 3 + 7);
 }
 
 static void test_blocks_round_trip(void **unused) {
@@ -256,11 +256,21 @@ static void test_blocks_after_the_picture(void **unused) {
     for (size_t i = 0; i < sizeof after_cases / sizeof *after_cases; i++) {
         const list_case *c = &after_cases[i];
         uint8_t list[16] = {0};
-        memcpy(list, c->bytes, c->size); /* the last byte and three zeros are the length */
-        file f = made_file(0x20, NULL, 0, list, c->size + 3);
+        memcpy(list + 3, c->bytes, c->size); /* the last byte and three zeros are the length */
+        file f = made_file(0x20, NULL, 0, list, c->size + 6);
         check_result(&f, c->intact);
         f.bytes[f.size - 1] ^= 1;
         check_result(&f, c->damaged);
+    }
+}
+
+static void test_zeros_after_the_picture(void **unused) {
+    (void)unused;
+    for (int at = 0; at < 3; at++) {
+        uint8_t list[] = {0, 0, 0, 0xA0, 1, 9, 3, 0, 0, 0};
+        list[at] = 1;
+        const file f = made_file(0x20, NULL, 0, list, sizeof list);
+        check_result(&f, GSF_CORRUPT);
     }
 }
 
@@ -354,7 +364,9 @@ static uint64_t check_header(const gsf_coded_image *image) {
     assert_int_equal(a->splat_count, b->splat_count);
     if (a->coding == GSF_CODING_SCALAR && a->splat_count > 0)
         assert_memory_equal(&written.steps, &read.steps, sizeof read.steps);
-    assert_memory_equal(image->background, read.background, gsf_channel_count(a) * sizeof *read.background);
+    assert_true(read.has_mean_background == (image->has_mean_background && a->splat_count > 0));
+    if (!read.has_mean_background)
+        assert_memory_equal(image->background, read.background, gsf_channel_count(a) * sizeof *read.background);
     return stream_bits256[GSF_STREAM_HEADER] + stream_bits256[GSF_STREAM_SIDE];
 }
 
@@ -375,6 +387,7 @@ static void test_every_kind(void **unused) {
                                             .height = 4,
                                             .splat_count = bits >> 10 & 1},
                                  .background = {200, 128, 128, 255},
+                                 .has_mean_background = bits >> 8 & 1,
                                  .steps = {1, 2, 3, 4, 5, 6, 7}};
         if (gsf_header_is_valid(&image.header))
             check_header(&image);
@@ -387,7 +400,7 @@ static void test_sizes(void **unused) {
                                      640, 667, 768, 1023, 1024, 1025, 4000, 8191, 16320, 16383, 16384};
     const size_t count = sizeof sides / sizeof *sides;
     for (size_t i = 0; i < count * count; i++) {
-        gsf_coded_image image = {.header = photo, .background = {128, 128, 128}};
+        gsf_coded_image image = {.header = photo, .has_mean_background = true};
         image.header.width = sides[i % count];
         image.header.height = sides[i / count];
         check_header(&image);
@@ -399,7 +412,7 @@ static void test_counts(void **unused) {
     for (uint32_t power = 1; power <= GSF_MAX_SPLATS; power *= 2) {
         const uint32_t counts[] = {power - 1, power, power + power / 3};
         for (int i = 0; i < 3; i++) {
-            gsf_coded_image image = {.header = photo, .background = {128, 128, 128}};
+            gsf_coded_image image = {.header = photo, .has_mean_background = true};
             image.header.splat_count = counts[i] < GSF_MAX_SPLATS ? counts[i] : GSF_MAX_SPLATS;
             check_header(&image);
         }
@@ -409,7 +422,7 @@ static void test_counts(void **unused) {
 static void test_steps_and_backgrounds(void **unused) {
     (void)unused;
     for (unsigned step = 0; step < 7; step++) {
-        gsf_coded_image image = {.header = photo, .background = {128, 128, 128}, .steps = gsf_default_steps()};
+        gsf_coded_image image = {.header = photo, .has_mean_background = true, .steps = gsf_default_steps()};
         image.header.splat_count = 9;
         const uint64_t cheap = check_header(&image);
         ((uint8_t *)&image.steps)[step] ^= 1;
@@ -417,14 +430,17 @@ static void test_steps_and_backgrounds(void **unused) {
         /* The image has neither alpha nor opacities. */
         assert_true(step < 5 ? other > cheap + 19 * 256 : other == cheap);
     }
-    gsf_coded_image image = {.header = photo, .background = {128, 128, 128}};
-    const uint64_t cheap = check_header(&image);
-    image.background[1] = 129;
-    assert_in_range(check_header(&image), cheap + 24 * 256, cheap + 28 * 256);
-    image.header.high_bit_depth = true;
-    check_header(&image);
-    image.background[0] = image.background[1] = image.background[2] = 32768;
-    check_header(&image);
+    for (unsigned is_deep = 0; is_deep < 2; is_deep++) {
+        gsf_coded_image image = {.header = photo, .background = {128, 1, 255}, .steps = gsf_default_steps()};
+        image.header.high_bit_depth = is_deep;
+        image.header.splat_count = 1;
+        const uint64_t own = check_header(&image);
+        image.has_mean_background = true;
+        const uint64_t mean = check_header(&image);
+        assert_in_range(own - mean, is_deep ? 48 * 256 : 24 * 256, is_deep ? 52 * 256 : 28 * 256);
+        image.header.splat_count = 0; /* then there is no mean */
+        check_header(&image);
+    }
 }
 
 /* Magic, version, kind, size, steps, background and check of a photograph: at most ten bytes with the rounding at the
@@ -433,7 +449,7 @@ static void test_overhead_of_a_photograph(void **unused) {
     (void)unused;
     for (int portrait = 0; portrait < 2; portrait++) {
         for (int texture = 0; texture < 2; texture++) {
-            gsf_coded_image image = {.header = photo, .background = {128, 128, 128}, .steps = gsf_default_steps()};
+            gsf_coded_image image = {.header = photo, .has_mean_background = true, .steps = gsf_default_steps()};
             image.header.width = portrait ? 512 : 768;
             image.header.height = portrait ? 768 : 512;
             image.header.has_texture = texture;
@@ -473,6 +489,7 @@ int main(void) {
         cmocka_unit_test(test_lengths_of_blocks),
         cmocka_unit_test(test_blocks_before_the_picture),
         cmocka_unit_test(test_blocks_after_the_picture),
+        cmocka_unit_test(test_zeros_after_the_picture),
         cmocka_unit_test(test_first_bytes),
         cmocka_unit_test(test_every_cut),
         cmocka_unit_test(test_every_changed_byte),

@@ -155,7 +155,8 @@ static void fill_indexed(const gsf_coded_image *image, gsf_indexed_splat *splat)
 /* Random content that the header allows. */
 static void fill_image(gsf_coded_image *image) {
     const gsf_header *h = &image->header;
-    for (unsigned i = 0; i < gsf_channel_count(h); i++)
+    image->has_mean_background = h->splat_count % 4 == 1;
+    for (unsigned i = 0; i < gsf_channel_count(h) && !image->has_mean_background; i++)
         image->background[i] = (uint16_t)pick(h->high_bit_depth ? 65536 : 256);
     if (h->splat_count == 0)
         return;
@@ -196,6 +197,7 @@ static void assert_same_header(const gsf_header *a, const gsf_header *b) {
 static void assert_same_image(const gsf_coded_image *a, const gsf_coded_image *b) {
     const uint32_t n = a->header.splat_count;
     assert_same_header(&a->header, &b->header);
+    assert_int_equal(a->has_mean_background, b->has_mean_background);
     assert_memory_equal(a->background, b->background, sizeof a->background);
     assert_memory_equal(&a->steps, &b->steps, sizeof a->steps);
     assert_memory_equal(a->stream_bits256, b->stream_bits256, GSF_STREAM_COUNT * sizeof *a->stream_bits256);

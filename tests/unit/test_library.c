@@ -12,6 +12,7 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
+#include "decode/coded_image.h"
 #include "one_context.h"
 #include "synthetic_image.h"
 
@@ -435,6 +436,56 @@ static void test_default_target(void **state) {
     }
 }
 
+/* ---- Backgrounds ---- */
+
+/* Whether the file of an image leaves the background to the mean of its splats; otherwise its red or grey. */
+static bool has_mean_background(const gscl_image *image, const gscl_encode_settings *settings, unsigned *red) {
+    gscl_coded_image coded;
+    const file f = encode_file(image, settings);
+    assert_result(gscl_coded_image_read(&coded, f.bytes, f.size, false), GSCL_OK);
+    const bool mean = coded.file.has_mean_background;
+    *red = coded.file.background[0];
+    gscl_coded_image_free(&coded);
+    gscl_free(f.bytes);
+    return mean;
+}
+
+static void check_background(synthetic_image_kind kind, uint32_t channels, double splats, gscl_blend blend,
+                             bool expected) {
+    gscl_image image = synthetic_image(kind, 60, 40, channels, GSCL_SAMPLE_U8);
+    gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, splats);
+    unsigned red;
+    settings.blend = blend;
+    assert_int_equal(has_mean_background(&image, &settings, &red), expected);
+    synthetic_image_free(&image);
+}
+
+/* The blend normalized alone hides a background, where there are splats enough. */
+static void test_background_of_textures(void **state) {
+    (void)state;
+    check_background(SYNTHETIC_TEXTURE, 3, 20, GSCL_BLEND_NORMALIZED, true);
+    check_background(SYNTHETIC_TEXTURE, 4, 20, GSCL_BLEND_NORMALIZED, true);
+    check_background(SYNTHETIC_TEXTURE, 1, 4, GSCL_BLEND_NORMALIZED, true);
+    check_background(SYNTHETIC_TEXTURE, 3, 3, GSCL_BLEND_NORMALIZED, false);
+    check_background(SYNTHETIC_TEXTURE, 3, 20, GSCL_BLEND_ALPHA, false);
+    check_background(SYNTHETIC_TEXTURE, 3, 20, GSCL_BLEND_SUM, false);
+    check_background(SYNTHETIC_FLAT, 3, 20, GSCL_BLEND_NORMALIZED, false);
+}
+
+/* A flat area keeps its exact colour. */
+static void test_background_of_drawings(void **state) {
+    (void)state;
+    gscl_image image = synthetic_image(SYNTHETIC_FLAT, 60, 40, 3, GSCL_SAMPLE_U8);
+    const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, 20);
+    uint8_t *pixels = image.pixels;
+    unsigned red;
+    for (int i = 0; i < 60 * 40 * 3; i++)
+        pixels[i] = i % (60 * 3) < 15 * 3 ? (uint8_t)(i * i * 31 >> 4) : 201;
+    assert_false(has_mean_background(&image, &settings, &red));
+    assert_in_range(red, 200, 202);
+    synthetic_image_free(&image);
+}
+
 /* ---- Textures ---- */
 
 /* A wave of 3 pixels in a round window, which a few splats without texture cannot represent. */
@@ -800,6 +851,8 @@ int main(void) {
         cmocka_unit_test(test_bits_per_pixel),
         cmocka_unit_test(test_psnr),
         cmocka_unit_test(test_default_target),
+        cmocka_unit_test(test_background_of_textures),
+        cmocka_unit_test(test_background_of_drawings),
         cmocka_unit_test(test_textures),
         cmocka_unit_test(test_flat_images),
         cmocka_unit_test(test_long_images),

@@ -202,6 +202,16 @@ void gscl_coded_image_splat(const gscl_coded_image *p, uint32_t i, float *params
         gscl_dequantise_indexed(&p->file, &p->file.indexed[i], params);
 }
 
+/* The mean colour of `count` splats, which are in `params`. */
+static void mean_colour(const float *params, uint32_t count, unsigned channels, float colour[4]) {
+    for (unsigned k = 0; k < channels; k++) {
+        double sum = 0;
+        for (uint32_t i = 0; i < count; i++)
+            sum += params[(size_t)i * GSCL_PARAMS + GSCL_COLOUR + k];
+        colour[k] = (float)(sum / count);
+    }
+}
+
 void gscl_coded_image_params(const gscl_coded_image *p, float *params, float background[4]) {
     const gsf_header *header = &p->file.header;
     unsigned channels = gsf_channel_count(header);
@@ -209,4 +219,6 @@ void gscl_coded_image_params(const gscl_coded_image *p, float *params, float bac
         background[k] = (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
     for (uint32_t i = 0; i < header->splat_count; i++)
         gscl_coded_image_splat(p, i, params + (size_t)i * GSCL_PARAMS);
+    if (p->file.has_mean_background && header->splat_count > 0)
+        mean_colour(params, header->splat_count, channels, background);
 }

@@ -49,8 +49,10 @@ static void drop_channels(const gsf_header *from, const gsf_header *to, float co
 /* Writes the same splats without an effect, as a bare picture. */
 static gscl_result write_without(const gscl_coded_image *coded, gscl_effect effect, uint8_t **bytes, size_t *size) {
     const gsf_coded_image *file = &coded->file;
-    gscl_coded_image other = {
-        .file = {.header = header_without(file->header, effect), .steps = file->steps, .bare = true}};
+    gscl_coded_image other = {.file = {.header = header_without(file->header, effect),
+                                       .steps = file->steps,
+                                       .bare = true,
+                                       .has_mean_background = file->has_mean_background}};
     float background[4] = {0}, *params = malloc(((size_t)file->header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
     gscl_result result = params ? gscl_coded_image_reserve(&other, file->header.splat_count) : GSCL_ERROR_OUT_OF_MEMORY;
     if (result == GSCL_OK) {

@@ -17,6 +17,13 @@ static float learning_rate(double fraction) {
     return (float)(tunables->learning_rate * (fraction < 0.5 ? 1.0 : min + (1 - min) * 0.5 * (1 + cos(angle))));
 }
 
+/* Whether the file may leave the background to the mean of its splats.  In the blend normalized splats cover the image,
+ * and a background of its own takes 25 bits or more. */
+static bool hides_background(const gscl_scalar_state *s) {
+    return s->coded->file.header.blend == GSF_BLEND_NORMALIZED && s->source->background.pixels == 0 &&
+           s->target >= (size_t)tunables->min_covering_splats;
+}
+
 static gscl_result create_fit(gscl_scalar_state *s) {
     const gscl_encoder *e = s->encoder;
     const gscl_source *source = s->source;
@@ -30,6 +37,7 @@ static gscl_result create_fit(gscl_scalar_state *s) {
         GSCL_TRY(gscl_fit_set_flat_background(&s->fit, &source->background));
     for (int k = 0; k < s->fit.renderer.channels; k++)
         file->background[k] = gscl_quantise_background(&file->header, s->fit.background[k]);
+    file->has_mean_background = hides_background(s);
     return GSCL_OK;
 }
 

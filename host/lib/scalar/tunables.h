@@ -40,6 +40,7 @@ struct gscl_scalar_tunables {
     double rounding_residual;  /* squared error per sample: residual of noise by rounding to 8 bits,
                                     (3/4 + 1/64) / 12 / 255^2 */
     double probe_distance;     /* pixels from splat to splat; probe fits of splats further apart use a coarser level */
+    int min_covering_splats;   /* fewer splats may leave parts of the image to the background */
 
     /* The fit. */
     double learning_rate;     /* factor of the learning rates in cl/update.cl */
