@@ -355,6 +355,14 @@ def container_files(picture):
     yield "block-mandatory-after", "an unknown mandatory block after the picture", make(picture, after=block(0xE2, b"abc"))
     yield "block-mandatory-order", "types that do not increase, then an unknown mandatory block", \
         make(picture, before=block(0x01, b"p") + block(0x01, b"p") + block(0xC2, b"abc"))
+    yield "block-mandatory-picture", "a picture that is too long, then an unknown mandatory block", \
+        make(picture + b"\0", after=block(0xE2, b"abc"))
+    yield "block-mandatory-both", "types that do not increase before, an unknown mandatory block after the picture", \
+        make(picture, before=block(0x01, b"p") + block(0x81, b"p"), after=block(0xE2, b"abc"))
+    yield "block-mandatory-first", "an unknown mandatory block before, a type that is not allowed after the picture", \
+        make(picture, before=block(0xC2, b"abc"), after=block(0x9F, b"p"))
+    yield "block-mandatory-beyond", "an unknown mandatory block that is longer than the file, with a check that matches", \
+        make(b"", before=b"\xC2\x7Fabc")
     yield "block-space-3", "a colour space of three bytes", make(picture, before=block(0x80, b"\1\15\0"))
     yield "block-size-long", "a size with a byte too many", make(picture, before=b"\x81\x83\0abc")
     yield "block-size-4", "a size of four bytes", make(picture, before=b"\x81\x83\x80\x80\1" + b"a" * 4)

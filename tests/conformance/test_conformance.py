@@ -16,6 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "decoder"), str(HERE.parent / "cli")]
 
 import gscl_decoder as gscl
+from gscl_file import crc16
 from images import Image, read_png
 from make import Writer, make
 from tool import main
@@ -133,6 +134,17 @@ class Conformance(unittest.TestCase):
                     self.assertEqual((words[1], text), by_decoder(file.read_bytes(), True))
             self.assertEqual(results, {"valid", "corrupt", "truncated"})
 
+    def test_changed_blocks(self):
+        """Both readers agree on complete files of which a byte was changed, with and without a check that matches."""
+        with tempfile.TemporaryDirectory() as folder:
+            files = list(changed_files(pathlib.Path(folder)))
+            results = set()
+            for file, (words, _) in zip(files, sections(codes("read", "whole", *files)), strict=True):
+                with self.subTest(file=file.name):
+                    results.add(words[1])
+                    self.assertEqual(words[1], by_decoder(file.read_bytes(), False)[0])
+            self.assertEqual(results, {result.replace(" ", "-") for result in RESULTS})
+
     def test_make(self):
         """make.py makes the set that is here."""
         with tempfile.TemporaryDirectory() as folder:
@@ -170,6 +182,22 @@ def mutations(folder, pick):
                 file = folder / f"{entry['file']}-{at}-{number}"
                 file.write_bytes(picture[:at] + bytes([picture[at] ^ pick.randint(1, 255)]) + picture[at + 1:])
                 yield file
+
+
+def changed_files(folder):
+    """Files with blocks, each with one byte changed to some values, and their starts."""
+    for name in "blocks-empty", "block-unknown-after", "block-known-mandatory":
+        data = (FILES / f"{name}.gscl").read_bytes()[:-2]
+        for at in range(len(data)):
+            for value in {0, 3, 0x7F, 0x80, 0xFF, data[at] ^ 0x40, data[at] ^ 0x20}:
+                changed = data[:at] + bytes([value]) + data[at + 1:]
+                for kind, check in ("sealed", crc16(changed)), ("open", crc16(data)):
+                    file = folder / f"{name}-{at}-{value}-{kind}"
+                    file.write_bytes(changed + check.to_bytes(2, "big"))
+                    yield file
+            file = folder / f"{name}-{at}-cut"
+            file.write_bytes(data[:at])
+            yield file
 
 
 if __name__ == "__main__":

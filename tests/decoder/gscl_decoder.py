@@ -818,8 +818,6 @@ def read_blocks(data, position, end, types):
         kind, mandatory, last = head & 63, head >> 6 & 1, head >> 7
         if kind not in types or blocks and kind <= blocks[-1][0]:
             raise NotAllowed(f"a block of type {kind} is not allowed here")
-        if mandatory and kind not in KNOWN_BLOCKS:
-            raise UnknownBlock(f"type {kind}")
         size = 0
         for group in range(3):
             value = byte()
@@ -830,6 +828,8 @@ def read_blocks(data, position, end, types):
             raise NotAllowed("the size of a block is not a varint")
         if size > end - position:
             raise BeyondEnd("a block needs bytes beyond the end")
+        if mandatory and kind not in KNOWN_BLOCKS:
+            raise UnknownBlock(f"type {kind}")
         if kind == 0 and size != 2:
             raise NotAllowed("a colour space has two bytes")
         blocks.append((kind, data[position:position + size]))
@@ -917,11 +917,10 @@ def read_parts(data):
         end = list_end - size - 3
         if any(data[end:end + 3]):
             raise NotAllowed("the bytes after the picture are not zero")
-    picture = read_picture(data, start, end)
-    if flags & 32:
         after, position = read_blocks(data, end + 3, list_end, range(32, 64))
         if position != list_end:
             raise NotAllowed("the list of blocks ends early")
+    picture = read_picture(data, start, end)
     picture.blocks = before + after
     return picture
 
