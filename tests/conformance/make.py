@@ -339,6 +339,9 @@ def container_files(picture):
     with_blocks = make(picture, before=block(0x00, b"\1\15") + block(0x81, b"p" * 30), after=block(0xA0, b"II*\0"))
     yield "cut-block", "cut in a block before the picture", with_blocks[:20]
     yield "cut-block-size", "cut before the size of a block", with_blocks[:8]
+    yield "damaged-reserved", "a reserved bit, and half a file", make(picture, version=0x42)[:len(file) // 2]
+    yield "damaged-order", "types that do not increase, and half a file", \
+        make(picture, before=block(0x01, b"p") + block(0x81, b"p"))[:len(file) // 2]
     yield "damaged-bit", "one bit of the picture flipped", file[:12] + bytes([file[12] ^ 1]) + file[13:]
     yield "damaged-check", "another check", file[:-1] + bytes([file[-1] ^ 128])
     yield "damaged-blocks", "one bit of a block flipped", with_blocks[:15] + bytes([with_blocks[15] ^ 2]) + with_blocks[16:]

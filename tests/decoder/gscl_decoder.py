@@ -871,6 +871,11 @@ def check_start(data):
         raise Refused(NEWER, f"version {data[4] & 15}")
 
 
+def check_flags(data):
+    if data[4] >> 6:
+        raise NotAllowed("bits that must be zero are set")
+
+
 def read_complete(data):
     check_start(data)
     if len(data) < 7:
@@ -887,12 +892,12 @@ def read_complete(data):
 
 def why_no_check(data):
     """The result for a file whose check does not match."""
+    start, end = 5, len(data) - 2
     try:
+        check_flags(data)
         if data[4] & 16:
-            start = read_blocks(data, 5, len(data) - 2, range(32))[1]
-        else:
-            start = 5
-        read_picture(data, start, len(data) - 2)
+            start = read_blocks(data, start, end, range(32))[1]
+        read_picture(data, start, end)
     except BeyondEnd as error:
         return TRUNCATED, error
     except (NotAllowed, UnknownBlock):
@@ -903,8 +908,7 @@ def why_no_check(data):
 def read_parts(data):
     """The parts of a file whose check matches."""
     flags = data[4]
-    if flags >> 6:
-        raise NotAllowed("bits that must be zero are set")
+    check_flags(data)
     start, end = 5, len(data) - 2
     before, after = [], []
     if flags & 16:
@@ -942,11 +946,12 @@ def decode_prefix(data, bare=False):
             raise Refused(TRUNCATED, "fewer than 7 bytes")
         start, end = 5, len(data) - 2
         try:
+            check_flags(data)
             if data[4] & 16:
                 start = read_blocks(data, start, end, range(32))[1]
         except BeyondEnd as error:
             raise Refused(TRUNCATED, error) from None
-        except NotAllowed as error:
+        except (NotAllowed, UnknownBlock) as error:
             raise Refused(CORRUPT, error) from None
     coder = RangeDecoder(data, start, end, beyond=math.inf)
     picture = Picture()
