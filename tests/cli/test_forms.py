@@ -22,6 +22,7 @@ class Forms(ToolTest):
         self.assertEqual(self.decode("--bare", name="bare"), whole)
         info = self.gscl_json("info", "bare.gscl", "--bare")
         self.assertEqual(info["bytes"], len(bare))
+        self.assertEqual(info["effect_uses"], self.gscl_json("info", "in.gscl")["effect_uses"])
         self.assertNotIn("container", [stream["name"] for stream in info["streams"]])
         self.assertAlmostEqual(sum(stream["bytes"] for stream in info["streams"]), len(bare), places=3)
         self.gscl("info", "bare.gscl", "--bare", "--reference", "in.image")
@@ -68,10 +69,11 @@ class Forms(ToolTest):
         """Every remainder of the size by three, and every value of six bits."""
         values = bytes(range(256))
         for size in range(254, 257):
-            text = base64.urlsafe_b64encode(values[:size]).rstrip(b"=")
-            with self.subTest(size=size):
-                self.write("text.gscl", text)
-                self.refused("text.gscl", "not a gscl file", "info", "text.gscl", "--base64")
+            padded = base64.urlsafe_b64encode(values[:size])
+            for text in (padded, padded.rstrip(b"=")):
+                with self.subTest(text=text[-4:]):
+                    self.write("text.gscl", text)
+                    self.refused("text.gscl", "not a gscl file", "info", "text.gscl", "--base64")
 
     def test_bad_base64(self):
         text = base64.urlsafe_b64encode(self.file).rstrip(b"=")
