@@ -196,10 +196,12 @@ static file made_file(uint8_t flags, const uint8_t *before, size_t before_size, 
     assert_int_equal(write_file(NULL, false, &plain), GSF_OK);
     memcpy(f.bytes, plain.bytes, 5);
     f.bytes[4] |= flags;
-    memcpy(f.bytes + 5, before, before_size);
+    if (before_size > 0)
+        memcpy(f.bytes + 5, before, before_size);
     memcpy(f.bytes + 5 + before_size, plain.bytes + 5, plain.size - 7);
     f.size = 5 + before_size + plain.size - 7;
-    memcpy(f.bytes + f.size, after, after_size);
+    if (after_size > 0)
+        memcpy(f.bytes + f.size, after, after_size);
     f.size += after_size + 2;
     store_check(&f);
     return f;
