@@ -212,7 +212,7 @@ static bool write_format(output_file *output, const gscl_image *image, const ima
 }
 
 bool image_write_with(output_file *output, const gscl_image *image, const image_metadata *metadata) {
-    char message[IMAGE_MESSAGE_SIZE];
+    char message[IMAGE_MESSAGE_SIZE] = "";
     if (write_format(output, image, metadata, message) || output->error)
         return output_commit(output); /* also reports output->error */
     if (*message)

@@ -179,7 +179,7 @@ static void start_pixels(j_decompress_ptr jpeg, image_content *content) {
         .channels = (uint32_t)channels,
         .sample = GSCL_SAMPLE_U8,
     };
-    content->image.pixels = malloc((size_t)jpeg->output_width * jpeg->output_height * (size_t)channels);
+    content->image.pixels = calloc((size_t)jpeg->output_width * jpeg->output_height, (size_t)channels);
     if (!content->image.pixels)
         fail((j_common_ptr)jpeg, "is too large for the available memory");
 }
