@@ -378,19 +378,23 @@ class Kept(ColourTest):
 
     def test_forged_blocks(self):
         """Profiles of any content in a gscl file: a warning, and the colours are taken as sRGB."""
-        image = scene(16, 8)
+        for channels, profiles in ((3, (b"x", ADOBE[:200], icc_grey(1.8), icc_cmyk(INKS))), (1, (ADOBE,))):
+            self.forged_profiles(scene(16, 8, channels), profiles)
+        picture = self.encode(scene(16, 8))[5:-2]
+        self.write("in.gscl", contained(picture, before=block(COLOUR_BLOCK, bytes((200, 99)))))
+        self.assertEqual(png_parts(self.decode_to("png")[0])[b"cICP"], bytes((200, 99, 0, 1)))
+        self.assertIn("unknown kind", self.decode_to("jpg")[1])
+
+    def forged_profiles(self, image, profiles):
         picture = self.encode(image)[5:-2]
         expected = self.decode()
-        for profile in (b"x", ADOBE[:200], icc_grey(1.8), icc_cmyk(INKS)):
+        for profile in profiles:
             self.write("in.gscl", contained(picture, before=block(ICC, profile)))
-            for suffix in ("png", "jpg", "ppm"):
+            for suffix in ("png", "jpg", "pnm"):
                 data, notes = self.decode_to(suffix)
                 self.assertRegex(notes, r"\Agscl: out.\w+: warning: the colours of the file are of an unknown kind;"
                                         r"[^\n]*\n\Z")
             self.assertEqual(self.decode(), expected)
-        self.write("in.gscl", contained(picture, before=block(COLOUR_BLOCK, bytes((200, 99)))))
-        self.assertEqual(png_parts(self.decode_to("png")[0])[b"cICP"], bytes((200, 99, 0, 1)))
-        self.assertIn("unknown kind", self.decode_to("jpg")[1])
 
     def test_profile_precedes_code_points(self):
         picture = self.encode(scene(16, 8))[5:-2]

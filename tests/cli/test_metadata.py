@@ -177,6 +177,8 @@ class Kept(MetadataTest):
                 expected = self.decode()
                 tiff, notes = self.decode_to("tif")
                 self.assertEqual((tiff[:2], notes), (exif[:2], ""))
+                tags = [tag for tag, _ in exif_values(tiff)]
+                self.assertEqual(tags, sorted(tags))
                 for value in exif_values(exif):
                     self.assertIn(value, exif_values(tiff))
                 self.assertEqual(metadata_of(tiff)[2], XMP)

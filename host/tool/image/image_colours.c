@@ -68,7 +68,7 @@ static bool keep_colours(const char *label, const image_read_options *options, c
 /* Whether the colours can be stored as they are.  Formats allow no profile of RGB for grey pixels. */
 static bool can_keep(const colour_profile *profile, const image_content *content) {
     return profile->channels == (content->image.channels <= 2 ? 1 : 3) &&
-           content->metadata.icc.size <= GSCL_MAX_BLOCK_SIZE && !content->cmyk;
+           content->metadata.icc.size <= GSCL_MAX_BLOCK_SIZE;
 }
 
 static bool convert_colours(const char *label, const image_read_options *options, const colour_profile *profile,

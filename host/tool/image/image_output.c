@@ -50,7 +50,6 @@ static bool convert_colours(const char *label, const image_format *format, const
     report_note("%s: colours converted from %s to sRGB, because %s holds no colour profile", label,
                 metadata->icc.size ? name : cicp_name(metadata->cicp), format->suffix);
     forget_colours(metadata);
-    exif_set_srgb(&metadata->exif);
     return true;
 }
 
