@@ -427,6 +427,53 @@ def webp_bytes(image, chunks=()):
     return struct.pack("<4sI", b"RIFF", len(body)) + body
 
 
+# ---- AVIF -----------------------------------------------------------------------------------------
+
+AVIF_IMAGE = (8, 8, (200, 100, 50))  # size and colour of the image in the bitstream of AV1 below, which is lossless RGB
+AV1 = bytes.fromhex("12000a083808bf61020200903212100000000ffa431b78c7a8f5464ca7b32495")
+
+
+def isobmff_box(kind, content, version=None):
+    head = b"" if version is None else struct.pack(">I", version << 24)
+    return struct.pack(">I4s", 8 + len(head) + len(content), kind) + head + content
+
+
+def avif_bytes(colours=(2, 2), profile=None, items=()):
+    """An AVIF of AVIF_IMAGE.  `colours` are code points.  `items` are pairs of the entry of an item of metadata without
+    its number (its type and name) and its bytes."""
+    width, height, _ = AVIF_IMAGE
+    parts = [(b"av01\0", AV1), *items]
+    properties = isobmff_box(b"ispe", struct.pack(">II", width, height), 0)
+    properties += isobmff_box(b"pixi", bytes((3, 8, 8, 8)), 0) + isobmff_box(b"av1C", bytes.fromhex("81200000"))
+    properties += isobmff_box(b"colr", b"nclx" + struct.pack(">HHHB", *colours, 0, 128))
+    properties += isobmff_box(b"colr", b"prof" + profile) if profile is not None else b""
+    indices = [1, 2, 0x83, 4] + ([5] if profile is not None else [])
+    entries = b"".join(isobmff_box(b"infe", struct.pack(">HH", i + 1, 0) + name, 2) for i, (name, _) in enumerate(parts))
+    start = isobmff_box(b"ftyp", b"avif" + bytes(4) + b"avifmif1")
+    for offset in (0, None):  # the places of the items follow from the size of the box that holds them
+        at, places = (len(start) + len(meta) + 8) if offset is None else 0, b""
+        for i, (_, content) in enumerate(parts):
+            places += struct.pack(">HHHII", i + 1, 0, 1, at, len(content))
+            at += len(content)
+        meta = isobmff_box(b"meta", b"".join((
+            isobmff_box(b"hdlr", bytes(4) + b"pict" + bytes(13), 0), isobmff_box(b"pitm", struct.pack(">H", 1), 0),
+            isobmff_box(b"iloc", struct.pack(">HH", 0x4400, len(parts)) + places, 0),
+            isobmff_box(b"iinf", struct.pack(">H", len(parts)) + entries, 0),
+            isobmff_box(b"iprp", isobmff_box(b"ipco", properties) + isobmff_box(
+                b"ipma", struct.pack(">IHB", 1, 1, len(indices)) + bytes(indices), 0)),
+            isobmff_box(b"iref", b"".join(isobmff_box(b"cdsc", struct.pack(">HHH", i + 2, 1, 1))
+                                          for i in range(len(items))), 0))), 0)
+    return start + meta + isobmff_box(b"mdat", b"".join(content for _, content in parts))
+
+
+def avif_exif(exif):
+    return b"Exif\0", bytes(4) + exif
+
+
+def avif_xmp(text):
+    return b"mime\0application/rdf+xml\0", text
+
+
 # ---- Colours --------------------------------------------------------------------------------------
 
 def srgb_to_linear(value):

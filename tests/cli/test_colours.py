@@ -4,8 +4,8 @@ import unittest
 
 from gscl_file import COLOUR_SPACE as COLOUR_BLOCK
 from gscl_file import ICC, block, contained
-from images import (Image, blocks, exr_bytes, flat, jpeg_bytes, jpeg_exif, jpeg_icc, metadata_of, png_bytes, png_icc,
-                    png_parts, read_png, scene, tiff_bytes, webp_bytes)
+from images import (AVIF_IMAGE, Image, avif_bytes, blocks, exr_bytes, flat, jpeg_bytes, jpeg_exif, jpeg_icc,
+                    metadata_of, png_bytes, png_icc, png_parts, read_png, scene, tiff_bytes, webp_bytes)
 from profiles import (ADOBE_RGB, ADOBE_RGB_GAMMA, BT2020, COLOUR_SPACE, DISPLAY_P3, EXIF_DIRECTORY, INDEX,
                       INTEROPERABILITY, SRGB, exif_bytes, icc_cmyk, icc_grey, icc_rgb, srgb_of, srgb_of_lab,
                       srgb_to_linear)
@@ -261,6 +261,36 @@ class Damaged(ColourTest):
         for primaries in ((point,) * 4, (point, (0.6, 0.3), (0.6, 0.3), (0.1, 0.1)), ((0.9, 0.0), *SRGB[1:]),
                           ((9.0, 9.0), *DISPLAY_P3[1:])):
             self.damaged("in.png", png_bytes(image, [chromaticities(primaries)]), image)
+
+
+class Avif(ColourTest):
+    """OpenImageIO reads the pixels of HEIF files only."""
+
+    def test_code_points_and_profile(self):
+        width, height, colour = AVIF_IMAGE
+        image = flat(width, height, colour)
+        self.read("in.avif", avif_bytes(), image, "")
+        self.read("in.avif", avif_bytes((1, 13)), image, "")
+        self.read("in.avif", avif_bytes((12, 13)), converted(image, DISPLAY_P3),
+                  self.from_to_srgb("in.avif", "Display P3"))
+        self.read("in.avif", avif_bytes((12, 13), ADOBE), converted(image, ADOBE_RGB, ADOBE_RGB_GAMMA),
+                  self.from_to_srgb("in.avif", "Test Adobe"))
+
+    def test_standard_input(self):
+        width, height, colour = AVIF_IMAGE
+        self.write_png("in.png", converted(flat(width, height, colour), DISPLAY_P3))
+        done = self.start("compare", "in.png", "-", input=avif_bytes((12, 13)))
+        self.assertEqual(done.stderr.decode(), "standard input: colours converted from Display P3 to sRGB\n")
+        self.assertRegex(done.stdout.decode(), "max difference        [01]\\.")
+
+    def test_damaged_profile(self):
+        width, height, colour = AVIF_IMAGE
+        for profile in (b"", ADOBE[:200]):
+            self.damaged("in.avif", avif_bytes(profile=profile), flat(width, height, colour))
+
+    def test_hdr(self):
+        self.write("in.avif", avif_bytes((9, 16)))
+        self.refused("in.avif", "HDR.*BT.2020 PQ", "encode", "in.avif", "-o", "out.gscl")
 
 
 class Kept(ColourTest):

@@ -4,8 +4,8 @@ import unittest
 
 from gscl_file import EXIF, block, contained
 from gscl_file import XMP as XMP_BLOCK
-from images import (Image, blocks, jpeg_bytes, jpeg_exif, jpeg_xmp, metadata_of, png_bytes, png_xmp, read_png, scene,
-                    tiff_bytes, webp_bytes)
+from images import (AVIF_IMAGE, Image, avif_bytes, avif_exif, avif_xmp, blocks, jpeg_bytes, jpeg_exif, jpeg_xmp,
+                    metadata_of, png_bytes, png_xmp, read_png, scene, tiff_bytes, webp_bytes)
 from profiles import (COLOUR_SPACE, EXIF_DIRECTORY, INDEX, INTEROPERABILITY, ORIENTATION, exif_bytes, exif_directory,
                       exif_values)
 from tool import FAST, ToolTest, main
@@ -16,7 +16,8 @@ XMP = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'>text</x:xmpmeta>"
 
 # The pixel of the upright image that is stored at column x, row y of an image that is w wide and h high upright.
 STORED = {1: lambda x, y, w, h: (x, y), 2: lambda x, y, w, h: (w - 1 - x, y),
-          3: lambda x, y, w, h: (w - 1 - x, h - 1 - y), 4: lambda x, y, w, h: (x, h - 1 - y), 5: lambda x, y, w, h: (y, x), 6: lambda x, y, w, h: (w - 1 - y, x),
+          3: lambda x, y, w, h: (w - 1 - x, h - 1 - y), 4: lambda x, y, w, h: (x, h - 1 - y),
+          5: lambda x, y, w, h: (y, x), 6: lambda x, y, w, h: (w - 1 - y, x),
           7: lambda x, y, w, h: (w - 1 - y, h - 1 - x), 8: lambda x, y, w, h: (y, h - 1 - x)}
 
 
@@ -166,6 +167,18 @@ class Kept(MetadataTest):
                     self.assertEqual(self.keep(data, "exif"), contained(plain, after=block(EXIF, exif)))
                     self.assertEqual(self.keep(data, "none"), contained(plain))
                     self.assertEqual(self.encode(data), contained(plain))
+
+    def test_avif(self):
+        exif, items = self.exif(1), [avif_exif(self.exif(6)), avif_xmp(XMP)]
+        for items, expected in ((items, (None, exif, XMP)), (items[:1], (None, exif, None)),
+                                (items[1:], (None, None, XMP)), (items[::-1], (None, exif, XMP)),
+                                ([], (None, None, None))):
+            self.keep(avif_bytes(items=items))
+            self.assertEqual(metadata_of(self.decode_to("png")[0]), expected)
+        self.assertEqual(read_png(self.path("out.png").read_bytes()).width, AVIF_IMAGE[0])
+        # Orientation is a property of the image, and the reader of the pixels applies it; EXIF repeats it.
+        self.assertEqual(self.notes("in.avif", avif_bytes(items=[avif_exif(self.exif(6))])),
+                         [f"in.avif: EXIF of {len(exif)} bytes dropped"])
 
     def test_tiff(self):
         """A TIFF file holds EXIF in its own directories, which are rewritten as a block, and back."""
@@ -326,6 +339,16 @@ class Damaged(MetadataTest):
             for size in (0, 1, 1000, 2 ** 31, 2 ** 32 - 1):
                 self.write("in.webp", good[:at] + struct.pack("<I", size) + good[at + 4:])
                 self.assertIn(self.start("compare", "in.webp", "in.webp").returncode, (0, 1), (name, size))
+
+    def test_forged_avif(self):
+        """Boxes of any size and content: the image is read or refused."""
+        good = avif_bytes((12, 13), bytes(40), [avif_exif(exif_bytes([(ORIENTATION, 1)])), avif_xmp(XMP)])
+        names = (b"meta", b"iprp", b"ipco", b"colr", b"iinf", b"infe", b"iloc")
+        places = [good.index(name) - 4 for name in names] + [good.index(b"iloc") + 4 + at for at in range(0, 50, 2)]
+        for at in places:
+            for value in (1, 7, 2 ** 31, 2 ** 32 - 1):
+                self.write("in.avif", good[:at] + struct.pack(">I", value) + good[at + 4:])
+                self.assertIn(self.start("compare", "in.avif", "in.avif").returncode, (0, 1), (at, value))
 
     def test_forged_tiff(self):
         """The same for the types, counts and values of a directory of a TIFF file: it is read or refused."""

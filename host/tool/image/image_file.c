@@ -14,6 +14,7 @@
 #include "cli/read_file.h"
 #include "image/exif.h"
 #include "image/image_colours.h"
+#include "image/image_heif.h"
 #include "image/image_jpeg.h"
 #include "image/image_module.h"
 #include "image/image_png.h"
@@ -72,7 +73,7 @@ static bool is_plain_tiff(const char *name, const uint8_t *bytes, size_t size) {
 /* Whether a file is read into memory: its format has a reader here, or its metadata has. */
 static bool is_read_in_memory(const uint8_t *start, size_t count) {
     return count == 0 || image_is_png(start, count) || image_is_jpeg(start, count) || image_is_webp(start, count) ||
-           image_is_tiff(start, count);
+           image_is_tiff(start, count) || image_is_heif(start, count);
 }
 
 /* Decodes the bytes of the input `name`, which it may change. */
@@ -93,8 +94,12 @@ static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_cont
         image_take_tiff_metadata(bytes, size, content);
         return read_through_module(label, "image.tif", bytes, size, content);
     }
-    return is_regular_file(name) ? read_through_module(label, name, NULL, 0, content)
-                                 : read_spooled(label, bytes, size, content);
+    if (is_regular_file(name) ? !read_through_module(label, name, NULL, 0, content)
+                              : !read_spooled(label, bytes, size, content))
+        return false;
+    if (image_is_heif(bytes, size))
+        image_take_heif_metadata(bytes, size, content);
+    return true;
 }
 
 static bool read_in_memory(const char *name, image_content *content) {

@@ -8,7 +8,7 @@
  *   image_format.h: formats by suffix and what they can hold
  *   image_png.h, image_jpeg.h, image_pnm.h, image_tiff.h: single formats
  *   image_module.h, image_oiio.cpp: the module
- *   image_webp.h, png_chunks.h: metadata of formats
+ *   image_webp.h, image_heif.h, png_chunks.h: metadata of formats
  *   tiff_tags.h, exif.h, orientation.h: EXIF, and turning an image upright
  *   image_colours.h, colour_profile.h, colour_convert.h, cicp.h: colours other than those of sRGB
  *   image_output.h: what of them an output can hold
