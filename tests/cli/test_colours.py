@@ -1,5 +1,6 @@
 """Colour profiles and other descriptions of colours: pixels are converted to sRGB, and never change without a word."""
 import struct
+import time
 import unittest
 
 from gscl_file import COLOUR_SPACE as COLOUR_BLOCK
@@ -45,7 +46,7 @@ def cicp(primaries, transfer, matrix=0, full_range=1):
 
 
 class ColourTest(ToolTest):
-    def read(self, name, data, expected, message, tolerance=1.0):
+    def read(self, name, data, expected, message, tolerance=1.001):
         """Reads a file, whose pixels must be those of `expected`, and whose notes must be `message` or nothing."""
         self.write(name, data)
         self.write_png("expected.png", expected)
@@ -331,12 +332,13 @@ class Kept(ColourTest):
     def test_code_points_replace_profiles(self):
         image = scene(24, 16)
         plain = self.encode(image)[5:-2]
-        for data, code in ((png_bytes(image, [png_icc(P3)]), bytes((12, 13))),
-                           (png_bytes(image, [cicp(12, 13), png_icc(ADOBE)]), bytes((12, 13))),
-                           (png_bytes(image, [png_icc(icc_rgb(BT2020, 2.2))]), bytes((9, 4))),
-                           (png_bytes(image, [cicp(9, 14)]), bytes((9, 14)))):
+        for chunks, code, name in (([png_icc(P3)], bytes((12, 13)), "Display P3"),
+                                   ([cicp(12, 13), png_icc(ADOBE)], bytes((12, 13)), "Display P3"),
+                                   ([png_icc(icc_rgb(BT2020, 2.2))], bytes((9, 4)), "BT.2020"),
+                                   ([cicp(9, 14)], bytes((9, 14)), "BT.2020")):
             with self.subTest(code=code):
-                self.assertEqual(self.keep(data), contained(plain, before=block(COLOUR_BLOCK, code)))
+                self.assertEqual(self.keep(png_bytes(image, chunks)),
+                                 contained(plain, before=block(COLOUR_BLOCK, code)))
                 png, notes = self.decode_to("png")
                 self.assertEqual((png_parts(png)[b"cICP"], notes), (code + b"\0\1", ""))
                 # Beside the code points, there is a profile of the same colours for readers that do not know them.
@@ -345,7 +347,7 @@ class Kept(ColourTest):
                 decoded = read_png(png)
                 self.read("profile.png", png_bytes(decoded, [png_icc(profile)]),
                           converted(decoded, DISPLAY_P3 if code[0] == 12 else BT2020, 2.2 if code[1] == 4 else None),
-                          self.from_to_srgb("profile.png", "RGB built-in"))
+                          self.from_to_srgb("profile.png", name))
 
     def test_nothing_is_stored_for_srgb(self):
         image = scene(24, 16)
@@ -359,7 +361,11 @@ class Kept(ColourTest):
         data, notes = self.decode_to("png")
         self.assertEqual(notes, "")
         decoded = read_png(data)
-        self.read("out.png", data, converted(decoded, DISPLAY_P3, 1.8), self.from_to_srgb("out.png", "RGB built-in"))
+        self.read("out.png", data, converted(decoded, DISPLAY_P3, 1.8),
+                  self.from_to_srgb("out.png", "as the encoded image"))
+        kept = self.path("in.gscl").read_bytes()
+        time.sleep(1.1)  # the profile has no date of its own
+        self.assertEqual(self.keep(self.path("in.image").read_bytes()), kept)
 
     def test_hdr(self):
         for transfer, name in ((16, "PQ"), (18, "HLG")):

@@ -69,5 +69,5 @@ const char *cicp_name(const uint8_t cicp[2]) {
         return "Display P3";
     if (cicp[0] == 9)
         return cicp[1] == CICP_TRANSFER_PQ ? "BT.2020 PQ" : cicp[1] == CICP_TRANSFER_HLG ? "BT.2020 HLG" : "BT.2020";
-    return "its code points";
+    return "code points of H.273";
 }

@@ -18,6 +18,10 @@
 #define PROBE_STEPS 9                   /* colours of each channel that are compared */
 #define PROBE_GREYS 256
 
+/* The date of creation in the header of a profile: year, month, day, hour, minute, second of 2 bytes each. */
+#define DATE_OFFSET 24
+#define DATE_SIZE 12
+
 static const double adobe_rgb_primaries[8] = {0.3127, 0.3290, 0.64, 0.33, 0.21, 0.71, 0.15, 0.06};
 #define ADOBE_RGB_GAMMA (563.0 / 256.0)
 
@@ -134,13 +138,25 @@ void colour_profile_name(const colour_profile *profile, char name[COLOUR_NAME_SI
     name[COLOUR_NAME_SIZE - 1] = '\0';
 }
 
-bool colour_profile_save(const colour_profile *profile, image_blob *icc) {
+static bool describe(const colour_profile *profile, const char *description) {
+    cmsMLU *text = cmsMLUalloc(profile->context, 1);
+    const bool ok = text && cmsMLUsetASCII(text, "en", "US", description) &&
+                    cmsWriteTag(profile->handle, cmsSigProfileDescriptionTag, text);
+    cmsMLUfree(text);
+    return ok;
+}
+
+bool colour_profile_save(const colour_profile *profile, const char *description, image_blob *icc) {
+    static const uint8_t date[DATE_SIZE] = {2000 >> 8, 2000 & 255, 0, 1, 0, 1}; /* not that of now */
     cmsUInt32Number size = 0;
     image_blob_free(icc);
-    if (!cmsSaveProfileToMem(profile->handle, NULL, &size) || size == 0 || size > IMAGE_MAX_BLOB)
+    if (!describe(profile, description) || !cmsSaveProfileToMem(profile->handle, NULL, &size) ||
+        size < DATE_OFFSET + DATE_SIZE || size > IMAGE_MAX_BLOB)
         return false;
     uint8_t *bytes = malloc(size);
     const bool ok = bytes && cmsSaveProfileToMem(profile->handle, bytes, &size) && image_blob_set(icc, bytes, size);
+    if (ok)
+        memcpy(icc->bytes + DATE_OFFSET, date, DATE_SIZE);
     free(bytes);
     return ok;
 }

@@ -30,8 +30,9 @@ void colour_profile_close(colour_profile *profile);
 
 /* Copies the description that a profile holds. */
 void colour_profile_name(const colour_profile *profile, char name[COLOUR_NAME_SIZE]);
-/* Copies a profile as the bytes of a file.  Returns false without memory. */
-bool colour_profile_save(const colour_profile *profile, image_blob *icc);
+/* Copies a profile that was made from code points or primaries as the bytes of a file, with a description.  Equal colours
+ * give equal bytes.  Returns false without memory. */
+bool colour_profile_save(const colour_profile *profile, const char *description, image_blob *icc);
 
 /* Whether the colours are those of sRGB, within 2 of 255. */
 bool colour_profile_is_srgb(const colour_profile *profile);

@@ -56,7 +56,7 @@ static bool keep_colours(const char *label, const image_read_options *options, c
     metadata->has_cicp = metadata->has_cicp || colour_profile_find_cicp(profile, metadata->cicp);
     if (metadata->has_cicp)
         image_blob_free(&metadata->icc);
-    else if (!metadata->icc.size && !colour_profile_save(profile, &metadata->icc))
+    else if (!metadata->icc.size && !colour_profile_save(profile, "as the encoded image", &metadata->icc))
         return report_error(label, "is too large for the available memory");
     if (options->verbose && metadata->has_cicp)
         report_note("%s: colours of %s kept as code points %d, %d", label, name, metadata->cicp[0], metadata->cicp[1]);

@@ -58,7 +58,7 @@ static bool keep_colours(const char *label, const image_format *format, bool ver
                          image_metadata *metadata) {
     if (metadata->icc.size)
         metadata->has_cicp = false;
-    else if (!colour_profile_save(profile, &metadata->icc))
+    else if (!colour_profile_save(profile, cicp_name(metadata->cicp), &metadata->icc))
         return report_error(label, "is too large for the available memory");
     if (is_jpeg(format) && metadata->icc.size > JPEG_MAX_ICC)
         return report_error(label, "cannot be written: the colour profile is too large for %s; choose .png",
