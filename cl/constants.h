@@ -17,6 +17,8 @@
 
 /* A tile is the unit of binning and of work: one work-group draws one tile. */
 #define GSCL_TILE 16
+/* Splats of a tile that are summed one after another when an image is drawn (raster.cl). */
+#define GSCL_RUN 1024
 
 /* Blend modes, numbered as in the file format. */
 #define GSCL_NORMALIZED 0

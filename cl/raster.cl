@@ -84,7 +84,7 @@ inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict pr
 typedef struct {
     pix colour[CHANNELS][ROWS];
 #if BLEND == GSCL_ALPHA
-    pix transmittance[ROWS];
+    pix minus_opacity[ROWS]; /* transmittance - 1: a product near 1 would not change by very small opacities */
 #else
     pix weight_sum[ROWS]; /* `normalized`; its reciprocal after canvas_end.  `sum`: always 1 */
 #endif
@@ -103,7 +103,7 @@ inline void canvas_begin(canvas *c, __constant float *background) {
 #endif
         }
 #if BLEND == GSCL_ALPHA
-        c->transmittance[r] = (pix)(1.0f);
+        c->minus_opacity[r] = (pix)(0.0f);
 #else
         c->weight_sum[r] = (pix)(BLEND == GSCL_NORMALIZED ? GSCL_EPSILON : 1.0f);
 #endif
@@ -115,7 +115,7 @@ inline void canvas_begin(canvas *c, __constant float *background) {
 /* Whether the transmittance is so low at all pixels that splats further behind are not drawn. */
 inline bool canvas_is_opaque(const canvas *c) {
     for (int r = 0; r < ROWS; r++)
-        if (any(c->transmittance[r] > (pix)(EARLY_STOP))) return false;
+        if (any(1.0f + c->minus_opacity[r] > (pix)(EARLY_STOP))) return false;
     return true;
 }
 #endif
@@ -145,8 +145,9 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
             if (cached && row < CACHED_ROWS) cached[row++] = s.gauss;
             pix w = WITH_OPACITY(s.weight, projected);
 #if BLEND == GSCL_ALPHA
-            w = fmin(w, (pix)(GSCL_MAX_ALPHA)) * c->transmittance[r];
-            c->transmittance[r] -= w;
+            w = fmin(w, (pix)(GSCL_MAX_ALPHA));
+            w = fma(w, c->minus_opacity[r], w);
+            c->minus_opacity[r] -= w;
 #elif BLEND == GSCL_NORMALIZED
             c->weight_sum[r] += w;
 #endif
@@ -173,7 +174,7 @@ inline void canvas_end(canvas *c, __constant float *background) {
 #elif BLEND == GSCL_ALPHA
         UNROLL
         for (int k = 0; k < CHANNELS; k++)
-            c->colour[k][r] = fma(c->transmittance[r], (pix)(background[k]), c->colour[k][r]);
+            c->colour[k][r] = fma(1.0f + c->minus_opacity[r], (pix)(background[k]), c->colour[k][r]);
 #endif
     }
 }
@@ -198,12 +199,65 @@ inline pixel_block pixel_block_of(gscl_image_shape image) {
     return p;
 }
 
+/* Begins a further run of splats: sums of 0. */
+inline void canvas_clear(canvas *c) {
+    for (int r = 0; r < ROWS; r++) {
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = (pix)(0.0f);
+#if BLEND == GSCL_ALPHA
+        c->minus_opacity[r] = (pix)(0.0f);
+#else
+        c->weight_sum[r] = (pix)(BLEND == GSCL_NORMALIZED ? 0.0f : 1.0f);
+#endif
+    }
+}
+
+/* Adds the sums of the runs before; `alpha`: of those in front. */
+inline void canvas_add(canvas *c, const canvas *before) {
+    for (int r = 0; r < ROWS; r++) {
+#if BLEND == GSCL_ALPHA
+        pix transmittance = 1.0f + before->minus_opacity[r];
+        c->minus_opacity[r] = fma(transmittance, c->minus_opacity[r], before->minus_opacity[r]);
+#else
+        pix transmittance = (pix)(1.0f);
+#if BLEND == GSCL_NORMALIZED
+        c->weight_sum[r] += before->weight_sum[r];
+#endif
+#endif
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = fma(transmittance, c->colour[k][r], before->colour[k][r]);
+    }
+}
+
+/* Adds a tile's splats in runs, because the rounding errors of a sum grow with the number of its terms.  Not inlined, so
+ * that it takes no registers where it is not called. */
+__attribute__((noinline)) void canvas_blend_runs(canvas *c, pix px, real py, int row0,
+                                                 __global const real *restrict splats,
+                                                 __global const uint *restrict entries, int count) {
+    for (int done = 0; done < count; done += GSCL_RUN) {
+        canvas run;
+        int n = min(count - done, GSCL_RUN), first = BLEND == GSCL_ALPHA ? count - done - n : done;
+        canvas_clear(&run);
+        canvas_blend(&run, px, py, row0, splats, entries + first, n, NULL);
+        canvas_add(&run, c);
+        *c = run;
+    }
+}
+
 /* Draws a tile. */
 inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict splats,
                         __global const uint *restrict entries, int2 range, __constant float *background) {
+    pix px = pix_offsets() + ((float)p.x + 0.5f);
+    real py = (float)p.y + 0.5f;
+    int count = range.y - range.x;
     canvas_begin(c, background);
-    canvas_blend(c, pix_offsets() + ((float)p.x + 0.5f), (float)p.y + 0.5f, p.row0, splats, entries + range.x,
-                 range.y - range.x, NULL);
+    if (count <= GSCL_RUN) {
+        canvas_blend(c, px, py, p.row0, splats, entries + range.x, count, NULL);
+    } else {
+        canvas sums = *c;
+        canvas_blend_runs(&sums, px, py, p.row0, splats, entries + range.x, count);
+        *c = sums;
+    }
     canvas_end(c, background);
 }
 

@@ -135,14 +135,16 @@ static void draw_sums(const oracle_scene *s, const sample *samples, pixel_state 
     }
 }
 
-/* One splat of the alpha blend, front to back: returns its share and updates the transmittance. */
-static term pass_through(pixel_state *p, const sample *s) {
+/* One splat of the alpha blend, front to back: returns its share and updates the transmittance, of which the forward pass
+ * stores the difference from 1 (raster.cl) and the backward pass the value (fit.cl). */
+static term pass_through(pixel_state *p, const sample *s, bool forward) {
     const double a = fmin(s->w, ORACLE_OPAQUE), da = s->w - s->dw >= ORACLE_OPAQUE ? UNIT : s->dw;
     const term share = {a * p->transmittance, da * (p->transmittance + p->transmittance_error) +
                                                   a * p->transmittance_error + 2.0 * UNIT * a * p->transmittance};
+    const double behind = p->transmittance * (1.0 - a);
     p->transmittance_error = (1.0 - a) * p->transmittance_error + da * (p->transmittance + p->transmittance_error) +
-                             3.0 * UNIT * p->transmittance;
-    p->transmittance *= 1.0 - a;
+                             UNIT * (forward ? share.value + 1.0 - behind : 3.0 * p->transmittance);
+    p->transmittance = behind;
     return share;
 }
 
@@ -155,7 +157,7 @@ static void draw_alpha(const oracle_scene *s, const sample *samples, pixel_state
     for (size_t i = s->count; i-- > 0;) {
         if (!samples[i].is_inside)
             continue;
-        const term share = pass_through(p, &samples[i]);
+        const term share = pass_through(p, &samples[i], true);
         for (int k = 0; k < s->channels; k++) {
             const double c = fabs(s->splats[i].colour[k]);
             partial[k] += share.value * c;
@@ -210,7 +212,7 @@ static term slope_by_weight(const oracle_scene *s, size_t i, const sample *at, p
     const double a = fmin(at->w, ORACLE_OPAQUE), through = 1.0 - a, transmittance = p->transmittance,
                  transmittance_error = p->transmittance_error;
     const double least = fmax(through - at->dw - UNIT, 1.0 - ORACLE_OPAQUE);
-    *share = pass_through(p, at);
+    *share = pass_through(p, at, false);
     p->mean -= share->value * by_share.value;
     p->mean_error += share->error * (fabs(by_share.value) + by_share.error) + share->value * by_share.error +
                      2.0 * UNIT * (fabs(p->mean) + fabs(share->value * by_share.value));

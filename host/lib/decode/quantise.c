@@ -69,7 +69,7 @@ uint16_t gscl_quantise_background(const gsf_header *header, float value) {
 }
 
 float gscl_logit(double opacity) {
-    double o = opacity < 1e-7 ? 1e-7 : opacity > 1 - 1e-7 ? 1 - 1e-7 : opacity;
+    double o = opacity < 1e-30 ? 1e-30 : opacity > 1 - 1e-7 ? 1 - 1e-7 : opacity;
     return (float)log(o / (1 - o));
 }
 
