@@ -91,6 +91,8 @@
 
 /* Format: ln of 2^15 pixels, the longest axis; larger codes saturate. */
 #define GSCL_LOG_LARGEST_AXIS 10.3972077f
+/* Format: ln of 256: the shorter axis of a splat counts as at least 1 / 256 of the longer one. */
+#define GSCL_LOG_LARGEST_ASPECT 5.54517744f
 
 /* How kernels evaluate a Gaussian: a polynomial, or the device's exp2 or native_exp2. */
 #define GSCL_EXPONENTIAL_POLYNOMIAL 0
@@ -206,8 +208,11 @@
 #define GSCL_DIRECTION_ROWS 8
 #define GSCL_PHASES 8
 #define GSCL_AMPLITUDES 16
-#define GSCL_OPACITIES 16             /* at most */
-#define GSCL_FIRST_WAVELENGTH 2.5f    /* pixels: the shortest */
+#define GSCL_OPACITIES 16           /* at most */
+#define GSCL_FIRST_WAVELENGTH 2.5f  /* pixels: the shortest */
+#define GSCL_LARGEST_AMPLITUDE 1.0f /* larger codes saturate */
+/* Format: splats with an axis above 2^12 pixels have no wave.  This is ln of an axis between that and the next code's. */
+#define GSCL_LOG_LARGEST_WAVED_AXIS 8.328f
 #define GSCL_OCTAVES_PER_WAVE 0.4375f /* from one wavelength to the next */
 
 /* The table of bits for rate-distortion optimisation: GSCL_COLOUR_CODES entries each for luma, co, cg and alpha, with

@@ -5,6 +5,10 @@ inline float wave_frequency(int wave) {
     return (1.0f / GSCL_FIRST_WAVELENGTH) * exp2(-GSCL_OCTAVES_PER_WAVE * (float)wave);
 }
 
+inline float wave_amplitude(int code, gscl_rdo_settings t) {
+    return fmin((float)code * t.amplitude_step, GSCL_LARGEST_AMPLITUDE);
+}
+
 inline void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restrict colour) {
     float y = (float)c->code[GSCL_CODE_LUMA] * t.luma_step;
 #if COLOURS == 3
@@ -42,6 +46,7 @@ inline splat_grid codes_grid(const gscl_codes *c, __global const gscl_major_entr
     return g;
 }
 
+/* Without the rounding to 1/512 pixel of the format, whose effect is small beside that of the cells. */
 inline float2 codes_centre(const gscl_codes *c, const splat_grid *g) {
     return (float2)(((float)c->code[GSCL_CODE_X] + 0.5f) * g->step.x, ((float)c->code[GSCL_CODE_Y] + 0.5f) * g->step.y);
 }
@@ -66,9 +71,10 @@ inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *m
     float2 centre = codes_centre(c, &g);
     s.x = centre.x;
     s.y = centre.y;
-    splat_set_axes(&s, fmin((float)c->code[GSCL_CODE_MAJOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS),
-                   fmin((float)(c->code[GSCL_CODE_MAJOR] - c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
-                        GSCL_LOG_LARGEST_AXIS));
+    float major = fmin((float)c->code[GSCL_CODE_MAJOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
+    float minor = fmin((float)(c->code[GSCL_CODE_MAJOR] - c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
+                       GSCL_LOG_LARGEST_AXIS);
+    splat_set_axes(&s, major, fmax(minor, major - GSCL_LOG_LARGEST_ASPECT));
     s.theta = codes_theta(c, aspects);
     s.opacity = OPACITY ? ((float)c->code[GSCL_CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
     codes_colour(c, t, s.colour);
@@ -81,7 +87,8 @@ inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *m
         s.wave_y = frequency * sin(direction);
     }
     s.wave_phase = (float)c->code[GSCL_CODE_PHASE] * (1.0f / GSCL_PHASES);
-    s.wave_amplitude = (float)c->code[GSCL_CODE_AMPLITUDE] * t.amplitude_step;
+    s.wave_amplitude = wave_amplitude(c->code[GSCL_CODE_AMPLITUDE], t);
+    if (major > GSCL_LOG_LARGEST_WAVED_AXIS) s.wave_amplitude = 0.0f;
 #endif
     return s;
 }

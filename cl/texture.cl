@@ -91,7 +91,7 @@ inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuat
         float nearest = rint(-l / (fmax(q, 1e-12f) * step));
         for (int below = 0; below < 2; below++) {
             other.code[GSCL_CODE_AMPLITUDE] = (int)clamp(nearest - (float)below, 1.0f, (float)GSCL_AMPLITUDES);
-            float a = (float)other.code[GSCL_CODE_AMPLITUDE] * step;
+            float a = wave_amplitude(other.code[GSCL_CODE_AMPLITUDE], t) * attenuation;
             float cost = a * fma(a, q, 2.0f * l) + t.lambda * wave_bits(&other, tables);
             if (cost < best) {
                 best = cost;
@@ -214,6 +214,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_major_entry *major
         other.code[GSCL_CODE_DIRECTION] = tried[i].y;
         other.code[GSCL_CODE_AMPLITUDE] = 1;
         splat waved = codes_splat(&other, majors, aspects, t);
+        if (!(waved.wave_amplitude > 0.0f)) break; /* the splat is too long for a wave */
         projected_splat projected = splat_project(waved, view);
         float2 cycles =
             (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);

@@ -9,6 +9,10 @@ static uint32_t whole_pixels(uint64_t q16) {
     return (uint32_t)((q16 + 65535) >> 16);
 }
 
+static uint64_t larger(uint64_t a, uint64_t b) {
+    return a > b ? a : b;
+}
+
 /* The two sigmas of a splat in whole pixels, rounded up. */
 static void splat_axes(const gsf_coded_image *image, uint32_t splat, uint64_t axes[2]) {
     if (image->header.coding == GSF_CODING_SCALAR) {
@@ -26,7 +30,8 @@ bool gsf_work_is_bounded(const gsf_coded_image *image) {
     uint64_t work = 0, axes[2];
     for (uint32_t i = 0; i < image->header.splat_count; i++) {
         splat_axes(image, i, axes);
-        const uint64_t area = 48 * axes[0] * axes[1] + 16 * (axes[0] + axes[1]) + 16;
+        const uint64_t s1 = larger(axes[0], (axes[1] + 255) / 256), s2 = larger(axes[1], (axes[0] + 255) / 256);
+        const uint64_t area = 48 * s1 * s2 + 16 * (s1 + s2) + 16;
         work += area < pixels ? area : pixels;
     }
     return work <= 256 * pixels + (UINT64_C(1) << 26);

@@ -22,6 +22,7 @@ import gscl_file
 NORMALIZED, ALPHA, SUM = range(3)
 GREY, GREY_ALPHA, RGB, RGB_ALPHA = range(4)
 DEFAULT_STEPS = (6, 8, 4, 9, 5, 4, 3)
+OCTAVES = (4, 8, 4, 8, 4, 4, 3)  # four axes an octave: code 4 n is 2^(n - 1) pixels
 MAX_DRAWN = 4096  # pixels: larger pictures are not kept, but some of their samples
 
 
@@ -219,6 +220,7 @@ def set_scenes():
     yield "priors", "more splats than the 4096 that may be priors", scene
     yield "all-sizes", "a splat of every class", all_sizes()
     yield "work-limit", "as much work as is allowed", work(320)
+    yield "work-limit-needles", "likewise, of needles of which the shorter axis counts as 1/256 of the longer one", needle_work(1574)
 
 
 def all_sizes():
@@ -230,6 +232,38 @@ def all_sizes():
 
 def work(splats):
     return Scene(1024, 1024, n=splats, anisotropy=0, layout=GREY).add(63, count=splats)
+
+
+def needle_work(splats):
+    return Scene(1024, 1024, n=splats, layout=GREY, steps=OCTAVES).add(44, 44, count=splats)
+
+
+def bound_scenes():
+    """Values that are bounded: the amplitude, the wave of a long axis, the ratio of the axes, the precision of a centre."""
+    scene = Scene(24, 24, n=3, texture=1, steps=OCTAVES)
+    for i in range(3):
+        scene.add(51 + i, 0, 0, .5, .3 + .2 * i, 16, amplitude=8, wave=3 * i, direction=5 * i, phase=i)
+    yield "bound-waves", "waves on axes of 2^12 pixels and less, and without effect on a longer one", scene
+    scene = Scene(24, 24, n=5, texture=1, blend=SUM, steps=(4, 8, 4, 0, 4, 4, 3), background=(128, 128, 128))
+    for i in range(5):
+        scene.add(6, 0, 0, (i + .5) / 5, (i + .5) / 5, 0, amplitude=1 + i, wave=3, direction=3 * i, phase=i)
+    yield "bound-amplitudes", "amplitudes of 1/3 to 1, of which the last two codes are above 1", scene
+    scene = Scene(24, 24, n=4, blend=ALPHA, steps=OCTAVES)
+    for i in range(4):
+        code = 28 + 4 * i
+        place = (5 * i + 3) * 256 / (scene.grid_step(code) * scene.cells(code, 24))  # pixel 5 i + 3
+        scene.add(code, code, 256 * (i % 2), place, place, 10 * i)
+    yield "bound-aspects", "axes with ratios of 128, 256, 512 and 1024", scene
+    scene = Scene(12, 12, n=2, coding=gscl.CODEBOOK, blend=ALPHA).books(141, 2, 2, shape_bits=1, shape=(64, 512))
+    scene.shape_words = [[1, 0, 0], [0, 1, 0]]
+    scene.splats[:] = []
+    yield "bound-axes", "words of which one axis is 2^14 times as long as the other", scene.add_indexed(0, 0, 7, 9).add_indexed(1, 1, 20, 21)
+    scene = Scene(12, 12, n=12, coding=gscl.CODEBOOK, blend=ALPHA, background=(0, 0, 0)).books(142, 1, 1, 16, shape=(0, 0))
+    scene.colour_words = [[31] * len(scene.colour_words[0])]
+    scene.splats[:] = []
+    for i in range(12):
+        scene.add_indexed(0, 0, int(((i + .5) * 512 + 32.9) * 65536 / 12 / 512), int((i + .5) / 12 * 65536))
+    yield "bound-centres", "axes of 1/16 pixel, at centres that are no multiples of 1/512 pixel but for rounding", scene
 
 
 def codebook_scenes():
@@ -429,7 +463,7 @@ class Writer:
 
 
 def scenes():
-    return itertools.chain(header_scenes(), scalar_scenes(), shape_scenes(), set_scenes(), codebook_scenes(), block_scenes())
+    return itertools.chain(header_scenes(), scalar_scenes(), shape_scenes(), set_scenes(), bound_scenes(), codebook_scenes(), block_scenes())
 
 
 def expect(entry, *results):
@@ -454,6 +488,8 @@ def make(writer):
         expect(writer.add(name, about, gscl_file.contained(picture)), "valid")
     too_much = gscl_file.contained(writer.library(work(321), "unchecked"))
     expect(writer.add("bad-work", "more work than is allowed", too_much), "corrupt")
+    too_much = gscl_file.contained(writer.library(needle_work(1575), "unchecked"))
+    expect(writer.add("bad-work-needles", "the same of needles", too_much), "corrupt")
     for name, about, data in container_files(bare):
         writer.add(name, about, data)
 

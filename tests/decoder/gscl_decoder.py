@@ -499,6 +499,7 @@ class Picture:
         work = 0
         for splat in self.splats:
             s1, s2 = self.whole_axes(splat)
+            s1, s2 = max(s1, ceil_quotient(s2, 256)), max(s2, ceil_quotient(s1, 256))
             work += min(pixels, 48 * s1 * s2 + 16 * (s1 + s2) + 16)
         if work > 256 * pixels + (1 << 26):
             raise NotAllowed("the work to draw the file is above the limit")
@@ -553,7 +554,7 @@ class Picture:
         """(centre x, y, s1, s2, theta, opacity, colour and alpha, amplitude, wavelength, direction, phase)"""
         length = lambda code: min(2.0 ** (code * (self.step["scale"] + 4) / 32 - 1), 2.0 ** 15)
         step = self.grid_step(splat.major)
-        centre = ((splat.x + 0.5) * step / (256 * splat.parts_x), (splat.y + 0.5) * step / (256 * splat.parts_y))
+        centre = ((2 * splat.x + 1) * step // splat.parts_x / 512, (2 * splat.y + 1) * step // splat.parts_y / 512)
         theta = splat.angle * math.pi / self.angle_count(splat.aspect)
         opacity = (splat.opacity + 1) / (self.step["opacity"] + 1) if self.has_opacity else 1.0
         colour = [splat.luma / self.levels["luma"]]
@@ -563,7 +564,10 @@ class Picture:
             colour = [t - co / 2 + co, colour[0] + cg / 2, t - co / 2]
         if self.has_alpha:
             colour.append(splat.alpha / self.levels["alpha"])
-        wave = (4 * splat.amplitude / (3 * self.levels["luma"]), 2.5 * 2 ** (7 * splat.wave / 16),
+        amplitude = min(4 * splat.amplitude / (3 * self.levels["luma"]), 1.0)
+        if splat.major * (self.step["scale"] + 4) > 416:
+            amplitude = 0.0
+        wave = (amplitude, 2.5 * 2 ** (7 * splat.wave / 16),
                 splat.direction * math.pi / 16, splat.phase * math.pi / 4)
         return (*centre, length(splat.major), length(splat.major - splat.aspect), theta, opacity, colour, *wave)
 
@@ -575,8 +579,8 @@ class Picture:
         theta = shape.pop() * math.pi / 256 if self.has_rotation else 0.0
         opacity = colour.pop() if self.has_opacity else 1.0
         s1, s2 = 2 ** (shape[0] / 32 - 4), 2 ** (shape[-1] / 32 - 4)
-        side = 1 << self.position_bits
-        centre = (splat.x + 0.5) / side * self.width, (splat.y + 0.5) / side * self.height
+        centre = [((2 * code + 1) * side * 256 >> self.position_bits) / 512
+                  for code, side in ((splat.x, self.width), (splat.y, self.height))]
         return (*centre, s1, s2, theta, opacity, colour, 0.0, 1.0, 0.0, 0.0)
 
     def draw(self, window=None):
@@ -601,6 +605,7 @@ class Picture:
 
     def add_gaussian(self, sums, x0, y0, gaussian):
         mx, my, s1, s2, theta, opacity, colour, amplitude, wavelength, direction, phase = gaussian
+        s1, s2 = max(s1, s2 / 256), max(s2, s1 / 256)
         cos, sin = math.cos(theta), math.sin(theta)
         cutoff = math.exp(-7)
         # Half the width and height of the ellipse q = 7.

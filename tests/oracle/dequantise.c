@@ -70,14 +70,15 @@ static oracle_splat scalar_splat(const gsf_coded_image *coded, const gsf_splat *
     const double quarter_turns = 4.0 * codes->angle / angle_count(steps, codes->aspect); /* quarters of half a turn */
     const bool steep = coded->header.has_rotation && quarter_turns > 1.0 && quarter_turns < 3.0;
     oracle_splat splat = {
-        .x = (codes->x + 0.5) * step / (256.0 * (steep ? parts : 1.0)),
-        .y = (codes->y + 0.5) * step / (256.0 * (steep ? 1.0 : parts)),
+        .x = floor((2.0 * codes->x + 1.0) * step / (steep ? parts : 1.0)) / 512.0,
+        .y = floor((2.0 * codes->y + 1.0) * step / (steep ? 1.0 : parts)) / 512.0,
         .s1 = axis_length(steps, codes->major),
         .s2 = axis_length(steps, (uint32_t)codes->major - codes->aspect),
         .theta = codes->angle * pi / angle_count(steps, codes->aspect),
         .opacity = coded->header.has_opacity ? (codes->opacity + 1.0) / (steps->opacity + 1.0) : 1.0,
     };
-    splat.amplitude = 4.0 * codes->texture.amplitude / (3.0 * levels_of(steps->luma));
+    if (splat.s1 <= 4096.0)
+        splat.amplitude = fmin(4.0 * codes->texture.amplitude / (3.0 * levels_of(steps->luma)), 1.0);
     splat.wavelength = 2.5 * exp2(7.0 * codes->texture.wave / 16.0);
     splat.direction = codes->texture.direction * pi / 16.0;
     splat.phase = codes->texture.phase * pi / 4.0;
@@ -97,8 +98,8 @@ static oracle_splat codebook_splat(const gsf_coded_image *coded, const gsf_index
     const uint16_t *shape = books->shape_words[codes->shape], *colour = books->colour_words[codes->colour];
     const double cells = 1u << books->position_bits;
     oracle_splat splat = {
-        .x = (codes->x + 0.5) / cells * header->width,
-        .y = (codes->y + 0.5) / cells * header->height,
+        .x = floor((2.0 * codes->x + 1.0) * header->width * 256.0 / cells) / 512.0,
+        .y = floor((2.0 * codes->y + 1.0) * header->height * 256.0 / cells) / 512.0,
         .s1 = exp2(word_value(&books->shape[0], books->shape_bits, shape[0]) / 32.0 - 4.0),
         .opacity = 1.0,
     };
@@ -126,10 +127,13 @@ void oracle_dequantise(const gsf_coded_image *coded, oracle_image *image) {
     const uint32_t channels = image->header.channels;
     for (uint32_t i = 0; i < channels; i++)
         image->background[i] = coded->background[i] / (coded->header.high_bit_depth ? 65535.0 : 255.0);
-    for (uint32_t i = 0; i < coded->header.splat_count; i++)
-        image->splats[i] = coded->header.coding == GSF_CODING_CODEBOOK
-                               ? codebook_splat(coded, &coded->indexed[i], channels)
-                               : scalar_splat(coded, &coded->splats[i]);
+    for (uint32_t i = 0; i < coded->header.splat_count; i++) {
+        oracle_splat *splat = &image->splats[i];
+        *splat = coded->header.coding == GSF_CODING_CODEBOOK ? codebook_splat(coded, &coded->indexed[i], channels)
+                                                             : scalar_splat(coded, &coded->splats[i]);
+        splat->s1 = fmax(splat->s1, splat->s2 / 256.0);
+        splat->s2 = fmax(splat->s2, splat->s1 / 256.0);
+    }
     if (coded->has_mean_background)
         set_mean_background(image);
 }

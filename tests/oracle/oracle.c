@@ -68,16 +68,19 @@ bool oracle_read(const uint8_t *bytes, size_t size, oracle_image *image) {
 
 static bool draw_image(oracle_image *image) {
     const size_t pixels = (size_t)image->header.width * image->header.height;
+    const size_t samples = pixels * image->samples;
     double *values = calloc(pixels * image->header.channels, sizeof *values);
-    double *weights = calloc(pixels, sizeof *weights);
-    image->pixels = calloc(pixels * image->samples, sizeof *image->pixels);
-    const bool done = values && weights && image->pixels;
+    oracle_sums *sums = calloc(pixels, sizeof *sums);
+    image->pixels = calloc(3 * samples, sizeof *image->pixels);
+    const bool done = values && sums && image->pixels;
     if (done) {
-        oracle_draw(image, values, weights);
-        oracle_output(image, values, image->pixels);
+        image->low = image->pixels + samples;
+        image->high = image->low + samples;
+        oracle_draw(image, values, sums);
+        oracle_output(image, values, sums);
     }
     free(values);
-    free(weights);
+    free(sums);
     return done;
 }
 
@@ -89,5 +92,5 @@ void oracle_free(oracle_image *image) {
     free(image->splats);
     free(image->pixels);
     image->splats = NULL;
-    image->pixels = NULL;
+    image->pixels = image->low = image->high = NULL;
 }

@@ -38,7 +38,14 @@ typedef struct {
     oracle_splat *splats; /* header.splats of them, in stored order */
     uint32_t samples;     /* of a pixel of the output: 1 to 4, by the layout */
     double *pixels;       /* the output, width * height * samples, within 0..1, not rounded */
+    double *low, *high;   /* the same of the coded values at the ends of the range in which a decoder's must lie */
 } oracle_image;
+
+/* A pixel's sums over the splats. */
+typedef struct {
+    double weight;    /* sum of the weights, with that of the background */
+    double magnitude; /* S of FORMAT.md, "Precision" */
+} oracle_sums;
 
 /* Reads and draws a file.  Returns false when it cannot be read or memory runs out.  The image must be freed in any
  * case. */
@@ -50,12 +57,16 @@ bool oracle_read(const uint8_t *bytes, size_t size, oracle_image *image);
 /* Sets background and splats from the codes; the header is in place. */
 void oracle_dequantise(const gsf_coded_image *coded, oracle_image *image);
 
-/* Computes the coded channels of every pixel, before clamping: width * height * channels values.  `weights` is working
- * memory of width * height values. */
-void oracle_draw(const oracle_image *image, double *values, double *weights);
+/* Computes the coded channels of every pixel, before clamping, width * height * channels values, and the sums of each
+ * pixel. */
+void oracle_draw(const oracle_image *image, double *values, oracle_sums *sums);
 
-/* Clamps the coded channels and converts them to the samples of the layout. */
-void oracle_output(const oracle_image *image, const double *values, double *pixels);
+/* Clamps the coded channels and converts them to the samples of the layout: pixels, low and high of the image. */
+void oracle_output(oracle_image *image, const double *values, const oracle_sums *sums);
+
+/* Whether a decoder may return this sample (FORMAT.md, "Precision").  `peak` is 255 or 65535 for a rounded sample, or 0
+ * for a floating-point sample in 0..1. */
+bool oracle_allows(const oracle_image *image, size_t index, double sample, uint32_t peak);
 
 /* A sample of the output, rounded: `peak` is 255 or 65535. */
 uint32_t oracle_round(double sample, uint32_t peak);

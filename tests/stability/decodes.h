@@ -8,8 +8,8 @@
 
 #include <gscl/gscl.h>
 
-/* Whether all samples in both contexts are within 1/255 of the second decoder's (FORMAT.md, "Rendering").  Otherwise
- * `message` receives the fault. */
+/* Whether all samples in both contexts have the precision that FORMAT.md prescribes ("Precision").  Otherwise `message`
+ * receives the fault. */
 bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t capacity);
 
 #endif

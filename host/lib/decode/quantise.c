@@ -170,6 +170,21 @@ static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, floa
         colour[p->header.has_chroma ? 3 : 1] = (float)((double)s->alpha / gsf_colour_levels(p->steps.alpha));
 }
 
+/* Positions are multiples of 1/512 pixel, which a float represents exactly. */
+static float scalar_position(uint32_t code, uint32_t step, uint32_t parts) {
+    return (float)((2 * (uint64_t)code + 1) * step / parts) / 512.0f;
+}
+
+static float codebook_position(uint32_t code, unsigned bits, uint32_t dimension) {
+    return (float)((2 * (uint64_t)code + 1) * dimension * 256 >> bits) / 512.0f;
+}
+
+/* The shorter axis counts as at least a certain part of the longer one. */
+static void dequantise_axes(double log_s1, double log_s2, float *params) {
+    params[GSCL_LOG_S1] = (float)fmax(log_s1, log_s2 - GSCL_LOG_LARGEST_ASPECT);
+    params[GSCL_LOG_S2] = (float)fmax(log_s2, log_s1 - GSCL_LOG_LARGEST_ASPECT);
+}
+
 static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, float *params) {
     double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH, cosine = 1, sine = 0;
     if (t->amplitude > 0) { /* most splats have no wave, and these functions are slow */
@@ -181,16 +196,18 @@ static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, f
     params[GSCL_WAVE_X] = (float)(frequency * cosine);
     params[GSCL_WAVE_Y] = (float)(frequency * sine);
     params[GSCL_WAVE_PHASE] = (float)t->phase / GSF_PHASES;
-    params[GSCL_WAVE_AMPLITUDE] = (float)(t->amplitude * amplitude_step(&p->steps));
+    params[GSCL_WAVE_AMPLITUDE] = params[GSCL_LOG_S1] > GSCL_LOG_LARGEST_WAVED_AXIS
+                                      ? 0.0f
+                                      : (float)fmin(t->amplitude * amplitude_step(&p->steps), GSCL_LARGEST_AMPLITUDE);
 }
 
 void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params) {
     const gsf_splat_grid grid = gsf_splat_grid_of(&p->header, &p->steps, s);
-    double step = scale_step(&p->steps), cell = grid.step / 256.0;
-    params[GSCL_X] = (float)((s->x + 0.5) * cell / grid.parts_x);
-    params[GSCL_Y] = (float)((s->y + 0.5) * cell / grid.parts_y);
-    params[GSCL_LOG_S1] = (float)fmin(s->major * step - ln2, GSCL_LOG_LARGEST_AXIS);
-    params[GSCL_LOG_S2] = (float)fmin((s->major - s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS);
+    const double step = scale_step(&p->steps);
+    params[GSCL_X] = scalar_position(s->x, grid.step, grid.parts_x);
+    params[GSCL_Y] = scalar_position(s->y, grid.step, grid.parts_y);
+    dequantise_axes(fmin(s->major * step - ln2, GSCL_LOG_LARGEST_AXIS),
+                    fmin((s->major - s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS), params);
     params[GSCL_THETA] = p->header.has_rotation ? (float)(s->angle * pi / gsf_angle_count(&p->steps, s->aspect)) : 0.0f;
     params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
     dequantise_colour(p, s, params + GSCL_COLOUR);
@@ -241,12 +258,11 @@ void gscl_dequantise_indexed(const gsf_coded_image *p, const gsf_indexed_splat *
     memset(params, 0, GSCL_PARAMS * sizeof *params);
     const gsf_codebooks *books = &p->codebooks;
     const uint16_t *shape = books->shape_words[s->shape], *colour = books->colour_words[s->colour];
-    double grid = (double)(1u << books->position_bits);
     unsigned channels = gsf_channel_count(&p->header);
-    params[GSCL_X] = (float)((s->x + 0.5) / grid * p->header.width);
-    params[GSCL_Y] = (float)((s->y + 0.5) / grid * p->header.height);
-    params[GSCL_LOG_S1] = (float)((from_range(&books->shape[0], shape[0], books->shape_bits) / 32 - 4) * ln2);
-    params[GSCL_LOG_S2] = (float)((from_range(&books->shape[1], shape[1], books->shape_bits) / 32 - 4) * ln2);
+    params[GSCL_X] = codebook_position(s->x, books->position_bits, p->header.width);
+    params[GSCL_Y] = codebook_position(s->y, books->position_bits, p->header.height);
+    dequantise_axes((from_range(&books->shape[0], shape[0], books->shape_bits) / 32 - 4) * ln2,
+                    (from_range(&books->shape[1], shape[1], books->shape_bits) / 32 - 4) * ln2, params);
     params[GSCL_THETA] = (float)(from_range(&books->shape[2], shape[2], books->shape_bits) * pi / 256);
     for (unsigned k = 0; k < channels; k++)
         params[GSCL_COLOUR + k] = (float)(from_range(&books->colour[k], colour[k], books->colour_bits) / 255);
