@@ -304,7 +304,7 @@ class Reports(ToolTest):
     def test_no_bytes_for_a_terminal(self):
         self.write_png("in.png", scene(16, 16))
         text = self.run_on_terminal("encode", "in.png", "-o", "-", code=1)
-        self.assertEqual(text, "gscl: standard output: is a terminal; redirect it to a file or a pipe, or name a file with -o\r\n")
+        self.assertEqual(text, "\r\x1b[Kgscl: standard output: is a terminal; redirect it to a file or a pipe, or name a file with -o\r\n")
 
     def test_progress_line_on_a_terminal(self):
         self.write_png("in.png", scene(160, 120))
