@@ -14,10 +14,11 @@ typedef int16 vint;
               (p)[6 * (stride)], (p)[7 * (stride)], (p)[8 * (stride)], (p)[9 * (stride)], (p)[10 * (stride)],    \
               (p)[11 * (stride)], (p)[12 * (stride)], (p)[13 * (stride)], (p)[14 * (stride)], (p)[15 * (stride)]))
 #define LOAD_LANES_INT(p) vload16(0, p)
+/* The first `n` lanes. */
+#define LANES_BELOW(n) ((vint)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (n))
 /* 0 in the lanes behind the last of `lanes_used` splats.  An argument that is out of range in one lane
  * makes vector functions take another path for all lanes, with other roundings. */
-#define MASK_TAIL(v, lanes_used) \
-    select((vfloat)(0.0f), v, (vint)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (lanes_used))
+#define MASK_TAIL(v, lanes_used) select((vfloat)(0.0f), v, LANES_BELOW(lanes_used))
 #define OF_TYPE(name, vector, type)                                     \
     inline void name(vector v, __global type *p, int stride) {          \
         type lanes[SPLAT_LANES];                                        \
@@ -35,6 +36,7 @@ typedef int vint;
 #define TO_VFLOAT(x) convert_float(x)
 #define LOAD_LANES(p, stride) ((p)[0])
 #define LOAD_LANES_INT(p) (*(p))
+#define LANES_BELOW(n) (0 < (n))
 #define MASK_TAIL(v, lanes_used) (v)
 inline void store_lanes(vfloat v, __global float *p, int stride) { *p = v; }
 inline void store_lanes_int(vint v, __global int *p, int stride) { *p = v; }

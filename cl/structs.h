@@ -74,6 +74,7 @@ typedef struct gscl_gather_settings {
 /* One step of Adam (cl/update.cl). */
 typedef struct gscl_adam_settings {
     cl_int splats;
+    cl_int fixed;   /* the first splats, which keep their parameters */
     gscl_view view; /* of the projection that follows */
     gscl_limits limits;
 } gscl_adam_settings;

@@ -199,6 +199,11 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
     for (int k = 0; k < FITTED; k++) store_lanes(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
 }
 
+/* Gives the first `fixed` lanes the parameters that are stored. */
+inline void keep_params(vfloat *restrict p, __global const float *restrict params, int fixed, int lanes_used) {
+    for (int k = 0; k < FITTED; k++) p[k] = select(p[k], LOAD_PARAM(params, k, lanes_used), LANES_BELOW(fixed));
+}
+
 /* One step of Adam from the gradients, then the projection of the (quantised) result. */
 __kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
@@ -216,6 +221,7 @@ __kernel void adam_step(__global float *restrict params, __global float *restric
     adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradients + at,
          settings.limits.rate);
     clamp_params(p, settings.limits);
+    if ((int)i < settings.fixed) keep_params(p, params + at, settings.fixed - (int)i, lanes_used);
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) store_lanes(p[k], params + at + k, GSCL_PARAMS);

@@ -58,7 +58,8 @@ static bool steps_are_valid(const gsf_steps *steps) {
 static bool shape_is_valid(const gsf_coded_image *image, const gsf_splat *splat) {
     const gsf_header *header = &image->header;
     const gsf_steps *steps = &image->steps;
-    if (splat->major > GSF_MAX_SCALE_CODE || (header->has_anisotropy && splat->aspect > splat->major) ||
+    if (splat->layer > header->enhancement_layers || splat->major > GSF_MAX_SCALE_CODE ||
+        (header->has_anisotropy && splat->aspect > splat->major) ||
         (header->has_rotation && splat->angle >= gsf_angle_count(steps, splat->aspect)))
         return false;
     const gsf_splat_grid grid = gsf_splat_grid_of(header, steps, splat);

@@ -6,8 +6,11 @@
 #include "format/types.h"
 
 #define GSF_MAX_CLASSES GSF_MAX_CODEBOOK
+#define GSF_SCALE_CLASSES (GSF_MAX_SCALE_CODE + 1u) /* of a layer, scalar coding */
 
 uint32_t gsf_class_count(const gsf_coded_image *image);
+/* The code of the major axis in a class of scalar coding. */
+unsigned gsf_class_major(uint32_t class_no);
 uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat);
 gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no);
 /* The cell of its class's grid in which a splat lies. */

@@ -19,9 +19,9 @@ bool gsf_header_is_valid(const gsf_header *header) {
            (unsigned)header->layout <= GSF_RGBA && (has_colour(header->layout) || !header->has_chroma) &&
            (has_transparency(header->layout) || !header->has_alpha) &&
            (header->has_anisotropy || !header->has_rotation) &&
-           (header->coding == GSF_CODING_SCALAR || !header->has_texture) && header->width >= 1 &&
-           header->width <= GSF_MAX_DIMENSION && header->height >= 1 && header->height <= GSF_MAX_DIMENSION &&
-           header->splat_count <= GSF_MAX_SPLATS;
+           (header->coding == GSF_CODING_SCALAR || (!header->has_texture && header->enhancement_layers == 0)) &&
+           header->enhancement_layers < GSF_MAX_LAYERS && header->width >= 1 && header->width <= GSF_MAX_DIMENSION &&
+           header->height >= 1 && header->height <= GSF_MAX_DIMENSION && header->splat_count <= GSF_MAX_SPLATS;
 }
 
 /* ---- Symbols of fixed probabilities ---- */
@@ -151,16 +151,31 @@ static void code_size(gsf_coder *coder, gsf_header *header) {
 
 static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
+static void code_layers(gsf_coder *coder, gsf_header *header) {
+    const uint32_t layers = header->enhancement_layers;
+    header->enhancement_layers = 0;
+    if (header->coding == GSF_CODING_SCALAR && header->splat_count > 0 && code_flag(coder, layers > 0, 1))
+        header->enhancement_layers = (uint8_t)(1 + gsf_code_uniform(coder, layers - 1, GSF_MAX_LAYERS - 1));
+}
+
 void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
     coder->stream = GSF_STREAM_HEADER;
     code_kind(coder, header);
     code_size(coder, header);
     const uint32_t count = code_number(coder, header->splat_count, COUNT_LENGTHS, LENGTH(COUNT_LENGTHS));
     header->splat_count = count < GSF_MAX_SPLATS ? count : GSF_MAX_SPLATS;
+    code_layers(coder, header);
 }
 
-gsf_steps gsf_default_steps(void) {
-    return (gsf_steps){.scale = 6, .position = 8, .angle = 4, .luma = 9, .chroma = 5, .alpha = 4, .opacity = 3};
+gsf_steps gsf_default_steps(uint32_t splat_count) {
+    const uint8_t finer = splat_count >= GSF_MANY_SPLATS;
+    return (gsf_steps){.scale = 6,
+                       .position = 8,
+                       .angle = 4,
+                       .luma = (uint8_t)(9 + finer),
+                       .chroma = (uint8_t)(5 + finer),
+                       .alpha = 4,
+                       .opacity = 3};
 }
 
 /* The steps that the header codes; the others are 0. */
@@ -173,7 +188,7 @@ static gsf_steps used_steps(const gsf_header *header, gsf_steps steps) {
 }
 
 static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
-    const gsf_steps defaults = used_steps(header, gsf_default_steps());
+    const gsf_steps defaults = used_steps(header, gsf_default_steps(header->splat_count));
     *steps = used_steps(header, *steps);
     uint8_t *own[] = {&steps->scale,  &steps->position, &steps->angle,  &steps->luma,
                       &steps->chroma, &steps->alpha,    &steps->opacity};

@@ -11,8 +11,9 @@ unsigned gsf_channel_count(const gsf_header *header);
 /* Whether all fields are within their limits (writer; a decoded header always is). */
 bool gsf_header_is_valid(const gsf_header *header);
 
-/* The steps that take one bit in the file. */
-gsf_steps gsf_default_steps(void);
+/* The steps that take one bit in a file with so many splats: finer colours from GSF_MANY_SPLATS on. */
+#define GSF_MANY_SPLATS 640u
+gsf_steps gsf_default_steps(uint32_t splat_count);
 
 /* Codes kind, size and number of splats.  Every decoded header is valid. */
 void gsf_code_fields(gsf_coder *coder, gsf_header *header);

@@ -106,6 +106,7 @@ static void clear_unused(gsf_coded_image *image) {
     const gsf_header *header = &image->header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         gsf_splat *splat = &image->splats[i];
+        splat->layer = header->enhancement_layers > 0 ? splat->layer : 0;
         splat->aspect = header->has_anisotropy ? splat->aspect : 0;
         splat->angle = header->has_rotation ? splat->angle : 0;
         splat->co = header->has_chroma ? splat->co : 0;

@@ -20,7 +20,8 @@ static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
 
 static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_no, gsf_point at) {
     if (image->header.coding == GSF_CODING_SCALAR)
-        image->splats[splat] = (gsf_splat){.major = (uint16_t)(GSF_MAX_SCALE_CODE - class_no), .x = at.x, .y = at.y};
+        image->splats[splat] = (gsf_splat){
+            .layer = class_no / GSF_SCALE_CLASSES, .major = (uint16_t)gsf_class_major(class_no), .x = at.x, .y = at.y};
     else
         image->indexed[splat] =
             (gsf_indexed_splat){.shape = (uint16_t)class_no, .x = (uint16_t)at.x, .y = (uint16_t)at.y};
@@ -28,27 +29,40 @@ static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_n
 
 /* Codes the number of splats in a class of scalar coding; `left` splats are in this class and those after it. */
 static uint32_t code_class_count(gsf_coder *coder, uint32_t count, uint32_t left, uint32_t class_no, uint32_t typical) {
-    const int32_t relative = (int32_t)(GSF_MAX_SCALE_CODE - class_no) - (int32_t)typical + GSF_CLASS_BELOW;
+    const int32_t relative = (int32_t)gsf_class_major(class_no) - (int32_t)typical + GSF_CLASS_BELOW;
     const uint32_t row = relative < 0 ? 0 : relative < GSF_CLASS_ROWS ? (uint32_t)relative : GSF_CLASS_ROWS - 1;
-    if (left == 0 || class_no == GSF_MAX_SCALE_CODE)
+    if (left == 0 || gsf_class_major(class_no) == 0)
         return left;
     return gsf_code_count_split(coder, count, left, gsf_class_weight_table[row][0], gsf_class_weight_table[row][1]);
 }
 
-static void code_class_counts(gsf_coder *coder, const gsf_coded_image *image, gsf_workspace *w) {
-    const uint32_t classes = gsf_class_count(image);
-    uint32_t left = image->header.splat_count;
-    if (image->header.coding == GSF_CODING_CODEBOOK) {
-        coder->stream = GSF_STREAM_SHAPE_INDEX;
-        gsf_code_class_counts(coder, w->counts, classes, left);
-        return;
-    }
+/* Codes the number of splats in a layer and in each of its classes, the first of which is `class_no`; `left` splats are
+ * in this layer and those after it.  Returns the number in this layer. */
+static uint32_t code_layer_counts(gsf_coder *coder, const gsf_coded_image *image, uint32_t *counts, uint32_t class_no,
+                                  uint32_t left) {
     const uint32_t typical = gsf_typical_size(&image->header, &image->steps);
+    uint32_t n = left;
     coder->stream = GSF_STREAM_SCALE;
-    for (uint32_t i = 0; i < classes; i++) {
-        w->counts[i] = code_class_count(coder, w->counts[i], left, i, typical);
-        left -= w->counts[i];
+    if (left > 0 && class_no / GSF_SCALE_CLASSES < image->header.enhancement_layers)
+        n = gsf_code_count_split(coder, gsf_sum(counts, GSF_SCALE_CLASSES), left, GSF_WEIGHT_UNIT, GSF_WEIGHT_UNIT);
+    for (uint32_t i = 0, rest = n; i < GSF_SCALE_CLASSES; i++) {
+        counts[i] = code_class_count(coder, counts[i], rest, class_no + i, typical);
+        rest -= counts[i];
     }
+    return n;
+}
+
+/* Codes the counts of the layer that begins with class `class_no`, if one does; codebook coding has one layer.  `left`
+ * splats are not counted yet.  Returns the number that is counted now. */
+static uint32_t code_counts_before(gsf_coder *coder, const gsf_coded_image *image, gsf_workspace *w, uint32_t class_no,
+                                   uint32_t left) {
+    if (image->header.coding == GSF_CODING_SCALAR)
+        return class_no % GSF_SCALE_CLASSES > 0 ? 0
+                                                : code_layer_counts(coder, image, w->counts + class_no, class_no, left);
+    coder->stream = GSF_STREAM_SHAPE_INDEX;
+    if (class_no == 0)
+        gsf_code_class_counts(coder, w->counts, gsf_class_count(image), left);
+    return class_no > 0 ? 0 : left;
 }
 
 static void code_indexed(gsf_coder *coder, gsf_workspace *w, gsf_indexed_splat *splat) {
@@ -75,7 +89,7 @@ static void code_class(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *
 
 static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     const uint32_t classes = gsf_class_count(image);
-    uint32_t first = 0;
+    uint32_t first = 0, left = image->header.splat_count;
     if (!coder->decoding)
         list_splats(image, w);
     for (uint32_t i = 0; i < classes; i++)
@@ -85,8 +99,8 @@ static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
         gsf_attributes_init(&w->attributes, &image->header, &image->steps);
     else
         gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
-    code_class_counts(coder, image, w);
     for (uint32_t i = 0; i < classes && !gsf_coder_overrun(coder); i++) {
+        left -= code_counts_before(coder, image, w, i, left);
         code_class(coder, image, w, i, first);
         first += w->counts[i];
     }

@@ -24,7 +24,7 @@ static void code_class_range(gsf_coder *coder, const uint32_t *counts, uint32_t 
     *last = *first + gsf_code_uniform(coder, *last - *first, classes - *first);
 }
 
-static uint32_t sum(const uint32_t *counts, uint32_t n) {
+uint32_t gsf_sum(const uint32_t *counts, uint32_t n) {
     uint32_t total = 0;
     for (uint32_t i = 0; i < n; i++)
         total += counts[i];
@@ -39,8 +39,8 @@ static void code_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, ui
         return;
     }
     const uint32_t half = classes / 2;
-    const uint32_t left = gsf_code_count_split(coder, coder->decoding ? 0 : sum(counts, half), n, half * CLASS_WEIGHT,
-                                               (classes - half) * CLASS_WEIGHT);
+    const uint32_t left = gsf_code_count_split(coder, coder->decoding ? 0 : gsf_sum(counts, half), n,
+                                               half * CLASS_WEIGHT, (classes - half) * CLASS_WEIGHT);
     code_counts(coder, counts, half, left);
     code_counts(coder, counts + half, classes - half, n - left);
 }

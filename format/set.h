@@ -50,6 +50,9 @@ typedef struct gsf_set {
     gsf_single_split narrow[GSF_MAX_NARROW + 1]; /* splits of one point, by the length of the side that is cut */
 } gsf_set;
 
+/* The sum of counts[0..n). */
+uint32_t gsf_sum(const uint32_t *counts, uint32_t n);
+
 /* Codes counts[0..classes), which add up to n > 0; 1 <= classes <= 1024. */
 void gsf_code_class_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, uint32_t n);
 

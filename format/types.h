@@ -11,6 +11,7 @@
 #define GSF_MAX_SPLATS (1u << 20)
 #define GSF_MAX_CODEBOOK 1024 /* code words in either codebook */
 #define GSF_MAX_CHANNELS 4
+#define GSF_MAX_LAYERS 8
 
 typedef enum gsf_result {
     GSF_OK = 0,
@@ -37,15 +38,16 @@ typedef struct gsf_header {
     gsf_blend blend;
     gsf_coding coding;
     gsf_layout layout;
-    bool high_bit_depth;    /* the source had 16 bits (or float) a sample; else 8 */
-    bool has_chroma;        /* effect: colour differences are coded */
-    bool has_alpha;         /* effect: an alpha plane is coded; else alpha is 1 everywhere */
-    bool has_opacity;       /* effect: each splat has an opacity; else it is 1 (normalized: weight 1) */
-    bool has_texture;       /* effect: splats may carry a wave; scalar coding only */
-    bool has_rotation;      /* effect: splats have an angle; else it is 0 */
-    bool has_anisotropy;    /* effect: splats have two axes; else they are isotropic (and have no angle) */
-    uint32_t width, height; /* pixels, 1..GSF_MAX_DIMENSION */
-    uint32_t splat_count;   /* 0..GSF_MAX_SPLATS */
+    bool high_bit_depth;        /* the source had 16 bits (or float) a sample; else 8 */
+    bool has_chroma;            /* effect: colour differences are coded */
+    bool has_alpha;             /* effect: an alpha plane is coded; else alpha is 1 everywhere */
+    bool has_opacity;           /* effect: each splat has an opacity; else it is 1 (normalized: weight 1) */
+    bool has_texture;           /* effect: splats may carry a wave; scalar coding only */
+    bool has_rotation;          /* effect: splats have an angle; else it is 0 */
+    bool has_anisotropy;        /* effect: splats have two axes; else they are isotropic (and have no angle) */
+    uint32_t width, height;     /* pixels, 1..GSF_MAX_DIMENSION */
+    uint32_t splat_count;       /* 0..GSF_MAX_SPLATS */
+    uint8_t enhancement_layers; /* layers of splats after the base layer, 0..GSF_MAX_LAYERS - 1; scalar coding only */
 } gsf_header;
 
 /* Quantiser steps of scalar coding, as the indices that are stored (0..15 each).  quantiser.h converts them to pixels
@@ -67,12 +69,13 @@ typedef struct gsf_texture {
     uint8_t amplitude;              /* 0..GSF_AMPLITUDES */
 } gsf_texture;
 
-/* One splat in scalar coding. */
+/* One splat in scalar coding.  The struct has no padding, because splats are compared as bytes. */
 typedef struct gsf_splat {
     uint16_t major;              /* code of the major axis, 0..63: sigma = 2^(major * scale_step / 32 - 1) pixels */
     uint16_t aspect;             /* code of the major axis less that of the minor axis, 0..major */
     uint16_t angle;              /* 0..gsf_angle_count(steps, aspect) - 1, of half a turn */
     uint16_t opacity;            /* 0..opacity levels - 1 */
+    uint32_t layer;              /* 0 (base) .. header.enhancement_layers */
     uint32_t x, y;               /* cell of the splat's own grid, see gsf_splat_grid */
     int16_t luma, co, cg, alpha; /* colour codes */
     gsf_texture texture;

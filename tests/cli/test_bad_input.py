@@ -328,6 +328,7 @@ class Usage(ToolTest):
         self.write_png("in.png", scene(16, 16))
         for blend in ("normalized", "sum"):
             self.refused("in.png", "paper profile", "encode", "in.png", "--profile", "paper", "--blend", blend, code=2)
+        self.refused("in.png", "layers", "encode", "in.png", "--profile", "paper", "--progressive", code=2)
 
     def test_messages_stay_on_one_line(self):
         name = "two\nlines\x1b[31m.png"

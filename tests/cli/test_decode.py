@@ -81,6 +81,37 @@ class Partial(ToolTest):
         self.encode(scene(61, 43), *HIGH_RATE)
         self.assertEqual(self.decode(), self.decode("--partial"))
 
+    def half_of(self, image, *arguments):
+        """PSNR of the first half of a file of 400 bytes."""
+        self.encode(image, "--bytes", 400, *arguments)
+        self.cut(0.5)
+        return psnr(image, self.decode("--partial"))
+
+    def test_layers_make_parts_of_a_file_better(self):
+        image = scene(160, 120)
+        layered = self.half_of(image, "--progressive")
+        self.assertGreater(layered, self.half_of(image) + 5)
+        self.encode(image, "--bytes", 200)
+        self.assertGreater(layered, psnr(image, self.decode()) - 3)
+
+    def test_layers_are_reported(self):
+        self.encode(scene(61, 43), "--bytes", 700, "--progressive")
+        self.assertEqual(self.gscl_json("info", "in.gscl")["layers"], 4)
+        self.assertIn("progressive: 4 layers", self.gscl("info", "in.gscl").decode())
+        self.encode(scene(61, 43), "--bytes", 700)
+        self.assertEqual(self.gscl_json("info", "in.gscl")["layers"], 1)
+
+    def test_layers_of_all_kinds(self):
+        for arguments in (("--splats", 60), ("--psnr", 24), ("--bytes", 90), ("--bytes", 600, "--blend", "alpha"),
+                          ("--bytes", 600, "--blend", "sum", "--effects", "+opacity"), ("--bytes", 600, "--bare")):
+            with self.subTest(arguments):
+                image = scene(61, 43)
+                data = self.encode(image, "--progressive", *arguments)
+                if "--bytes" in arguments:
+                    self.assertLessEqual(len(data), arguments[1])
+                bare = arguments[2:] if "--bare" in arguments else ()
+                self.assertGreater(psnr(image, self.decode(*bare)), 15)
+
     def test_prefix_of_a_header_is_refused(self):
         self.encode(scene(61, 43), *HIGH_RATE)
         self.cut(0.01)

@@ -148,17 +148,18 @@ static void print_codebooks(const gsf_coded_image *image) {
 }
 
 static void print_splat(const gsf_splat *s) {
-    printf("splat %u %u %u %" PRIu32 " %" PRIu32 " %d %d %d %d %u %u %u %u %u\n", s->major, s->aspect, s->angle, s->x,
-           s->y, s->luma, s->co, s->cg, s->alpha, s->opacity, s->texture.amplitude, s->texture.wave,
-           s->texture.direction, s->texture.phase);
+    printf("splat %u %u %u %" PRIu32 " %" PRIu32 " %d %d %d %d %u %u %u %u %u %" PRIu32 "\n", s->major, s->aspect,
+           s->angle, s->x, s->y, s->luma, s->co, s->cg, s->alpha, s->opacity, s->texture.amplitude, s->texture.wave,
+           s->texture.direction, s->texture.phase, s->layer);
 }
 
 static void print_image(const gsf_coded_image *image) {
     const gsf_header *h = &image->header;
     const gsf_steps *s = &image->steps;
     printf("size %" PRIu32 " %" PRIu32 "\n", h->width, h->height);
-    printf("kind %d %d %d %d %d %d %d %d %d %d\nbackground", h->blend, h->coding, h->layout, h->high_bit_depth,
-           h->has_chroma, h->has_alpha, h->has_opacity, h->has_anisotropy, h->has_rotation, h->has_texture);
+    printf("kind %d %d %d %d %d %d %d %d %d %d %d\nbackground", h->blend, h->coding, h->layout, h->high_bit_depth,
+           h->has_chroma, h->has_alpha, h->has_opacity, h->has_anisotropy, h->has_rotation, h->has_texture,
+           h->enhancement_layers + 1);
     for (unsigned i = 0; i < gsf_channel_count(h) && !image->has_mean_background; i++)
         printf(" %u", image->background[i]);
     putchar('\n');
@@ -269,6 +270,7 @@ static void set_kind(gsf_header *h, const int *v) {
     h->has_anisotropy = v[7];
     h->has_rotation = v[8];
     h->has_texture = v[9];
+    h->enhancement_layers = (uint8_t)(v[10] - 1);
 }
 
 static gsf_steps steps_of(const int *v) {
@@ -325,7 +327,8 @@ static void add_splat(text *t, const int *v) {
                                                  .texture = {.amplitude = (uint8_t)v[10],
                                                              .wave = (uint8_t)v[11],
                                                              .direction = (uint8_t)v[12],
-                                                             .phase = (uint8_t)v[13]}};
+                                                             .phase = (uint8_t)v[13]},
+                                                 .layer = (uint32_t)v[14]};
     else
         t->image.indexed[t->splats] =
             (gsf_indexed_splat){(uint16_t)v[0], (uint16_t)v[1], (uint16_t)v[2], (uint16_t)v[3]};

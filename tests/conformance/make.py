@@ -32,7 +32,7 @@ class Scene(gscl.Picture):
     """Codes that are chosen rather than decoded.  Flags and steps that are not in use are cleared."""
 
     def __init__(self, width=16, height=12, n=0, blend=NORMALIZED, coding=gscl.SCALAR, layout=RGB, high=0, chroma=1, alpha=1,
-                 opacity=0, anisotropy=1, rotation=1, texture=0, steps=DEFAULT_STEPS, background=None, blocks=()):
+                 opacity=0, anisotropy=1, rotation=1, texture=0, steps=DEFAULT_STEPS, background=None, blocks=(), layers=1):
         super().__init__()
         self.width, self.height, self.n, self.blend, self.coding = width, height, n, blend, coding
         self.layout, self.high_bit_depth = layout, high
@@ -47,11 +47,13 @@ class Scene(gscl.Picture):
         self.channels = (3 if self.has_chroma else 1) + self.has_alpha
         self.background = list(background) if background else None if n > 0 else [32768 if high else 128] * self.channels
         self.blocks = list(blocks)
+        self.layers = layers
 
     def add(self, major, aspect=0, angle=0, x=0.5, y=0.5, luma=0, co=0, cg=0, alpha=None, opacity=0, amplitude=0, wave=0,
-            direction=0, phase=0, count=1):
+            direction=0, phase=0, count=1, layer=0):
         """x and y are places in the image, from 0 to 1."""
         splat = gscl.Splat()
+        splat.layer = layer
         splat.major, splat.aspect, splat.angle = major, aspect if self.has_anisotropy else 0, angle
         C = self.angle_count(splat.aspect)
         if not self.has_rotation:
@@ -89,7 +91,7 @@ class Scene(gscl.Picture):
                      pick.randint(*self.limits("luma")) if pick.random() < 0.2 else pick.randint(0, L),
                      pick.randint(-chroma, chroma), pick.randint(-chroma, chroma), pick.randint(A // 4, A),
                      pick.randint(0, O), pick.choice((0, pick.randint(1, 8))), pick.randrange(16), pick.randrange(16),
-                     pick.randrange(8))
+                     pick.randrange(8), layer=len(self.splats) * self.layers // self.n)
         return self
 
     def books(self, seed, shapes=3, colours=4, position_bits=5, shape_bits=4, colour_bits=5, shape=None, colour=None):
@@ -218,6 +220,14 @@ def set_scenes():
     for i in range(100):
         scene.add(4, x=.9 - .008 * i, y=.1 * (i % 7), luma=i % 4)
     yield "priors", "more splats than the 4096 that may be priors", scene
+    yield "layers-2", "two layers", Scene(24, 16, n=20, layers=2).fill(71)
+    yield "layers-8", "eight layers, with waves", Scene(24, 16, n=24, texture=1, layers=8).fill(72)
+    scene = Scene(12, 12, n=4, blend=ALPHA, layers=4)
+    for i in range(4):
+        scene.add(9 + i, 2, 1, .2 + .2 * i, .5, 8 * i, layer=2 * (i % 2))
+    yield "layers-empty", "the first and third of four layers have splats, those of the third are in front", scene
+    scene = Scene(300, 20, n=640, layout=GREY, anisotropy=0, steps=DEFAULT_STEPS[:3] + (10, 6) + DEFAULT_STEPS[5:])
+    yield "fine-steps", "the default steps of 640 splats", scene.fill(73)
     yield "all-sizes", "a splat of every class", all_sizes()
     yield "work-limit", "as much work as is allowed", work(320)
     yield "work-limit-needles", "likewise, of needles of which the shorter axis counts as 1/256 of the longer one", needle_work(1574)
@@ -332,8 +342,8 @@ def forge(script, rules=()):
 
 
 # The symbols of the header of an ordinary photograph of 9 x 9 pixels: kind, has_texture, no multiple of 64, longer side
-# (length in bits, remaining bits), ratio, number of splats (1), steps, background.
-SQUARE = {0: 0, 1: 0, 2: 0, 3: 4, 4: 0, 5: 1, 6: 1, 7: 0, 8: 0}
+# (length in bits, remaining bits), ratio, number of splats (1), layers, steps, background.
+SQUARE = {0: 0, 1: 0, 2: 0, 3: 4, 4: 0, 5: 1, 6: 1, 7: 0, 8: 0, 9: 0}
 # Of codebook coding: kind, blend, coding, layout (grey), depth, opacity, anisotropy, rotation, then size and background (13).
 BOOK = {0: 1, 1: 1, 2: 1, 3: 0, 4: 0, 5: 0, 6: 1, 7: 1, 8: 0, 9: 4, 10: 0, 11: 1, 12: 1, 13: 0}
 
@@ -343,7 +353,7 @@ def forged_pictures():
     yield "long-square", "a square by the ratio `free`", forge({**SQUARE, 5: 0, 6: 8, 7: 1})
     yield "long-side", "64 pixels that are not coded as a multiple of 64", forge({**SQUARE, 3: 6, 4: 31})
     yield "long-steps", "explicit steps that are the default", \
-        forge({**SQUARE, 7: 1, **{8 + i: step for i, step in enumerate((6, 8, 4, 9, 5))}})
+        forge({**SQUARE, 8: 1, **{9 + i: step for i, step in enumerate((6, 8, 4, 9, 5))}})
     yield "long-range-axis", "an axis of a codebook of 641, which counts as 640", forge({**BOOK, 19: 10, 21: 8, 22: 1})
     yield "long-range-min", "a range of a codebook of which both ends are too high", forge({**BOOK, 19: 16, 20: 1, 21: 16})
     yield "long-range-angle", "an angle of a codebook of 257, which counts as 256", forge({**BOOK, 23: 9, 24: 1})

@@ -231,6 +231,7 @@ class Picture:
         self.read_kind(coder)
         self.read_size(coder)
         self.n = min(coder.number([2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1]), 1048576)
+        self.layers = 2 + coder.uniform(7) if self.coding == SCALAR and self.n > 0 and coder.flag(1) else 1
         self.step = dict.fromkeys(STEPS, 0)
         if self.coding == SCALAR and self.n > 0:
             self.read_steps(coder)
@@ -272,7 +273,8 @@ class Picture:
     def read_steps(self, coder):
         used = {"angle": self.has_rotation, "chroma": self.has_chroma, "alpha": self.has_alpha,
                 "opacity": self.has_opacity}
-        default = dict(zip(STEPS, (6, 8, 4, 9, 5, 4, 3)))
+        fine = 1 if self.n >= 640 else 0
+        default = dict(zip(STEPS, (6, 8, 4, 9 + fine, 5 + fine, 4, 3)))
         explicit = coder.flag(2)
         for name in STEPS:
             if used.get(name, 1):
@@ -328,7 +330,7 @@ class Picture:
         earlier = []
         for number, count in enumerate(counts):
             if self.coding == SCALAR:
-                major = 63 - number
+                layer, major = number // 64, 63 - number % 64
                 pitch_x = pitch_y = self.grid_step(major)
                 w, h = self.cells(major, self.width), self.cells(major, self.height)
             else:
@@ -339,21 +341,25 @@ class Picture:
                 points(coder, cells, (pitch_x, pitch_y), (0, 0, w, h), count, collect_priors(earlier))
             earlier.append([((2 * x + 1) * pitch_x, (2 * y + 1) * pitch_y) for x, y in cells])
             for x, y in cells:
-                splat = self.read_scalar_splat(coder, major, x, y) if self.coding == SCALAR else \
+                splat = self.read_scalar_splat(coder, layer, major, x, y) if self.coding == SCALAR else \
                     self.read_codebook_splat(coder, number, x, y)
                 self.splats.append(splat)
                 if coder.bytes_read() <= come:
                     self.certain = len(self.splats)
 
     def scalar_class_counts(self, coder):
-        left = self.n
+        """Yields the counts of all classes.  Those of a layer are read before the first of them is returned."""
+        rest = self.n
         typical = self.typical()
-        counts = []
-        for major in range(63, -1, -1):
-            r = clamp(major - typical + 12, 0, 39)
-            counts.append(left if left == 0 or major == 0 else split(coder, left, *TABLES["class"][r]))
-            left -= counts[-1]
-        return counts
+        for layer in range(self.layers):
+            left = rest if rest == 0 or layer == self.layers - 1 else split(coder, rest, 64, 64)
+            rest -= left
+            counts = []
+            for major in range(63, -1, -1):
+                r = clamp(major - typical + 12, 0, 39)
+                counts.append(left if left == 0 or major == 0 else split(coder, left, *TABLES["class"][r]))
+                left -= counts[-1]
+            yield from counts
 
     def codebook_class_counts(self, coder):
         classes = len(self.shape_words)
@@ -437,9 +443,9 @@ class Picture:
         self.opacity_model = Model([16] * (self.step["opacity"] + 1), (32, 8, 0), 256)
         self.chroma = Chroma(self.levels["chroma"])
 
-    def read_scalar_splat(self, coder, major, x, y):
+    def read_scalar_splat(self, coder, layer, major, x, y):
         splat = Splat()
-        splat.major = major
+        splat.layer, splat.major = layer, major
         size_row = major - self.size_origin
         splat.aspect = 0
         if self.has_anisotropy:
@@ -521,7 +527,8 @@ class Picture:
         lines = [f'block {kind} {content.hex() or "-"}' for kind, content in self.blocks if kind in KNOWN_BLOCKS]
         add = lambda word, *numbers: lines.append(" ".join([word, *map(str, numbers)]))
         add("size", self.width, self.height)
-        add("kind", self.blend, self.coding, self.layout, self.high_bit_depth, *(getattr(self, name) for name in FLAGS))
+        add("kind", self.blend, self.coding, self.layout, self.high_bit_depth, *(getattr(self, name) for name in FLAGS),
+            self.layers)
         add("background", *(self.background or ()))
         if self.coding == SCALAR:
             add("steps", *self.step.values())
@@ -537,7 +544,7 @@ class Picture:
         for s in self.splats:
             if self.coding == SCALAR:
                 add("splat", s.major, s.aspect, s.angle, s.x, s.y, s.luma, s.co, s.cg, s.alpha, s.opacity, s.amplitude,
-                    s.wave, s.direction, s.phase)
+                    s.wave, s.direction, s.phase, s.layer)
             else:
                 add("splat", s.shape, s.colour, s.x, s.y)
         return "\n".join(lines) + "\n"

@@ -57,6 +57,7 @@ gsf_result synthetic_scene_write(synthetic_scene *scene, uint8_t **bytes, size_t
 gsf_header synthetic_header(int number, gsf_coding coding) {
     const gsf_layout layout = (gsf_layout)(number % 4);
     const bool anisotropy = synthetic_random(4) > 0;
+    const bool layered = coding == GSF_CODING_SCALAR && number % 3 == 2;
     return (gsf_header){.blend = (gsf_blend)(number / 4 % 3),
                         .coding = coding,
                         .layout = layout,
@@ -69,7 +70,8 @@ gsf_header synthetic_header(int number, gsf_coding coding) {
                         .has_texture = coding == GSF_CODING_SCALAR && synthetic_random(2),
                         .width = 1 + synthetic_random(100),
                         .height = 1 + synthetic_random(100),
-                        .splat_count = synthetic_random(150)};
+                        .splat_count = synthetic_random(150),
+                        .enhancement_layers = layered ? (uint8_t)(1 + synthetic_random(GSF_MAX_LAYERS - 1)) : 0};
 }
 
 void synthetic_background(gsf_coded_image *image) {
@@ -105,6 +107,7 @@ void synthetic_colour(const gsf_coded_image *image, gsf_splat *splat) {
 }
 
 void synthetic_splat(const gsf_coded_image *image, gsf_splat *splat, unsigned minor, unsigned aspect) {
+    splat->layer = synthetic_random(image->header.enhancement_layers + 1u);
     splat->major = (uint16_t)(minor + aspect < GSF_MAX_SCALE_CODE ? minor + aspect : GSF_MAX_SCALE_CODE);
     splat->aspect = (uint16_t)(splat->major - minor);
     splat->angle =

@@ -424,7 +424,7 @@ static void test_counts(void **unused) {
 static void test_steps_and_backgrounds(void **unused) {
     (void)unused;
     for (unsigned step = 0; step < 7; step++) {
-        gsf_coded_image image = {.header = photo, .has_mean_background = true, .steps = gsf_default_steps()};
+        gsf_coded_image image = {.header = photo, .has_mean_background = true, .steps = gsf_default_steps(0)};
         image.header.splat_count = 9;
         const uint64_t cheap = check_header(&image);
         ((uint8_t *)&image.steps)[step] ^= 1;
@@ -433,7 +433,7 @@ static void test_steps_and_backgrounds(void **unused) {
         assert_true(step < 5 ? other > cheap + 19 * 256 : other == cheap);
     }
     for (unsigned is_deep = 0; is_deep < 2; is_deep++) {
-        gsf_coded_image image = {.header = photo, .background = {128, 1, 255}, .steps = gsf_default_steps()};
+        gsf_coded_image image = {.header = photo, .background = {128, 1, 255}, .steps = gsf_default_steps(0)};
         image.header.high_bit_depth = is_deep;
         image.header.splat_count = 1;
         const uint64_t own = check_header(&image);
@@ -451,7 +451,7 @@ static void test_overhead_of_a_photograph(void **unused) {
     (void)unused;
     for (int portrait = 0; portrait < 2; portrait++) {
         for (int texture = 0; texture < 2; texture++) {
-            gsf_coded_image image = {.header = photo, .has_mean_background = true, .steps = gsf_default_steps()};
+            gsf_coded_image image = {.header = photo, .has_mean_background = true, .steps = gsf_default_steps(0)};
             image.header.width = portrait ? 512 : 768;
             image.header.height = portrait ? 768 : 512;
             image.header.has_texture = texture;

@@ -103,6 +103,22 @@ static void test_reordering_keeps_the_optimiser(void **unused) {
     gscl_fit_free(&fit);
 }
 
+static void test_fixed_splats_stay(void **unused) {
+    (void)unused;
+    float before[SPLATS * GSCL_PARAMS], after[SPLATS * GSCL_PARAMS];
+    gscl_fit fit = fit_of_a_ramp();
+    append_splats(&fit);
+    fit.fixed = 2;
+    assert_int_equal(gscl_fit_read(&fit, before), GSCL_OK);
+    for (int step = 0; step < 3; step++)
+        assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    assert_int_equal(gscl_fit_read(&fit, after), GSCL_OK);
+    assert_memory_equal(before, after, fit.fixed * GSCL_PARAMS * sizeof(float));
+    for (size_t i = fit.fixed; i < SPLATS; i++)
+        assert_true(before[i * GSCL_PARAMS + GSCL_COLOUR] != after[i * GSCL_PARAMS + GSCL_COLOUR]);
+    gscl_fit_free(&fit);
+}
+
 static int skipped_tiles(gscl_fit *fit) {
     enum { TILES = 9 * 5 };
     cl_int skip_until[TILES];
@@ -138,6 +154,7 @@ int main(void) {
         cmocka_unit_test(test_levels_are_means_of_pixels),
         cmocka_unit_test(test_levels_are_clamped),
         cmocka_unit_test(test_reordering_keeps_the_optimiser),
+        cmocka_unit_test(test_fixed_splats_stay),
         cmocka_unit_test(test_new_splats_end_skipping),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

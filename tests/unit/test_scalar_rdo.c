@@ -164,6 +164,26 @@ static void test_expensive_bits_drop_all_splats(void **state) {
     }
 }
 
+/* Splats of layers before keep their codes, and are not dropped. */
+static void test_fixed_splats_stay(void **state) {
+    (void)state;
+    for (int m = 0; m < 2; m++) {
+        gsf_splat before[SPLATS / 2];
+        scene s;
+        open_scene(&s, contexts[m], GSF_BLEND_NORMALIZED, false, true, ELLIPSES);
+        s.coded.file.header.enhancement_layers = 1;
+        for (int i = 0; i < SPLATS; i++)
+            s.coded.file.splats[i].layer = i >= SPLATS / 2;
+        check_call(&s, gscl_coded_image_sort(&s.coded, NULL));
+        memcpy(before, s.coded.file.splats, sizeof before);
+        s.fit.fixed = SPLATS / 2;
+        run_passes(&s, 1e4, false);
+        assert_int_equal(s.coded.file.header.splat_count, SPLATS / 2);
+        assert_memory_equal(s.coded.file.splats, before, sizeof before);
+        close_scene(&s);
+    }
+}
+
 static void check_same_files(scene *a, scene *b) {
     uint8_t *a_bytes, *b_bytes;
     size_t a_size, b_size;
@@ -209,6 +229,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_free_bits_reach_a_minimum),
         cmocka_unit_test(test_expensive_bits_drop_all_splats),
+        cmocka_unit_test(test_fixed_splats_stay),
         cmocka_unit_test(test_reused_buffers_change_nothing),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);

@@ -60,6 +60,7 @@ static void describe_header(const gsf_header *header, size_t size, gscl_info *in
     info->profile = header->coding == GSF_CODING_CODEBOOK ? GSCL_PROFILE_PAPER : GSCL_PROFILE_DEFAULT;
     info->blend = gscl_blend_from_format(header->blend);
     info->splats = header->splat_count;
+    info->layers = header->enhancement_layers + 1u;
     info->bytes = size;
     info->pixels = (uint64_t)header->width * header->height;
     info->work = header->splat_count * info->pixels;

@@ -60,6 +60,8 @@ static const char *contradiction(const gscl_encode_settings *s) {
         return "quantiser steps are the default profile's";
     if (paper && s->blend != GSCL_BLEND_AUTO && s->blend != GSCL_BLEND_ALPHA)
         return "the paper profile blends by alpha; choose another profile for other blends";
+    if (s->progressive && paper)
+        return "layers are the default profile's";
     if (s->bare && s->blocks)
         return "a bare file cannot have blocks (profile, metadata)";
     if (s->tune == GSCL_TUNE_SSIM && (paper || !squared))

@@ -21,6 +21,7 @@ typedef struct gscl_fit {
     /* Optimiser: `capacity` splats fit in these buffers. */
     size_t capacity;
     gscl_buffer gradients, first_moment, second_moment, ages;
+    size_t fixed; /* the first splats, which steps do not change */
     gscl_limits limits;
 
     /* Gradients before they are summed: a slot for each entry of a tile's list (cl/fit.cl). */

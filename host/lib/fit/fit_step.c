@@ -45,7 +45,8 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "adam_step", &kernel));
     f->limits.rate = rate;
-    const gscl_adam_settings settings = {.splats = r->count, .view = r->view, .limits = f->limits};
+    const gscl_adam_settings settings = {
+        .splats = r->count, .fixed = (cl_int)f->fixed, .view = r->view, .limits = f->limits};
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                        gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(*params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),

@@ -67,9 +67,9 @@ gscl_result gscl_scalar_meet_budget(gscl_scalar_state *s) {
     return shrink_to_budget(s);
 }
 
-static void drop_smallest(gsf_coded_image *file) {
-    size_t smallest = 0, count = file->header.splat_count;
-    for (size_t i = 1; i < count; i++)
+static void drop_smallest(gsf_coded_image *file, size_t fixed) {
+    size_t smallest = fixed, count = file->header.splat_count;
+    for (size_t i = fixed + 1; i < count; i++)
         if (2 * file->splats[i].major - file->splats[i].aspect <
             2 * file->splats[smallest].major - file->splats[smallest].aspect)
             smallest = i;
@@ -83,9 +83,10 @@ gscl_result gscl_scalar_trim(gscl_scalar_state *s) {
         return GSCL_OK;
     GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
     GSCL_TRY(gscl_file_size(s->encoder->context, s->coded, &s->size));
-    while (s->size > s->bytes && file->header.splat_count > 0) {
-        for (size_t excess = (s->size - s->bytes) / 5 + 1; excess > 0 && file->header.splat_count > 0; excess--)
-            drop_smallest(file);
+    while (s->size > s->bytes && file->header.splat_count > s->fixed_count) {
+        for (size_t excess = (s->size - s->bytes) / 5 + 1; excess > 0 && file->header.splat_count > s->fixed_count;
+             excess--)
+            drop_smallest(file, s->fixed_count);
         GSCL_TRY(gscl_file_size(s->encoder->context, s->coded, &s->size));
     }
     return GSCL_OK;

@@ -1,5 +1,8 @@
 #include "scalar/encode_scalar.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "runtime/timing.h"
 #include "scalar/byte_budget.h"
 #include "scalar/choose_codes.h"
@@ -18,12 +21,65 @@ static gscl_result run_stages(gscl_scalar_state *s) {
     return gscl_scalar_trim(s);
 }
 
-gscl_result gscl_encode_scalar(gscl_encoder *e, gscl_size_target target) {
-    const gscl_scalar_plan plan = {
-        .source = &e->source, .coded = &e->coded, .target = target, .preset = &gscl_effort_presets[e->settings.effort]};
+/* Encodes the layer of the plan, on those before it. */
+static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
     gscl_scalar_state state;
-    gscl_scalar_begin(&state, e, &plan);
+    gscl_scalar_begin(&state, e, plan);
     const gscl_result result = run_stages(&state);
     gscl_scalar_end(&state);
     return result;
+}
+
+/* Encodes the layer of the plan on those in e->coded. */
+static gscl_result add_layer(gscl_encoder *e, gscl_scalar_plan *plan) {
+    const gsf_coded_image *file = &e->coded.file;
+    plan->fixed_count = file->header.splat_count;
+    gsf_splat *fixed = malloc((plan->fixed_count + 1) * sizeof *fixed);
+    if (!fixed)
+        return gscl_fail_memory(e->context);
+    if (plan->fixed_count > 0)
+        memcpy(fixed, file->splats, plan->fixed_count * sizeof *fixed);
+    plan->fixed = fixed;
+    const gscl_result result = encode_layer(e, plan);
+    free(fixed);
+    return result;
+}
+
+/* The first share of the target that is worth a layer. */
+static int first_share(gscl_size_target target) {
+    const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
+    int first = 0;
+    while (first < GSCL_LAYERS - 1 && (target.bytes ? (double)target.bytes * t->layer_shares[first] < t->min_layer_bytes
+                                                    : (double)target.splats * t->layer_shares[first] < 1))
+        first++;
+    return first;
+}
+
+/* Each layer is fitted to what those before it leave, so that a part of the file that ends with a layer is about as good
+ * as a whole file of that size. */
+static gscl_result encode_progressive(gscl_encoder *e, gscl_scalar_plan *plan) {
+    const double from = e->progress.from, to = e->progress.to;
+    const int first = first_share(plan->all), layers = GSCL_LAYERS - first;
+    e->coded.file.header.enhancement_layers = (uint8_t)(layers - 1);
+    for (int layer = 0; layer < layers; layer++) {
+        const double share = gscl_scalar_tunables.layer_shares[first + layer];
+        gscl_progress_stage(&e->progress, from + (to - from) * layer / layers,
+                            from + (to - from) * (layer + 1) / layers);
+        plan->layer = (uint32_t)layer;
+        plan->is_last = layer == layers - 1;
+        plan->target.bytes = (size_t)((double)plan->all.bytes * share);
+        plan->target.splats = (size_t)((double)plan->all.splats * share);
+        GSCL_TRY(add_layer(e, plan));
+    }
+    return GSCL_OK;
+}
+
+gscl_result gscl_encode_scalar(gscl_encoder *e, gscl_size_target target) {
+    gscl_scalar_plan plan = {.source = &e->source,
+                             .coded = &e->coded,
+                             .target = target,
+                             .preset = &gscl_effort_presets[e->settings.effort],
+                             .all = target,
+                             .is_last = true};
+    return e->settings.progressive ? encode_progressive(e, &plan) : encode_layer(e, &plan);
 }

@@ -95,12 +95,13 @@ static int compare_keys(const void *a, const void *b) {
     return p->task.splat < q->task.splat ? -1 : p->task.splat > q->task.splat;
 }
 
-gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t count) {
+gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t fixed,
+                                 size_t count) {
     const int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
     size_t tasks = 0, sizes[GSCL_RDO_GROUPS] = {0};
     GSCL_TRY(reserve_tasks(g, r->context, count));
     GSCL_TRY(reserve_cells(g, r->context, (size_t)columns * (size_t)rows));
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = fixed; i < count; i++) {
         const gscl_rdo_task v = task_of(r, params + i * GSCL_PARAMS, i);
         const int group = find_group(g, columns, rows, &v);
         if (group < 0)

@@ -22,9 +22,9 @@ typedef struct gscl_rdo_groups {
 /* Accepts zeroed groups. */
 void gscl_rdo_groups_free(gscl_rdo_groups *groups);
 
-/* Distributes `count` splats (GSCL_PARAMS floats each) over the groups.  Splats that fit in none are left to the next
- * pass. */
+/* Distributes `count` splats (GSCL_PARAMS floats each) over the groups, but for the first `fixed`, which do not change.
+ * Splats that fit in none are left to the next pass. */
 gscl_result gscl_rdo_groups_make(gscl_rdo_groups *groups, const gscl_renderer *renderer, const float *params,
-                                 size_t count);
+                                 size_t fixed, size_t count);
 
 #endif

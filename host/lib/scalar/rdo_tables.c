@@ -42,8 +42,9 @@ gscl_codes gscl_rdo_codes_of(const gsf_splat *s) {
                                  [GSCL_CODE_OPACITY] = s->opacity}};
 }
 
-gsf_splat gscl_rdo_splat_of(const gscl_codes *c) {
-    return (gsf_splat){.major = (uint16_t)c->code[GSCL_CODE_MAJOR],
+gsf_splat gscl_rdo_splat_of(const gscl_codes *c, uint32_t layer) {
+    return (gsf_splat){.layer = layer,
+                       .major = (uint16_t)c->code[GSCL_CODE_MAJOR],
                        .aspect = (uint16_t)c->code[GSCL_CODE_ASPECT],
                        .angle = (uint16_t)c->code[GSCL_CODE_ANGLE],
                        .x = (uint32_t)c->code[GSCL_CODE_X],

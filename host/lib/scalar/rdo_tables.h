@@ -7,7 +7,7 @@
 
 /* A splat's codes as the kernels take them, and back. */
 gscl_codes gscl_rdo_codes_of(const gsf_splat *splat);
-gsf_splat gscl_rdo_splat_of(const gscl_codes *codes);
+gsf_splat gscl_rdo_splat_of(const gscl_codes *codes, uint32_t layer);
 
 /* Steps and ranges of the codes; lambda and `scan` are left 0. */
 gscl_rdo_settings gscl_rdo_settings_of(const gsf_coded_image *image);

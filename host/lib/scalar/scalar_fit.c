@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cl/constants.h"
 #include "decode/quantise.h"
@@ -145,12 +146,25 @@ static bool is_step_at(const gscl_scalar_state *s, int step, double share) {
     return step == (int)(share * s->steps);
 }
 
+/* The first splats of the fit: after those of the layers before, where there are any. */
+static gscl_result place_first_splats(gscl_scalar_state *s) {
+    gsf_coded_image *file = &s->coded->file;
+    if (s->fixed_count == 0)
+        return gscl_density_seed(&s->fit, s->start, &s->random);
+    file->header.splat_count = (uint32_t)s->fixed_count;
+    GSCL_TRY(gscl_coded_image_reserve(s->coded, s->fixed_count));
+    memcpy(file->splats, s->fixed, s->fixed_count * sizeof *s->fixed);
+    GSCL_TRY(gscl_scalar_load(s));
+    s->fit.fixed = s->fixed_count;
+    return gscl_density_grow(&s->fit, s->start - s->fixed_count, &s->random);
+}
+
 /* Sets the level, the splats and the target before step `step`.  `round`: last densification round so far. */
 static gscl_result prepare_step(gscl_scalar_state *s, int step, int *round, bool *quantising) {
     const double fraction = (double)step / s->steps;
     GSCL_TRY(change_level(s, step, level_due(s, fraction)));
     if (step == 0)
-        GSCL_TRY(gscl_density_seed(&s->fit, s->start, &s->random));
+        GSCL_TRY(place_first_splats(s));
     if (!*quantising && fraction >= tunables->quantise_from) {
         *quantising = true;
         GSCL_TRY(gscl_scalar_set_quantiser(s));

@@ -62,7 +62,7 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     for (size_t i = 0; i < p->count; i++)
         rdo->codes[i] = gscl_rdo_codes_of(&file->splats[i]);
     gscl_rdo_tables_make(rdo->tables, file, &p->shared.settings, rdo->codes, p->count);
-    GSCL_TRY(gscl_rdo_groups_make(&rdo->groups, &p->fit->renderer, rdo->params, p->count));
+    GSCL_TRY(gscl_rdo_groups_make(&rdo->groups, &p->fit->renderer, rdo->params, p->fit->fixed, p->count));
     const size_t tasks = rdo->groups.start[GSCL_RDO_GROUPS];
     GSCL_TRY(gscl_buffer_upload(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
     GSCL_TRY(gscl_buffer_upload(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
@@ -129,7 +129,7 @@ static gscl_result rdo_read_codes(rdo_pass *p) {
     GSCL_TRY(gscl_buffer_read(p->fit->context, &rdo->device_codes, 0, rdo->codes, p->count * sizeof *rdo->codes));
     for (size_t i = 0; i < p->count; i++)
         if (rdo->codes[i].code[GSCL_CODE_MAJOR] >= 0)
-            file->splats[kept++] = gscl_rdo_splat_of(&rdo->codes[i]);
+            file->splats[kept++] = gscl_rdo_splat_of(&rdo->codes[i], file->splats[i].layer);
     file->header.splat_count = kept;
     return GSCL_OK;
 }
@@ -157,7 +157,8 @@ gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded
                                .view = r->view,
                                .width = r->width,
                                .height = r->height,
-                               .bits_per_splat = -log2f((float)p.count), /* the order of all splats saves bits */
+                               .bits_per_splat =
+                                   -log2f((float)(p.count - fit->fixed)), /* the order of all splats saves bits */
                                .cost_of_dropping = settings->keep_all ? FLT_MAX : 0.0f};
     p.shared.settings.scan = settings->scan_textures;
     options.texture = coded->file.header.has_texture;

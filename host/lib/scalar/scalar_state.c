@@ -6,10 +6,21 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 
-static void choose_quantiser_steps(const gscl_scalar_state *s) {
+#define HEADER_BYTES 5 /* of a picture, about */
+
+/* Splats that the budget is expected to hold. */
+static size_t estimate_splats(size_t bytes) {
+    const double bits = 8 * ((double)bytes - HEADER_BYTES);
+    return bits > 32 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
+}
+
+/* The base layer's steps are those of all layers. */
+static void choose_quantiser_steps(const gscl_scalar_state *s, gscl_size_target all) {
     const double factor = s->encoder->settings.step_factor;
     gsf_coded_image *file = &s->coded->file;
-    const gsf_steps defaults = gsf_default_steps();
+    const gsf_steps defaults = gsf_default_steps((uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats));
+    if (s->fixed_count > 0)
+        return;
     file->steps = defaults;
     if (factor > 0)
         file->steps = gscl_scale_steps(&defaults, factor);
@@ -19,14 +30,6 @@ static void choose_quantiser_steps(const gscl_scalar_state *s) {
 
 double gscl_scalar_relative_spacing(const gscl_scalar_state *s) {
     return sqrt(s->source_pixels / (double)(s->target + 1)) / gscl_scalar_tunables.full_size_distance;
-}
-
-#define HEADER_BYTES 5 /* of a picture, about */
-
-/* Splats that the budget is expected to hold. */
-static size_t estimate_splats(size_t bytes) {
-    const double bits = 8 * ((double)bytes - HEADER_BYTES);
-    return bits > 32 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
 }
 
 /* The number of splats before and after densification, and the steps of the fit. */
@@ -39,7 +42,8 @@ static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->steps += (int)(t->wide_steps * spacing * s->steps);
     if (s->target > s->max_splats)
         s->target = s->max_splats;
-    s->start = (size_t)ceil((double)s->target * t->start_share);
+    const size_t own = s->target - (s->fixed_count < s->target ? s->fixed_count : s->target);
+    s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }
 
 void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_plan *plan) {
@@ -55,15 +59,19 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .finest = pixels > gscl_scalar_tunables.small_image_pixels ? plan->preset->finest : 0,
                              /* In blend alpha a splat changes all others under it, which the passes do not follow. */
                              .has_choice = e->settings.blend != GSCL_BLEND_ALPHA,
+                             .fixed = plan->fixed,
+                             .fixed_count = plan->fixed_count,
+                             .layer = plan->layer,
                              .coded = plan->coded,
                              .random = e->settings.seed,
-                             .textures = gscl_effect_is_on(&e->effects, GSCL_EFFECT_TEXTURE,
+                             .textures = plan->is_last &&
+                                         gscl_effect_is_on(&e->effects, GSCL_EFFECT_TEXTURE,
                                                            e->settings.effort >= gscl_scalar_tunables.texture_effort),
                              .keep_all = bytes == 0,
                              .lambda_scale = bytes ? plan->preset->lambda_scale : 1};
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
         s->residuals[i] = NAN;
-    choose_quantiser_steps(s);
+    choose_quantiser_steps(s, plan->all);
     choose_counts(s, plan);
 }
 
@@ -84,6 +92,17 @@ static gscl_result reserve_params(gscl_scalar_state *s, size_t count) {
     return GSCL_OK;
 }
 
+static void quantise_splat(gscl_scalar_state *s, size_t i) {
+    gsf_coded_image *file = &s->coded->file;
+    gsf_splat *splat = &file->splats[i];
+    if (i < s->fixed_count) {
+        *splat = s->fixed[i];
+        return;
+    }
+    gscl_quantise(file, s->params + i * GSCL_PARAMS, splat);
+    splat->layer = s->layer;
+}
+
 gscl_result gscl_scalar_quantise(gscl_scalar_state *s) {
     gscl_coded_image *coded = s->coded;
     const size_t count = (size_t)s->fit.renderer.count;
@@ -92,7 +111,7 @@ gscl_result gscl_scalar_quantise(gscl_scalar_state *s) {
     coded->file.header.splat_count = (uint32_t)count;
     GSCL_TRY(gscl_coded_image_reserve(coded, count));
     for (size_t i = 0; i < count; i++)
-        gscl_quantise(&coded->file, s->params + i * GSCL_PARAMS, &coded->file.splats[i]);
+        quantise_splat(s, i);
     return GSCL_OK;
 }
 

@@ -11,21 +11,30 @@
 typedef struct gscl_scalar_plan {
     const gscl_source *source;
     gscl_coded_image *coded; /* its header holds the effects that are known before the fit */
-    gscl_size_target target;
+    gscl_size_target target; /* of the layers up to this one */
     const gscl_effort_preset *preset;
+    uint32_t layer;
+    const gsf_splat
+        *fixed;           /* of the layers before, in the stored order, with the steps of `coded`; they do not change */
+    size_t fixed_count;   /* 0 in the base layer */
+    gscl_size_target all; /* of all layers */
+    bool is_last;         /* no layer follows */
 } gscl_scalar_plan;
 
 typedef struct gscl_scalar_state {
     /* Constant during the encode. */
     gscl_encoder *encoder; /* services, settings and effects; its source and coded image are not used */
     const gscl_source *source;
-    double source_pixels;    /* of the level that is fitted */
-    size_t bytes;            /* budget, or 0 */
-    size_t max_splats;       /* that the image can use */
-    int steps;               /* of the fit */
-    int passes;              /* rate-distortion passes, besides the first and those that meet the budget */
-    int finest;              /* level of the pyramid that is fitted last, counted from the source's */
-    bool has_choice;         /* codes are chosen by rate and distortion */
+    double source_pixels;   /* of the level that is fitted */
+    size_t bytes;           /* budget, or 0 */
+    size_t max_splats;      /* that the image can use */
+    int steps;              /* of the fit */
+    int passes;             /* rate-distortion passes, besides the first and those that meet the budget */
+    int finest;             /* level of the pyramid that is fitted last, counted from the source's */
+    bool has_choice;        /* codes are chosen by rate and distortion */
+    const gsf_splat *fixed; /* splats of the layers before; the first of the fit and of `coded` */
+    size_t fixed_count;
+    uint32_t layer;          /* of the other splats */
     gscl_coded_image *coded; /* the result */
 
     /* Stage "fit". */

@@ -11,7 +11,7 @@ const gscl_effort_preset gscl_probe_preset = {.steps = 180, .passes = 2, .surplu
 
 const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .start_share = 0.3,
-    .expected_bits_per_splat = 34.0,
+    .expected_bits_per_splat = 32.0,
     .min_bits_per_splat = 26.0,
     .wide_surplus = 0.2,
     .wide_steps = 0.6,
@@ -59,6 +59,9 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .max_slack_passes = 4,
     .min_lambda_scale = 0.02,
     .max_lambda_scale = 1e4,
+
+    .layer_shares = {0.1, 0.25, 0.5, 1.0},
+    .min_layer_bytes = 60.0,
 
     .rdo_growth = 1.3,
     .rdo_growth_pixels = 3.0,

@@ -17,6 +17,8 @@ extern const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1];
 /* The settings of the probe fits by which effects are decided. */
 extern const gscl_effort_preset gscl_probe_preset;
 
+#define GSCL_LAYERS 4 /* of a progressive file */
+
 struct gscl_scalar_tunables {
     /* Number of splats and steps. */
     double start_share;             /* of the splats that exist at the first step */
@@ -73,6 +75,10 @@ struct gscl_scalar_tunables {
     int max_slack_passes;      /* passes that use bytes that are left */
     double min_lambda_scale;   /* lower bound of lambda_scale */
     double max_lambda_scale;   /* upper bound of lambda_scale */
+
+    /* Layers of a progressive file. */
+    double layer_shares[GSCL_LAYERS]; /* of the target, up to the end of each layer */
+    double min_layer_bytes;           /* bytes; a smaller base layer is left to the next layer */
 
     /* One rate-distortion pass. */
     double rdo_growth;         /* factor by which a splat's box may grow in a pass */

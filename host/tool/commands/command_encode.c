@@ -128,6 +128,11 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .min_integer = 0,
          .max_integer = UINT64_MAX,
          .help = "seed of the random numbers; the same seed gives the same file (default 1)"},
+        {.name = "progressive",
+         .kind = OPTION_FLAG,
+         .value = &batch->settings.progressive,
+         .help = "write layers, so that the first part of the file draws a better picture (gscl decode --partial); the "
+                 "whole picture loses 0.5 to 1 dB, and encoding takes two to three times as long"},
         {.name = "bare",
          .kind = OPTION_FLAG,
          .value = &batch->settings.bare,

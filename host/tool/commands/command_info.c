@@ -99,6 +99,8 @@ static void print_text(const file_facts *facts) {
     printf("profile %s, blend %s", profile_words[info->profile], blend_words[info->blend]);
     if (info->shape_words || info->colour_words)
         printf(", code words: %u shapes, %u colours", info->shape_words, info->colour_words);
+    if (info->layers > 1)
+        printf(", progressive: %u layers", info->layers);
     putchar('\n');
     print_blocks(facts);
     print_effects(facts);
@@ -162,6 +164,7 @@ static void write_json(const file_facts *facts) {
     json_string(&json, "blend", blend_words[info->blend]);
     write_effects(&json, facts);
     json_integer(&json, "splats", info->splats);
+    json_integer(&json, "layers", info->layers);
     json_integer(&json, "shape_words", info->shape_words);
     json_integer(&json, "colour_words", info->colour_words);
     json_integer(&json, "bytes", info->bytes);
