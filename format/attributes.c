@@ -45,6 +45,8 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
     gsf_conditional_init(&a->aspect, &gsf_aspect_shape);
     gsf_conditional_init(&a->direction, &gsf_direction_shape);
     gsf_conditional_init(&a->textured, &TEXTURED);
+    /* The rows of these are by size, and in a layer the largest splats come first. */
+    a->aspect.descending = a->textured.descending = header->enhancement_layers == 0;
     gsf_conditional_init(&a->amplitude, &AMPLITUDE);
     gsf_conditional_init(&a->wave, &WAVE);
     gsf_luma_range(header->blend, steps->luma, &min, &max);

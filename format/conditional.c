@@ -7,6 +7,7 @@
 
 void gsf_conditional_init(gsf_conditional *m, const gsf_conditional_shape *shape) {
     m->shape = shape;
+    m->descending = false;
     for (uint32_t row = 0; row < shape->rows; row++) {
         uint16_t *freq = m->padded[row] + GSF_REACH;
         m->total[row] = 0;
@@ -53,7 +54,8 @@ static void add_across(gsf_conditional *m, uint32_t row, uint32_t symbol, uint32
 
 void gsf_conditional_update(gsf_conditional *m, uint32_t row, uint32_t symbol) {
     const uint32_t first = row < ROW_REACH - 1 ? 0 : row - (ROW_REACH - 1);
-    const uint32_t end = row + ROW_REACH < m->shape->rows ? row + ROW_REACH : m->shape->rows;
+    const uint32_t reached = m->descending ? row + 1 : row + ROW_REACH;
+    const uint32_t end = reached < m->shape->rows ? reached : m->shape->rows;
     const gains g = gains_around(m->shape, symbol);
     for (uint32_t r = first; r < end; r++) {
         const uint32_t weight = ROW_REACH - (r < row ? row - r : r - row);

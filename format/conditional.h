@@ -19,6 +19,7 @@ typedef struct gsf_conditional_shape {
 
 typedef struct gsf_conditional {
     const gsf_conditional_shape *shape;
+    bool descending; /* each row asked for is at most the one before: rows above it need not learn */
     uint32_t total[GSF_MAX_ROWS];
     /* Neighbours beyond the ends of a row have places of their own, which are never read. */
     uint16_t padded[GSF_MAX_ROWS][GSF_MAX_COLUMNS + 2 * GSF_REACH];
