@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#define MAX_CODES 511 /* -255..255 */
 #define MIX_ONE 65536u
 
 /* These numbers are part of the format: FORMAT.md, "Chroma" and "Adaptive models". */
@@ -71,19 +70,18 @@ static uint32_t sum(const uint16_t *freq, uint32_t count) {
     return total;
 }
 
-/* Mixes the frequencies of the two models, scaled to a common total; returns the sum of the result. */
-static uint32_t mix(const gsf_chroma_channel *channel, const uint16_t *residual, uint32_t residual_total,
-                    uint16_t *freq) {
+/* Mixes the frequencies of the two models, scaled to a common total. */
+static void mix(gsf_chroma_channel *channel, const uint16_t *residual, uint32_t residual_total) {
     const uint32_t count = channel->plain.count;
     uint32_t total = 0;
     const uint32_t plain_scale = channel->plain_weight * 16384u / channel->plain.total;
     const uint32_t residual_scale = (MIX_ONE - channel->plain_weight) * 16384u / residual_total;
     for (uint32_t i = 0; i < count; i++) { /* at most 2^30: a frequency is no more than its total */
         const uint32_t sum = channel->plain.freq[i] * plain_scale + residual[i] * residual_scale;
-        freq[i] = (uint16_t)(1 + (sum >> 15));
-        total += freq[i];
+        channel->mixed[i] = (uint16_t)(1 + (sum >> 15));
+        total += channel->mixed[i];
     }
-    return total;
+    channel->mixed_total = total;
 }
 
 /* Updates the weight of the plain model by Bayes' rule. */
@@ -102,9 +100,9 @@ static int16_t code_channel(gsf_coder *coder, gsf_chroma_channel *channel, int32
     const uint32_t shift = (uint32_t)(levels - predicted);
     const uint16_t *residual = channel->residual.freq + shift;
     const uint32_t residual_total = sum(residual, count);
-    uint16_t freq[MAX_CODES];
-    const uint32_t total = mix(channel, residual, residual_total, freq);
-    const uint32_t value = gsf_code_symbol(coder, (uint32_t)(code + levels), freq, count, total);
+    mix(channel, residual, residual_total);
+    const uint32_t value =
+        gsf_code_symbol(coder, (uint32_t)(code + levels), channel->mixed, count, channel->mixed_total);
     update_weight(channel, channel->plain.freq[value] * 16384u / channel->plain.total + 1,
                   residual[value] * 16384u / residual_total + 1);
     gsf_model_update(&channel->plain, value);

@@ -96,52 +96,66 @@ static void bits_of_counts(const double *counts, int n, float *bits) {
     }
 }
 
+/* What the entropy coder expects of the colours, averaged over all splats. */
+typedef struct gscl_rdo_expectation {
+    gsf_attributes attributes; /* the models after the last splat */
+    double probability[4][GSCL_COLOUR_CODES];
+} rdo_expectation;
+
+static void add_probabilities(double *sums, const uint16_t *freq, uint32_t count, uint32_t total) {
+    for (uint32_t i = 0; i < count; i++)
+        sums[i] += (double)freq[i] / total;
+}
+
+/* Runs the coder over the splats, which are in the stored order. */
+static void expect_codes(rdo_expectation *e, const gsf_coded_image *image, size_t count) {
+    gsf_attributes *a = &e->attributes;
+    gsf_coder coder;
+    memset(e->probability, 0, sizeof e->probability);
+    gsf_coder_write_to(&coder, NULL, 0, NULL);
+    gsf_attributes_init(a, &image->header, &image->steps);
+    for (size_t i = 0; i < count; i++) {
+        gsf_splat splat = image->splats[i];
+        add_probabilities(e->probability[0], a->luma.freq, a->luma.count, a->luma.total);
+        add_probabilities(e->probability[3], a->alpha.freq, a->alpha.count, a->alpha.total);
+        gsf_code_attributes(&coder, a, &splat);
+        for (int k = 0; image->header.has_chroma && k < 2; k++)
+            add_probabilities(e->probability[1 + k], a->chroma.channel[k].mixed, a->chroma.channel[k].plain.count,
+                              a->chroma.channel[k].mixed_total);
+    }
+}
+
 /* The bits of aspect codes, from the frequencies of the format's model after all splats. */
-static void make_aspect_bits(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list) {
+static void make_aspect_bits(gscl_rdo_tables *t, const gsf_coded_image *image, const rdo_expectation *e) {
     const unsigned typical = gsf_typical_size(&image->header, &image->steps);
     const unsigned last = gsf_aspect_shape.columns - 1;
-    gsf_conditional model;
-    gsf_conditional_init(&model, &gsf_aspect_shape);
-    for (size_t i = 0; i < list->count; i++) {
-        const unsigned aspect = (unsigned)list->codes[i].code[GSCL_CODE_ASPECT];
-        gsf_conditional_update(&model, gsf_aspect_row((unsigned)list->codes[i].code[GSCL_CODE_MAJOR], typical),
-                               aspect < last ? aspect : last);
-    }
     for (unsigned major = 0; major <= GSCL_MAX_SCALE; major++) {
         const unsigned row = gsf_aspect_row(major, typical);
         for (unsigned aspect = 0; aspect <= GSCL_MAX_SCALE; aspect++) {
-            const double freq = gsf_conditional_row(&model, row)[aspect < last ? aspect : last];
+            const double freq = gsf_conditional_row(&e->attributes.aspect, row)[aspect < last ? aspect : last];
             const double codes = aspect < last ? 1 : GSCL_MAX_SCALE + 1 - last;
-            t->shape_bits[major][aspect] = (float)-log2(freq / model.total[row] / codes);
+            t->shape_bits[major][aspect] = (float)-log2(freq / e->attributes.aspect.total[row] / codes);
         }
     }
 }
 
 /* The same for directions. */
-static void make_direction_bits(gscl_rdo_tables *t, const code_list *list) {
-    gsf_conditional model;
-    gsf_conditional_init(&model, &gsf_direction_shape);
-    for (size_t i = 0; i < list->count; i++) {
-        const cl_int *code = list->codes[i].code;
-        const unsigned aspect = (unsigned)code[GSCL_CODE_ASPECT];
-        if (t->aspects[aspect].angles > 1)
-            gsf_conditional_update(
-                &model, gsf_direction_row(aspect),
-                gsf_direction_of((unsigned)code[GSCL_CODE_ANGLE], (unsigned)t->aspects[aspect].angles));
-    }
+static void make_direction_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
+    const gsf_conditional *model = &e->attributes.direction;
     for (unsigned row = 0; row < GSCL_DIRECTION_ROWS; row++)
         for (unsigned i = 0; i < GSCL_DIRECTIONS; i++)
             t->direction_bits[row][i] =
-                (float)-log2(GSCL_DIRECTIONS * (double)gsf_conditional_row(&model, row)[i] / model.total[row]);
+                (float)-log2(GSCL_DIRECTIONS * (double)gsf_conditional_row(model, row)[i] / model->total[row]);
 }
 
-static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list) {
+static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list,
+                              const rdo_expectation *e) {
     const gsf_header *header = &image->header;
     double majors[GSCL_MAX_SCALE + 1] = {0};
     float major_bits[GSCL_MAX_SCALE + 1];
     count_codes(list, GSCL_CODE_MAJOR, 0, majors);
     bits_of_counts(majors, GSCL_MAX_SCALE + 1, major_bits);
-    make_aspect_bits(t, image, list);
+    make_aspect_bits(t, image, e);
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
         gscl_major_entry *m = &t->majors[i];
         m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;
@@ -153,16 +167,16 @@ static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, 
         a->parts = (cl_int)gsf_position_parts(&image->steps, i);
         a->bits = log2f((float)a->angles * (float)a->parts);
     }
-    make_direction_bits(t, list);
+    make_direction_bits(t, e);
 }
 
-static void make_colour_tables(gscl_rdo_tables *t, const gscl_rdo_settings *settings, const code_list *list) {
-    double counts[GSCL_COLOUR_CODES];
+static void make_colour_tables(gscl_rdo_tables *t, const gscl_rdo_settings *settings, size_t count,
+                               const rdo_expectation *e) {
     for (int k = 0; k < 4; k++) {
         const int min = settings->min[k], n = settings->max[k] - min + 1;
-        memset(counts, 0, sizeof counts);
-        count_codes(list, GSCL_CODE_LUMA + k, min, counts);
-        bits_of_counts(counts, n, t->bits + k * GSCL_COLOUR_CODES + GSCL_COLOUR_CODES / 2 + min);
+        float *bits = t->bits + k * GSCL_COLOUR_CODES + GSCL_COLOUR_CODES / 2 + min;
+        for (int i = 0; i < n; i++)
+            bits[i] = (float)-log2(fmax(e->probability[k][i], 1e-9) / (double)count);
     }
 }
 
@@ -193,8 +207,10 @@ void gscl_rdo_tables_make(gscl_rdo_tables *t, const gsf_coded_image *image, cons
                           const gscl_codes *codes, size_t count) {
     const code_list list = {codes, count};
     double opacities[GSCL_OPACITIES] = {0};
-    make_shape_tables(t, image, &list);
-    make_colour_tables(t, settings, &list);
+    static rdo_expectation e;
+    expect_codes(&e, image, count);
+    make_shape_tables(t, image, &list, &e);
+    make_colour_tables(t, settings, count, &e);
     make_texture_tables(t, &list);
     count_codes(&list, GSCL_CODE_OPACITY, 0, opacities);
     bits_of_counts(opacities, image->steps.opacity + 1, t->bits + GSCL_BITS_OPACITY);
