@@ -16,7 +16,7 @@
 
 typedef struct gsf_chroma_channel {
     gsf_model plain, residual;
-    uint32_t plain_weight;             /* of 2^16; the residual model has 2^16 - plain_weight */
+    uint32_t plain_weight;                /* of 2^16; the residual model has 2^16 - plain_weight */
     uint16_t mixed[GSF_MAX_CHROMA_CODES]; /* frequencies that coded the last code, and their sum */
     uint32_t mixed_total;
     int16_t mean[GSF_PYRAMID_BUCKETS]; /* mean code of the splats in a bucket, in 1/16 */

@@ -6,6 +6,7 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 #include "format/attributes.h"
+#include "format/count_split.h"
 #include "format/tables.h"
 #include "scalar/tunables.h"
 
@@ -148,13 +149,27 @@ static void make_direction_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
                 (float)-log2(GSCL_DIRECTIONS * (double)gsf_conditional_row(model, row)[i] / model->total[row]);
 }
 
+/* The bits of majors, from the shares of the splats that the count splits expect after those that exist. */
+static void make_major_bits(float *bits, const gsf_coded_image *image, const code_list *list) {
+    const int typical = (int)gsf_typical_size(&image->header, &image->steps);
+    double counts[GSCL_MAX_SCALE + 1] = {0}, left = (double)list->count, rest = 1;
+    count_codes(list, GSCL_CODE_MAJOR, 0, counts);
+    for (int major = GSCL_MAX_SCALE; major >= 0; major--) {
+        const int row = major - typical + GSF_CLASS_BELOW;
+        const uint16_t *weights = gsf_class_weight_table[row < 0 ? 0 : row < GSF_CLASS_ROWS ? row : GSF_CLASS_ROWS - 1];
+        const double a = weights[0] / (double)GSF_WEIGHT_UNIT, b = weights[1] / (double)GSF_WEIGHT_UNIT;
+        const double share = major > 0 ? (a + counts[major]) / (a + b + left) : 1;
+        bits[major] = (float)-log2(rest * share);
+        rest *= 1 - share;
+        left -= counts[major];
+    }
+}
+
 static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list,
                               const rdo_expectation *e) {
     const gsf_header *header = &image->header;
-    double majors[GSCL_MAX_SCALE + 1] = {0};
     float major_bits[GSCL_MAX_SCALE + 1];
-    count_codes(list, GSCL_CODE_MAJOR, 0, majors);
-    bits_of_counts(majors, GSCL_MAX_SCALE + 1, major_bits);
+    make_major_bits(major_bits, image, list);
     make_aspect_bits(t, image, e);
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
         gscl_major_entry *m = &t->majors[i];
@@ -207,7 +222,7 @@ void gscl_rdo_tables_make(gscl_rdo_tables *t, const gsf_coded_image *image, cons
                           const gscl_codes *codes, size_t count) {
     const code_list list = {codes, count};
     double opacities[GSCL_OPACITIES] = {0};
-    static rdo_expectation e;
+    rdo_expectation e;
     expect_codes(&e, image, count);
     make_shape_tables(t, image, &list, &e);
     make_colour_tables(t, settings, count, &e);
