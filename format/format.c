@@ -117,10 +117,12 @@ gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *i
     const gsf_result result = image->bare ? GSF_OK : gsf_open_container_prefix(bytes, size, &container);
     if (result != GSF_OK)
         return result;
-    if (container.is_intact || (image->bare && read_picture(image, container.picture, scratch) == GSF_OK)) {
+    if (container.is_intact || image->bare) { /* whether a bare file is whole shows when it is read */
         const gsf_result whole = gsf_read(bytes, size, image, scratch);
         *total = image->header.splat_count;
-        return whole;
+        if (container.is_intact || whole == GSF_OK)
+            return whole;
+        clear_fields(image);
     }
     count_container(image, size, container.picture.size);
     gsf_coder_read_from(&coder, container.picture.data, container.picture.size, image->stream_bits256);

@@ -37,6 +37,14 @@ class BenchScripts(ToolTest):
         done = self.run_script("rate_distortion", "--rates", "4", "--", "--effort", "0")
         self.assertEqual((done.returncode, self.files()), (0, ["a.png"]), done.stderr)
 
+    def test_parts_of_files(self):
+        self.write_png("a.png", scene(64, 48))
+        done = self.run_script("progressive", "--bytes", "400")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.split(" | ") for line in done.stdout.splitlines() if line.startswith("| 400 ")]
+        self.assertEqual([row[1] for row in rows], ["5 %", "10 %", "25 %", "50 %", "75 %", "100 %"])
+        self.assertEqual(rows[-1][4], "+0.00")
+
     def test_refuses_a_document_without_the_section(self):
         self.write("page.md", DOCUMENT.encode())
         done = self.run_script("ablation", "--document", "page.md")
