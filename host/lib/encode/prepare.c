@@ -38,7 +38,9 @@ gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
     e->header = describe_image(e, image);
     gscl_effects_set_channels(&e->effects, &e->header);
     set_background_only(e, gscl_image_pixel(image, 0, 0));
-    const size_t useful_splats = (size_t)image->width * image->height / 2 + 8;
+    const size_t pixels = (size_t)image->width * image->height;
+    /* Of so few pixels more than two splats for each are of no use; they only move the others away from their best. */
+    const size_t useful_splats = pixels < 6 ? 2 * pixels : pixels / 2 + 8;
     e->max_splats = useful_splats > GSCL_MAX_SPLATS ? GSCL_MAX_SPLATS : useful_splats;
     return e->content.flat ? GSCL_OK : gscl_source_create(&e->source, e->context, image, &e->header);
 }
