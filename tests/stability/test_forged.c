@@ -299,8 +299,13 @@ static void check_decode(const char *name, const char *detail, gscl_context *con
     gscl_free(image.pixels);
 }
 
+/* Sanitizers run small files only: the others would take half an hour. */
+#define FEW_SPLATS (1u << 13)
+
 static void check_case(const forged_case *c, const gsf_header *header, const char *shape, worst_sample *worst) {
     char detail[60];
+    if (getenv("STABILITY_SMALL") && c->splats > FEW_SPLATS)
+        return;
     forged_file file = forge(c, header);
     for (int m = 0; m < 2; m++) {
         snprintf(detail, sizeof detail, "%s%s, %s", blends[header->blend], shape, mappings[m]);
