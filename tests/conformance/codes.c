@@ -4,7 +4,8 @@
  *     codes read whole|bare FILE...          prints for each file: file NAME RESULT, then the codes of a valid one
  *     codes prefixes whole|bare FILE...      prints for each valid file: file NAME, then of each prefix:
  *                                            prefix SIZE RESULT CERTAIN TOTAL
- *     codes decode whole|bare FOLDER FILE... writes the samples of the Nth file to FOLDER/N.raw, numbers from 0, and
+ *     codes decode|decode-host whole|bare FOLDER FILE...
+ *                                            decodes on the default device, or on the device "host": writes the samples of the Nth file to FOLDER/N.raw, numbers from 0, and
  *                                            prints: file NAME RESULT WIDTH HEIGHT CHANNELS BITS
  *
  * README.md describes the text.  RESULT is `valid` or a result of FORMAT.md, with `-` for spaces.  `unchecked` writes
@@ -486,10 +487,13 @@ static void decode_file(gscl_context *context, const char *path, bool bare, cons
     free(bytes);
 }
 
-static void decode_files(bool bare, const char *folder, char **paths, int count) {
+static void decode_files(const char *device, bool bare, const char *folder, char **paths, int count) {
     gscl_context *context;
-    if (gscl_context_create(&context, NULL) != GSCL_OK)
-        fail("there is no OpenCL device");
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = device;
+    if (gscl_context_create(&context, &settings) != GSCL_OK)
+        fail("%s", gscl_context_message(context));
     for (int i = 0; i < count; i++)
         decode_file(context, paths[i], bare, folder, i);
     gscl_context_free(&context);
@@ -518,6 +522,7 @@ int main(int count, char **words) {
         for (int i = 3; i < count; i++)
             read_prefixes(words[i], bare);
     else
-        decode_files(bare, words[3], words + 4, count - 4);
+        decode_files(strcmp(words[1], "decode-host") == 0 ? GSCL_HOST_DEVICE : NULL, bare, words[3], words + 4,
+                     count - 4);
     return 0;
 }

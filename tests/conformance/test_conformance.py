@@ -80,10 +80,16 @@ class Conformance(unittest.TestCase):
                 self.assertEqual(gscl.hash_of(text), entry["codes"], text)
 
     def test_library_decodes(self):
+        self.check_decodes("decode")
+
+    def test_library_decodes_without_opencl(self):
+        self.check_decodes("decode-host")
+
+    def check_decodes(self, word):
         for bare in FORMS:
             chosen = entries(bare)
             with tempfile.TemporaryDirectory() as folder:
-                decoded = sections(codes("decode", FORMS[bare], folder, *map(path, chosen)))
+                decoded = sections(codes(word, FORMS[bare], folder, *map(path, chosen)))
                 for number, (entry, (words, _)) in enumerate(zip(chosen, decoded, strict=True)):
                     with self.subTest(file=entry["file"]):
                         self.assertEqual(words[1], entry["result"])

@@ -15,7 +15,7 @@ typedef struct {
     double share; /* of its own bound, the largest of any sample or gradient */
 } scene_errors;
 
-/* The CPU and the GPU mapping. */
+/* The CPU and the GPU mapping, and the device "host". */
 gscl_context *stability_context(int mapping);
 extern const char *const stability_mappings[2], *const stability_blends[3];
 int stability_open(void **state);

@@ -1,4 +1,4 @@
-/* Decodes of a file in both mappings against the drawing in double precision. */
+/* Decodes of a file in both mappings and without OpenCL against the drawing in double precision. */
 #ifndef STABILITY_DECODES_H
 #define STABILITY_DECODES_H
 
@@ -8,8 +8,8 @@
 
 #include <gscl/gscl.h>
 
-/* Whether all samples in both contexts have the precision that FORMAT.md prescribes ("Precision").  Otherwise `message`
+/* Whether all samples in all contexts have the precision that FORMAT.md prescribes ("Precision").  Otherwise `message`
  * receives the fault. */
-bool decodes_alike(gscl_context *const contexts[2], const uint8_t *bytes, size_t size, char *message, size_t capacity);
+bool decodes_alike(gscl_context *const contexts[3], const uint8_t *bytes, size_t size, char *message, size_t capacity);
 
 #endif

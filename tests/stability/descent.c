@@ -40,7 +40,7 @@ static gscl_coded_image coded_image_of(const scene *s, const float *params, cons
 
 static bool file_decodes(const scene *s, const float *params, const float background[4], char *message,
                          size_t capacity) {
-    gscl_context *const contexts[2] = {stability_context(0), stability_context(1)};
+    gscl_context *const contexts[3] = {stability_context(0), stability_context(1), stability_context(2)};
     uint8_t *bytes[2] = {NULL, NULL};
     size_t sizes[2] = {0, 0};
     bool good = true;

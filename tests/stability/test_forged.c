@@ -1,5 +1,5 @@
-/* Valid files that no encoder writes, made so that roundings add up or are multiplied.  Each sample of both mappings must
- * have the precision that FORMAT.md prescribes ("Precision"). */
+/* Valid files that no encoder writes, made so that roundings add up or are multiplied.  Each sample must have the
+ * precision that FORMAT.md prescribes ("Precision"), in both mappings and without OpenCL. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@ typedef struct {
 } forged_case;
 
 static const char *const blends[3] = {"normalized", "alpha", "sum"};
-static const char *const mappings[2] = {"cpu", "gpu"};
+static const char *const mappings[3] = {"cpu", "gpu", "host"};
 
 /* ---- Scalar coding ---- */
 
@@ -307,7 +307,7 @@ static void check_case(const forged_case *c, const gsf_header *header, const cha
     if (getenv("STABILITY_SMALL") && c->splats > FEW_SPLATS)
         return;
     forged_file file = forge(c, header);
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < 3; m++) {
         snprintf(detail, sizeof detail, "%s%s, %s", blends[header->blend], shape, mappings[m]);
         check_decode(c->name, detail, contexts[m], &file, worst);
     }

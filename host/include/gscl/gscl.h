@@ -83,6 +83,7 @@ typedef enum gscl_result {
     GSCL_ERROR_DEVICE_MEMORY = 13,    /* the device has too little memory for this image */
     GSCL_ERROR_DEVICE_FAILED = 14,    /* an OpenCL call failed */
     GSCL_ERROR_KERNEL_BUILD = 15,     /* the device's compiler rejected a kernel */
+    GSCL_ERROR_NO_OPENCL = 16,        /* this needs OpenCL, and the context or the library is without it */
     GSCL_ERROR_NOT_GSCL = 20,         /* not a gscl file */
     GSCL_ERROR_NEWER_VERSION = 21,    /* written in a newer format version */
     GSCL_ERROR_TRUNCATED = 22,        /* the file ends too early */
@@ -128,6 +129,13 @@ typedef struct gscl_device_info {
     uint64_t max_allocation_bytes; /* largest single buffer */
 } gscl_device_info;
 
+/* The id of a device that every machine has: the library itself, which decodes on one core, without OpenCL.  Pictures are
+ * those of OpenCL devices within the tolerance of the format.  It starts at once, and is the fastest choice for pictures
+ * up to some megapixels where kernels are not loaded yet.  Encoding and the measurements of gscl/measure.h fail on it with
+ * GSCL_ERROR_NO_OPENCL.  It must be asked for by name, and gscl_list_devices does not list it.  A library that was built
+ * without OpenCL has this device only, and takes it as the default. */
+#define GSCL_HOST_DEVICE "host"
+
 /* Lists all OpenCL devices in the order of their ids.  *devices is the first one; the caller releases the whole list with
  * gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device. */
 GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices);
@@ -142,11 +150,11 @@ typedef enum gscl_log_level {
 typedef void (*gscl_log_callback)(void *opaque, gscl_log_level level, const char *message);
 
 typedef struct gscl_context_settings {
-    size_t struct_size;    /* set by gscl_context_settings_default */
-    const char *device;    /* "P.D", or a part of a device or platform name; default NULL: the first GPU, else the first
-                              accelerator, else the first CPU */
-    gscl_mapping mapping;  /* default AUTO */
-    bool timing;           /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
+    size_t struct_size;   /* set by gscl_context_settings_default */
+    const char *device;   /* "P.D", or a part of a device or platform name, or GSCL_HOST_DEVICE; default NULL: the first
+                              GPU, else the first accelerator, else the first CPU */
+    gscl_mapping mapping; /* default AUTO */
+    bool timing;          /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
     gscl_log_callback log; /* default NULL: no log */
     void *log_opaque;      /* first argument of `log` */
 } gscl_context_settings;

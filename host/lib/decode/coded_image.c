@@ -202,23 +202,21 @@ void gscl_coded_image_splat(const gscl_coded_image *p, uint32_t i, float *params
         gscl_dequantise_indexed(&p->file, &p->file.indexed[i], params);
 }
 
-/* The mean colour of `count` splats, which are in `params`. */
-static void mean_colour(const float *params, uint32_t count, unsigned channels, float colour[4]) {
-    for (unsigned k = 0; k < channels; k++) {
-        double sum = 0;
-        for (uint32_t i = 0; i < count; i++)
-            sum += params[(size_t)i * GSCL_PARAMS + GSCL_COLOUR + k];
-        colour[k] = (float)(sum / count);
-    }
+void gscl_coded_image_background(const gscl_coded_image *p, const double colour_sums[4], float background[4]) {
+    const gsf_header *header = &p->file.header;
+    const bool is_mean = p->file.has_mean_background && header->splat_count > 0;
+    for (unsigned k = 0; k < gsf_channel_count(header); k++)
+        background[k] = is_mean ? (float)(colour_sums[k] / header->splat_count)
+                                : (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
 }
 
 void gscl_coded_image_params(const gscl_coded_image *p, float *params, float background[4]) {
-    const gsf_header *header = &p->file.header;
-    unsigned channels = gsf_channel_count(header);
-    for (unsigned k = 0; k < channels; k++)
-        background[k] = (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
-    for (uint32_t i = 0; i < header->splat_count; i++)
-        gscl_coded_image_splat(p, i, params + (size_t)i * GSCL_PARAMS);
-    if (p->file.has_mean_background && header->splat_count > 0)
-        mean_colour(params, header->splat_count, channels, background);
+    const unsigned channels = gsf_channel_count(&p->file.header);
+    double sums[4] = {0};
+    for (uint32_t i = 0; i < p->file.header.splat_count; i++, params += GSCL_PARAMS) {
+        gscl_coded_image_splat(p, i, params);
+        for (unsigned k = 0; k < channels; k++)
+            sums[k] += params[GSCL_COLOUR + k];
+    }
+    gscl_coded_image_background(p, sums, background);
 }

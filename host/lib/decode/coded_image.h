@@ -6,7 +6,7 @@
 
 #include "format/format.h"
 #include "runtime/context.h"
-#include "runtime/programs.h"
+#include "runtime/kernel_options.h"
 
 typedef struct gscl_coded_image {
     gsf_coded_image file;
@@ -49,6 +49,9 @@ uint32_t gscl_coded_image_channels(const gsf_header *header);
 
 /* Dequantises splat `i` into GSCL_PARAMS parameters. */
 void gscl_coded_image_splat(const gscl_coded_image *coded, uint32_t i, float *params);
+
+/* The background, of gsf_channel_count channels.  `colour_sums`: each channel added up over the splats. */
+void gscl_coded_image_background(const gscl_coded_image *coded, const double colour_sums[4], float background[4]);
 
 /* Dequantises all splats (splat_count * GSCL_PARAMS parameters in drawing order) and the background. */
 void gscl_coded_image_params(const gscl_coded_image *coded, float *params, float background[4]);

@@ -4,13 +4,13 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
+#include "decode/draw_device.h"
 #include "decode/frame.h"
-#include "decode/renderer.h"
 #include "decode/resize.h"
-#include "decode/tunables.h"
 #include "image/image.h"
+#include "runtime/stage_clock.h"
 #include "runtime/struct_size.h"
-#include "runtime/timing.h"
+#include "software/software.h"
 
 void gscl_decode_settings_init(gscl_decode_settings *settings, size_t struct_size) {
     const gscl_decode_settings defaults = {0};
@@ -50,75 +50,36 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
     return GSCL_OK;
 }
 
-/* Draws the frame band by band, so that no buffer grows with the image. */
-static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image) {
-    gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
-    const size_t row_samples = (size_t)f->width * image->channels;
-    uint32_t rows = (uint32_t)((size_t)gscl_decode_tunables.band_samples / row_samples / GSCL_TILE * GSCL_TILE);
-    if (rows < GSCL_TILE)
-        rows = GSCL_TILE;
-    for (uint32_t y = 0; y < f->height; y += rows) {
-        uint32_t n = f->height - y < rows ? f->height - y : rows;
-        size_t stride = gscl_image_stride(image);
-        GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n));
-        GSCL_TRY(gscl_renderer_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
-    }
-    return GSCL_OK;
-}
-
-static void free_renderer(void *renderer) {
-    gscl_renderer_free(renderer);
-    free(renderer);
-}
-
-/* The renderer that the context keeps from one decode to the next: creating its buffers takes as long as drawing. */
-static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_options *options, gscl_renderer **renderer) {
-    gscl_renderer *r = context->decoder;
-    if (!r) {
-        r = calloc(1, sizeof *r);
-        if (!r)
-            return gscl_fail_memory(context);
-        gscl_result result = gscl_renderer_create(r, context, options);
-        if (result != GSCL_OK) {
-            free_renderer(r);
-            return result;
-        }
-        context->decoder = r;
-        context->decoder_free = free_renderer;
-    }
-    r->row_capacity = 0; /* the capacity of another image may be too large for this number of rows */
-    gscl_renderer_set_options(r, GSCL_PROGRAM_RENDER, options);
-    *renderer = r;
-    return GSCL_OK;
-}
-
-/* `params` and `background`: room for the data that are copied to the device. */
-static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                               const gscl_image *image, float *params, float background[4]) {
+/* Adds all splats, one by one, so that no memory holds the parameters of all; adds up their colours in `sums`. */
+static void add_splats(const gscl_coded_image *coded, const gscl_frame *f, gscl_software *software, double sums[4]) {
     const gsf_header *header = &coded->file.header;
-    gscl_renderer *renderer = NULL;
-    gscl_kernel_options options = gscl_coded_image_options(header);
-    double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
-    gscl_stage(context, GSCL_STAGE_DEQUANTISE);
-    gscl_coded_image_params(coded, params, background);
-    gscl_resize_splats(params, header->splat_count, scale_x, scale_y);
-    if (!(options.shape == GSCL_SHAPE_ISOTROPIC && scale_x == scale_y) && (scale_x != 1 || scale_y != 1))
-        options.shape = GSCL_SHAPE_ROTATED; /* scaling turns the axes */
-    gscl_stage(context, GSCL_STAGE_DRAW);
-    GSCL_TRY(reuse_renderer(context, &options, &renderer));
-    GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));
-    return draw_bands(renderer, f, image);
+    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
+    for (uint32_t i = 0; i < header->splat_count; i++) {
+        float params[GSCL_PARAMS];
+        gscl_coded_image_splat(coded, i, params);
+        gscl_resize_splats(params, 1, scale_x, scale_y);
+        gscl_software_add(software, params);
+        for (unsigned k = 0; k < gsf_channel_count(header); k++)
+            sums[k] += params[GSCL_COLOUR + k];
+    }
 }
 
-static gscl_result decode_draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                               const gscl_image *image) {
-    float background[4], *params = malloc(((size_t)coded->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
-    if (!params)
+static gscl_result draw_in_software(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
+                                    const gscl_image *image) {
+    const gscl_kernel_options options = gscl_frame_options(&coded->file.header, f);
+    const gscl_software_view view = {f->full_width, f->full_height, f->x, f->y};
+    double sums[4] = {0};
+    float background[4];
+    gscl_stage(context, GSCL_STAGE_DEQUANTISE);
+    gscl_software *software = gscl_software_create(&options, &view, coded->file.header.splat_count);
+    if (!software)
         return gscl_fail_memory(context);
-    gscl_result result = draw_splats(context, coded, f, image, params, background);
-    gscl_finish(context); /* after an error, too, the device may still read `params` */
-    free(params);
-    return result;
+    add_splats(coded, f, software, sums);
+    gscl_coded_image_background(coded, sums, background);
+    gscl_stage(context, GSCL_STAGE_DRAW);
+    gscl_software_draw(software, background, image);
+    gscl_software_free(software);
+    return GSCL_OK;
 }
 
 /* Reads the file, checking each limit as soon as its figure is known: the header before anything is allocated, the work
@@ -161,7 +122,8 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     gscl_image decoded = shape_of(&f, &coded.file.header, &s);
     gscl_result result = provide_pixels(context, &decoded, image);
     if (result == GSCL_OK)
-        result = decode_draw(context, &coded, &f, &decoded);
+        result = context->is_host ? draw_in_software(context, &coded, &f, &decoded)
+                                  : gscl_draw_on_device(context, &coded, &f, &decoded);
     if (result == GSCL_OK)
         *image = decoded;
     else if (!image->pixels)

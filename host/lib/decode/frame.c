@@ -57,6 +57,14 @@ gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings
     return GSCL_OK;
 }
 
+gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_frame *f) {
+    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
+    gscl_kernel_options options = gscl_coded_image_options(header);
+    if (!(options.shape == GSCL_SHAPE_ISOTROPIC && scale_x == scale_y) && (scale_x != 1 || scale_y != 1))
+        options.shape = GSCL_SHAPE_ROTATED; /* scaling turns the axes */
+    return options;
+}
+
 /* Length of the part of [centre - half, centre + half] that lies inside [first, first + length]. */
 static double overlap(double centre, double half, double first, double length) {
     return fmax(0, fmin(centre + half, first + length) - fmax(centre - half, first));

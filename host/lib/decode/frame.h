@@ -16,6 +16,9 @@ typedef struct gscl_frame {
 gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,
                                gscl_frame *f);
 
+/* The options of what draws the frame: those of the file, but for splats that the frame's size turns. */
+gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_frame *f);
+
 /* Evaluations of a splat at a pixel, as gscl_info.work defines them. */
 uint64_t gscl_frame_work(const gscl_coded_image *coded, const gscl_frame *f);
 

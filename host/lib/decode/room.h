@@ -1,6 +1,6 @@
 /* From bytes to pixels: the coded image, its dequantisation, and the renderer that the fit shares.
  *
- * It may use: image/, runtime/, format/ and cl/.
+ * It may use: software/, image/, runtime/, format/ and cl/.
  *
  * In the order in which to read them:
  *   coded_image.h: bytes to integers and back
@@ -9,6 +9,7 @@
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
  *   frame.h: the rectangle that a decode returns, and its limits
+ *   draw_device.h: a frame on the device
  *   decode.c, inspect.c: the public functions
  *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_DECODE_H

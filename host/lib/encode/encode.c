@@ -164,6 +164,7 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     if (!context || !bytes || !size)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_forget_message(context);
+    GSCL_TRY(gscl_require_opencl(context, "encoding"));
     gscl_encoder e = {.context = context};
     gscl_encode_settings_default(&e.settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_encode_settings, trace, settings, &e.settings));

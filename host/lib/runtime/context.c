@@ -21,6 +21,13 @@ gscl_result(gscl_fail_memory)(gscl_context *context) {
     return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+gscl_result gscl_require_opencl(gscl_context *context, const char *activity) {
+    if (!context->is_host)
+        return GSCL_OK;
+    return gscl_fail(context, GSCL_ERROR_NO_OPENCL, "%s needs an OpenCL device; the device \"host\" only decodes",
+                     activity);
+}
+
 void gscl_forget_message(gscl_context *context) {
     if (context)
         context->message[0] = 0;

@@ -1,8 +1,8 @@
-/* The library's context: an OpenCL device, its queue, its kernels, and the text of the last error. */
+/* The library's context: a device, its queue, its kernels, and the text of the last error.  This header does without those
+ * of OpenCL, so that decoding can be built without them: cl_context is a pointer to struct _cl_context, and so on. */
 #ifndef GSCL_LIB_CONTEXT_H
 #define GSCL_LIB_CONTEXT_H
 
-#include <CL/cl.h>
 #include <gscl/gscl.h>
 
 #include "runtime/stages.h"
@@ -28,18 +28,20 @@ typedef struct gscl_stage_clock {
 } gscl_stage_clock;
 
 struct gscl_context {
-    cl_platform_id platform;
-    cl_device_id device;
-    cl_context cl;
-    cl_command_queue queue;
+    struct _cl_platform_id *platform; /* these four are NULL where is_host */
+    struct _cl_device_id *device;
+    struct _cl_context *cl;
+    struct _cl_command_queue *queue;
     gscl_device_info info;
+    bool is_host;                  /* the device "host": decodes without OpenCL */
     bool is_cpu;                   /* the device is a CPU */
     bool gpu_mapping;              /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
     struct gscl_program *programs; /* built so far, a list */
     bool own_builtins;             /* programs declare built-in functions with cl/builtins.h (programs.c) */
     gscl_stage_clock clock;
-    struct gscl_timings *timings; /* NULL unless the caller asked for timings */
-    void *decoder;                /* state that is kept between decodes (decode/decode.c), or NULL */
+    struct gscl_timings *timings;                 /* NULL unless the caller asked for timings */
+    void (*settle)(struct gscl_context *context); /* waits for the device and adds its times up; NULL where is_host */
+    void *decoder;                                /* state that is kept between decodes (decode/decode.c), or NULL */
     void (*decoder_free)(void *decoder);
     gscl_log_callback log;
     void *log_opaque;
@@ -56,6 +58,9 @@ gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
 
 /* Stores "out of memory" and returns GSCL_ERROR_OUT_OF_MEMORY: the host has no memory left. */
 gscl_result gscl_fail_memory(gscl_context *context);
+
+/* Fails with GSCL_ERROR_NO_OPENCL and a message that names the activity ("encoding") where the context is without OpenCL. */
+gscl_result gscl_require_opencl(gscl_context *context, const char *activity);
 
 /* Static analysers read one source file at a time; these macros state that a failure is never GSCL_OK. */
 #ifdef __clang_analyzer__

@@ -2,6 +2,8 @@
 #ifndef GSCL_LIB_OPENCL_H
 #define GSCL_LIB_OPENCL_H
 
+#include <CL/cl.h>
+
 #include "runtime/context.h"
 
 /* Stores "CALL on DEVICE: ERROR" as the message and returns the result that fits the error. */

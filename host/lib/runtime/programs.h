@@ -3,6 +3,8 @@
 #ifndef GSCL_LIB_PROGRAMS_H
 #define GSCL_LIB_PROGRAMS_H
 
+#include <CL/cl.h>
+
 #include "runtime/context.h"
 #include "runtime/kernel_options.h"
 

@@ -6,13 +6,15 @@
  *   context.h: the context and its error message
  *   stages.h: the names of all stages
  *   text.h, cl_names.h: texts of fixed size, names of OpenCL's errors and kernels
- *   timing.h: times of stages and kernels
+ *   stage_clock.h: times of stages
+ *   timing.h: times of kernels
  *   opencl.h: checked calls, buffers, launches
  *   device_list.h, device.h: listing and choosing devices
  *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for
  *   programs.h, kernel_sources.h: building kernels and looking them up
  *   tunables.h: the numbers that were found by trying
  *   struct_size.h: structs of programs that were compiled with an older header
+ *   open_device.h: opening the OpenCL device of a context
  *   open_context.c, result.c: the public functions */
 #ifndef GSCL_ROOM_LIB_RUNTIME_H
 #define GSCL_ROOM_LIB_RUNTIME_H

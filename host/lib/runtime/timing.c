@@ -1,10 +1,8 @@
-#define _POSIX_C_SOURCE 200112L
 #include "runtime/timing.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "runtime/cl_names.h"
 
@@ -26,12 +24,6 @@ struct gscl_timings {
 static void wait_for_device(const gscl_context *context) {
     if (context->queue)
         clFinish(context->queue);
-}
-
-double gscl_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 gscl_result gscl_timing_create(gscl_context *context) {
@@ -100,25 +92,11 @@ static gscl_timing *timing_row_of_kernel(struct gscl_timings *t, cl_kernel kerne
     return row;
 }
 
-gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
-    gscl_stage_clock *clock = &context->clock;
-    if (clock->users == 0 || clock->frozen)
-        return GSCL_STAGE_NONE;
+void gscl_timing_settle(gscl_context *context) {
     if (context->timings)
         timing_collect(context);
     else
         wait_for_device(context);
-    double now = gscl_now();
-    gscl_stage_id ended = clock->current;
-    clock->sums[ended].seconds += now - clock->start_s;
-    clock->sums[ended].count++;
-    clock->current = stage;
-    clock->start_s = now;
-    return ended;
-}
-
-void gscl_stages_freeze(gscl_context *context, bool frozen) {
-    context->clock.frozen = frozen;
 }
 
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {

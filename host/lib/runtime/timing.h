@@ -5,16 +5,13 @@
 #ifndef GSCL_LIB_TIMING_H
 #define GSCL_LIB_TIMING_H
 
+#include <CL/cl.h>
 #include <gscl/measure.h>
 
-#include "runtime/context.h"
+#include "runtime/stage_clock.h"
 
-/* Ends the current stage, once the device has finished its work, and begins `stage` (NONE: no stage).
- * Returns the stage that ended, so that a stage within another can restore it. */
-gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage);
-
-/* While the stages are frozen, gscl_stage does nothing: all work counts for the current stage. */
-void gscl_stages_freeze(gscl_context *context, bool frozen);
+/* Waits for the device and adds up the times of its kernels, where they are measured (gscl_context.settle). */
+void gscl_timing_settle(gscl_context *context);
 
 /* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
@@ -23,9 +20,6 @@ cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
 double gscl_kernel_seconds(const gscl_context *context);
 /* Sorts samples, the smallest first. */
 void gscl_sort_samples(double *samples, size_t count);
-
-/* Seconds on a clock that only goes forward. */
-double gscl_now(void);
 
 gscl_result gscl_timing_create(gscl_context *context);
 void gscl_timing_free(gscl_context *context);

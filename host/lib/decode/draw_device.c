@@ -1,0 +1,79 @@
+#include "decode/draw_device.h"
+
+#include <stdlib.h>
+
+#include "cl/constants.h"
+#include "decode/renderer.h"
+#include "decode/resize.h"
+#include "decode/tunables.h"
+#include "image/image.h"
+#include "runtime/stage_clock.h"
+
+/* Draws the frame band by band, so that no buffer grows with the image. */
+static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image) {
+    gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
+    const size_t row_samples = (size_t)f->width * image->channels;
+    uint32_t rows = (uint32_t)((size_t)gscl_decode_tunables.band_samples / row_samples / GSCL_TILE * GSCL_TILE);
+    if (rows < GSCL_TILE)
+        rows = GSCL_TILE;
+    for (uint32_t y = 0; y < f->height; y += rows) {
+        uint32_t n = f->height - y < rows ? f->height - y : rows;
+        size_t stride = gscl_image_stride(image);
+        GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n));
+        GSCL_TRY(gscl_renderer_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
+    }
+    return GSCL_OK;
+}
+
+static void free_renderer(void *renderer) {
+    gscl_renderer_free(renderer);
+    free(renderer);
+}
+
+/* The renderer that the context keeps from one decode to the next: creating its buffers takes as long as drawing. */
+static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_options *options, gscl_renderer **renderer) {
+    gscl_renderer *r = context->decoder;
+    if (!r) {
+        r = calloc(1, sizeof *r);
+        if (!r)
+            return gscl_fail_memory(context);
+        gscl_result result = gscl_renderer_create(r, context, options);
+        if (result != GSCL_OK) {
+            free_renderer(r);
+            return result;
+        }
+        context->decoder = r;
+        context->decoder_free = free_renderer;
+    }
+    r->row_capacity = 0; /* the capacity of another image may be too large for this number of rows */
+    gscl_renderer_set_options(r, GSCL_PROGRAM_RENDER, options);
+    *renderer = r;
+    return GSCL_OK;
+}
+
+/* `params` and `background`: room for the data that are copied to the device. */
+static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
+                               const gscl_image *image, float *params, float background[4]) {
+    const gsf_header *header = &coded->file.header;
+    gscl_renderer *renderer = NULL;
+    const gscl_kernel_options options = gscl_frame_options(header, f);
+    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
+    gscl_stage(context, GSCL_STAGE_DEQUANTISE);
+    gscl_coded_image_params(coded, params, background);
+    gscl_resize_splats(params, header->splat_count, scale_x, scale_y);
+    gscl_stage(context, GSCL_STAGE_DRAW);
+    GSCL_TRY(reuse_renderer(context, &options, &renderer));
+    GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));
+    return draw_bands(renderer, f, image);
+}
+
+gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
+                                const gscl_image *image) {
+    float background[4], *params = malloc(((size_t)coded->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
+    if (!params)
+        return gscl_fail_memory(context);
+    gscl_result result = draw_splats(context, coded, f, image, params, background);
+    gscl_finish(context); /* after an error, too, the device may still read `params` */
+    free(params);
+    return result;
+}

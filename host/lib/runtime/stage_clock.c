@@ -1,0 +1,29 @@
+#define _POSIX_C_SOURCE 200112L
+#include "runtime/stage_clock.h"
+
+#include <time.h>
+
+double gscl_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
+    gscl_stage_clock *clock = &context->clock;
+    if (clock->users == 0 || clock->frozen)
+        return GSCL_STAGE_NONE;
+    if (context->settle)
+        context->settle(context);
+    double now = gscl_now();
+    gscl_stage_id ended = clock->current;
+    clock->sums[ended].seconds += now - clock->start_s;
+    clock->sums[ended].count++;
+    clock->current = stage;
+    clock->start_s = now;
+    return ended;
+}
+
+void gscl_stages_freeze(gscl_context *context, bool frozen) {
+    context->clock.frozen = frozen;
+}

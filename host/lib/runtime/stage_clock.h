@@ -1,0 +1,17 @@
+/* The stage that is running, and the wall-clock time of each. */
+#ifndef GSCL_LIB_STAGE_CLOCK_H
+#define GSCL_LIB_STAGE_CLOCK_H
+
+#include "runtime/context.h"
+
+/* Ends the current stage, once the device has finished its work, and begins `stage` (NONE: no stage).
+ * Returns the stage that ended, so that a stage within another can restore it. */
+gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage);
+
+/* While the stages are frozen, gscl_stage does nothing: all work counts for the current stage. */
+void gscl_stages_freeze(gscl_context *context, bool frozen);
+
+/* Seconds on a clock that only goes forward. */
+double gscl_now(void);
+
+#endif
