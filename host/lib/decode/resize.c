@@ -22,6 +22,15 @@ static void resize_shape(float *p, double sx, double sy) {
     p[GSCL_THETA] = (float)(0.5 * atan2(2 * xy, xx - yy));
 }
 
+/* The wave keeps its place in the image; the box filter lowers its amplitude. */
+static void resize_wave(float *p, double sx, double sy) {
+    const double pi = 3.14159265358979323846, x = (double)p[GSCL_WAVE_X], y = (double)p[GSCL_WAVE_Y];
+    const double blur = x * x * box_variance(sx) + y * y * box_variance(sy);
+    p[GSCL_WAVE_X] = (float)(x / sx);
+    p[GSCL_WAVE_Y] = (float)(y / sy);
+    p[GSCL_WAVE_AMPLITUDE] *= (float)exp(-2 * pi * pi * blur);
+}
+
 void gscl_resize_splats(float *params, size_t count, double sx, double sy) {
     if (sx == 1 && sy == 1)
         return;
@@ -30,5 +39,6 @@ void gscl_resize_splats(float *params, size_t count, double sx, double sy) {
         p[GSCL_X] = (float)(p[GSCL_X] * sx);
         p[GSCL_Y] = (float)(p[GSCL_Y] * sy);
         resize_shape(p, sx, sy);
+        resize_wave(p, sx, sy);
     }
 }
