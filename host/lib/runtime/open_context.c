@@ -4,6 +4,7 @@
 
 #include "runtime/context.h"
 #include "runtime/open_device.h"
+#include "runtime/stage_clock.h"
 #include "runtime/struct_size.h"
 
 void gscl_context_settings_init(gscl_context_settings *settings, size_t struct_size) {
@@ -22,10 +23,11 @@ static void open_host(gscl_context *context) {
 }
 
 static gscl_result open_device(gscl_context *context, const gscl_context_settings *settings) {
-    if (!settings->device || strcmp(settings->device, GSCL_HOST_DEVICE) != 0)
+    const char *device = settings->device ? settings->device : gscl_default_device;
+    if (!device || strcmp(device, GSCL_HOST_DEVICE) != 0)
         return gscl_device_open(context, settings);
     open_host(context);
-    return GSCL_OK;
+    return settings->timing ? gscl_timing_create(context) : GSCL_OK;
 }
 
 gscl_result gscl_context_create(gscl_context **context, const gscl_context_settings *settings) {

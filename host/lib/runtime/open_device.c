@@ -5,6 +5,8 @@
 #include "runtime/programs.h"
 #include "runtime/timing.h"
 
+const char *const gscl_default_device = NULL;
+
 /* Logs a notice of the OpenCL implementation, which may call this function at any time and from any thread. */
 static void CL_CALLBACK log_notice(const char *text, const void *details, size_t size, void *context) {
     (void)details;
@@ -31,7 +33,7 @@ gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings 
         settings->mapping == GSCL_MAPPING_AUTO ? !context->is_cpu : settings->mapping == GSCL_MAPPING_GPU;
     context->settle = gscl_timing_settle;
     if (settings->timing)
-        GSCL_TRY(gscl_timing_create(context));
+        GSCL_TRY(gscl_timing_create(context)); /* before the queue, which then measures */
     return create_queue(context);
 }
 

@@ -4,6 +4,9 @@
 
 #include "runtime/context.h"
 
+/* The device of settings that name none; NULL: the first GPU and so on. */
+extern const char *const gscl_default_device;
+
 /* Chooses the device by the settings, with its mapping, and creates its queue and what timings need. */
 gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings *settings);
 /* Releases everything of the device; accepts a context that was not opened, or not wholly. */

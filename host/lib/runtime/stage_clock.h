@@ -11,6 +11,9 @@ gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage);
 /* While the stages are frozen, gscl_stage does nothing: all work counts for the current stage. */
 void gscl_stages_freeze(gscl_context *context, bool frozen);
 
+/* Begins to measure the times of stages and, on an OpenCL device, of kernels. */
+gscl_result gscl_timing_create(gscl_context *context);
+
 /* Seconds on a clock that only goes forward. */
 double gscl_now(void);
 

@@ -21,7 +21,6 @@ double gscl_kernel_seconds(const gscl_context *context);
 /* Sorts samples, the smallest first. */
 void gscl_sort_samples(double *samples, size_t count);
 
-gscl_result gscl_timing_create(gscl_context *context);
 void gscl_timing_free(gscl_context *context);
 
 #endif
