@@ -247,12 +247,15 @@ class OpenCL(ToolTest):
         self.write_png("in.png", scene(16, 16))
 
     def test_no_platform(self):
-        for arguments in (("encode", "in.png", "-o", "out.gscl"), ("decode", "in.gscl", "-o", "out.png"), ("devices",)):
+        for arguments in (("encode", "in.png", "-o", "out.gscl"), ("draw", "in.gscl", "-o", "out.png"),
+                          ("decode", "in.gscl", "-o", "out.png", "--mapping", "cpu")):
             with self.subTest(arguments=arguments):
                 self.refused("OpenCL", "no OpenCL.*install", *arguments, env=NO_OPENCL)
 
     def test_commands_that_need_no_opencl(self):
         self.gscl("info", "in.gscl", env=NO_OPENCL)
+        self.gscl("decode", "in.gscl", "-o", "out.png", "--scale", "100", env=NO_OPENCL)
+        self.assertEqual(["host"], [device["id"] for device in self.gscl_json("devices", env=NO_OPENCL)])
         self.gscl("compare", "in.png", "in.png", env=NO_OPENCL)
 
     def test_unknown_device(self):

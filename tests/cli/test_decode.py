@@ -1,4 +1,5 @@
 """gscl decode: sizes, crops and mappings; gscl draw."""
+import re
 import unittest
 
 from images import Image, max_difference, psnr, read_png, scene
@@ -137,6 +138,53 @@ class Mappings(ToolTest):
         self.encode(image, "--device", device["id"])
         whole = self.decode("--device", device["id"])
         self.assertEqual(whole, self.decode("--device", device["device"]))
+
+
+class Host(ToolTest):
+    """The device that needs no OpenCL."""
+
+    def decodes_on(self, *arguments, env=None):
+        """The device that a decode names with --verbose."""
+        done = self.start("decode", "in.gscl", "-o", "out.ppm", "--verbose", *arguments, env=env)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return re.search(r"device (\S+):", done.stderr.decode()).group(1)
+
+    def test_host_draws_the_same(self):
+        for channels, profile, blend in ((3, "default", "normalized"), (4, "default", "alpha"), (1, "default", "sum"),
+                                         (2, "default", "normalized"), (3, "paper", "alpha")):
+            with self.subTest(channels=channels, profile=profile, blend=blend):
+                self.encode(scene(50, 38, channels), *HIGH_RATE, "--profile", profile, "--blend", blend)
+                for area in ((), ("--scale", "2.5"), ("--size", "20x30"), ("--crop", "7,9,30,21"), ("--depth", "16")):
+                    host, gpu = self.decode(*area, "--device", "host"), self.decode(*area, "--mapping", "gpu")
+                    self.assertLessEqual(max_difference(host, gpu), host.peak // 255)
+
+    def test_host_decodes_only(self):
+        self.write_png("in.png", scene(16, 16))
+        self.refused("in.png", "encoding needs an OpenCL device", "encode", "in.png", "-o", "out.gscl", "--device", "host")
+
+    def test_limits_and_partial_files(self):
+        data = self.encode(scene(61, 43), *HIGH_RATE)
+        work = self.gscl_json("info", "in.gscl")["work"]
+        host = ("decode", "in.gscl", "-o", "out.png", "--device", "host")
+        self.refused("in.gscl", "max_work", *host, "--max-work", work - 1)
+        self.refused("in.gscl", "max_pixels", *host, "--max-pixels", 61 * 43 - 1)
+        self.path("in.gscl").write_bytes(data[:len(data) // 2])
+        self.refused("in.gscl", "the file is incomplete", *host)
+        self.assertEqual(self.decode("--partial", "--device", "host").kind(), (61, 43, 3, 8))
+
+    def test_rule(self):
+        """Small pictures, larger ones while kernels are not built, and those of machines without OpenCL."""
+        self.encode(scene(61, 43))
+        built = {"POCL_CACHE_DIR": str(self.folder)}
+        not_built = {"POCL_CACHE_DIR": str(self.folder / "none")}
+        device = next(device["id"] for device in self.gscl_json("devices") if device["is_default"])
+        for arguments, env, expected in (((), built, "host"), (("--mapping", "cpu"), None, device),
+                                         (("--size", "1000x2000"), built, "host"), (("--size", "1000x2001"), built, device),
+                                         (("--size", "4000x4000"), not_built, "host"),
+                                         (("--size", "4000x4000", "--crop", "0,0,9,9"), built, "host"),
+                                         (("--size", "4000x4001"), {"OCL_ICD_VENDORS": "/nonexistent"}, "host")):
+            with self.subTest(arguments=arguments, env=env):
+                self.assertEqual(self.decodes_on(*arguments, env=env), expected)
 
 
 class Draw(ToolTest):

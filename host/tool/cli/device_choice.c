@@ -1,6 +1,9 @@
+#define _POSIX_C_SOURCE 200809L
 #include "cli/device_choice.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
@@ -50,4 +53,41 @@ int open_device(const device_choice *choice, gscl_context **context) {
     const int status = report_result(*context, choice->device ? choice->device : "OpenCL", result);
     gscl_context_free(context);
     return status;
+}
+
+static bool has_opencl(void) {
+    gscl_device_info *devices = NULL;
+    const bool found = gscl_list_devices(&devices) == GSCL_OK;
+    gscl_free(devices);
+    return found;
+}
+
+/* Whether `parts` joined name a folder; false when the first part is NULL. */
+static bool is_folder(const char *first, const char *second) {
+    char path[1024];
+    struct stat status;
+    return first && *first && snprintf(path, sizeof path, "%s%s", first, second) < (int)sizeof path &&
+           stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/* Whether PoCL has the folder in which it keeps built kernels.  It looks for it in this order. */
+static bool has_built_kernels(void) {
+    if (getenv("POCL_CACHE_DIR"))
+        return is_folder(getenv("POCL_CACHE_DIR"), "");
+    if (getenv("XDG_CACHE_HOME"))
+        return is_folder(getenv("XDG_CACHE_HOME"), "/pocl/kcache");
+    return is_folder(getenv("HOME"), "/.cache/pocl/kcache");
+}
+
+static bool host_is_faster(uint64_t pixels) {
+    const uint64_t megapixel = 1000000;
+    return pixels <= HOST_MEGAPIXELS * megapixel ||
+           (pixels <= HOST_MEGAPIXELS_UNBUILT * megapixel && !has_built_kernels());
+}
+
+int open_decoder(const device_choice *choice, uint64_t pixels, gscl_context **context) {
+    device_choice chosen = *choice;
+    if (!choice->device && choice->mapping == GSCL_MAPPING_AUTO && (host_is_faster(pixels) || !has_opencl()))
+        chosen.device = GSCL_HOST_DEVICE;
+    return open_device(&chosen, context);
 }

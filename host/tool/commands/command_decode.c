@@ -104,12 +104,19 @@ static int write_decoded(const decode_options *options, const image_format *form
     return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+/* Pixels that the decode returns. */
+static uint64_t pixels_of(const gscl_decode_settings *settings) {
+    const bool cropped = settings->crop_width > 0;
+    return (uint64_t)(cropped ? settings->crop_width : settings->width) *
+           (cropped ? settings->crop_height : settings->height);
+}
+
 /* Decodes the file and writes the image to `output`, which is closed in any case. */
 static int decode_to(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size,
                      const gscl_decode_settings *settings, output_file *output) {
     gscl_context *context;
     gscl_image image = {0};
-    int status = open_device(&options->choice, &context);
+    int status = open_decoder(&options->choice, pixels_of(settings), &context);
     if (status == EXIT_SUCCESS) {
         const gscl_result result = gscl_decode(context, bytes, size, settings, &image);
         if (result != GSCL_OK)
@@ -231,7 +238,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
         .about =
             "Decodes a gscl file to an image, with the colour profile, EXIF and XMP that the file has, where the "
             "format holds\nthem; colours are converted to sRGB otherwise.  Alpha is written straight; OpenEXR holds "
-            "premultiplied alpha\nand linear light.",
+            "premultiplied alpha\nand linear light.\n\n" DECODER_CHOICE_HELP,
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,

@@ -1,6 +1,7 @@
-/* gscl devices: lists OpenCL devices, with the default one and the reason. */
+/* gscl devices: lists OpenCL devices, with the default one and the reason, and the device "host". */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <gscl/gscl.h>
 
@@ -36,19 +37,41 @@ static void write_json(json_writer *json, const gscl_device_info *device) {
     json_close_object(json);
 }
 
-static void print_devices(const gscl_device_info *devices, bool as_json) {
+static void print_device(const gscl_device_info *device, bool as_json, json_writer *json) {
+    if (as_json)
+        write_json(json, device);
+    else if (strcmp(device->id, GSCL_HOST_DEVICE) == 0)
+        printf("  %-5s %s\n        one core; for 'gscl decode', which says in its help when it is the default\n",
+               device->id, device->device_name);
+    else
+        print_text(device);
+}
+
+/* `devices`: a list, which may be empty; `host`: the device that is printed last. */
+static void print_devices(const gscl_device_info *devices, const gscl_device_info *host, bool as_json) {
     json_writer json;
     json_start(&json, stdout);
     if (as_json)
         json_open_array(&json, NULL);
-    for (const gscl_device_info *device = devices; device; device = device->next) {
-        if (as_json)
-            write_json(&json, device);
-        else
-            print_text(device);
-    }
+    for (const gscl_device_info *device = devices; device; device = device->next)
+        print_device(device, as_json, &json);
+    print_device(host, as_json, &json);
     if (as_json)
         json_close_array(&json);
+}
+
+static int list_devices(bool as_json) {
+    gscl_device_info *devices = NULL;
+    gscl_context *host;
+    const gscl_result result = gscl_list_devices(&devices);
+    if (result != GSCL_OK && result != GSCL_ERROR_NO_PLATFORM && result != GSCL_ERROR_NO_OPENCL)
+        return report_result(NULL, "OpenCL", result);
+    const int status = open_device(&(device_choice){.device = GSCL_HOST_DEVICE}, &host);
+    if (status == EXIT_SUCCESS)
+        print_devices(devices, gscl_context_device(host), as_json);
+    gscl_context_free(&host);
+    gscl_free(devices);
+    return status;
 }
 
 int command_devices(int argc, char **argv) {
@@ -60,7 +83,7 @@ int command_devices(int argc, char **argv) {
         .name = "devices",
         .usage = "[--json]",
         .about = "Lists the OpenCL devices that gscl can use; * marks the default.  The first column is the\n"
-                 "number for --device.",
+                 "number for --device.  The last one, host, decodes without OpenCL.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };
@@ -68,12 +91,5 @@ int command_devices(int argc, char **argv) {
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
-
-    gscl_device_info *devices;
-    const gscl_result result = gscl_list_devices(&devices);
-    if (result != GSCL_OK)
-        return report_result(NULL, "OpenCL", result);
-    print_devices(devices, as_json);
-    gscl_free(devices);
-    return EXIT_SUCCESS;
+    return list_devices(as_json);
 }

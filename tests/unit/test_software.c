@@ -1,0 +1,348 @@
+/* Decoding without OpenCL, on the device "host": crops, sizes, forms, limits and errors, beside both mappings of OpenCL.
+ * Samples at the encoded size are compared with the oracle in test_conformance.c and in tests/stability/. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <gscl/gscl.h>
+#include <gscl/measure.h>
+
+#include "both_mappings.h"
+#include "cl/constants.h"
+#include "decode/resize.h"
+#include "synthetic_scene.h"
+
+enum { HOST = 2, KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250 };
+
+typedef struct {
+    uint8_t *bytes;
+    size_t size;
+} file;
+
+/* A file of a random kind; twelve numbers have all blends and layouts. */
+static file file_of(int number, gsf_coding coding, uint32_t splats, bool bare) {
+    file f = {NULL, 0};
+    synthetic_random_state = 31 + (uint32_t)number;
+    gsf_header header = synthetic_header(number, coding);
+    header.width = WIDTH;
+    header.height = HEIGHT;
+    header.splat_count = splats;
+    header.has_texture = coding == GSF_CODING_SCALAR && number % 2;
+    synthetic_scene *scene = synthetic_scene_new(&header);
+    assert_non_null(scene);
+    synthetic_background(&scene->image);
+    synthetic_steps(&scene->image);
+    scene->image.steps.scale = 4;
+    scene->image.bare = bare;
+    if (coding == GSF_CODING_CODEBOOK)
+        synthetic_codebooks(&scene->image, 280);
+    else
+        for (uint32_t i = 0; i < splats; i++)
+            synthetic_splat(&scene->image, &scene->image.splats[i], 2 + synthetic_random(10),
+                            header.has_anisotropy ? synthetic_random(10) : 0);
+    assert_int_equal(synthetic_scene_write(scene, &f.bytes, &f.size), GSF_OK);
+    synthetic_scene_free(scene);
+    return f;
+}
+
+/* Premultiplied floats: dividing by a small alpha would enlarge differences. */
+static gscl_decode_settings float_settings(void) {
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.sample = GSCL_SAMPLE_F32;
+    settings.premultiplied = true;
+    return settings;
+}
+
+static gscl_image decode(int which, const file *f, const gscl_decode_settings *settings) {
+    gscl_image image = {0};
+    if (gscl_decode(contexts[which], f->bytes, f->size, settings, &image) != GSCL_OK)
+        fail_msg("%s", gscl_context_message(contexts[which]));
+    return image;
+}
+
+static size_t sample_count(const gscl_image *image) {
+    return (size_t)image->width * image->height * image->channels;
+}
+
+static const float *pixel_at(const gscl_image *image, uint32_t x, uint32_t y) {
+    return (const float *)image->pixels + ((size_t)y * image->width + x) * image->channels;
+}
+
+/* ---- Crops ---- */
+
+/* A crop has the bits of the same pixels of the whole image. */
+static void check_crops(const file *f, gscl_decode_settings settings) {
+    const gscl_image whole = decode(HOST, f, &settings);
+    const uint32_t w = whole.width, h = whole.height;
+    const uint32_t crops[][4] = {{0, 0, 1, 1},       {w - 1, h - 1, 1, 1}, {200, 3, 200, 20}, {255, 15, 2, 2},
+                                 {256, 16, 256, 16}, {3, 17, w - 3, 1},    {w / 2, 0, 1, h}};
+    for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
+        const uint32_t *c = crops[i];
+        settings.crop_x = c[0];
+        settings.crop_y = c[1];
+        settings.crop_width = c[2];
+        settings.crop_height = c[3];
+        const gscl_image part = decode(HOST, f, &settings);
+        assert_true(part.width == c[2] && part.height == c[3]);
+        for (uint32_t y = 0; y < c[3]; y++)
+            assert_memory_equal(pixel_at(&part, 0, y), pixel_at(&whole, c[0], c[1] + y),
+                                c[2] * whole.channels * sizeof(float));
+        gscl_free(part.pixels);
+    }
+    gscl_free(whole.pixels);
+}
+
+static void test_crops(void **state) {
+    (void)state;
+    for (int number = 0; number < 2 * KINDS; number++) {
+        const file f = file_of(number, number < KINDS ? GSF_CODING_SCALAR : GSF_CODING_CODEBOOK, SPLATS, false);
+        gscl_decode_settings settings = float_settings();
+        check_crops(&f, settings);
+        settings.width = 600;
+        settings.height = 43;
+        check_crops(&f, settings);
+        free(f.bytes);
+    }
+}
+
+/* Sums of more than one run. */
+static void test_crops_of_many_splats(void **state) {
+    (void)state;
+    for (int number = 0; number < KINDS; number += 4) {
+        const file f = file_of(number, GSF_CODING_SCALAR, 6000, false);
+        check_crops(&f, float_settings());
+        free(f.bytes);
+    }
+}
+
+/* ---- Sizes ---- */
+
+static void check_close(const gscl_image *a, const gscl_image *b, double allowed, int number) {
+    assert_true(a->width == b->width && a->height == b->height && a->channels == b->channels);
+    for (size_t i = 0; i < sample_count(a); i++) {
+        const float p = ((const float *)a->pixels)[i], q = ((const float *)b->pixels)[i];
+        if (!(fabs((double)p - (double)q) <= allowed))
+            fail_msg("file %d, sample %zu of %ux%u: %g and %g", number, i, a->width, a->height, (double)p, (double)q);
+    }
+}
+
+static void test_sizes_are_those_of_opencl(void **state) {
+    (void)state;
+    static const uint32_t sizes[][2] = {{0, 0}, {1060, 100}, {265, 25}, {100, 120}, {1, 1}};
+    for (int number = 0; number < 2 * KINDS; number++) {
+        const file f = file_of(number, number < KINDS ? GSF_CODING_SCALAR : GSF_CODING_CODEBOOK, SPLATS, false);
+        for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+            gscl_decode_settings settings = float_settings();
+            settings.width = sizes[i][0];
+            settings.height = sizes[i][1];
+            gscl_image host = decode(HOST, &f, &settings);
+            for (int m = 0; m < HOST; m++) {
+                gscl_image image = decode(m, &f, &settings);
+                check_close(&host, &image, 1.0 / 255.0, number);
+                gscl_free(image.pixels);
+            }
+            gscl_free(host.pixels);
+        }
+        free(f.bytes);
+    }
+}
+
+/* At three times the size, every third pixel has its centre where one of the whole image has it. */
+static void test_enlarged_pixels_are_those_of_the_whole(void **state) {
+    (void)state;
+    for (int number = 0; number < KINDS; number++)
+        for (int m = 0; m <= HOST; m++) {
+            const file f = file_of(number, GSF_CODING_SCALAR, 60, false);
+            gscl_decode_settings settings = float_settings();
+            gscl_image whole = decode(m, &f, &settings);
+            settings.width = 3 * WIDTH;
+            settings.height = 3 * HEIGHT;
+            gscl_image large = decode(m, &f, &settings);
+            for (uint32_t y = 0; y < HEIGHT; y++)
+                for (uint32_t x = 0; x < WIDTH; x++)
+                    for (uint32_t k = 0; k < whole.channels; k++)
+                        if (fabs((double)pixel_at(&whole, x, y)[k] -
+                                 (double)pixel_at(&large, 3 * x + 1, 3 * y + 1)[k]) > 1.0 / 255.0)
+                            fail_msg("file %d, context %d, pixel %u, %u: %g and %g", number, m, x, y,
+                                     (double)pixel_at(&whole, x, y)[k],
+                                     (double)pixel_at(&large, 3 * x + 1, 3 * y + 1)[k]);
+            gscl_free(whole.pixels);
+            gscl_free(large.pixels);
+            free(f.bytes);
+        }
+}
+
+/* FORMAT.md, "Rendering": a wave of the length l becomes weaker by exp(-(2 pi / l)^2 (r^2 - 1) / 24). */
+static void test_waves_of_reduced_images(void **state) {
+    (void)state;
+    float p[GSCL_PARAMS] = {[GSCL_WAVE_X] = 0.1f, [GSCL_WAVE_Y] = 0.0f, [GSCL_WAVE_AMPLITUDE] = 0.5f};
+    gscl_resize_splats(p, 1, 0.5, 0.5);
+    assert_true(fabs((double)p[GSCL_WAVE_X] - 0.2) < 1e-6);
+    const double turn = 2.0 * 3.14159265358979323846 * 0.1;
+    assert_true(fabs((double)p[GSCL_WAVE_AMPLITUDE] - 0.5 * exp(-turn * turn * 3.0 / 24.0)) < 1e-6);
+}
+
+/* ---- Forms, limits and errors ---- */
+
+static void test_partial_and_bare_files(void **state) {
+    (void)state;
+    for (int bare = 0; bare < 2; bare++)
+        for (int number = 0; number < KINDS; number++) {
+            file f = file_of(number, GSF_CODING_SCALAR, SPLATS, bare);
+            gscl_decode_settings settings = float_settings();
+            settings.bare = bare;
+            settings.partial = true;
+            for (int part = 0; part < 3; part++, f.size = f.size * 2 / 3) {
+                gscl_image host = decode(HOST, &f, &settings), other = decode(0, &f, &settings);
+                check_close(&host, &other, 1.0 / 255.0, number);
+                gscl_free(host.pixels);
+                gscl_free(other.pixels);
+            }
+            free(f.bytes);
+        }
+}
+
+/* Both contexts give the same result, which is that expected, and leave the image as it was. */
+static void check_result(const file *f, const gscl_decode_settings *settings, gscl_image caller, gscl_result expected) {
+    for (int m = 0; m <= HOST; m += HOST) {
+        gscl_image image = caller;
+        assert_int_equal(gscl_decode(contexts[m], f->bytes, f->size, settings, &image), expected);
+        assert_memory_equal(&image, &caller, sizeof image);
+        assert_true(gscl_context_message(contexts[m])[0]);
+    }
+}
+
+static void test_limits(void **state) {
+    (void)state;
+    const gscl_image none = {0};
+    const file f = file_of(0, GSF_CODING_SCALAR, SPLATS, false);
+    gscl_info info = {.struct_size = sizeof info};
+    assert_int_equal(gscl_inspect(f.bytes, f.size, NULL, &info), GSCL_OK);
+    gscl_decode_settings settings = float_settings();
+    settings.max_pixels = info.pixels;
+    settings.max_work = info.work;
+    gscl_free(decode(HOST, &f, &settings).pixels);
+    settings.max_pixels--;
+    check_result(&f, &settings, none, GSCL_ERROR_LIMIT);
+    settings.max_pixels = 0;
+    settings.max_work--;
+    check_result(&f, &settings, none, GSCL_ERROR_LIMIT);
+    settings = float_settings();
+    settings.width = settings.height = GSCL_MAX_DIMENSION + 1;
+    check_result(&f, &settings, none, GSCL_ERROR_IMAGE_SIZE);
+    settings = float_settings();
+    settings.crop_x = WIDTH;
+    check_result(&f, &settings, none, GSCL_ERROR_INVALID_ARGUMENT);
+    free(f.bytes);
+}
+
+static void test_errors_of_files(void **state) {
+    (void)state;
+    const gscl_image none = {0};
+    const file f = file_of(5, GSF_CODING_SCALAR, SPLATS, false);
+    file part = f;
+    for (part.size = 0; part.size < f.size; part.size += 1 + part.size / 9)
+        check_result(&part, NULL, none, part.size < 4 ? GSCL_ERROR_NOT_GSCL : GSCL_ERROR_TRUNCATED);
+    f.bytes[f.size - 1] ^= 1;
+    check_result(&f, NULL, none, GSCL_ERROR_DAMAGED);
+    float memory[4];
+    const gscl_image small = {.width = 1, .height = 1, .channels = 1, .sample = GSCL_SAMPLE_F32, .pixels = memory};
+    f.bytes[f.size - 1] ^= 1;
+    check_result(&f, NULL, small, GSCL_ERROR_INVALID_ARGUMENT);
+    free(f.bytes);
+}
+
+/* Rows of the caller's image with a gap keep what lies in it. */
+static void test_stride(void **state) {
+    (void)state;
+    enum { GAP = 5 };
+    const file f = file_of(2, GSF_CODING_SCALAR, SPLATS, false);
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.sample = GSCL_SAMPLE_U8;
+    gscl_image whole = decode(HOST, &f, &settings), image = whole;
+    const size_t row = (size_t)whole.width * whole.channels;
+    image.stride = row + GAP;
+    image.pixels = malloc(image.stride * whole.height);
+    memset(image.pixels, 0xA7, image.stride * whole.height);
+    assert_int_equal(gscl_decode(contexts[HOST], f.bytes, f.size, &settings, &image), GSCL_OK);
+    for (uint32_t y = 0; y < whole.height; y++) {
+        const uint8_t *at = (uint8_t *)image.pixels + y * image.stride;
+        assert_memory_equal(at, (uint8_t *)whole.pixels + y * row, row);
+        for (int i = 0; i < GAP; i++)
+            assert_int_equal(at[row + (size_t)i], 0xA7);
+    }
+    free(image.pixels);
+    gscl_free(whole.pixels);
+    free(f.bytes);
+}
+
+/* ---- The context ---- */
+
+static void test_device(void **state) {
+    (void)state;
+    const gscl_device_info *device = gscl_context_device(contexts[HOST]);
+    assert_string_equal(device->id, "host");
+    assert_false(device->is_gpu || device->is_default || device->next);
+}
+
+static void ignore(void *opaque, const gscl_measurement *measurement) {
+    (void)opaque;
+    (void)measurement;
+}
+
+static void test_encoding_is_refused(void **state) {
+    (void)state;
+    uint8_t pixels[12] = {0}, *bytes = NULL;
+    size_t size = 0;
+    const gscl_image image = {.width = 2, .height = 2, .channels = 3, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
+    assert_int_equal(gscl_encode(contexts[HOST], &image, NULL, &bytes, &size, NULL), GSCL_ERROR_NO_OPENCL);
+    assert_non_null(strstr(gscl_context_message(contexts[HOST]), "encoding needs an OpenCL device"));
+    assert_true(!bytes && size == 0);
+    assert_int_equal(gscl_benchmark_kernels(contexts[HOST], NULL, ignore, NULL), GSCL_ERROR_NO_OPENCL);
+    assert_non_null(strstr(gscl_context_message(contexts[HOST]), "a benchmark needs"));
+}
+
+static void test_timings(void **state) {
+    (void)state;
+    const file f = file_of(0, GSF_CODING_SCALAR, SPLATS, false);
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = GSCL_HOST_DEVICE;
+    settings.timing = true;
+    gscl_context *context;
+    gscl_image image = {0};
+    assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
+    assert_int_equal(gscl_decode(context, f.bytes, f.size, NULL, &image), GSCL_OK);
+    bool drawn = false;
+    for (const gscl_timing *t = gscl_context_timings(context); t; t = t->next)
+        drawn = drawn || (strcmp(t->name, "draw") == 0 && t->count == 1 && t->seconds > 0);
+    assert_true(drawn);
+    gscl_free(image.pixels);
+    gscl_context_free(&context);
+    free(f.bytes);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_crops),
+        cmocka_unit_test(test_crops_of_many_splats),
+        cmocka_unit_test(test_sizes_are_those_of_opencl),
+        cmocka_unit_test(test_enlarged_pixels_are_those_of_the_whole),
+        cmocka_unit_test(test_waves_of_reduced_images),
+        cmocka_unit_test(test_partial_and_bare_files),
+        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_errors_of_files),
+        cmocka_unit_test(test_stride),
+        cmocka_unit_test(test_device),
+        cmocka_unit_test(test_encoding_is_refused),
+        cmocka_unit_test(test_timings),
+    };
+    return cmocka_run_group_tests(tests, open_contexts, close_contexts);
+}
