@@ -76,6 +76,7 @@ check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 # The library alone needs no C++ compiler.
 CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
 check "install of the library" sh tests/install/test_install.sh build-library
+check "library without OpenCL" sh tests/install/test_without_opencl.sh
 check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
 
 for compiler in gcc:g++ clang:clang++; do

@@ -45,14 +45,19 @@ static void fail_allocation(int number) {
     failing = number;
 }
 
-static int open_context(void **state) {
+static int open_device(const char *device, void **state) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = device;
     settings.timing = true;
     const gscl_result result = gscl_context_create(&context, &settings);
     *state = context;
     return result == GSCL_OK ? 0 : -1;
+}
+
+static int open_context(void **state) {
+    return open_device(NULL, state);
 }
 
 static int close_context(void **state) {
@@ -133,15 +138,15 @@ static void test_encode_with_codebooks(void **state) {
 }
 
 /* Each decode has a context of its own, because a context that drew the file before reuses its arrays. */
-static void test_decode(void **state) {
+static void decode_without_memory(gscl_context *encoder, const char *device) {
     uint8_t *bytes;
     size_t size;
-    assert_int_equal(encode_with_profile(*state, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
+    assert_int_equal(encode_with_profile(encoder, GSCL_PROFILE_DEFAULT, &bytes, &size), GSCL_OK);
     gscl_result result = GSCL_ERROR_OUT_OF_MEMORY;
     for (int number = 1; result != GSCL_OK; number++) {
         gscl_image decoded = {0};
         void *fresh;
-        assert_int_equal(open_context(&fresh), 0);
+        assert_int_equal(open_device(device, &fresh), 0);
         fail_allocation(number);
         result = gscl_decode(fresh, bytes, size, NULL, &decoded);
         const bool failed = allocations >= number;
@@ -152,6 +157,14 @@ static void test_decode(void **state) {
         close_context(&fresh);
     }
     gscl_free(bytes);
+}
+
+static void test_decode(void **state) {
+    decode_without_memory(*state, NULL);
+}
+
+static void test_decode_on_host(void **state) {
+    decode_without_memory(*state, GSCL_HOST_DEVICE);
 }
 
 static void test_context(void **state) {
@@ -199,7 +212,8 @@ static void test_measurements(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_encode),  cmocka_unit_test(test_encode_with_codebooks), cmocka_unit_test(test_decode),
+        cmocka_unit_test(test_encode),  cmocka_unit_test(test_encode_with_codebooks),
+        cmocka_unit_test(test_decode),  cmocka_unit_test(test_decode_on_host),
         cmocka_unit_test(test_context), cmocka_unit_test(test_measurements),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

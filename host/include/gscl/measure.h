@@ -1,7 +1,8 @@
 /* gscl: measuring quality, time, speed and accuracy.  gscl/gscl.h states the conventions and how structs grow.
  *
  * Contents: comparing images; time of stages and kernels; costs of effects in a file; speed of a device; accuracy of
- * drawing and of derivatives. */
+ * drawing and of derivatives.  A library that was built without OpenCL has none of it: all functions that can fail return
+ * GSCL_ERROR_NO_OPENCL. */
 #ifndef GSCL_MEASURE_H
 #define GSCL_MEASURE_H
 

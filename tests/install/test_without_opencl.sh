@@ -1,0 +1,33 @@
+#!/bin/sh
+# A library without OpenCL is small, needs libc and libm only, decodes, and refuses the rest: test_without_opencl.sh
+#
+# Builds in a temporary folder.  Its decodes must equal those of the device "host" of a library with OpenCL; they are
+# compared with the pictures of tests/conformance.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT INT TERM
+meson setup "$work/build" "$here/../.." -Dopencl=disabled -Dtool=disabled -Dtests=disabled >"$work/log" || {
+    cat "$work/log"
+    exit 1
+}
+ninja -C "$work/build" >"$work/log" || {
+    cat "$work/log"
+    exit 1
+}
+library=$work/build/libgscl.so
+
+size=$(stat -L -c %s "$library")
+if [ "$size" -gt 102400 ]; then
+    echo "the library has $size bytes, at most 102400 are expected"
+    exit 1
+fi
+needed=$(readelf -d "$library" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | sort | tr '\n' ' ')
+if [ "$needed" != "libc.so.6 libm.so.6 " ]; then
+    echo "the library needs $needed"
+    exit 1
+fi
+sh "$here/check_exports.sh" "$library"
+${CC:-cc} -std=c99 -Wall -Werror -I"$here/../../host/include" "$here/without_opencl.c" -o "$work/program" \
+    -L"$work/build" -lgscl -Wl,-rpath,"$work/build"
+"$work/program" "$here/../conformance/files/example.gscl"
