@@ -7,6 +7,15 @@
 
 #define ROUNDER 12582912.0f /* 1.5 * 2^23: adding it rounds to the nearest integer */
 
+/* Functions that are compiled for wider vectors, too; the loader takes the widest that the processor has, which
+ * saves a quarter of the time with AVX2.  Their results have the same bits, because each pixel has the same operations, and
+ * none is fused. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+#define FOR_ALL_VECTORS __attribute__((target_clones("avx2", "default")))
+#else
+#define FOR_ALL_VECTORS
+#endif
+
 /* The plane behind those of the channels. */
 static float *weights_of(gscl_canvas *c, float planes[][GSCL_CANVAS_PLANE]) {
     return planes[c->channels];
@@ -57,8 +66,9 @@ static inline float weight_at(float a, float b, float c, float t) {
 }
 
 /* The most frequent case: three channels in blend `normalized`, without a wave.  `w`: the plane of weights. */
-static void add_rgb(const gscl_chord *chord, float t0, const float colour[4], float opacity, int n, float *restrict red,
-                    float *restrict green, float *restrict blue, float *restrict w) {
+FOR_ALL_VECTORS static void add_rgb(const gscl_chord *chord, float t0, const float colour[4], float opacity, int n,
+                                    float *restrict red, float *restrict green, float *restrict blue,
+                                    float *restrict w) {
     const float a = chord->a, b = chord->b, c = chord->c, r = colour[0], g = colour[1], u = colour[2];
     for (int i = 0; i < n; i++) {
         const float weight = weight_at(a, b, c, t0 + (float)i) * opacity;
@@ -69,14 +79,15 @@ static void add_rgb(const gscl_chord *chord, float t0, const float colour[4], fl
     }
 }
 
-static void weigh_row(const gscl_chord *chord, float t0, float opacity, int n, float *restrict weights) {
+FOR_ALL_VECTORS static void weigh_row(const gscl_chord *chord, float t0, float opacity, int n,
+                                      float *restrict weights) {
     const float a = chord->a, b = chord->b, c = chord->c;
     for (int i = 0; i < n; i++)
         weights[i] = weight_at(a, b, c, t0 + (float)i) * opacity;
 }
 
 /* Blend `alpha`: weights become shares of the pixel behind all splats so far. */
-static void shade_row(int n, float *restrict weights, float *restrict minus_opacity) {
+FOR_ALL_VECTORS static void shade_row(int n, float *restrict weights, float *restrict minus_opacity) {
     for (int i = 0; i < n; i++) {
         float w = gscl_lesser_positive(weights[i], GSCL_MAX_ALPHA);
         w = w * minus_opacity[i] + w;
@@ -85,13 +96,13 @@ static void shade_row(int n, float *restrict weights, float *restrict minus_opac
     }
 }
 
-static void wave_row(const gscl_chord *chord, const gscl_ellipse *e, float t0, int n, const float *restrict weights,
-                     float *restrict waves) {
+FOR_ALL_VECTORS static void wave_row(const gscl_chord *chord, const gscl_ellipse *e, float t0, int n,
+                                     const float *restrict weights, float *restrict waves) {
     for (int i = 0; i < n; i++)
         waves[i] = weights[i] * e->wave_amplitude * cos_turns(chord->turns + (t0 + (float)i) * e->wave_x);
 }
 
-static void add_scaled(int n, const float *restrict from, float factor, float *restrict to) {
+FOR_ALL_VECTORS static void add_scaled(int n, const float *restrict from, float factor, float *restrict to) {
     for (int i = 0; i < n; i++)
         to[i] += factor * from[i];
 }
