@@ -179,7 +179,7 @@ class Host(ToolTest):
         not_built = {"POCL_CACHE_DIR": str(self.folder / "none")}
         device = next(device["id"] for device in self.gscl_json("devices") if device["is_default"])
         for arguments, env, expected in (((), built, "host"), (("--mapping", "cpu"), None, device),
-                                         (("--size", "1000x2000"), built, "host"), (("--size", "1000x2001"), built, device),
+                                         (("--size", "1000x3000"), built, "host"), (("--size", "1000x3001"), built, device),
                                          (("--size", "4000x4000"), not_built, "host"),
                                          (("--size", "4000x4000", "--crop", "0,0,9,9"), built, "host"),
                                          (("--size", "4000x4001"), {"OCL_ICD_VENDORS": "/nonexistent"}, "host")):

@@ -16,14 +16,16 @@ static void divide_row(float *restrict v, const float *restrict alpha, bool prem
         v[i] /= gscl_larger_positive(alpha[i], smallest);
 }
 
+static const float half = 0.5f; /* positive numbers are rounded by truncation */
+
 /* Stores one channel, its samples `stride` apart; `v` is NULL for a channel of ones. */
 static void store_u8(const float *v, uint8_t *to, size_t stride, int count) {
     for (int i = 0; i < count; i++)
-        to[(size_t)i * stride] = v ? (uint8_t)(int)(v[i] * 255.0f + 0.5f) : 255;
+        to[(size_t)i * stride] = v ? (uint8_t)(int)(v[i] * 255.0f + half) : 255;
 }
 static void store_u16(const float *v, uint16_t *to, size_t stride, int count) {
     for (int i = 0; i < count; i++)
-        to[(size_t)i * stride] = v ? (uint16_t)(int)(v[i] * 65535.0f + 0.5f) : 65535;
+        to[(size_t)i * stride] = v ? (uint16_t)(int)(v[i] * 65535.0f + half) : 65535;
 }
 static void store_f32(const float *v, float *to, size_t stride, int count) {
     for (int i = 0; i < count; i++)

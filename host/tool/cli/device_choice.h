@@ -36,12 +36,13 @@ int open_device(const device_choice *choice, gscl_context **context);
 int open_decoder(const device_choice *choice, uint64_t pixels, gscl_context **context);
 
 /* The rule of open_decoder, in megapixels: for pictures up to the first limit "host" ends before an OpenCL device has
- * started; up to the second, before kernels have been built.  Measured with PoCL on two cores: "host" decodes 1.6
- * megapixels in the 0.12 s that PoCL takes to start, and 14 in 0.6 s, where building kernels takes 2.1 s. */
-#define HOST_MEGAPIXELS 2
+ * started and drawn; up to the second, before kernels have been built.  Measured as whole processes on two cores with AVX2
+ * and PoCL 3: for 0.4, 1.6, 3.5 and 14 megapixels "host" takes 0.03, 0.06, 0.11 and 0.54 s, and PoCL 0.09, 0.11, 0.18 and
+ * 0.40 s; building the kernels takes PoCL 2.1 s more. */
+#define HOST_MEGAPIXELS 3
 #define HOST_MEGAPIXELS_UNBUILT 16
 #define DECODER_CHOICE_HELP                                                                                           \
-    "Without --device and --mapping, pictures up to 2 megapixels, and up to 16 while PoCL has no folder of built\n"   \
+    "Without --device and --mapping, pictures up to 3 megapixels, and up to 16 while PoCL has no folder of built\n"   \
     "kernels, are drawn by the device 'host', which needs no OpenCL and is then the faster one; larger ones by the\n" \
     "default of 'gscl devices'; all where there is no OpenCL device by 'host'."
 
