@@ -83,18 +83,12 @@ static void update_direction(gsf_model *model, uint32_t bin) {
         gsf_model_add(model, 0, model->gain[1]);
 }
 
-/* The row of a conditional model for a splat's size relative to that of a typical splat. */
-static uint32_t size_row(unsigned major, unsigned typical, uint32_t below, uint32_t rows) {
-    const int32_t relative = (int32_t)major - (int32_t)typical + (int32_t)below;
-    return relative < 0 ? 0 : (uint32_t)relative < rows ? (uint32_t)relative : rows - 1;
-}
-
 uint32_t gsf_direction_row(unsigned aspect) {
     return aspect / 2 < GSF_DIRECTION_ROWS ? aspect / 2 : GSF_DIRECTION_ROWS - 1;
 }
 
 uint32_t gsf_aspect_row(unsigned major, unsigned typical) {
-    return size_row(major, typical, GSF_ASPECT_BELOW, GSF_ASPECT_ROWS);
+    return gsf_size_row(major, typical, GSF_ASPECT_BELOW, GSF_ASPECT_ROWS);
 }
 
 /* An aspect is at most the major code.  Aspects from LAST_ASPECT on share a symbol. */
@@ -176,7 +170,7 @@ static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
 
 static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     gsf_texture *t = &splat->texture;
-    const uint32_t row = size_row(splat->major, a->typical_size, 2 * GSF_TEXTURED_BELOW, 2 * GSF_TEXTURED_ROWS) / 2;
+    const uint32_t row = gsf_size_row(splat->major, a->typical_size, 2 * GSF_TEXTURED_BELOW, 2 * GSF_TEXTURED_ROWS) / 2;
     if (!gsf_code_conditional(coder, t->amplitude > 0, &a->textured, row)) {
         *t = (gsf_texture){0};
         return;

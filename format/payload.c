@@ -29,11 +29,9 @@ static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_n
 
 /* Codes the number of splats in a class of scalar coding; `left` splats are in this class and those after it. */
 static uint32_t code_class_count(gsf_coder *coder, uint32_t count, uint32_t left, uint32_t class_no, uint32_t typical) {
-    const int32_t relative = (int32_t)gsf_class_major(class_no) - (int32_t)typical + GSF_CLASS_BELOW;
-    const uint32_t row = relative < 0 ? 0 : relative < GSF_CLASS_ROWS ? (uint32_t)relative : GSF_CLASS_ROWS - 1;
-    if (left == 0 || gsf_class_major(class_no) == 0)
-        return left;
-    return gsf_code_count_split(coder, count, left, gsf_class_weight_table[row][0], gsf_class_weight_table[row][1]);
+    const unsigned major = gsf_class_major(class_no);
+    const uint16_t *weights = gsf_class_weight_table[gsf_size_row(major, typical, GSF_CLASS_BELOW, GSF_CLASS_ROWS)];
+    return left == 0 || major == 0 ? left : gsf_code_count_split(coder, count, left, weights[0], weights[1]);
 }
 
 /* Codes the number of splats in a layer and in each of its classes, the first of which is `class_no`; `left` splats are

@@ -48,6 +48,11 @@ unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps) {
     return GSF_MAX_SCALE_CODE;
 }
 
+uint32_t gsf_size_row(unsigned major, unsigned typical, uint32_t below, uint32_t rows) {
+    const int32_t relative = (int32_t)major - (int32_t)typical + (int32_t)below;
+    return relative < 0 ? 0 : (uint32_t)relative < rows ? (uint32_t)relative : rows - 1;
+}
+
 bool gsf_angle_is_steep(unsigned angle, unsigned angle_count) {
     return 4 * angle > angle_count && 4 * angle < 3 * angle_count;
 }

@@ -21,6 +21,9 @@ unsigned gsf_angle_count(const gsf_steps *steps, unsigned aspect);
 /* The major code of a typical splat: the smallest with which as many circles of that sigma have, as squares, the area of
  * the image.  0..GSF_MAX_SCALE_CODE. */
 unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps);
+/* The row of a trained table for a major code: its difference from the typical one, clamped to -below and on, which is row
+ * 0, up to the last of the rows. */
+uint32_t gsf_size_row(unsigned major, unsigned typical, uint32_t below, uint32_t rows);
 /* Whether the major axis of an angle code is closer to the vertical than to the horizontal.  A tie is horizontal. */
 bool gsf_angle_is_steep(unsigned angle, unsigned angle_count);
 

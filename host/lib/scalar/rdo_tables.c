@@ -151,12 +151,12 @@ static void make_direction_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
 
 /* The bits of majors, from the shares of the splats that the count splits expect after those that exist. */
 static void make_major_bits(float *bits, const gsf_coded_image *image, const code_list *list) {
-    const int typical = (int)gsf_typical_size(&image->header, &image->steps);
+    const unsigned typical = gsf_typical_size(&image->header, &image->steps);
     double counts[GSCL_MAX_SCALE + 1] = {0}, left = (double)list->count, rest = 1;
     count_codes(list, GSCL_CODE_MAJOR, 0, counts);
     for (int major = GSCL_MAX_SCALE; major >= 0; major--) {
-        const int row = major - typical + GSF_CLASS_BELOW;
-        const uint16_t *weights = gsf_class_weight_table[row < 0 ? 0 : row < GSF_CLASS_ROWS ? row : GSF_CLASS_ROWS - 1];
+        const uint16_t *weights =
+            gsf_class_weight_table[gsf_size_row((unsigned)major, typical, GSF_CLASS_BELOW, GSF_CLASS_ROWS)];
         const double a = weights[0] / (double)GSF_WEIGHT_UNIT, b = weights[1] / (double)GSF_WEIGHT_UNIT;
         const double share = major > 0 ? (a + counts[major]) / (a + b + left) : 1;
         bits[major] = (float)-log2(rest * share);
