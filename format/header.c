@@ -149,14 +149,14 @@ static void code_size(gsf_coder *coder, gsf_header *header) {
 
 /* ---- Number of splats, steps, background ---- */
 
-static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1};
-
 static void code_layers(gsf_coder *coder, gsf_header *header) {
     const uint32_t layers = header->enhancement_layers;
     header->enhancement_layers = 0;
     if (header->coding == GSF_CODING_SCALAR && header->splat_count > 0 && code_flag(coder, layers > 0, 1))
         header->enhancement_layers = (uint8_t)(1 + gsf_code_uniform(coder, layers - 1, GSF_MAX_LAYERS - 1));
 }
+
+static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
 void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
     coder->stream = GSF_STREAM_HEADER;

@@ -36,31 +36,33 @@ static uint32_t code_class_count(gsf_coder *coder, uint32_t count, uint32_t left
 
 /* Codes the number of splats in a layer and in each of its classes, the first of which is `class_no`; `left` splats are
  * in this layer and those after it.  Returns the number in this layer. */
-static uint32_t code_layer_counts(gsf_coder *coder, const gsf_coded_image *image, uint32_t *counts, uint32_t class_no,
-                                  uint32_t left) {
-    const uint32_t typical = gsf_typical_size(&image->header, &image->steps);
-    uint32_t n = left;
+static uint32_t code_layer_counts(gsf_coder *coder, gsf_workspace *w, uint32_t class_no, uint32_t left, bool is_last) {
+    uint32_t *counts = w->counts + class_no, n = left;
     coder->stream = GSF_STREAM_SCALE;
-    if (left > 0 && class_no / GSF_SCALE_CLASSES < image->header.enhancement_layers)
+    if (left > 0 && !is_last)
         n = gsf_code_count_split(coder, gsf_sum(counts, GSF_SCALE_CLASSES), left, GSF_WEIGHT_UNIT, GSF_WEIGHT_UNIT);
     for (uint32_t i = 0, rest = n; i < GSF_SCALE_CLASSES; i++) {
-        counts[i] = code_class_count(coder, counts[i], rest, class_no + i, typical);
+        counts[i] = code_class_count(coder, counts[i], rest, class_no + i, w->attributes.typical_size);
         rest -= counts[i];
     }
     return n;
 }
 
-/* Codes the counts of the layer that begins with class `class_no`, if one does; codebook coding has one layer.  `left`
- * splats are not counted yet.  Returns the number that is counted now. */
-static uint32_t code_counts_before(gsf_coder *coder, const gsf_coded_image *image, gsf_workspace *w, uint32_t class_no,
-                                   uint32_t left) {
+/* Classes whose counts are coded together: a layer, or all of codebook coding. */
+static uint32_t group_size(const gsf_coded_image *image) {
+    return image->header.coding == GSF_CODING_SCALAR ? GSF_SCALE_CLASSES : gsf_class_count(image);
+}
+
+/* Codes the counts of the group that begins with `class_no`; `left` splats are in it and those after it.  Returns the
+ * number in it. */
+static uint32_t code_group_counts(gsf_coder *coder, const gsf_coded_image *image, gsf_workspace *w, uint32_t class_no,
+                                  uint32_t left) {
+    const uint32_t group = group_size(image);
     if (image->header.coding == GSF_CODING_SCALAR)
-        return class_no % GSF_SCALE_CLASSES > 0 ? 0
-                                                : code_layer_counts(coder, image, w->counts + class_no, class_no, left);
+        return code_layer_counts(coder, w, class_no, left, class_no + group == gsf_class_count(image));
     coder->stream = GSF_STREAM_SHAPE_INDEX;
-    if (class_no == 0)
-        gsf_code_class_counts(coder, w->counts, gsf_class_count(image), left);
-    return class_no > 0 ? 0 : left;
+    gsf_code_class_counts(coder, w->counts, group, left);
+    return left;
 }
 
 static void code_indexed(gsf_coder *coder, gsf_workspace *w, gsf_indexed_splat *splat) {
@@ -98,7 +100,8 @@ static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
     else
         gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
     for (uint32_t i = 0; i < classes && !gsf_coder_overrun(coder); i++) {
-        left -= code_counts_before(coder, image, w, i, left);
+        if (i % group_size(image) == 0)
+            left -= code_group_counts(coder, image, w, i, left);
         code_class(coder, image, w, i, first);
         first += w->counts[i];
     }

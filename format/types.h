@@ -154,7 +154,7 @@ typedef enum gsf_stream {
 typedef struct gsf_coded_image {
     gsf_header header;
     bool has_mean_background;              /* the background is the mean of the splats' colours; not without splats */
-    uint16_t background[GSF_MAX_CHANNELS]; /* otherwise,  coded channels (Y, or R G B; then alpha), in 1/255 or, with
+    uint16_t background[GSF_MAX_CHANNELS]; /* otherwise: coded channels (Y, or R G B; then alpha), in 1/255 or, with
                                               high_bit_depth, in 1/65535 */
     gsf_steps steps;                       /* scalar coding */
     gsf_splat *splats;                     /* scalar coding: array of splat_count */
