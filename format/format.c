@@ -77,6 +77,10 @@ static void count_container(const gsf_coded_image *image, size_t size, size_t pi
 }
 
 /* A picture is valid only if the decoder consumes exactly its bytes. */
+static bool is_at_end(const gsf_coder *coder) {
+    return coder->decoder.position == coder->decoder.size + GSF_IMPLIED_BYTES;
+}
+
 static gsf_result read_picture(gsf_coded_image *image, gsf_bytes picture, void *scratch) {
     gsf_coder coder;
     gsf_coder_read_from(&coder, picture.data, picture.size, image->stream_bits256);
@@ -85,7 +89,7 @@ static gsf_result read_picture(gsf_coded_image *image, gsf_bytes picture, void *
         !gsf_coder_overrun(&coder) && gsf_code_payload(&coder, image, workspace_in(&image->header, scratch));
     if (gsf_coder_overrun(&coder))
         return GSF_TRUNCATED;
-    return valid && coder.decoder.position == picture.size + GSF_IMPLIED_BYTES ? GSF_OK : GSF_CORRUPT;
+    return valid && is_at_end(&coder) ? GSF_OK : GSF_CORRUPT;
 }
 
 /* Clears the fields that reading sets.  The arrays and the pointers to them stay. */
@@ -117,21 +121,24 @@ gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *i
     const gsf_result result = image->bare ? GSF_OK : gsf_open_container_prefix(bytes, size, &container);
     if (result != GSF_OK)
         return result;
-    if (container.is_intact || image->bare) { /* whether a bare file is whole shows when it is read */
+    if (container.is_intact) {
         const gsf_result whole = gsf_read(bytes, size, image, scratch);
         *total = image->header.splat_count;
-        if (container.is_intact || whole == GSF_OK)
-            return whole;
-        clear_fields(image);
+        return whole;
     }
     count_container(image, size, container.picture.size);
     gsf_coder_read_from(&coder, container.picture.data, container.picture.size, image->stream_bits256);
     gsf_code_header(&coder, image);
-    if (!gsf_coder_is_certain(&coder))
+    const bool has_header = gsf_coder_is_certain(&coder);
+    if (gsf_coder_overrun(&coder) || (!has_header && !image->bare))
         return GSF_TRUNCATED;
     gsf_workspace *workspace = workspace_in(&image->header, scratch);
-    gsf_code_payload(&coder, image, workspace);
+    const bool valid = gsf_code_payload(&coder, image, workspace);
     *total = image->header.splat_count;
+    if (image->bare && valid && is_at_end(&coder)) /* a bare file has no check: that it is whole shows here */
+        return GSF_OK;
+    if (!has_header)
+        return GSF_TRUNCATED;
     image->header.splat_count = workspace->certain;
     return gsf_work_is_bounded(image) ? GSF_OK : GSF_CORRUPT;
 }
