@@ -4,7 +4,6 @@
 
 #include "decode/draw_device.h"
 #include "runtime/context.h"
-#include "runtime/struct_size.h"
 
 static gscl_result refuse(gscl_context *context, const char *activity) {
     gscl_forget_message(context);
@@ -23,11 +22,6 @@ gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparis
     return GSCL_ERROR_NO_OPENCL;
 }
 
-void gscl_encode_settings_init(gscl_encode_settings *settings, size_t struct_size) {
-    const gscl_encode_settings defaults = {.effort = GSCL_DEFAULT_EFFORT, .seed = 1};
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
-
 gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
                         uint8_t **bytes, size_t *size, gscl_encode_report *report) {
     (void)image, (void)settings, (void)bytes, (void)size, (void)report;
@@ -41,11 +35,6 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
     return context ? refuse(context, "measuring effects") : GSCL_ERROR_NO_OPENCL;
 }
 
-void gscl_benchmark_settings_init(gscl_benchmark_settings *settings, size_t struct_size) {
-    const gscl_benchmark_settings defaults = {.width = 768, .height = 512, .splats = 2500, .repetitions = 20};
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
-
 gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_settings *settings,
                                   gscl_measurement_callback callback, void *opaque) {
     (void)settings, (void)callback, (void)opaque;
@@ -56,11 +45,6 @@ gscl_result gscl_benchmark_kernels(gscl_context *context, const gscl_benchmark_s
                                    gscl_measurement_callback callback, void *opaque) {
     (void)settings, (void)callback, (void)opaque;
     return refuse(context, "a benchmark");
-}
-
-void gscl_accuracy_settings_init(gscl_accuracy_settings *settings, size_t struct_size) {
-    const gscl_accuracy_settings defaults = {.repetitions = 20, .splats = 48};
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
 }
 
 gscl_result gscl_measure_accuracy(gscl_context *context, const gscl_image *image, const uint8_t *bytes, size_t size,

@@ -4,6 +4,7 @@
  *
  * In the order in which to read them:
  *   encode.c: the stages of an encode
+ *   default_settings.c: the settings that the caller leaves
  *   settings.h: which settings are valid
  *   prepare.h: source planes, header, size of the file
  *   effect_search.h: which effects the file has

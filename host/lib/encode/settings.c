@@ -3,12 +3,6 @@
 #include <math.h>
 
 #include "format/format.h"
-#include "runtime/struct_size.h"
-
-void gscl_encode_settings_init(gscl_encode_settings *settings, size_t struct_size) {
-    const gscl_encode_settings defaults = {.effort = GSCL_DEFAULT_EFFORT, .seed = 1};
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
 
 static gscl_result check_ranges(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||

@@ -38,12 +38,6 @@ typedef struct bench {
 
 typedef gscl_result bench_run(bench *b, void *opaque);
 
-static const gscl_benchmark_settings defaults = {.width = 768, .height = 512, .splats = 2500, .repetitions = 20};
-
-void gscl_benchmark_settings_init(gscl_benchmark_settings *settings, size_t struct_size) {
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
-
 static void add_sample(bench *b, const char *name, double seconds) {
     size_t i = 0;
     while (i < b->count && strcmp(b->series[i].name, name) != 0)
@@ -268,7 +262,8 @@ static gscl_result bench_create(gscl_context *context, const gscl_benchmark_sett
     if (!context || !callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
     GSCL_TRY(gscl_require_opencl(context, "a benchmark"));
-    gscl_benchmark_settings s = defaults;
+    gscl_benchmark_settings s;
+    gscl_benchmark_settings_default(&s);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_benchmark_settings, repetitions, settings, &s));
     if (!context->timings)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a benchmark needs a context with timing");

@@ -3,6 +3,7 @@
  * It may use: all rooms below.
  *
  * In the order in which to read them:
+ *   default_settings.c: the settings that the caller leaves
  *   benchmark.c: the speed of the device and of the kernels
  *   subject.h: a file and its image, which the measurements of accuracy share
  *   reference.h: rendering in double precision

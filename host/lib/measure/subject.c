@@ -13,12 +13,6 @@
 
 #define MAX_COUNT 1000 /* repetitions, and splats */
 
-static const gscl_accuracy_settings defaults = {.repetitions = 20, .splats = 48};
-
-void gscl_accuracy_settings_init(gscl_accuracy_settings *settings, size_t struct_size) {
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
-
 static gscl_result check_settings(gscl_context *context, const gscl_accuracy_settings *s) {
     if (!context->timings)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "measuring accuracy needs a context with timing");
@@ -58,7 +52,7 @@ gscl_result gscl_subject_open(gscl_subject *s, gscl_context *context, const gscl
         return GSCL_ERROR_INVALID_ARGUMENT;
     s->context = context;
     GSCL_TRY(gscl_require_opencl(context, "measuring accuracy"));
-    s->settings = defaults;
+    gscl_accuracy_settings_default(&s->settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_accuracy_settings, splats, settings, &s->settings));
     GSCL_TRY(check_settings(context, &s->settings));
     GSCL_TRY(gscl_image_examine(context, image, &content));
