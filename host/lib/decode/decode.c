@@ -53,11 +53,10 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
 /* Adds all splats, one by one, so that no memory holds the parameters of all; adds up their colours in `sums`. */
 static void add_splats(const gscl_coded_image *coded, const gscl_frame *f, gscl_software *software, double sums[4]) {
     const gsf_header *header = &coded->file.header;
-    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
         gscl_coded_image_splat(coded, i, params);
-        gscl_resize_splats(params, 1, scale_x, scale_y);
+        gscl_resize_splats(params, 1, f->scale_x, f->scale_y);
         gscl_software_add(software, params);
         for (unsigned k = 0; k < gsf_channel_count(header); k++)
             sums[k] += params[GSCL_COLOUR + k];

@@ -57,10 +57,9 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *co
     const gsf_header *header = &coded->file.header;
     gscl_renderer *renderer = NULL;
     const gscl_kernel_options options = gscl_frame_options(header, f);
-    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     gscl_stage(context, GSCL_STAGE_DEQUANTISE);
     gscl_coded_image_params(coded, params, background);
-    gscl_resize_splats(params, header->splat_count, scale_x, scale_y);
+    gscl_resize_splats(params, header->splat_count, f->scale_x, f->scale_y);
     gscl_stage(context, GSCL_STAGE_DRAW);
     GSCL_TRY(reuse_renderer(context, &options, &renderer));
     GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));

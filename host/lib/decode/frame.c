@@ -14,6 +14,8 @@ static gscl_result resolve_size(gscl_context *context, const gscl_decode_setting
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "both width and height must be given, or neither");
     f->full_width = s->width ? s->width : header->width;
     f->full_height = s->height ? s->height : header->height;
+    f->scale_x = (double)f->full_width / header->width;
+    f->scale_y = (double)f->full_height / header->height;
     if (f->full_width > GSCL_MAX_DIMENSION || f->full_height > GSCL_MAX_DIMENSION)
         return gscl_fail(context, GSCL_ERROR_IMAGE_SIZE, "cannot draw %ux%u pixels; at most %dx%d", f->full_width,
                          f->full_height, GSCL_MAX_DIMENSION, GSCL_MAX_DIMENSION);
@@ -58,9 +60,8 @@ gscl_result gscl_frame_resolve(gscl_context *context, const gscl_decode_settings
 }
 
 gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_frame *f) {
-    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     gscl_kernel_options options = gscl_coded_image_options(header);
-    if (!(options.shape == GSCL_SHAPE_ISOTROPIC && scale_x == scale_y) && (scale_x != 1 || scale_y != 1))
+    if (!(options.shape == GSCL_SHAPE_ISOTROPIC && f->scale_x == f->scale_y) && (f->scale_x != 1 || f->scale_y != 1))
         options.shape = GSCL_SHAPE_ROTATED; /* scaling turns the axes */
     return options;
 }
@@ -80,12 +81,11 @@ static double outline_area(const float *p, const gscl_frame *f) {
 
 uint64_t gscl_frame_work(const gscl_coded_image *coded, const gscl_frame *f) {
     const gsf_header *header = &coded->file.header;
-    const double scale_x = (double)f->full_width / header->width, scale_y = (double)f->full_height / header->height;
     uint64_t work = 0;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
         gscl_coded_image_splat(coded, i, params);
-        gscl_resize_splats(params, 1, scale_x, scale_y);
+        gscl_resize_splats(params, 1, f->scale_x, f->scale_y);
         work += (uint64_t)fmax(1, ceil(outline_area(params, f)));
     }
     return work;

@@ -9,6 +9,7 @@
 typedef struct gscl_frame {
     uint32_t full_width, full_height; /* of the whole drawn image, pixels */
     uint32_t x, y, width, height;     /* the rectangle that is returned */
+    double scale_x, scale_y;          /* of the whole drawn image, relative to the encoded size */
 } gscl_frame;
 
 /* Computes the frame from the settings and checks it against max_pixels and, as far as the header allows, max_work.  It

@@ -143,7 +143,12 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, const gscl_read_sett
         own.colour_words = coded.file.codebooks.colour_count;
     }
     list_streams(stream_bits256, size, &own);
-    const gscl_frame whole = {own.width, own.height, 0, 0, own.width, own.height};
+    const gscl_frame whole = {.full_width = own.width,
+                              .full_height = own.height,
+                              .width = own.width,
+                              .height = own.height,
+                              .scale_x = 1,
+                              .scale_y = 1};
     own.work = gscl_frame_work(&coded, &whole);
     gscl_struct_write(info, &own);
     gscl_coded_image_free(&coded);
