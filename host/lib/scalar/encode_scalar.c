@@ -21,7 +21,6 @@ static gscl_result run_stages(gscl_scalar_state *s) {
     return gscl_scalar_trim(s);
 }
 
-/* Encodes the layer of the plan, on those before it. */
 static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
     gscl_scalar_state state;
     gscl_scalar_begin(&state, e, plan);
@@ -45,10 +44,10 @@ static gscl_result add_layer(gscl_encoder *e, gscl_scalar_plan *plan) {
     return result;
 }
 
-/* The first share of the target that is worth a layer. */
-static int first_share(gscl_size_target target) {
+/* The first share of the target that is worth a layer; the last one is the whole. */
+static int first_share(const gscl_encoder *e, gscl_size_target target) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
-    int first = 0;
+    int first = e->settings.progressive ? 0 : GSCL_LAYERS - 1;
     while (first < GSCL_LAYERS - 1 && (target.bytes ? (double)target.bytes * t->layer_shares[first] < t->min_layer_bytes
                                                     : (double)target.splats * t->layer_shares[first] < 1))
         first++;
@@ -57,29 +56,20 @@ static int first_share(gscl_size_target target) {
 
 /* Each layer is fitted to what those before it leave, so that a part of the file that ends with a layer is about as good
  * as a whole file of that size. */
-static gscl_result encode_progressive(gscl_encoder *e, gscl_scalar_plan *plan) {
+gscl_result gscl_encode_scalar(gscl_encoder *e, gscl_size_target target) {
+    const int first = first_share(e, target), layers = GSCL_LAYERS - first;
     const double from = e->progress.from, to = e->progress.to;
-    const int first = first_share(plan->all), layers = GSCL_LAYERS - first;
+    gscl_scalar_plan plan = {
+        .source = &e->source, .coded = &e->coded, .preset = &gscl_effort_presets[e->settings.effort], .all = target};
     e->coded.file.header.enhancement_layers = (uint8_t)(layers - 1);
     for (int layer = 0; layer < layers; layer++) {
         const double share = gscl_scalar_tunables.layer_shares[first + layer];
         gscl_progress_stage(&e->progress, from + (to - from) * layer / layers,
                             from + (to - from) * (layer + 1) / layers);
-        plan->layer = (uint32_t)layer;
-        plan->is_last = layer == layers - 1;
-        plan->target.bytes = (size_t)((double)plan->all.bytes * share);
-        plan->target.splats = (size_t)((double)plan->all.splats * share);
-        GSCL_TRY(add_layer(e, plan));
+        plan.layer = (uint32_t)layer;
+        plan.target.bytes = (size_t)((double)target.bytes * share);
+        plan.target.splats = (size_t)((double)target.splats * share);
+        GSCL_TRY(add_layer(e, &plan));
     }
     return GSCL_OK;
-}
-
-gscl_result gscl_encode_scalar(gscl_encoder *e, gscl_size_target target) {
-    gscl_scalar_plan plan = {.source = &e->source,
-                             .coded = &e->coded,
-                             .target = target,
-                             .preset = &gscl_effort_presets[e->settings.effort],
-                             .all = target,
-                             .is_last = true};
-    return e->settings.progressive ? encode_progressive(e, &plan) : encode_layer(e, &plan);
 }

@@ -39,12 +39,8 @@ static gscl_result mean_error(gscl_fit *fit, double *mse) {
 gscl_result gscl_scalar_probe_fit(gscl_encoder *e, const gscl_source *source, const gsf_header *header,
                                   gscl_size_target target, double *mse) {
     gscl_coded_image coded = {.file = {.header = *header, .bare = true}};
-    const gscl_scalar_plan plan = {.source = source,
-                                   .coded = &coded,
-                                   .target = target,
-                                   .preset = &gscl_probe_preset,
-                                   .all = target,
-                                   .is_last = true};
+    const gscl_scalar_plan plan = {
+        .source = source, .coded = &coded, .target = target, .preset = &gscl_probe_preset, .all = target};
     gscl_scalar_state state;
     gscl_scalar_begin(&state, e, &plan);
     state.finest = probe_level(&state);

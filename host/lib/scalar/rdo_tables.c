@@ -118,7 +118,8 @@ static void expect_codes(rdo_expectation *e, const gsf_coded_image *image, size_
     for (size_t i = 0; i < count; i++) {
         gsf_splat splat = image->splats[i];
         add_probabilities(e->probability[0], a->luma.freq, a->luma.count, a->luma.total);
-        add_probabilities(e->probability[3], a->alpha.freq, a->alpha.count, a->alpha.total);
+        if (image->header.has_alpha)
+            add_probabilities(e->probability[3], a->alpha.freq, a->alpha.count, a->alpha.total);
         gsf_code_attributes(&coder, a, &splat);
         for (int k = 0; image->header.has_chroma && k < 2; k++)
             add_probabilities(e->probability[1 + k], a->chroma.channel[k].mixed, a->chroma.channel[k].plain.count,
@@ -127,11 +128,10 @@ static void expect_codes(rdo_expectation *e, const gsf_coded_image *image, size_
 }
 
 /* The bits of aspect codes, from the frequencies of the format's model after all splats. */
-static void make_aspect_bits(gscl_rdo_tables *t, const gsf_coded_image *image, const rdo_expectation *e) {
-    const unsigned typical = gsf_typical_size(&image->header, &image->steps);
+static void make_aspect_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
     const unsigned last = gsf_aspect_shape.columns - 1;
     for (unsigned major = 0; major <= GSCL_MAX_SCALE; major++) {
-        const unsigned row = gsf_aspect_row(major, typical);
+        const unsigned row = gsf_aspect_row(major, e->attributes.typical_size);
         for (unsigned aspect = 0; aspect <= GSCL_MAX_SCALE; aspect++) {
             const double freq = gsf_conditional_row(&e->attributes.aspect, row)[aspect < last ? aspect : last];
             const double codes = aspect < last ? 1 : GSCL_MAX_SCALE + 1 - last;
@@ -150,8 +150,8 @@ static void make_direction_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
 }
 
 /* The bits of majors, from the shares of the splats that the count splits expect after those that exist. */
-static void make_major_bits(float *bits, const gsf_coded_image *image, const code_list *list) {
-    const unsigned typical = gsf_typical_size(&image->header, &image->steps);
+static void make_major_bits(float *bits, const code_list *list, const rdo_expectation *e) {
+    const unsigned typical = e->attributes.typical_size;
     double counts[GSCL_MAX_SCALE + 1] = {0}, left = (double)list->count, rest = 1;
     count_codes(list, GSCL_CODE_MAJOR, 0, counts);
     for (int major = GSCL_MAX_SCALE; major >= 0; major--) {
@@ -169,8 +169,8 @@ static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, 
                               const rdo_expectation *e) {
     const gsf_header *header = &image->header;
     float major_bits[GSCL_MAX_SCALE + 1];
-    make_major_bits(major_bits, image, list);
-    make_aspect_bits(t, image, e);
+    make_major_bits(major_bits, list, e);
+    make_aspect_bits(t, e);
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
         gscl_major_entry *m = &t->majors[i];
         m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;
@@ -178,8 +178,8 @@ static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, 
         m->cells_y = (cl_int)gsf_position_cells(&image->steps, i, header->height);
         m->bits = major_bits[i] + log2f((float)m->cells_x * (float)m->cells_y);
         gscl_aspect_entry *a = &t->aspects[i];
-        a->angles = (cl_int)gsf_angle_count(&image->steps, i);
-        a->parts = (cl_int)gsf_position_parts(&image->steps, i);
+        a->angles = e->attributes.angles[i];
+        a->parts = (cl_int)e->attributes.parts[i];
         a->bits = log2f((float)a->angles * (float)a->parts);
     }
     make_direction_bits(t, e);

@@ -100,9 +100,9 @@ static gscl_result estimate_target(gscl_scalar_state *s) {
     GSCL_TRY(gscl_scalar_quantise(s));
     GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
     GSCL_TRY(gscl_file_size(s->encoder->context, s->coded, &size));
-    const double count = s->fit.renderer.count, side = 5;
-    const double bits = fmax(((double)size - side) * 8 / count, tunables->min_bits_per_splat);
-    const double target = ((double)s->bytes - side) * 8 / bits * s->surplus;
+    const double count = s->fit.renderer.count;
+    const double bits = fmax(((double)size - GSCL_HEADER_BYTES) * 8 / count, tunables->min_bits_per_splat);
+    const double target = ((double)s->bytes - GSCL_HEADER_BYTES) * 8 / bits * s->surplus;
     s->target = (size_t)fmin(fmax(target, 1), (double)s->max_splats);
     return GSCL_OK;
 }

@@ -6,11 +6,9 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 
-#define HEADER_BYTES 5 /* of a picture, about */
-
 /* Splats that the budget is expected to hold. */
 static size_t estimate_splats(size_t bytes) {
-    const double bits = 8 * ((double)bytes - HEADER_BYTES);
+    const double bits = 8 * ((double)bytes - GSCL_HEADER_BYTES);
     return bits > 32 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
 }
 
@@ -18,9 +16,9 @@ static size_t estimate_splats(size_t bytes) {
 static void choose_quantiser_steps(const gscl_scalar_state *s, gscl_size_target all) {
     const double factor = s->encoder->settings.step_factor;
     gsf_coded_image *file = &s->coded->file;
-    const gsf_steps defaults = gsf_default_steps((uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats));
     if (s->fixed_count > 0)
         return;
+    const gsf_steps defaults = gsf_default_steps((uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats));
     file->steps = defaults;
     if (factor > 0)
         file->steps = gscl_scale_steps(&defaults, factor);
@@ -64,7 +62,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .layer = plan->layer,
                              .coded = plan->coded,
                              .random = e->settings.seed,
-                             .textures = plan->is_last &&
+                             .textures = plan->layer == plan->coded->file.header.enhancement_layers && /* the last */
                                          gscl_effect_is_on(&e->effects, GSCL_EFFECT_TEXTURE,
                                                            e->settings.effort >= gscl_scalar_tunables.texture_effort),
                              .keep_all = bytes == 0,

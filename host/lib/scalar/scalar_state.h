@@ -7,10 +7,12 @@
 #include "scalar/tunables.h"
 #include "session/encoder.h"
 
+#define GSCL_HEADER_BYTES 5 /* of a picture, about */
+
 /* The source, the target and the result of a fit. */
 typedef struct gscl_scalar_plan {
     const gscl_source *source;
-    gscl_coded_image *coded; /* its header holds the effects that are known before the fit */
+    gscl_coded_image *coded; /* its header holds the layers, and the effects that are known before the fit */
     gscl_size_target target; /* of the layers up to this one */
     const gscl_effort_preset *preset;
     uint32_t layer;
@@ -18,7 +20,6 @@ typedef struct gscl_scalar_plan {
         *fixed;           /* of the layers before, in the stored order, with the steps of `coded`; they do not change */
     size_t fixed_count;   /* 0 in the base layer */
     gscl_size_target all; /* of all layers */
-    bool is_last;         /* no layer follows */
 } gscl_scalar_plan;
 
 typedef struct gscl_scalar_state {

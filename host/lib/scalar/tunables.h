@@ -77,7 +77,7 @@ struct gscl_scalar_tunables {
     double max_lambda_scale;   /* upper bound of lambda_scale */
 
     /* Layers of a progressive file. */
-    double layer_shares[GSCL_LAYERS]; /* of the target, up to the end of each layer */
+    double layer_shares[GSCL_LAYERS]; /* of the target, up to the end of each layer; the last is 1 */
     double min_layer_bytes;           /* bytes; a smaller base layer is left to the next layer */
 
     /* One rate-distortion pass. */
