@@ -4,13 +4,11 @@ against fixed ones.  Each row shows the difference to the full scheme at the sam
 
     tests/bench/ablation.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rate 0.125] [--document [RESULTS.md]]
 """
-import pathlib
-import tempfile
-
 import codec
 import document
 
 FULL = "full scheme (L1 + SSIM, k by rate)"
+HEAD = ("variant", "PSNR dB", "difference", "SSIM", "difference")
 VARIANTS = {FULL: [], "L1 alone": ["--loss", "l1"], "L2": ["--loss", "l2"],
             **{f"k = {k}": ["--codebook", str(k)] for k in (16, 32, 64, 128)}}
 
@@ -21,20 +19,20 @@ def measure_variant(arguments, images, options, work):
     return codec.mean(rows, "psnr"), codec.mean(rows, "ssim")
 
 
+def table_rows(arguments, images, work):
+    means = {name: measure_variant(arguments, images, options, work) for name, options in VARIANTS.items()}
+    full = means[FULL]
+    return [[name, f"{psnr:.2f}", f"{psnr - full[0]:+.2f}", f"{ssim:.4f}", f"{ssim - full[1]:+.4f}"]
+            for name, (psnr, ssim) in means.items()]
+
+
 def main():
     parser = codec.parser(__doc__)
     parser.add_argument("--rate", type=float, default=0.125, help="bits per pixel (default %(default)s)")
     document.add_option(parser, "RESULTS.md", "ablation")
     arguments = parser.parse_args()
-    section = document.section_of(arguments)
     images = codec.images_of(arguments.folder, arguments.only)
-    with tempfile.TemporaryDirectory() as folder:
-        means = {name: measure_variant(arguments, images, options, pathlib.Path(folder)) for name, options in VARIANTS.items()}
-    full = means[FULL]
-    rows = [[name, f"{psnr:.2f}", f"{psnr - full[0]:+.2f}", f"{ssim:.4f}", f"{ssim - full[1]:+.4f}"]
-            for name, (psnr, ssim) in means.items()]
-    document.publish(section, document.origin("tests/bench/ablation.py FOLDER", len(images)),
-                     document.table(("variant", "PSNR dB", "difference", "SSIM", "difference"), rows))
+    document.write_section(arguments, images, HEAD, lambda work: table_rows(arguments, images, work))
 
 
 if __name__ == "__main__":

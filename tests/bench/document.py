@@ -10,6 +10,8 @@ import datetime
 import os
 import pathlib
 import re
+import sys
+import tempfile
 
 HERE = pathlib.Path(__file__).parent
 CORES = len(os.sched_getaffinity(0))
@@ -74,3 +76,12 @@ def processor():
 def origin(command, images):
     """The line above a table: when, where and by which command it was measured."""
     return f"{datetime.date.today()}, {processor()}, {CORES} cores; `{command}`, {images} image{'' if images == 1 else 's'}.\n"
+
+
+def write_section(arguments, images, head, measure):
+    """Writes the table of `measure(folder)`, which gives its rows of text cells and may use the temporary folder."""
+    section = section_of(arguments)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = list(measure(pathlib.Path(folder)))
+    command = f"tests/bench/{pathlib.Path(sys.argv[0]).name} FOLDER"
+    publish(section, origin(command, len(images)), table(head, rows))

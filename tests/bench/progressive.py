@@ -4,9 +4,6 @@
     tests/bench/progressive.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--bytes 2064,8994]
                                [--document [RESULTS.md]]
 """
-import pathlib
-import tempfile
-
 import codec
 import document
 
@@ -52,12 +49,9 @@ def main():
     parser.add_argument("--bytes", default="2064,8994", help="sizes of the files (default %(default)s)")
     document.add_option(parser, "RESULTS.md", "progressive")
     arguments = parser.parse_args()
-    section = document.section_of(arguments)
     images = codec.images_of(arguments.folder, arguments.only)
-    with tempfile.TemporaryDirectory() as folder:
-        rows = [row for size in arguments.bytes.split(",")
-                for row in table_rows(arguments, images, int(size), pathlib.Path(folder))]
-    document.publish(section, document.origin("tests/bench/progressive.py FOLDER", len(images)), document.table(HEAD, rows))
+    document.write_section(arguments, images, HEAD, lambda work: [
+        row for size in arguments.bytes.split(",") for row in table_rows(arguments, images, int(size), work)])
 
 
 if __name__ == "__main__":

@@ -4,9 +4,6 @@
     tests/bench/tune.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rates 0.042,0.066,0.125,0.183]
                         [--document [RESULTS.md]]
 """
-import pathlib
-import tempfile
-
 import codec
 import document
 
@@ -25,11 +22,9 @@ def main():
     parser.add_argument("--rates", default="0.042,0.066,0.125,0.183", help="bits per pixel (default %(default)s)")
     document.add_option(parser, "RESULTS.md", "tune")
     arguments = parser.parse_args()
-    section = document.section_of(arguments)
     images = codec.images_of(arguments.folder, arguments.only)
-    with tempfile.TemporaryDirectory() as folder:
-        rows = [row_of(arguments, images, rate, pathlib.Path(folder)) for rate in arguments.rates.split(",")]
-    document.publish(section, document.origin("tests/bench/tune.py FOLDER", len(images)), document.table(HEAD, rows))
+    document.write_section(arguments, images, HEAD, lambda work: [
+        row_of(arguments, images, rate, work) for rate in arguments.rates.split(",")])
 
 
 if __name__ == "__main__":
