@@ -15,6 +15,7 @@
 #include "both_mappings.h"
 #include "cl/constants.h"
 #include "decode/resize.h"
+#include "synthetic_image.h"
 #include "synthetic_scene.h"
 
 enum { HOST = 2, KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250 };
@@ -64,10 +65,6 @@ static gscl_image decode(int which, const file *f, const gscl_decode_settings *s
     if (gscl_decode(contexts[which], f->bytes, f->size, settings, &image) != GSCL_OK)
         fail_msg("%s", gscl_context_message(contexts[which]));
     return image;
-}
-
-static size_t sample_count(const gscl_image *image) {
-    return (size_t)image->width * image->height * image->channels;
 }
 
 static const float *pixel_at(const gscl_image *image, uint32_t x, uint32_t y) {
@@ -125,7 +122,7 @@ static void test_crops_of_many_splats(void **state) {
 
 static void check_close(const gscl_image *a, const gscl_image *b, double allowed, int number) {
     assert_true(a->width == b->width && a->height == b->height && a->channels == b->channels);
-    for (size_t i = 0; i < sample_count(a); i++) {
+    for (size_t i = 0; i < synthetic_sample_count(a); i++) {
         const float p = ((const float *)a->pixels)[i], q = ((const float *)b->pixels)[i];
         if (!(fabs((double)p - (double)q) <= allowed))
             fail_msg("file %d, sample %zu of %ux%u: %g and %g", number, i, a->width, a->height, (double)p, (double)q);
