@@ -94,12 +94,11 @@ static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_cont
         image_take_tiff_metadata(bytes, size, content);
         return read_through_module(label, "image.tif", bytes, size, content);
     }
-    if (is_regular_file(name) ? !read_through_module(label, name, NULL, 0, content)
-                              : !read_spooled(label, bytes, size, content))
-        return false;
-    if (image_is_heif(bytes, size))
+    const bool ok = is_regular_file(name) ? read_through_module(label, name, NULL, 0, content)
+                                          : read_spooled(label, bytes, size, content);
+    if (ok && image_is_heif(bytes, size))
         image_take_heif_metadata(bytes, size, content);
-    return true;
+    return ok;
 }
 
 static bool read_in_memory(const char *name, image_content *content) {
