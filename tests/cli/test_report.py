@@ -67,6 +67,7 @@ class Compare(ToolTest):
         self.assertEqual((report["psnr"], report["mse"], report["max_difference"]), (None, 0, 0))
         self.assertAlmostEqual(report["ssim"], 1)
         self.assertAlmostEqual(report["ms_ssim"], 1)
+        self.assertEqual(report["ssimulacra2"], 100)
         self.assertIn("inf dB", self.gscl("compare", "a.png", "a.png").decode())
 
     def test_too_small_for_ssim(self):
@@ -74,6 +75,17 @@ class Compare(ToolTest):
         report = self.gscl_json("compare", "a.png", "a.png")
         self.assertEqual((report["ssim"], report["ms_ssim"]), (None, None))
         self.assertRegex(self.gscl("compare", "a.png", "a.png").decode(), r"(?m)^SSIM +too small$")
+
+    def test_ssimulacra2(self):
+        a, b, small = scene(40, 30), scene(40, 30), scene(7, 30)
+        b.samples = [min(sample + at % 7, 255) for at, sample in enumerate(b.samples)]
+        for name, image in (("a.png", a), ("b.png", b), ("small.png", small)):
+            self.write_png(name, image)
+        score = self.gscl_json("compare", "a.png", "b.png")["ssimulacra2"]
+        self.assertTrue(0 < score < 95, score)
+        self.assertRegex(self.gscl("compare", "a.png", "b.png").decode(), rf"(?m)^SSIMULACRA 2 +{score:.2f}$")
+        self.assertIsNone(self.gscl_json("compare", "small.png", "small.png")["ssimulacra2"])
+        self.assertRegex(self.gscl("compare", "small.png", "small.png").decode(), r"(?m)^SSIMULACRA 2 +too small$")
 
     def test_depths_may_differ(self):
         self.write_png("a.png", flat(12, 12, (10, 20, 30)))

@@ -167,6 +167,24 @@ static void test_decode_on_host(void **state) {
     decode_without_memory(*state, GSCL_HOST_DEVICE);
 }
 
+static void test_compare(void **state) {
+    (void)state;
+    static uint8_t pixels[WIDTH * HEIGHT];
+    const gscl_image image = {
+        .width = WIDTH, .height = HEIGHT, .channels = 1, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
+    gscl_result result = GSCL_ERROR_OUT_OF_MEMORY;
+    int number;
+    for (number = 1; result != GSCL_OK; number++) {
+        gscl_comparison comparison = {.struct_size = sizeof comparison, .mse = -1.0};
+        fail_allocation(number);
+        result = gscl_compare(&image, &image, &comparison);
+        if (allocations >= number)
+            assert_true(result == GSCL_ERROR_OUT_OF_MEMORY && comparison.mse == -1.0);
+    }
+    fail_allocation(0);
+    assert_int_equal(number - 2, 3); /* samples, SSIMULACRA 2, SSIM */
+}
+
 static void test_context(void **state) {
     (void)state;
     gscl_result result = GSCL_ERROR_OUT_OF_MEMORY;
@@ -215,6 +233,7 @@ int main(void) {
         cmocka_unit_test(test_encode),  cmocka_unit_test(test_encode_with_codebooks),
         cmocka_unit_test(test_decode),  cmocka_unit_test(test_decode_on_host),
         cmocka_unit_test(test_context), cmocka_unit_test(test_measurements),
+        cmocka_unit_test(test_compare),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

@@ -8,7 +8,9 @@
 
 #include <cmocka.h>
 
+#include "image/image.h"
 #include "image/metrics.h"
+#include "image/ssimulacra2.h"
 
 #define MAX_SAMPLES (256 * 256 * 4)
 
@@ -58,6 +60,7 @@ static void test_equal_images(void **state) {
     assert_true(isinf(comparison.psnr) && comparison.psnr > 0.0);
     assert_near(comparison.ssim, 1.0, 1e-9);
     assert_near(comparison.ms_ssim, 1.0, 1e-9);
+    assert_true(comparison.ssimulacra2 == 100.0);
 }
 
 /* Between two flat images only SSIM's luminance factor is left: (2 a b + C1) / (a^2 + b^2 + C1). */
@@ -109,6 +112,74 @@ static void test_reference_values(void **state) {
     }
 }
 
+typedef struct ssimulacra2_reference {
+    uint32_t width, height, channels;
+    double added, lost; /* scores of the grain as a change of the waves, and of the waves as a change of both */
+} ssimulacra2_reference;
+
+/* Scores of the Rust crate ssimulacra2 0.5.1, which computes in single precision.  The first images have all six scales,
+ * the last three have two, two and three. */
+static void test_ssimulacra2_reference_values(void **state) {
+    (void)state;
+    static const ssimulacra2_reference references[] = {
+        {176, 176, 1, 34.310, 36.486}, {161, 163, 3, 45.910, 48.977}, {250, 190, 3, 41.119, 43.461},
+        {8, 8, 3, 85.099, 91.883},     {9, 30, 3, 85.013, 89.576},    {40, 17, 1, 83.972, 86.161},
+    };
+    for (size_t i = 0; i < sizeof references / sizeof *references; i++) {
+        const ssimulacra2_reference *expected = &references[i];
+        const uint32_t width = expected->width, height = expected->height, channels = expected->channels;
+        draw_waves(width, height, channels);
+        const gscl_image a = image_of(width, height, channels, pixels_a),
+                         b = image_of(width, height, channels, pixels_b);
+        gscl_comparison comparison = {.struct_size = sizeof comparison};
+        assert_near(compare(width, height, channels).ssimulacra2, expected->added, 0.03);
+        assert_int_equal(gscl_compare(&b, &a, &comparison), GSCL_OK);
+        assert_near(comparison.ssimulacra2, expected->lost, 0.03);
+    }
+}
+
+/* The score in front of one background, whose samples are exact. */
+static double score_before(const gscl_image *a, const gscl_image *b, float background) {
+    static float planes[2][3 * 24 * 24];
+    const gscl_image *images[2] = {a, b};
+    const size_t pixels = (size_t)a->width * a->height;
+    double sum;
+    for (int which = 0; which < 2; which++)
+        for (size_t i = 0; i < pixels; i++) {
+            const gscl_pixel p = gscl_image_pixel(images[which], (uint32_t)i % a->width, (uint32_t)i / a->width);
+            for (int c = 0; c < 3; c++)
+                planes[which][(size_t)c * pixels + i] = p.colour[c] + (1.0f - p.alpha) * background;
+        }
+    assert_int_equal(gscl_ssimulacra2_sum(planes[0], planes[1], a->width, a->height, 3, &sum), GSCL_OK);
+    return gscl_ssimulacra2_score(sum);
+}
+
+/* With alpha the worse of the scores in front of a dark and of a bright background counts. */
+static void test_ssimulacra2_of_alpha(void **state) {
+    (void)state;
+    for (uint32_t channels = 2; channels <= 4; channels += 2) {
+        draw_waves(24, 24, channels);
+        const gscl_image a = image_of(24, 24, channels, pixels_a), b = image_of(24, 24, channels, pixels_b);
+        const double dark = score_before(&a, &b, 0.1f), bright = score_before(&a, &b, 0.9f);
+        assert_true(fabs(dark - bright) > 0.1);
+        assert_near(compare(24, 24, channels).ssimulacra2, fmin(dark, bright), 1e-4);
+    }
+}
+
+static void test_ssimulacra2_sum(void **state) {
+    (void)state;
+    static const float black[64], white[64] = {1.0f};
+    double sum = -1.0;
+    assert_int_equal(gscl_ssimulacra2_sum(black, white, 8, 8, 1, &sum), GSCL_OK);
+    assert_true(sum > 0.0 && gscl_ssimulacra2_score(sum) < 100.0);
+    assert_int_equal(gscl_ssimulacra2_sum(white, white, 8, 8, 1, &sum), GSCL_OK);
+    assert_true(sum == 0.0 && gscl_ssimulacra2_score(sum) == 100.0);
+    assert_int_equal(gscl_ssimulacra2_sum(black, white, 8, 7, 1, &sum), GSCL_OK);
+    assert_true(isnan(sum) && isnan(gscl_ssimulacra2_score(sum)));
+    for (sum = 1.0; sum < 1000.0; sum++)
+        assert_true(gscl_ssimulacra2_score(sum) < gscl_ssimulacra2_score(sum - 1.0));
+}
+
 static void test_small_images(void **state) {
     (void)state;
     draw_waves(200, 200, 1);
@@ -118,6 +189,9 @@ static void test_small_images(void **state) {
     assert_true(isnan(compare(200, 160, 1).ms_ssim)); /* 160 halves to 10 */
     assert_false(isnan(compare(200, 161, 1).ms_ssim));
     assert_false(isnan(compare(1, 1, 4).mse));
+    assert_true(isnan(compare(7, 200, 1).ssimulacra2));
+    assert_true(isnan(compare(200, 7, 4).ssimulacra2));
+    assert_false(isnan(compare(8, 8, 1).ssimulacra2));
 }
 
 static void test_alpha_counts_premultiplied(void **state) {
@@ -168,6 +242,7 @@ static void test_samples_alone(void **state) {
     assert_int_equal(gscl_compare_samples(&a, &b, &samples), GSCL_OK);
     assert_true(samples.mse == whole.mse && samples.psnr == whole.psnr);
     assert_true(samples.max_difference == whole.max_difference && isnan(samples.ssim) && isnan(samples.ms_ssim));
+    assert_true(isnan(samples.ssimulacra2));
 }
 
 static void test_wrong_arguments(void **state) {
@@ -194,11 +269,12 @@ static void test_wrong_arguments(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_equal_images),    cmocka_unit_test(test_flat_images),
-        cmocka_unit_test(test_negative_image),  cmocka_unit_test(test_reference_values),
-        cmocka_unit_test(test_small_images),    cmocka_unit_test(test_alpha_counts_premultiplied),
-        cmocka_unit_test(test_samples_alone),   cmocka_unit_test(test_sample_types_and_strides),
-        cmocka_unit_test(test_wrong_arguments),
+        cmocka_unit_test(test_equal_images),         cmocka_unit_test(test_flat_images),
+        cmocka_unit_test(test_negative_image),       cmocka_unit_test(test_reference_values),
+        cmocka_unit_test(test_small_images),         cmocka_unit_test(test_alpha_counts_premultiplied),
+        cmocka_unit_test(test_samples_alone),        cmocka_unit_test(test_sample_types_and_strides),
+        cmocka_unit_test(test_wrong_arguments),      cmocka_unit_test(test_ssimulacra2_reference_values),
+        cmocka_unit_test(test_ssimulacra2_of_alpha), cmocka_unit_test(test_ssimulacra2_sum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,6 +22,9 @@ typedef struct gscl_comparison {
                               side below 11 pixels */
     double ms_ssim;     /* five scales (Wang et al. 2003); NaN where a side of the smallest scale is below 11 pixels */
     double max_difference; /* of samples in 0..255 */
+    double ssimulacra2; /* SSIMULACRA 2.1 of b as a version of a, sRGB: 100 for equal images, higher is better, may be
+                              negative; grey as RGB; with alpha the lower score of those in front of a dark and a bright
+                              background; NaN for images with a side below 8 pixels */
 } gscl_comparison;
 
 /* Compares two images of equal size and channels; sample types may differ.  The caller sets comparison->struct_size.

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "image/image.h"
+#include "image/ssimulacra2.h"
 #include "runtime/context.h"
 #include "runtime/struct_size.h"
 
@@ -204,6 +205,14 @@ static gscl_result measure_structure(image_pair *pair, gscl_comparison *comparis
     return GSCL_OK;
 }
 
+/* Before the structural measures, which overwrite the planes. */
+static gscl_result measure_appearance(const image_pair *pair, gscl_comparison *comparison) {
+    double sum;
+    GSCL_TRY(gscl_ssimulacra2_sum(pair->a, pair->b, pair->width, pair->height, pair->channels, &sum));
+    comparison->ssimulacra2 = gscl_ssimulacra2_score(sum);
+    return GSCL_OK;
+}
+
 /* ---- The public measures ----------------------------------------------------------------------- */
 
 gscl_result gscl_compare_samples(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison) {
@@ -213,7 +222,7 @@ gscl_result gscl_compare_samples(const gscl_image *a, const gscl_image *b, gscl_
     const gscl_result result = open_pair(a, b, &pair);
     if (result != GSCL_OK)
         return result;
-    *comparison = (gscl_comparison){.ssim = NAN, .ms_ssim = NAN};
+    *comparison = (gscl_comparison){.ssim = NAN, .ms_ssim = NAN, .ssimulacra2 = NAN};
     measure_error(&pair, comparison);
     close_pair(&pair);
     return GSCL_OK;
@@ -229,7 +238,9 @@ gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparis
     if (result != GSCL_OK)
         return result;
     measure_error(&pair, &measured);
-    result = measure_structure(&pair, &measured);
+    result = measure_appearance(&pair, &measured);
+    if (result == GSCL_OK)
+        result = measure_structure(&pair, &measured);
     close_pair(&pair);
     if (result == GSCL_OK)
         gscl_struct_write(comparison, &measured);

@@ -27,6 +27,7 @@ static void print_text(const gscl_comparison *comparison) {
     print_measure("PSNR", comparison->psnr, 3, " dB");
     print_measure("SSIM", comparison->ssim, 5, "");
     print_measure("MS-SSIM", comparison->ms_ssim, 5, "");
+    print_measure("SSIMULACRA 2", comparison->ssimulacra2, 2, "");
     print_measure("MSE", comparison->mse, 4, "");
     print_measure("max difference", comparison->max_difference, 2, " of 255");
 }
@@ -40,6 +41,7 @@ static void write_json(const char *a, const char *b, const gscl_comparison *comp
     json_real(&json, "psnr", comparison->psnr);
     json_real(&json, "ssim", comparison->ssim);
     json_real(&json, "ms_ssim", comparison->ms_ssim);
+    json_real(&json, "ssimulacra2", comparison->ssimulacra2);
     json_real(&json, "mse", comparison->mse);
     json_real(&json, "max_difference", comparison->max_difference);
     json_close_object(&json);
@@ -93,7 +95,8 @@ int command_compare(int argc, char **argv) {
         .usage = "A B [--json]",
         .about =
             "Measures the difference between two images of the same size and channels: PSNR over all channels, SSIM\n"
-            "and MS-SSIM as means over the channels.  Colours are multiplied by alpha first.",
+            "and MS-SSIM as means over the channels, and SSIMULACRA 2 of B as a version of A (100: equal; colours\n"
+            "taken as sRGB).  Colours are multiplied by alpha first.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 2,
