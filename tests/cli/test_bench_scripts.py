@@ -46,6 +46,7 @@ class BenchScripts(ToolTest):
         self.assertEqual(rows[-1][4], "+0.00")
 
     def test_refuses_a_document_without_the_section(self):
+        self.write_png("a.png", scene(32, 32))
         self.write("page.md", DOCUMENT.encode())
         done = self.run_script("ablation", "--document", "page.md")
         self.assertEqual(done.returncode, 1)
