@@ -4,6 +4,7 @@ Every figure comes from a file that was encoded under a byte budget, decoded, an
 `gscl compare`.  The rate is the size of the file.
 """
 import argparse
+import csv
 import json
 import math
 import pathlib
@@ -71,3 +72,21 @@ def measure(gscl, image, rate, options, work):
 
 def mean(rows, key):
     return sum(row[key] for row in rows) / len(rows)
+
+
+def write_csv(path, rows):
+    """Writes rows of the same columns, which are dictionaries."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def at_rate(points, rate):
+    """The quality at a rate (or size), linear in its logarithm; None outside the points (with 3 % of tolerance)."""
+    if not points[0][0] / 1.03 <= rate <= points[-1][0] * 1.03:
+        return None
+    for (low, a), (high, b) in zip(points, points[1:]):
+        if rate <= high or (high, b) == points[-1]:
+            return a + (b - a) * (math.log(rate) - math.log(low)) / (math.log(high) - math.log(low))
+    return None

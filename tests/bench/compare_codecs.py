@@ -17,16 +17,11 @@ import math
 import pathlib
 import tempfile
 
-import matplotlib
 from PIL import Image
 
 import codec
 import document
-
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text
-matplotlib.rcParams["svg.hashsalt"] = "gscl"  # same figures, same file
-import matplotlib.pyplot as pyplot  # noqa: E402
+import plots
 
 PSNR, MS_SSIM = 3, 4  # columns of the measured rows
 # Bits per pixel.
@@ -80,16 +75,6 @@ def read_points(path):
                  float(row.get("msssim") or "nan")) for row in csv.DictReader(file)]
 
 
-def at_rate(points, rate):
-    """The quality at a rate, linear in the logarithm of the rate; None outside the points (with 3 % of tolerance)."""
-    if not points[0][0] / 1.03 <= rate <= points[-1][0] * 1.03:
-        return None
-    for (low, a), (high, b) in zip(points, points[1:]):
-        if rate <= high or (high, b) == points[-1]:
-            return a + (b - a) * (math.log(rate) - math.log(low)) / (math.log(high) - math.log(low))
-    return None
-
-
 def curves_of(rows, name, column):
     """By image: sorted points (rate, quality) of one codec."""
     images = collections.defaultdict(dict)
@@ -104,14 +89,14 @@ def mean_curve(rows, name, column, rates):
     curves = curves_of(rows, name, column).values()
     curve = []
     for rate in rates:
-        values = [at_rate(points, rate) for points in curves]
+        values = [codec.at_rate(points, rate) for points in curves]
         if values and None not in values:
             curve.append((rate, sum(values) / len(values)))
     return curve
 
 
 def draw(rows, path):
-    figure, axes = pyplot.subplots(1, 2, figsize=(10.5, 4.3), constrained_layout=True)
+    figure, axes = plots.pyplot.subplots(1, 2, figsize=(10.5, 4.3), constrained_layout=True)
     fine = [0.025 * 1.03 ** i for i in range(130)]
     names = list(dict.fromkeys(row[0] for row in rows))
     names.sort(key=lambda name: list(COLOURS).index(name) if name in COLOURS else len(COLOURS))
@@ -127,7 +112,7 @@ def draw(rows, path):
         axis.grid(True, alpha=0.3)
     axes[1].set_ylim(0.75, 1.0)
     axes[0].legend(loc="upper left")
-    figure.savefig(path, metadata={"Date": None} if str(path).endswith(".svg") else None)
+    plots.save(figure, path)
 
 
 def mean_table(rows, column, title, digits):
@@ -142,7 +127,7 @@ def mean_table(rows, column, title, digits):
 
 def difference_cell(ours, theirs, rate):
     """Mean difference in PSNR over the images whose both curves reach the rate, and how many of them are won."""
-    pairs = [(at_rate(ours[image], rate), at_rate(theirs[image], rate)) for image in ours.keys() & theirs.keys()]
+    pairs = [(codec.at_rate(ours[image], rate), codec.at_rate(theirs[image], rate)) for image in ours.keys() & theirs.keys()]
     differences = [a - b for a, b in pairs if a is not None and b is not None]
     if not differences:
         return "-"

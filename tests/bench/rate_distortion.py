@@ -4,7 +4,6 @@
     tests/bench/rate_distortion.py FOLDER [--gscl build/gscl] [--rates 0.042,0.066,0.125,0.183] [--csv FILE]
                                    [--document [RESULTS.md]] [--section rates] [-- ENCODE OPTIONS]
 """
-import csv
 import pathlib
 import tempfile
 
@@ -18,13 +17,6 @@ HEAD = ("bpp", "PSNR dB", "SSIM", "MS-SSIM", "splats", "encode s", "decode s", "
 def row_of(measured):
     means = [f"{codec.mean(measured, key):{form}}" for key, form in KEYS.items()]
     return [*means, f"{sum(row['over'] for row in measured)} of {len(measured)}"]
-
-
-def write_csv(path, rows):
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0].keys())
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def main():
@@ -42,7 +34,7 @@ def main():
             measured.append([codec.measure(arguments.gscl, image, float(rate), arguments.options, pathlib.Path(folder))
                              for image in images])
     if arguments.csv:
-        write_csv(arguments.csv, [row for rows in measured for row in rows])
+        codec.write_csv(arguments.csv, [row for rows in measured for row in rows])
     command = " ".join(["tests/bench/rate_distortion.py FOLDER", *(["--", *arguments.options] if arguments.options else [])])
     document.publish(section, document.origin(command, len(images)), document.table(HEAD, map(row_of, measured)))
 

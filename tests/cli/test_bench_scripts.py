@@ -1,5 +1,8 @@
 """The scripts of tests/bench replace marked sections of a document, and nothing else; corpus.py collects pictures."""
+import csv
 import importlib.util
+import math
+import os
 import pathlib
 import re
 import shutil
@@ -11,6 +14,10 @@ from images import checkerboard, read_png, scene
 from tool import GSCL, ToolTest, main
 
 BENCH = pathlib.Path(__file__).parent.parent / "bench"
+sys.path.insert(0, str(BENCH))
+import codec  # noqa: E402
+import other_codecs  # noqa: E402
+
 DOCUMENT = "# Figures\n\n<!-- rates -->\nold\n<!-- /rates -->\n\n<!-- efforts -->\nkept\n<!-- /efforts -->\n"
 
 
@@ -51,6 +58,96 @@ class BenchScripts(ToolTest):
         done = self.run_script("ablation", "--document", "page.md")
         self.assertEqual(done.returncode, 1)
         self.assertIn("page.md: needs one section between <!-- ablation --> and <!-- /ablation -->", done.stderr)
+
+
+class OtherCodecs(unittest.TestCase):
+    def test_files_on_either_side_of_a_size(self):
+        encoded = []
+
+        def encode(quality):
+            encoded.append(quality)
+            return bytes(100 + 10 * quality)
+
+        self.assertEqual(list(map(len, other_codecs.around(encode, 355))), [350, 360])
+        self.assertEqual(list(map(len, other_codecs.around(encode, 360))), [360, 370])
+        self.assertEqual(list(map(len, other_codecs.around(encode, 100))), [100, 110])
+        self.assertEqual(list(map(len, other_codecs.around(encode, 5000))), [1090])
+        self.assertEqual(other_codecs.around(encode, 99), [])
+        self.assertLessEqual(set(encoded), set(range(other_codecs.BEST_QUALITY + 1)))
+
+    def test_interpolates_in_the_logarithm_of_the_size(self):
+        self.assertAlmostEqual(codec.at_rate([(100, 10.0), (400, 20.0)], 200), 15)
+        self.assertAlmostEqual(codec.at_rate([(100, 10.0), (200, 20.0), (400, 50.0)], math.sqrt(80000)), 35)
+        self.assertIsNone(codec.at_rate([(100, 10.0), (400, 20.0)], 90))
+        self.assertIsNone(codec.at_rate([(100, 10.0), (400, 20.0)], 420))
+
+
+class Perceptual(ToolTest):
+    """Butteraugli and DSSIM are programs that may be missing here: scripts that print figures stand in for them."""
+
+    def setUp(self):
+        super().setUp()
+        self.program("butteraugli_main", "echo 9.5; echo 3-norm: 2.5")
+        self.program("dssim", "printf '0.0125\\t%s\\n' \"$2\"")
+        self.write_png("a.png", scene(96, 64, 3))
+
+    def program(self, name, text):
+        self.path("bin").mkdir(exist_ok=True)
+        self.write(f"bin/{name}", f"#!/bin/sh\n{text}\n".encode())
+        self.path(f"bin/{name}").chmod(0o755)
+
+    def perceptual(self, *arguments, path=None):
+        environment = {**os.environ, "PATH": path or f"{self.path('bin')}:{os.environ['PATH']}"}
+        return subprocess.run([sys.executable, BENCH / "perceptual.py", self.folder, "--gscl", GSCL, *arguments],
+                              cwd=self.folder, capture_output=True, text=True, env=environment)
+
+    def test_variants_without_other_codecs(self):
+        done = self.perceptual("--codecs", "", "--bytes", "200,400", "--csv", "out.csv", "--variant", "--effort 0",
+                               "--variant", "--effort 0 --tune ssim")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.path("out.csv"), newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([(row["codec"], row["image"], row["budget"]) for row in rows],
+                         [(f"gscl --effort 0{tune}", "a", size) for size in ("200", "400") for tune in ("", " --tune ssim")])
+        for row in rows:
+            self.assertTrue(0 < int(row["bytes"]) <= int(row["budget"]))
+            self.assertEqual((float(row["butteraugli"]), float(row["dssim"])), (2.5, 12.5))
+        score = [float(row["ssimulacra2"]) for row in rows]
+        self.assertLess(score[0], score[2])
+        self.assertIn(f"\n| gscl --effort 0 | {score[0]:.1f} | {score[2]:.1f} |\n", done.stdout)
+        self.assertIn("\n| gscl --effort 0 --tune ssim | 12.5 | 12.5 |\n", done.stdout)
+        self.assertIn(f"\n| against gscl --effort 0 --tune ssim | {score[0] - score[1]:+.1f} ({int(score[0] > score[1])} of 1)",
+                      done.stdout)
+
+    def test_names_what_is_missing(self):
+        done = self.perceptual(path="/nonexistent")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("butteraugli_main: not found; it comes with Debian's package libjxl-devtools", done.stderr)
+        done = self.perceptual("--codecs", "AVIF,H")
+        self.assertEqual((done.returncode, done.stderr.split(";")[0]), (1, "--codecs: no codec is called H"))
+
+    def test_a_program_that_prints_no_figure(self):
+        self.program("dssim", "echo broken >&2; exit 1")
+        done = self.perceptual("--codecs", "", "--bytes", "200", "--variant", "--effort 0")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"bin/dssim \S+a\.png \S+: broken\n\Z")
+
+    @unittest.skipUnless(all(map(importlib.util.find_spec, ("PIL", "matplotlib", "pillow_jxl"))),
+                         "needs the packages of tests/bench/requirements.txt")
+    def test_other_codecs(self):
+        self.write("page.md", DOCUMENT.replace("rates", "perceptual").encode())
+        done = self.perceptual("--variant", "--effort 0", "--bytes", "450,1500", "--csv", "out.csv", "--document", "page.md")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("</svg>", self.path("perceptual.svg").read_text())
+        self.assertIn(done.stdout, self.path("page.md").read_text())
+        with open(self.path("out.csv"), newline="", encoding="utf-8") as file:
+            rows = {row["codec"]: row for row in csv.DictReader(file) if row["budget"] == "1500"}
+        self.assertEqual(set(rows), {"gscl --effort 0", "best AVIF", *other_codecs.CODECS})
+        best = max((rows[name] for name in other_codecs.AVIF_NAMES), key=lambda row: float(row["ssimulacra2"]))
+        self.assertEqual({**best, "codec": "best AVIF"}, rows["best AVIF"])
+        for row in rows.values():
+            self.assertLessEqual(int(row["bytes"]), 1500)
+            self.assertGreater(float(row["psnr"]), 10)
 
 
 class CorpusList(unittest.TestCase):
