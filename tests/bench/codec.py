@@ -8,6 +8,7 @@ import csv
 import json
 import math
 import pathlib
+import shlex
 import subprocess
 import sys
 import time
@@ -68,6 +69,36 @@ def measure(gscl, image, rate, options, work):
     size = coded.stat().st_size
     return dict(image=image.stem, rate=rate, bpp=8 * size / pixels, over=size > int(rate * pixels / 8), splats=header["splats"],
                 psnr=quality["psnr"], ssim=quality["ssim"], ms_ssim=quality["ms_ssim"], encode_s=encode_s, decode_s=decode_s)
+
+
+def add_variants(parser, sizes):
+    """Adds --bytes and --variant, for scripts that compare sets of options at equal bytes."""
+    parser.add_argument("--bytes", default=sizes, help="sizes of files (default %(default)s)")
+    parser.add_argument("--variant", action="append", dest="variants", metavar="OPTIONS",
+                        help="options of gscl encode; may be given several times (default: '--tune psnr', then '--tune ssim')")
+
+
+def parse_variants(parser):
+    """Parses the command line: arguments.variants, and arguments.budgets in bytes."""
+    arguments = parser.parse_args()
+    arguments.variants = arguments.variants or ["--tune psnr", "--tune ssim"]
+    arguments.budgets = [int(size) for size in arguments.bytes.split(",")]
+    return arguments
+
+
+def name_of(variant):
+    return f"gscl {variant}".strip()
+
+
+def code_variant(gscl, variant, image, budget, work):
+    """Encodes and decodes one image within a number of bytes; returns the bytes and the decoded file."""
+    coded, decoded = work / "image.gscl", work / "image.png"
+    run(gscl, "encode", image, "-o", coded, "--bytes", budget, "-q", *shlex.split(variant))
+    run(gscl, "decode", coded, "-o", decoded)
+    size = coded.stat().st_size
+    if size > budget:
+        raise SystemExit(f"{image}: {name_of(variant)} made {size} bytes, more than the {budget} allowed")
+    return size, decoded
 
 
 def mean(rows, key):

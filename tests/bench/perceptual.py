@@ -16,7 +16,6 @@ import csv
 import math
 import pathlib
 import re
-import shlex
 import shutil
 import subprocess
 import tempfile
@@ -59,17 +58,8 @@ def scores(arguments, image, decoded):
             "psnr": measures["psnr"]}
 
 
-def name_of(variant):
-    return f"gscl {variant}".strip()
-
-
 def measure_gscl(arguments, variant, image, budget, work):
-    coded, decoded = work / "image.gscl", work / "image.png"
-    codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", budget, "-q", *shlex.split(variant))
-    codec.run(arguments.gscl, "decode", coded, "-o", decoded)
-    size = coded.stat().st_size
-    if size > budget:
-        raise SystemExit(f"{image}: {name_of(variant)} made {size} bytes, more than the {budget} allowed")
+    size, decoded = codec.code_variant(arguments.gscl, variant, image, budget, work)
     return dict(bytes=size, **scores(arguments, image, decoded))
 
 
@@ -97,7 +87,7 @@ def measure_image(arguments, image, work):
     pictures = {name: other_codecs.Picture(image, name) for name in arguments.codecs}
     rows = []
     for budget in arguments.budgets:
-        measured = {name_of(variant): measure_gscl(arguments, variant, image, budget, work) for variant in arguments.variants}
+        measured = {codec.name_of(variant): measure_gscl(arguments, variant, image, budget, work) for variant in arguments.variants}
         measured.update({name: measure_other(arguments, picture, image, budget, work) for name, picture in pictures.items()})
         best = best_of([measured[name] for name in other_codecs.AVIF_NAMES if measured.get(name)])
         rows += [dict(codec=name, image=image.stem, budget=budget, **row)
@@ -180,16 +170,12 @@ def draw(rows, names, variants, budgets, images, path):
 
 def parse():
     parser = codec.parser(__doc__)
-    parser.add_argument("--bytes", default="2064,3244,6144,8994", help="sizes of files (default %(default)s)")
-    parser.add_argument("--variant", action="append", dest="variants", metavar="OPTIONS",
-                        help="options of gscl encode; may be given several times (default: '--tune psnr', then '--tune ssim')")
+    codec.add_variants(parser, "2064,3244,6144,8994")
     parser.add_argument("--codecs", default=",".join(other_codecs.CODECS), help="other codecs (default %(default)s)")
     parser.add_argument("--csv", help="file for one row per image, size and codec")
     parser.add_argument("--plot", help="plot to write (default: perceptual.svg beside the document, if one is given)")
     document.add_option(parser, "RESULTS.md", "perceptual")
-    arguments = parser.parse_args()
-    arguments.variants = arguments.variants or ["--tune psnr", "--tune ssim"]
-    arguments.budgets = [int(size) for size in arguments.bytes.split(",")]
+    arguments = codec.parse_variants(parser)
     arguments.codecs = [name for name in arguments.codecs.split(",") if name]
     unknown = [name for name in arguments.codecs if name not in other_codecs.CODECS]
     if unknown:
@@ -206,7 +192,7 @@ def main():
         rows = [row for image in images for row in measure_image(arguments, image, pathlib.Path(folder))]
     if arguments.csv:
         codec.write_csv(arguments.csv, rows)
-    variants, budgets = [name_of(variant) for variant in arguments.variants], arguments.budgets
+    variants, budgets = [codec.name_of(variant) for variant in arguments.variants], arguments.budgets
     present = {row["codec"] for row in rows}
     names = [name for name in [*variants, *arguments.codecs, BEST_AVIF] if name in present]
     plot = arguments.plot or (section.path.parent / "perceptual.svg" if section else None)

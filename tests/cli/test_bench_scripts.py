@@ -1,16 +1,18 @@
 """The scripts of tests/bench replace marked sections of a document, and nothing else; corpus.py collects pictures."""
+import base64
 import csv
 import importlib.util
 import math
 import os
 import pathlib
+import random
 import re
 import shutil
 import subprocess
 import sys
 import unittest
 
-from images import checkerboard, read_png, scene
+from images import Image, checkerboard, read_png, scene
 from tool import GSCL, ToolTest, main
 
 BENCH = pathlib.Path(__file__).parent.parent / "bench"
@@ -148,6 +150,53 @@ class Perceptual(ToolTest):
         for row in rows.values():
             self.assertLessEqual(int(row["bytes"]), 1500)
             self.assertGreater(float(row["psnr"]), 10)
+
+
+@unittest.skipUnless(all(map(importlib.util.find_spec, ("PIL", "numpy", "pillow_jxl"))),
+                     "needs the packages of tests/bench/requirements.txt")
+class Crops(ToolTest):
+    SIZE, GAP = 32, 8
+
+    def picture(self):
+        """Noise in the left half, nothing in the next quarter, one strong edge in the last."""
+        noise = random.Random(1)
+        samples = [noise.randrange(60, 190) if x < 96 else 128 if x < 144 else 250 if x > 168 else 5
+                   for y in range(40) for x in range(192) for c in range(3)]
+        return Image(192, 40, 3, 8, samples)
+
+    def crops(self, *arguments):
+        done = subprocess.run([sys.executable, BENCH / "crops.py", self.folder, "--gscl", GSCL, "--out", "made/page", "--size",
+                               str(self.SIZE), *arguments], cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return self.path("made/page/index.html").read_text()
+
+    def test_page(self):
+        source = self.picture()
+        self.write_png("a<b.png", source)
+        page = self.crops("--bytes", "400,900", "--variant", "--effort 0")
+        self.assertEqual(sorted(path.name for path in self.path("made/page").iterdir()), sorted(
+            ["index.html", *(f"a<b-{size}-{kind}.png" for size in (400, 900) for kind in ("texture", "edges", "flat"))]))
+        self.assertEqual(re.findall("<h2>(.*)</h2>", page), ["a&lt;b, 400 bytes", "a&lt;b, 900 bytes"])
+        self.assertNotRegex(page, "src=.(?!data:)|https?:")
+        rows = re.findall(r"<p>(\w+), from pixel (\d+), (\d+)</p>\n<table><tr>\n(.*?)</tr>", page, re.S)
+        self.assertEqual([row[0] for row in rows], 2 * ["texture", "edges", "flat"])
+        for budget, (kind, x, y, cells) in zip((400, 400, 400, 900, 900, 900), rows):
+            x, y = int(x), int(y)
+            crops = [read_png(base64.b64decode(data)) for data in re.findall("base64,([^\"]*)", cells)]
+            self.assertEqual(crops[0], source.crop(x, y, self.SIZE, self.SIZE))
+            self.assertEqual([(crop.width, crop.height) for crop in crops], 3 * [(self.SIZE, self.SIZE)])
+            self.assertRegex(cells, r"<b>original</b>(?s:.*)<b>gscl --effort 0</b>(?s:.*)<b>AVIF( half| quarter)?</b>")
+            self.assertTrue(all(0 < int(size) <= budget for size in re.findall(r"(\d+) bytes, SSIMULACRA 2 -?\d", cells)))
+            self.assertEqual({"texture": x <= 64, "edges": 136 < x <= 168, "flat": 96 <= x <= 112}[kind], True, (kind, x))
+            row = read_png(self.path(f"made/page/a<b-{budget}-{kind}.png").read_bytes())
+            self.assertEqual((row.width, row.height), (3 * self.SIZE + 2 * self.GAP, self.SIZE))
+            self.assertEqual(row.crop(self.SIZE + self.GAP, 0, self.SIZE, self.SIZE), crops[1])
+
+    def test_small_pictures_and_small_files(self):
+        self.write_png("a.png", scene(24, 40, 3))
+        page = self.crops("--bytes", "60", "--variant", "--effort 0")
+        self.assertNotIn("AVIF", page)
+        self.assertEqual(page.count('width="24" height="32"'), 6)
 
 
 class CorpusList(unittest.TestCase):
