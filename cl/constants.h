@@ -157,6 +157,17 @@
 #define GSCL_SSIM_MIN_SIMILARITY 0.1f    /* lower bound of the contrast-structure factor of a window */
 #define GSCL_SSIM_WEIGHT_EXPONENT 0.8f   /* on weights without a rendering */
 
+/* Weights of squared errors, in as many planes behind those of the target as the value.  PIXELS: a plane weights all
+ * channels.  LUMA: weights and a target of luma, whose weighted squared error is added to that of the channels. */
+#define GSCL_WEIGHTED_NOT 0
+#define GSCL_WEIGHTED_PIXELS 1
+#define GSCL_WEIGHTED_LUMA 2
+#define GSCL_LUMA_SHARES 0.27f, 0.65f, 0.08f /* of red, green and blue in luma; their sum is 1 */
+
+/* Sums of a plane at one scale of the visual loss (cl/visual.cl): of values and of their 4th powers, for structure,
+ * artefacts and lost detail. */
+#define GSCL_VISUAL_SUMS 6
+
 /* A slot of the fit holds a splat's sums over one tile (cl/fit.cl).  Sums that the effects leave without use have no
  * place in it, so that the later places follow from the shape of splats (GSCL_SHAPE_...) and from what they have. */
 #define GSCL_SLOT_U 0

@@ -27,10 +27,21 @@ inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global 
     pix loss = (pix)(0.0f);
     for (int r = 0; r < ROWS; r++) {
         b->dot[r] = (pix)(0.0f);
-#if WEIGHTED
+#if WEIGHTED != GSCL_WEIGHTED_NOT
         pix weight = (pix)(0.0f);
         if (r < p.rows && p.lanes > 0)
             weight = pix_load_clipped(target + CHANNELS * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+#endif
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+        pix luma = (pix)(0.0f);
+        if (r < p.rows && p.lanes > 0) {
+            luma = -pix_load_clipped(target + (CHANNELS + 1) * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+            UNROLL
+            for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), c->colour[k][r], luma);
+            luma *= pix_inside(p.lanes);
+        }
+        loss = fma(weight * luma, luma, loss);
+        luma *= weight;
 #endif
         UNROLL
         for (int k = 0; k < CHANNELS; k++) {
@@ -41,9 +52,12 @@ inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global 
                 d = value;
 #else
                 pix e = (c->colour[k][r] - value) * pix_inside(p.lanes);
-#if WEIGHTED
+#if WEIGHTED == GSCL_WEIGHTED_PIXELS
                 d = weight * e;
                 loss = fma(d, e, loss);
+#elif WEIGHTED == GSCL_WEIGHTED_LUMA
+                loss = fma(e, e, loss);
+                d = k < COLOURS ? fma((pix)(luma_share(k)), luma, e) : e;
 #elif LOSS == GSCL_LOSS_KIND_L2
                 loss = fma(e, e, loss);
                 d = e;
@@ -167,8 +181,8 @@ inline int skip_until_step(float loss, int pixels, float threshold, int step) {
     return loss < threshold * (float)pixels ? step + 1 + GSCL_SKIP_STEPS : 0;
 }
 
-/* Writes a gradient slot for each entry and the loss of each tile.  `target`: CHANNELS planes and, where WEIGHTED, a
- * plane of weights; where the loss is EXTERNAL, planes of its derivative by the rendering.
+/* Writes a gradient slot for each entry and the loss of each tile.  `target`: CHANNELS planes and those of
+ * WEIGHTED; where the loss is EXTERNAL, planes of its derivative by the rendering.
  * A tile whose loss per pixel is below the threshold is skipped for the next GSCL_SKIP_STEPS steps, in which its slots
  * are 0 and its loss stays the same.  `skip_until`: for each tile the step with which it is computed again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,

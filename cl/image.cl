@@ -38,17 +38,24 @@ __kernel void level_residual(__global const float *restrict planes, __global con
     map[at] = sum / (float)(4 * channels);
 }
 
-/* Squared error per pixel, added over channels.  Where `weighted`, the target has a plane of weights behind it. */
+/* Squared error per pixel, added over channels.  `weighted`: GSCL_WEIGHTED_..., with a plane of weights behind the
+ * target. */
 __kernel void squared_error(__global const float *restrict rendering, __global const float *restrict target,
                             int channels, int weighted, int count, __global float *restrict error) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
-    float sum = 0.0f;
+    const float shares[3] = {GSCL_LUMA_SHARES};
+    float sum = 0.0f, luma = 0.0f;
     for (int k = 0; k < channels; k++) {
         float e = rendering[(size_t)k * count + i] - target[(size_t)k * count + i];
         sum = fma(e, e, sum);
+        float c = rendering[(size_t)k * count + i];
+        if (k < 3) luma = channels < 3 ? (k == 0 ? c : luma) : fma(shares[k], c, luma);
     }
-    error[i] = weighted ? sum * target[(size_t)channels * count + i] : sum;
+    if (weighted == GSCL_WEIGHTED_PIXELS) sum *= target[(size_t)channels * count + i];
+    if (weighted == GSCL_WEIGHTED_LUMA) luma -= target[(size_t)(channels + 1) * count + i];
+    if (weighted == GSCL_WEIGHTED_LUMA) sum = fma(target[(size_t)channels * count + i] * luma, luma, sum);
+    error[i] = sum;
 }
 
 /* Adds `share` times a plane that is 2^shift times smaller to the plane at to[to_at]. */

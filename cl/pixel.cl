@@ -2,8 +2,8 @@
  * 16, ROWS 16; a work-item draws a whole tile with explicit vectors.  GPU mapping: LANES 4, ROWS 1; a work-group of
  * 256 / LANES work-items draws a tile.
  *
- * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED (0 or
- * 1), LOSS, CACHED_ROWS (raster.cl).  The options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT
+ * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED
+ * (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl).  The options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT
  * serve measurements of accuracy only (host/lib/measure/accuracy.c). */
 #pragma OPENCL FP_CONTRACT OFF
 #ifdef __clang__
@@ -67,6 +67,10 @@ inline real pix_sum(pix v) {
 #else
 #error "LANES must be 16 or 4"
 #endif
+
+/* The part of luma that a colour channel has. */
+__constant float luma_shares[3] = {GSCL_LUMA_SHARES};
+inline float luma_share(int k) { return COLOURS == 3 ? luma_shares[k] : 1.0f; }
 
 /* Stores the first `count` lanes: the part of a row that lies outside the image is not written. */
 inline void pix_store_clipped(pix v, __global real *row, int count) {

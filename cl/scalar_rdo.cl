@@ -11,6 +11,9 @@
 /* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
 typedef struct {
     float fixed, linear[CHANNELS], square;
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+    float luma_linear, luma_square; /* likewise for the luma of c */
+#endif
 } quadratic;
 
 /* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering.  With colour 0
@@ -21,6 +24,9 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
     outline o = outline_of(a, width, height);
     pix before = (pix)(0.0f), after = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
     for (int k = 0; k < CHANNELS; k++) linear[k] = (pix)(0.0f);
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+    pix luma_square = (pix)(0.0f), luma_linear = (pix)(0.0f);
+#endif
     for (int y = o.rows.x; y <= o.rows.y; y++) {
         int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
@@ -33,8 +39,10 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
             s /= PIX_LOAD(weights + at) + s;
 #endif
             pix weight = (pix)(1.0f);
-#if WEIGHTED
+#if WEIGHTED == GSCL_WEIGHTED_PIXELS
             weight = PIX_LOAD(target + CHANNELS * plane + at);
+#elif WEIGHTED == GSCL_WEIGHTED_LUMA
+            pix luma_error = -PIX_LOAD(target + (CHANNELS + 1) * plane + at), luma_change = (pix)(0.0f);
 #endif
             pix weighted = weight * s;
             square = fma(weighted, s, square);
@@ -46,13 +54,29 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
                 linear[k] = fma(weighted, residual, linear[k]);
                 before = fma(weight * error, error, before);
                 after = fma(weight * residual, residual, after);
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+                if (k >= COLOURS) continue;
+                luma_error = fma((pix)(luma_share(k)), p, luma_error);
+                luma_change = fma((pix)(luma_share(k)), residual - error, luma_change);
+#endif
             }
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+            pix luma_weight = PIX_LOAD(target + CHANNELS * plane + at);
+            pix luma_after = luma_error + luma_change;
+            after = fma(luma_weight * luma_change, luma_error + luma_after, after);
+            luma_linear = fma(luma_weight * s, luma_after, luma_linear);
+            luma_square = fma(luma_weight * s, s, luma_square);
+#endif
         }
     }
     quadratic q;
     q.fixed = pix_sum(after - before);
     q.square = pix_sum(square);
     for (int k = 0; k < CHANNELS; k++) q.linear[k] = pix_sum(linear[k]);
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+    q.luma_linear = pix_sum(luma_linear);
+    q.luma_square = pix_sum(luma_square);
+#endif
     return q;
 }
 
@@ -73,6 +97,11 @@ inline float colour_cost(const quadratic *q, const gscl_codes *c, __global const
     float cost = q->fixed + t.lambda * colour_bits(c, tables), colour[CHANNELS];
     codes_colour(c, t, colour);
     for (int k = 0; k < CHANNELS; k++) cost += colour[k] * fma(q->square, colour[k], 2.0f * q->linear[k]);
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+    float luma = 0.0f;
+    for (int k = 0; k < COLOURS; k++) luma = fma(luma_share(k), colour[k], luma);
+    cost += luma * fma(q->luma_square, luma, 2.0f * q->luma_linear);
+#endif
     return cost;
 }
 

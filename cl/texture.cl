@@ -34,12 +34,23 @@ inline void share_and_error(const projected_splat *plain, const outline *o, int 
     s /= PIX_LOAD(weights + at) + s;
 #endif
     pix e = (pix)(0.0f);
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+    pix luma = -PIX_LOAD(target + (CHANNELS + 1) * plane + at), luma_weight = PIX_LOAD(target + CHANNELS * plane + at);
+#endif
     UNROLL
     for (int k = 0; k < COLOURS; k++) {
         pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
-        e += fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
+        pix error = fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
+        e += error;
+#if WEIGHTED == GSCL_WEIGHTED_LUMA
+        luma = fma((pix)(luma_share(k)), fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p), luma);
+#endif
     }
-#if WEIGHTED /* With the root of the weight on both, sums of products are weighted. */
+#if WEIGHTED == GSCL_WEIGHTED_LUMA /* Likewise, for a wave that changes luma as much as each colour. */
+    pix root = sqrt(fma(luma_weight, (pix)(1.0f / COLOURS), (pix)(1.0f)));
+    e = fma(luma_weight, luma, e) / root;
+    s *= root;
+#elif WEIGHTED == GSCL_WEIGHTED_PIXELS /* With the root of the weight on both, sums of products are weighted. */
     pix root = sqrt(PIX_LOAD(target + CHANNELS * plane + at));
     s *= root;
     e *= root;

@@ -13,6 +13,10 @@ typedef struct {
     bool clamped; /* where the alpha blend's opacity has no derivative */
 } substitute;
 
+static double luma_of(const oracle_fit *fit, const double *value) {
+    return fit->colours == 3 ? 0.27 * value[0] + 0.65 * value[1] + 0.08 * value[2] : value[0];
+}
+
 static void blend_pixel(const oracle_scene *s, int pixel, const substitute *other, double *value) {
     const oracle_fit *fit = s->fit;
     const double *row = s->weights + (size_t)pixel * s->count;
@@ -63,6 +67,10 @@ double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count
             const double e = value[k] - fit->target[k * s.pixels + i];
             const double weight = fit->weights ? fit->weights[i] : 1.0;
             loss += fit->absolute ? fabs(e) : 0.5 * weight * e * e;
+        }
+        if (fit->luma_weights) {
+            const double e = luma_of(fit, value) - fit->luma_target[i];
+            loss += 0.5 * fit->luma_weights[i] * e * e;
         }
     }
     oracle_scene_free(&s);
@@ -118,6 +126,10 @@ static double pixel_difference(const oracle_scene *s, int pixel, const substitut
         /* (a - t)^2 - (b - t)^2 without the cancellation */
         sum += fit->absolute ? fabs(a[k] - target) - fabs(b[k] - target)
                              : 0.5 * weight * (a[k] - b[k]) * (a[k] - target + b[k] - target);
+    }
+    if (fit->luma_weights) {
+        const double more_luma = luma_of(fit, a), less_luma = luma_of(fit, b), target = fit->luma_target[pixel];
+        sum += 0.5 * fit->luma_weights[pixel] * (more_luma - less_luma) * (more_luma - target + less_luma - target);
     }
     return sum;
 }

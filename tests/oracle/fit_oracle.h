@@ -22,13 +22,15 @@ typedef struct {
     double background[ORACLE_CHANNELS];
     const double *target;  /* channels planes of width * height */
     const double *weights; /* of pixels' squared errors; NULL: all 1 */
+    /* Where not NULL, added to the squared errors: of luma, weighted. */
+    const double *luma_weights, *luma_target;
 } oracle_fit;
 
 /* Draws `count` splats of ORACLE_PARAMS parameters into planes. */
 void oracle_fit_draw(const oracle_fit *fit, const double *params, size_t count, double *planes);
 
 /* The loss whose gradient the fit follows: 4^level times half the sum of squared errors (L1: the sum of absolute
- * errors) over all samples of the level, each times its pixel's weight. */
+ * errors) over all samples of the level, each times its pixel's weight, with the weighted squared errors of luma. */
 double oracle_fit_loss(const oracle_fit *fit, const double *params, size_t count);
 
 /* The loss's derivative by each parameter, by central differences over five points, for every `stride`th splat with the

@@ -87,10 +87,18 @@ static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int op
 typedef struct {
     oracle_fit fit;
     double params[SPLATS * ORACLE_PARAMS];
-    double target[SAMPLES], planes[SAMPLES], weights[WIDTH * HEIGHT];
+    double target[SAMPLES], planes[SAMPLES], weights[WIDTH * HEIGHT], luma_target[WIDTH * HEIGHT];
     double gradient[SPLATS * ORACLE_PARAMS];
     double loss;
 } reference;
+
+/* Behind the planes of the target, where the errors of luma are weighted. */
+static float luma_weight_of(int pixel) {
+    return 0.3f * (float)(pixel % 7);
+}
+static float luma_target_of(int pixel) {
+    return 0.1f * (float)(pixel % 11);
+}
 
 /* Axis-aligned splats have no angle; circles have one axis. */
 static void apply_shape(const fit_case *c, double *params) {
@@ -117,7 +125,15 @@ static void reference_create(const fit_case *c, const float *background, referen
         t->fit.background[k] = background[k];
     for (int i = 0; i < SAMPLES; i++)
         t->target[i] = t->planes[i] = c->target[i];
-    if (c->options.weighted) { /* images of this size have one level */
+    if (c->options.weighted == GSCL_WEIGHTED_LUMA) {
+        for (int i = 0; i < pixels_of(c); i++) {
+            t->weights[i] = luma_weight_of(i);
+            t->luma_target[i] = luma_target_of(i);
+        }
+        t->fit.luma_weights = t->weights;
+        t->fit.luma_target = t->luma_target;
+    }
+    if (c->options.weighted == GSCL_WEIGHTED_PIXELS) { /* images of this size have one level */
         oracle_ssim_weights(t->planes, channels_of(c), t->fit.width, t->fit.height, 0, t->weights);
         t->fit.weights = t->weights;
     }
@@ -153,12 +169,26 @@ static gscl_result render(gscl_fit *fit, float *planes) {
                             gscl_fit_level_pixels(fit) * (size_t)fit->renderer.channels * sizeof *planes);
 }
 
+static void write_luma(gscl_fit *fit, const fit_case *c) {
+    static float planes[2 * WIDTH * HEIGHT];
+    const size_t pixels = (size_t)pixels_of(c);
+    for (int i = 0; i < pixels_of(c); i++) {
+        planes[i] = luma_weight_of(i);
+        planes[pixels_of(c) + i] = luma_target_of(i);
+    }
+    check_call(fit->context, c->name,
+               gscl_buffer_write(fit->context, &fit->pyramid.levels[c->level],
+                                 pixels * (size_t)channels_of(c) * sizeof(float), planes, 2 * pixels * sizeof(float)));
+}
+
 static void run_case(gscl_context *context, const fit_case *c, outcome *o) {
     gscl_fit fit;
     memset(o, 0, sizeof *o);
     check_call(context, c->name, gscl_fit_create(&fit, context, &c->options, WIDTH, HEIGHT, c->level, c->target));
     check_call(context, c->name, gscl_fit_append(&fit, c->params, c->count));
     assert_int_equal(fit.level, c->level);
+    if (c->options.weighted == GSCL_WEIGHTED_LUMA)
+        write_luma(&fit, c);
     check_call(context, c->name, gscl_fit_gradients(&fit, o->gradient));
     check_call(context, c->name, gscl_fit_loss(&fit, &o->loss));
     check_call(context, c->name, render(&fit, o->planes));
@@ -199,6 +229,7 @@ static void check_forward(const fit_case *c, const reference *t, const outcome *
     if (!(apart < 2e-5))
         fail_msg("%s: a sample is off by %g", c->name, apart);
     /* The library's loss is the mean of squared (L1: absolute) errors. */
+    /* With weighted luma, too, it is divided by the samples alone. */
     const double loss = ldexp(t->loss, -2 * c->level) * (t->fit.absolute ? 1.0 : 2.0) / samples;
     if (!(fabs(o->loss - loss) <= 1e-5 * loss))
         fail_msg("%s: the loss is %.9g, %.9g expected", c->name, o->loss, loss);
@@ -321,9 +352,20 @@ static void test_weighted_errors(void **state) {
     for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
         for (int level = 0; level < 2; level++) {
             fit_case *c = ordinary_case(blend, level ? 1 : 3, 1, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, level);
-            c->options.weighted = 1;
+            c->options.weighted = GSCL_WEIGHTED_PIXELS;
             for (int i = 0; i < SAMPLES; i++) /* smooth on one side, so that weights differ */
                 c->target[i] = i % WIDTH < WIDTH / 2 ? 0.01f * (float)(i % WIDTH) : c->target[i];
+            check_case(c, ALLOWED);
+        }
+    }
+}
+
+static void test_weighted_luma(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int level = 0; level < 2; level++) {
+            fit_case *c = ordinary_case(blend, level ? 1 : 3, 1, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, level);
+            c->options.weighted = GSCL_WEIGHTED_LUMA;
             check_case(c, ALLOWED);
         }
     }
@@ -342,7 +384,7 @@ static void test_ssim_weights(void **state) {
     oracle_ssim_weights(expected_planes, 3, W, H, 2, expected);
     for (int m = 0; m < 2; m++) {
         gscl_fit fit;
-        const gscl_kernel_options options = {.colours = 3, .weighted = 1};
+        const gscl_kernel_options options = {.colours = 3, .weighted = GSCL_WEIGHTED_PIXELS};
         check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
         assert_int_equal(fit.pyramid.last_level, 2);
         check_call(contexts[m], "read", gscl_buffer_read(contexts[m], &fit.pyramid.levels[0], 0, found, sizeof found));
@@ -378,7 +420,7 @@ static void test_ssim_adaptation(void **state) {
     }
     for (int m = 0; m < 2; m++) {
         gscl_fit fit;
-        const gscl_kernel_options options = {.colours = 3, .weighted = 1};
+        const gscl_kernel_options options = {.colours = 3, .weighted = GSCL_WEIGHTED_PIXELS};
         check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
         check_call(contexts[m], "append", gscl_fit_append(&fit, params, SPLATS));
         assert_ptr_equal(gscl_fit_weighted_target(&fit), &fit.pyramid.levels[0]);
@@ -537,6 +579,7 @@ int main(void) {
         cmocka_unit_test(test_tiles_without_error_are_skipped),
         cmocka_unit_test(test_textures),
         cmocka_unit_test(test_weighted_errors),
+        cmocka_unit_test(test_weighted_luma),
         cmocka_unit_test(test_ssim_weights),
         cmocka_unit_test(test_ssim_adaptation),
         cmocka_unit_test(test_absolute_loss),

@@ -14,6 +14,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "decode/quantise.h"
+#include "fit/tunables.h"
 #include "scalar/scalar_rdo.h"
 #include "synthetic_scene.h"
 
@@ -58,7 +59,7 @@ static void make_splat(scene *s, gsf_splat *splat) {
     gscl_quantise(&s->coded.file, p, splat);
 }
 
-static void open_scene(scene *s, gscl_context *context, gsf_blend blend, bool weighted, bool texture, splat_kind kind) {
+static void open_scene(scene *s, gscl_context *context, gsf_blend blend, int weighted, bool texture, splat_kind kind) {
     static float planes[3 * WIDTH * HEIGHT];
     memset(s, 0, sizeof *s);
     s->kind = kind;
@@ -142,14 +143,54 @@ static void test_free_bits_reach_a_minimum(void **state) {
     (void)state;
     for (int variant = 0; variant < 48; variant++) {
         scene s;
-        open_scene(&s, contexts[variant / 8 % 2], variant & 1 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, variant & 2,
-                   variant & 4, (splat_kind)(variant / 16));
+        open_scene(&s, contexts[variant / 8 % 2], variant & 1 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED,
+                   variant & 2 ? GSCL_WEIGHTED_PIXELS : GSCL_WEIGHTED_NOT, variant & 4, (splat_kind)(variant / 16));
         const double before = error_of(&s);
         run_passes(&s, FREE, true);
         assert_int_equal(s.coded.file.header.splat_count, SPLATS);
         assert_true(error_of(&s) < 0.9 * before);
         check_minimum(&s, variant);
         close_scene(&s);
+    }
+}
+
+/* Squared error and twice the visual loss of the coded image, drawn anew. */
+static double visual_distortion_of(scene *s) {
+    const int weighted = s->fit.renderer.options.weighted;
+    const gscl_visual_comparison comparison = {.pyramid = &s->fit.pyramid,
+                                               .options = &s->fit.renderer.options,
+                                               .rendering = &s->fit.renderer.image,
+                                               .share = gscl_fit_tunables.visual_share};
+    gscl_visual visual = {0};
+    gscl_buffer derivative = {0};
+    double sum, loss;
+    s->fit.model_level = -1;
+    s->fit.renderer.options.weighted = GSCL_WEIGHTED_NOT;
+    sum = error_of(s);
+    check_call(s, gscl_visual_derivative(&visual, &comparison, &derivative));
+    check_call(s, gscl_visual_read_loss(&visual, s->context, &loss));
+    s->fit.renderer.options.weighted = weighted;
+    gscl_visual_free(&visual);
+    gscl_buffer_free(&derivative);
+    return sum + 2 * loss;
+}
+
+/* Free passes with a model of the visual loss come to a lower sum of squared error and that loss than passes for squared
+ * error alone. */
+static void test_passes_lower_the_visual_loss(void **state) {
+    (void)state;
+    for (int variant = 0; variant < 8; variant++) {
+        double after[2];
+        for (int with_model = 0; with_model < 2; with_model++) {
+            scene s;
+            open_scene(&s, contexts[variant % 2], variant & 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED,
+                       with_model ? GSCL_WEIGHTED_LUMA : GSCL_WEIGHTED_NOT, variant & 4, ELLIPSES);
+            run_passes(&s, FREE, true);
+            after[with_model] = visual_distortion_of(&s);
+            close_scene(&s);
+        }
+        if (!(after[1] < 0.97 * after[0]))
+            fail_msg("variant %d: %.6g with the visual loss, %.6g without", variant, after[1], after[0]);
     }
 }
 
@@ -227,9 +268,8 @@ static void test_reused_buffers_change_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_bits_reach_a_minimum),
-        cmocka_unit_test(test_expensive_bits_drop_all_splats),
-        cmocka_unit_test(test_fixed_splats_stay),
+        cmocka_unit_test(test_free_bits_reach_a_minimum),      cmocka_unit_test(test_passes_lower_the_visual_loss),
+        cmocka_unit_test(test_expensive_bits_drop_all_splats), cmocka_unit_test(test_fixed_splats_stay),
         cmocka_unit_test(test_reused_buffers_change_nothing),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);

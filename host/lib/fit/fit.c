@@ -38,14 +38,17 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     gscl_stage(context, GSCL_STAGE_PYRAMID);
     f->context = context;
     f->ssim_weight = SSIM_WEIGHT;
+    f->model_level = -1;
     f->limits = first_limits(width, height, options->blend);
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
     gscl_renderer_set_options(&f->renderer, GSCL_PROGRAM_FIT, options);
     GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
     GSCL_TRY(gscl_pyramid_create(&f->pyramid, context, width, height, first_level, f->renderer.channels,
                                  options->weighted, planes));
-    if (options->weighted)
+    if (options->weighted == GSCL_WEIGHTED_PIXELS)
         GSCL_TRY(gscl_weights_build(&f->pyramid, &f->ssim, options));
+    if (options->weighted == GSCL_WEIGHTED_LUMA)
+        GSCL_TRY(gscl_pyramid_zero_weights(&f->pyramid));
     mean_colour(planes, f->renderer.channels, gscl_pyramid_pixels(&f->pyramid, first_level), f->background);
     GSCL_TRY(gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background));
     return gscl_fit_set_level(f, first_level);
@@ -56,8 +59,10 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_pyramid_free(&f->pyramid);
     gscl_tile_skip_free(&f->skip);
     gscl_ssim_free(&f->ssim);
-    gscl_buffer *buffers[] = {&f->gradients, &f->first_moment, &f->second_moment, &f->ages,       &f->gradient_slots,
-                              &f->tile_loss, &f->loss,         &f->error,         &f->derivative, &f->adapted_target};
+    gscl_visual_free(&f->visual);
+    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment,   &f->second_moment, &f->ages,
+                              &f->gradient_slots, &f->tile_loss,      &f->loss,          &f->error,
+                              &f->derivative,     &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
 }
@@ -96,17 +101,41 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
 }
 
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
+    if (f->model_level == f->level)
+        return &f->model;
     bool is_adapted = f->level == f->pyramid.first_level && f->adapted_target.memory;
     return is_adapted ? &f->adapted_target : &f->pyramid.levels[f->level];
 }
 
 gscl_result gscl_fit_adapt_target(gscl_fit *f) {
     const gscl_pyramid *p = &f->pyramid;
-    if (!f->renderer.options.weighted || f->level != p->first_level || p->first_level == p->last_level)
+    if (f->renderer.options.weighted != GSCL_WEIGHTED_PIXELS || f->level != p->first_level ||
+        p->first_level == p->last_level)
         return GSCL_OK;
     GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
     GSCL_TRY(gscl_renderer_draw(&f->renderer));
     return gscl_weights_adapt(p, &f->ssim, &f->renderer.options, &f->renderer.image, &f->adapted_target);
+}
+
+gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, float curvature) {
+    const gscl_visual_comparison comparison = {.pyramid = &f->pyramid,
+                                               .options = &f->renderer.options,
+                                               .level = f->level,
+                                               .rendering = rendering,
+                                               .share = gscl_fit_tunables.visual_share};
+    if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
+        return GSCL_OK;
+    GSCL_TRY(gscl_visual_model(&f->visual, &comparison, curvature, &f->model));
+    f->model_level = f->level;
+    return GSCL_OK;
+}
+
+gscl_result gscl_fit_renew_model(gscl_fit *f) {
+    if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
+        return GSCL_OK;
+    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
+    GSCL_TRY(gscl_renderer_draw(&f->renderer));
+    return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
 }
 
 gscl_result gscl_fit_target(gscl_fit *f, float *planes) {

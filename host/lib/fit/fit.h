@@ -10,6 +10,7 @@
 #include "fit/pyramid.h"
 #include "fit/ssim_loss.h"
 #include "fit/tile_skip.h"
+#include "fit/visual_loss.h"
 #include "image/flat_background.h"
 
 typedef struct gscl_fit {
@@ -39,6 +40,10 @@ typedef struct gscl_fit {
     gscl_ssim ssim;
     gscl_buffer derivative;     /* of the loss by the rendering, where the loss is EXTERNAL */
     gscl_buffer adapted_target; /* of the first level (gscl_fit_adapt_target), or empty */
+
+    gscl_visual visual;
+    gscl_buffer model; /* of squared error and the visual loss (gscl_fit_renew_model) */
+    int model_level;   /* of the pyramid, or -1: there is no model */
 } gscl_fit;
 
 /* ---- fit.c: the state, its level and target ---- */
@@ -67,6 +72,11 @@ gscl_stage_id gscl_fit_stage(const gscl_fit *fit);
  * approximates that of MS-SSIM (fit/ssim_weights.h).  Has no effect where errors are not weighted, at other levels, or
  * if there is one level only. */
 gscl_result gscl_fit_adapt_target(gscl_fit *fit);
+/* Makes a quadratic model of squared error and the visual loss at the current rendering (fit/visual_loss.h), which takes
+ * the place of the target of this level.  Has no effect but with GSCL_WEIGHTED_LUMA. */
+gscl_result gscl_fit_renew_model(gscl_fit *fit);
+/* Likewise, at planes of the level's size and with the curvature of gscl_visual_model. */
+gscl_result gscl_fit_renew_model_at(gscl_fit *fit, const gscl_buffer *rendering, float curvature);
 /* The current level's target: its planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
 /* Reads the current level's planes of the source. */
@@ -102,10 +112,13 @@ gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
 /* Renders the current splats (through the quantiser) and reads the squared error of each pixel of the level, added over
  * channels and weighted. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
-/* Renders likewise; the sum over the level. */
+/* Renders likewise; the sum over the level, or what gscl_fit_distortion says. */
 gscl_result gscl_fit_rendering_error(gscl_fit *fit, double *sum);
 /* Sum of (weighted) squared errors of planes (of the level's size) against the level's target. */
 gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
+/* The sum that rate-distortion passes trade against bits, at planes of the level's size: gscl_fit_error_sum or, after
+ * gscl_fit_renew_model_at them, squared errors plus twice the visual loss. */
+gscl_result gscl_fit_distortion(gscl_fit *fit, const gscl_buffer *planes, double *sum);
 /* Mean squared error of planes of the first level's size against the source, per sample and not weighted. */
 gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes, double *mse);
 

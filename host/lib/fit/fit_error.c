@@ -1,6 +1,8 @@
 #include <stdlib.h>
 
+#include "cl/constants.h"
 #include "fit/fit.h"
+#include "fit/tunables.h"
 
 gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
     cl_kernel kernel;
@@ -56,17 +58,28 @@ gscl_result gscl_fit_error(gscl_fit *f, float *error) {
 
 gscl_result gscl_fit_rendering_error(gscl_fit *f, double *sum) {
     GSCL_TRY(fit_render(f));
-    return gscl_fit_error_sum(f, &f->renderer.image, sum);
+    GSCL_TRY(gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps));
+    return gscl_fit_distortion(f, &f->renderer.image, sum);
 }
 
 gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *sum) {
     return sum_error(f, planes, gscl_fit_weighted_target(f), f->level, f->renderer.options.weighted, sum);
 }
 
+gscl_result gscl_fit_distortion(gscl_fit *f, const gscl_buffer *planes, double *sum) {
+    double loss;
+    if (f->model_level != f->level)
+        return gscl_fit_error_sum(f, planes, sum);
+    GSCL_TRY(sum_error(f, planes, &f->pyramid.levels[f->level], f->level, GSCL_WEIGHTED_NOT, sum));
+    GSCL_TRY(gscl_visual_read_loss(&f->visual, f->context, &loss));
+    *sum += 2 * loss;
+    return GSCL_OK;
+}
+
 gscl_result gscl_fit_mse_against_source(gscl_fit *f, const gscl_buffer *planes, double *mse) {
     int level = f->pyramid.first_level;
     double sum;
-    GSCL_TRY(sum_error(f, planes, &f->pyramid.levels[level], level, 0, &sum));
+    GSCL_TRY(sum_error(f, planes, &f->pyramid.levels[level], level, GSCL_WEIGHTED_NOT, &sum));
     *mse = sum / ((double)gscl_pyramid_pixels(&f->pyramid, level) * f->renderer.channels);
     return GSCL_OK;
 }

@@ -43,19 +43,27 @@ static gscl_result pyramid_add_level(gscl_pyramid *p, size_t planes) {
 }
 
 gscl_result gscl_pyramid_create(gscl_pyramid *p, gscl_context *context, uint32_t width, uint32_t height,
-                                int first_level, int channels, bool weighted, const float *planes) {
+                                int first_level, int channels, int weighted, const float *planes) {
     p->context = context;
     p->width = width;
     p->height = height;
     p->first_level = p->last_level = first_level;
     p->channels = channels;
-    size_t count = (size_t)channels + weighted, plane = gscl_pyramid_pixels(p, first_level) * sizeof(float);
+    size_t count = (size_t)channels + (size_t)weighted, plane = gscl_pyramid_pixels(p, first_level) * sizeof(float);
     gscl_buffer *first = &p->levels[first_level];
     GSCL_TRY(gscl_buffer_reserve_image(context, first, plane * count));
     GSCL_TRY(gscl_buffer_write(context, first, 0, planes, plane * (size_t)channels));
     uint32_t shorter = width < height ? width : height, min_side = (uint32_t)gscl_fit_tunables.min_level_side;
     while (p->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, p->last_level + 1) >= min_side)
         GSCL_TRY(pyramid_add_level(p, count));
+    return GSCL_OK;
+}
+
+gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *p) {
+    for (int level = p->first_level; level <= p->last_level; level++) {
+        const size_t plane = gscl_pyramid_pixels(p, level) * sizeof(float);
+        GSCL_TRY(gscl_buffer_zero(p->context, &p->levels[level], (size_t)p->channels * plane, 2 * plane));
+    }
     return GSCL_OK;
 }
 

@@ -15,11 +15,13 @@ typedef struct gscl_pyramid {
 } gscl_pyramid;
 
 /* Builds the levels of `planes`, which are an image of the size of `first_level`, down to a shorter side of about
- * gscl_fit_tunables.min_level_side.  With `weighted`, each level has room for a plane of weights behind the others.
+ * gscl_fit_tunables.min_level_side.  `weighted`: GSCL_WEIGHTED_...; each level has room for its planes.
  * `pyramid` must be zeroed. */
 gscl_result gscl_pyramid_create(gscl_pyramid *pyramid, gscl_context *context, uint32_t width, uint32_t height,
-                                int first_level, int channels, bool weighted, const float *planes);
+                                int first_level, int channels, int weighted, const float *planes);
 /* Accepts a zeroed pyramid. */
+/* Sets the planes of weights to 0. */
+gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *pyramid);
 void gscl_pyramid_free(gscl_pyramid *pyramid);
 
 /* Size of a level in pixels. */

@@ -13,6 +13,7 @@
  *   density.h: where splats are added
  *   ssim_loss.h: kernels of SSIM: a term of the loss, weights and contrast gains
  *   ssim_weights.h: squared error that is weighted in place of MS-SSIM
+ *   visual_loss.h: squared error and what people see, by SSIMULACRA 2, and a quadratic model of it
  *   tunables.h: numbers that were found by trying
  *   random.h: the random generator */
 #ifndef GSCL_ROOM_LIB_FIT_H

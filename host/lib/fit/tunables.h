@@ -45,6 +45,12 @@ struct gscl_fit_tunables {
     /* Part of the tiles, those with the largest residual, that the residual of a level disregards: small objects count,
      * single specks do not. */
     double residual_outliers;
+
+    /* The visual loss (fit/visual_loss.h): its share beside squared error; the curvature of its model in steps of the
+     * fit; and the largest size of its first scale, pixels. */
+    float visual_share;
+    float curvature_of_steps;
+    int visual_max_pixels;
 };
 
 extern const struct gscl_fit_tunables gscl_fit_tunables;

@@ -14,7 +14,7 @@ typedef struct gscl_kernel_options {
     /* For FIT and CODEBOOK only. */
     int loss; /* GSCL_LOSS_KIND_... */
     /* For FIT, CODEBOOK and SCALAR_RDO only. */
-    int weighted; /* 0 or 1: a plane behind the target weights squared errors pixel by pixel; loss L2 only */
+    int weighted; /* GSCL_WEIGHTED_...: a plane behind the target weights squared errors; loss L2 only */
     /* For measurements of precision (room `measure`); 0 everywhere else. */
     double support;    /* cut-off of a Gaussian, in units of q; 0: GSCL_SUPPORT */
     int exponential;   /* GSCL_EXPONENTIAL_...; 0: the polynomial */
@@ -30,6 +30,7 @@ typedef enum gscl_program_kind {
     GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_remove, rdo_evaluate, rdo_commit */
     GSCL_PROGRAM_CODEBOOK,   /* fitting through codebooks, and choosing their words */
     GSCL_PROGRAM_SSIM,       /* the SSIM loss */
+    GSCL_PROGRAM_VISUAL,     /* the visual loss */
     GSCL_PROGRAM_IMAGE,      /* pyramid and losses over whole images */
     GSCL_PROGRAM_BENCHMARK,  /* multiply_add and copy: the device's peak rates */
     GSCL_PROGRAM_ACCURACY,   /* project_double and raster_forward in double precision */

@@ -39,6 +39,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_CODEBOOK] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
                                "project.cl", "fit.cl", "update.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
     [GSCL_PROGRAM_SSIM] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "ssim.cl"},
+    [GSCL_PROGRAM_VISUAL] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "visual.cl"},
     [GSCL_PROGRAM_IMAGE] = {"builtins.h", "constants.h", "structs.h", "image.cl"},
     [GSCL_PROGRAM_BENCHMARK] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "benchmark.cl"},
     [GSCL_PROGRAM_ACCURACY] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "accuracy.cl"},

@@ -8,6 +8,7 @@
 #include "runtime/mapping.h"
 #include "runtime/timing.h"
 #include "scalar/rdo_tables.h"
+#include "scalar/tunables.h"
 
 /* One pass. */
 typedef struct rdo_pass {
@@ -71,7 +72,7 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
                                rdo->groups.largest * count_moves(p->fit) * sizeof(gscl_move_outcome));
 }
 
-/* Draws the coded image with its sums of weights.  *error: its squared error. */
+/* Draws the coded image with its sums of weights.  *error: what bits are traded against. */
 static gscl_result rdo_draw(rdo_pass *p, double *error) {
     gscl_scalar_rdo *rdo = p->rdo;
     gscl_renderer *r = &p->fit->renderer;
@@ -88,7 +89,8 @@ static gscl_result rdo_draw(rdo_pass *p, double *error) {
                          GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                          GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights),
                          GSCL_ARG(shape)));
-    return gscl_fit_error_sum(p->fit, &rdo->rendering, error);
+    GSCL_TRY(gscl_fit_renew_model_at(p->fit, &rdo->rendering, gscl_scalar_tunables.curvature_of_passes));
+    return gscl_fit_distortion(p->fit, &rdo->rendering, error);
 }
 
 /* Looks up the kernels that change each group. */

@@ -11,7 +11,6 @@ typedef struct gscl_effort_preset {
     int finest;          /* level of the pyramid that is fitted last, counted from the source's; small images have 0 */
     double surplus;      /* splats fitted for each that the budget holds; the passes drop some again */
     double lambda_scale; /* price of a bit in the first pass: a splat that is dropped too early does not come back */
-    int rounds;          /* of the search, of small files */
 } gscl_effort_preset;
 
 extern const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1];
@@ -51,27 +50,11 @@ struct gscl_scalar_tunables {
     double quantise_from;     /* share of the steps, from which on the fit draws through the quantiser */
     double adapt_at;          /* share of the steps at which, tuned for SSIM, the target is adapted to the splats */
     double adapt_again_at;    /* share of the steps at which it is adapted once more */
+    double model_from;        /* share of the steps from which on, in the tune visual, the visual loss is used */
+    int model_interval;       /* steps from one model of the visual loss to the next */
     int report_interval;      /* steps between progress reports */
     int sort_interval;        /* steps between sortings in blend alpha */
     double fit_share;         /* share of the time, for the progress report */
-
-    /* The search of small files.  Tried on eight pictures of the Kodak set at 60 to 500 bytes; dB are their means. */
-    int max_search_bytes;      /* bytes of the first file that is not searched: at 500 the search earns 0.07 dB */
-    int search_first_steps;    /* of the fit before the search, in all efforts */
-    int search_first_passes;   /* passes before the search, in all efforts */
-    double search_pixels;      /* of the level of the search, at least; with 6000 two pictures lost 0.14 dB */
-    double search_distance;    /* pixels of that level from splat to splat, at least; 8 costs 0.15 dB at 300 bytes */
-    double search_removed;     /* share of the splats that a round removes; 0 to 0.05 are as good, 0.08 costs 0.05 dB */
-    double search_added;       /* share of the splats that it adds besides; 0.03 to 0.05 are as good */
-    int search_steps;          /* of the fit in a round; 120 in more rounds are as good, 60 cost 0.05 dB */
-    int search_passes;         /* rate-distortion passes in a round; 2 and 5 are as good */
-    double search_first_price; /* lambda in the first round, in units of error / (2 * bits of the budget) */
-    double search_final_pixels; /* of the level of the last part, at least; at 90000 waves cost a picture 0.5 dB */
-    int search_additions;       /* trials to use bytes that are left, by more splats */
-    int search_trials;          /* passes in each bisection */
-    double search_price_range;  /* factor by which the price in a bisection is raised or lowered at most */
-    double search_fit_share;    /* share of the time at the end of the fit, for the progress report */
-    double search_passes_share; /* the same at the end of the passes */
 
     /* Textures. */
     int texture_effort;        /* from this effort on textures are tried */
@@ -100,6 +83,7 @@ struct gscl_scalar_tunables {
     double min_layer_bytes;           /* bytes; a smaller base layer is left to the next layer */
 
     /* One rate-distortion pass. */
+    float curvature_of_passes; /* of the model of the visual loss (gscl_visual_model) */
     double rdo_growth;         /* factor by which a splat's box may grow in a pass */
     double rdo_growth_pixels;  /* pixels by which it may grow besides */
     double rdo_count_floor;    /* occurrences that each code counts as having, besides its own */

@@ -1,0 +1,59 @@
+/* The visual loss on the device (cl/visual.cl): squared error plus the weighted sum of errors of SSIMULACRA 2.1, its
+ * derivative, and a local quadratic model of it.
+ *
+ * The finest scale of SSIMULACRA 2 is left out: it has 1 to 3 % of the sum in pictures of up to 0.2 bits a pixel, and
+ * three quarters of the time. */
+#ifndef GSCL_LIB_FIT_VISUAL_LOSS_H
+#define GSCL_LIB_FIT_VISUAL_LOSS_H
+
+#include "cl/structs.h"
+#include "fit/pyramid.h"
+#include "runtime/programs.h"
+
+#define GSCL_VISUAL_SCALES 5 /* 1, 1/2, ... 1/16; the sixth of SSIMULACRA 2 has next to no weight */
+
+/* Buffers of one scale.  Padded planes have margins of zeros, which kernels never overwrite. */
+typedef struct gscl_visual_buffers {
+    gscl_buffer target;     /* X, Y, B, padded */
+    gscl_buffer statistics; /* of each plane of the target, its mean and variance, plain */
+    gscl_buffer linear;     /* colours, plain */
+    gscl_buffer xyb;        /* X, Y, B of the rendering, padded */
+    gscl_buffer rows, maps; /* four padded planes each */
+    gscl_buffer by_colour;  /* the derivative by linear colours and the curvature, plain */
+} gscl_visual_buffers;
+
+/* Zeroed: empty.  Kept between calls for the same pyramid and options. */
+typedef struct gscl_visual {
+    int level; /* of the pyramid, whose target the buffers hold */
+    bool has_target;
+    gscl_visual_buffers scales[GSCL_VISUAL_SCALES];
+    gscl_buffer moments, direct, by_xyb, curvature, row_sums, shares, loss; /* scratch of one scale */
+} gscl_visual;
+
+/* An image of the size of a level of the pyramid, beside that level. */
+typedef struct gscl_visual_comparison {
+    const gscl_pyramid *pyramid;
+    const gscl_kernel_options *options;
+    int level;
+    const gscl_buffer *rendering; /* planes like the level's */
+    float
+        share; /* of the visual loss beside squared error.  At 1, a sum of errors of SSIMULACRA 2 that is lower by 1 is
+                    worth as much as a mean squared error per sample that is lower by 1/3000 */
+} gscl_visual_comparison;
+
+/* Writes the derivative by the rendering of half the sum of squared errors plus the visual loss into `derivative`
+ * (planes like the rendering, which it makes).  Images with a side below 8 pixels at half the size have no visual
+ * loss. */
+gscl_result gscl_visual_derivative(gscl_visual *visual, const gscl_visual_comparison *comparison,
+                                   gscl_buffer *derivative);
+/* Writes the quadratic model into `model`, which it makes: the level's planes, the weight of the squared error of luma,
+ * and the target of luma.  `curvature`: factor on the curvature, which is an upper bound for changes of one splat at 1;
+ * the lower, the further changes go that the model asks for. */
+gscl_result gscl_visual_model(gscl_visual *visual, const gscl_visual_comparison *comparison, float curvature,
+                              gscl_buffer *model);
+/* Reads the visual loss of the last call, in the unit of half the sum of squared errors. */
+gscl_result gscl_visual_read_loss(const gscl_visual *visual, gscl_context *context, double *loss);
+/* Accepts a zeroed object. */
+void gscl_visual_free(gscl_visual *visual);
+
+#endif
