@@ -59,7 +59,7 @@ def compare(gscl, a, b):
 
 
 def measure(gscl, image, rate, options, work):
-    """Encodes one image at `rate` bits per pixel; returns bpp, psnr, ssim, ms_ssim and seconds."""
+    """Encodes one image at `rate` bits per pixel; returns bpp, psnr, ssim, ms_ssim, ssimulacra2 and seconds."""
     coded, decoded = work / "image.gscl", work / "image.png"
     encode_s, _ = run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q", "--json", *options)
     decode_s, _ = run(gscl, "decode", coded, "-o", decoded)
@@ -68,7 +68,8 @@ def measure(gscl, image, rate, options, work):
     pixels = header["width"] * header["height"]
     size = coded.stat().st_size
     return dict(image=image.stem, rate=rate, bpp=8 * size / pixels, over=size > int(rate * pixels / 8), splats=header["splats"],
-                psnr=quality["psnr"], ssim=quality["ssim"], ms_ssim=quality["ms_ssim"], encode_s=encode_s, decode_s=decode_s)
+                psnr=quality["psnr"], ssim=quality["ssim"], ms_ssim=quality["ms_ssim"],
+                ssimulacra2=quality["ssimulacra2"], encode_s=encode_s, decode_s=decode_s)
 
 
 def add_variants(parser, sizes):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mean quality of `gscl encode --tune ssim` beside the default over a folder of PNG images, as a Markdown table.
+"""Mean quality of every `gscl encode --tune` over a folder of PNG images, as a Markdown table.
 
     tests/bench/tune.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rates 0.042,0.066,0.125,0.183]
                         [--document [RESULTS.md]]
@@ -7,14 +7,14 @@
 import codec
 import document
 
-HEAD = ("bits per pixel", "MS-SSIM, default", "MS-SSIM, `--tune ssim`", "PSNR, default", "PSNR, `--tune ssim`")
+TUNES = ("psnr", "ssim", "visual")
+HEAD = ("bits per pixel", "tune", "PSNR dB", "MS-SSIM", "SSIMULACRA 2", "encode s")
+KEYS = {"psnr": ".2f", "ms_ssim": ".3f", "ssimulacra2": ".1f", "encode_s": ".2f"}
 
 
-def row_of(arguments, images, rate, work):
-    psnr, ssim = ([codec.measure(arguments.gscl, image, float(rate), ["--tune", tune], work) for image in images]
-                  for tune in ("psnr", "ssim"))
-    return [rate, f"{codec.mean(psnr, 'ms_ssim'):.3f}", f"{codec.mean(ssim, 'ms_ssim'):.3f}",
-            f"{codec.mean(psnr, 'psnr'):.2f}", f"{codec.mean(ssim, 'psnr'):.2f}"]
+def row_of(arguments, images, rate, tune, work):
+    rows = [codec.measure(arguments.gscl, image, float(rate), ["--tune", tune], work) for image in images]
+    return [rate, tune, *(f"{codec.mean(rows, key):{form}}" for key, form in KEYS.items())]
 
 
 def main():
@@ -24,7 +24,7 @@ def main():
     arguments = parser.parse_args()
     images = codec.images_of(arguments.folder, arguments.only)
     document.write_section(arguments, images, HEAD, lambda work: [
-        row_of(arguments, images, rate, work) for rate in arguments.rates.split(",")])
+        row_of(arguments, images, rate, tune, work) for rate in arguments.rates.split(",") for tune in TUNES])
 
 
 if __name__ == "__main__":

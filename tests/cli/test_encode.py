@@ -19,6 +19,7 @@ class Kernels(ToolTest):
         self.write_png("rgb.png", textured(48, 40))
         self.write_png("rgba.png", scene(48, 40, 4))
         for name, arguments in (("rgb", ()), ("rgba", ("--blend", "alpha")), ("rgb", ("--tune", "ssim")),
+                                ("rgb", ("--tune", "visual")),
                                 ("rgb", ("--profile", "paper", "--loss", "l1+ssim")), ("rgb", ("--mapping", "gpu"))):
             with self.subTest(name, arguments=arguments):
                 done = self.start("encode", f"{name}.png", "-o", "x.gscl", "-v", *FAST, "--bytes", "400", *arguments)
@@ -74,39 +75,6 @@ class Targets(ToolTest):
             self.encode(image, "--bytes", "500", "--effort", effort)
             reached.append(psnr(image, self.decode()))
         self.assertGreater(reached[1], reached[0])
-
-
-class SmallFiles(ToolTest):
-    def test_budget_is_used(self):
-        """But for two bytes, which may be of no use to any splat."""
-        image = png_bytes(textured(96, 64))
-        for budget in (60, 100, 150, 260, 400):
-            with self.subTest(budget=budget):
-                size = len(self.encode(image, "--bytes", budget, "--effort", "5"))
-                self.assertLessEqual(size, budget)
-                self.assertGreaterEqual(size, budget - 2)
-
-    def test_more_effort_is_never_worse(self):
-        for name, image in (("scene", scene(96, 64)), ("textured", textured(96, 64))):
-            for budget in (100, 200):
-                reached = 0
-                for effort in (1, 3, 5, 7):
-                    with self.subTest(image=name, budget=budget, effort=effort):
-                        self.encode(image, "--bytes", budget, "--effort", effort)
-                        quality = psnr(image, self.decode())
-                        self.assertGreaterEqual(quality, reached - 0.1)
-                        reached = max(reached, quality)
-
-    def test_same_settings_same_bytes(self):
-        image = png_bytes(scene(96, 64))
-        arguments = ("--bytes", "150", "--effort", "4")
-        self.assertEqual(self.encode(image, *arguments), self.encode(image, *arguments))
-
-    def test_one_splat(self):
-        """The smallest files that have splats at all."""
-        for budget in range(18, 26):
-            with self.subTest(budget=budget):
-                self.assertLessEqual(len(self.encode(scene(64, 64), "--bytes", budget, "--effort", "3")), budget)
 
 
 class Kinds(ToolTest):
@@ -180,12 +148,32 @@ class Settings(ToolTest):
         self.assertGreater(figures["ssim"]["ms_ssim"], figures["psnr"]["ms_ssim"] + 0.02)
         self.assertLess(figures["ssim"]["psnr"], figures["psnr"]["psnr"])
 
-    def test_tuning_for_ssim_needs_the_default_profile_and_l2(self):
+    def test_visual_tuning(self):
+        """--tune visual has a higher SSIMULACRA 2 and a lower PSNR at the same size, also in grey."""
+        for image, blend in ((textured(256, 192), "normalized"), (textured(256, 192, 1), "sum")):
+            with self.subTest(blend=blend):
+                figures = {}
+                for tune in ("psnr", "visual"):
+                    self.encode(image, "--bytes", "900", "--effort", "3", "--tune", tune, "--blend", blend)
+                    self.decode()
+                    figures[tune] = self.gscl_json("compare", "in.image", "in.png")
+                self.assertGreater(figures["visual"]["ssimulacra2"], figures["psnr"]["ssimulacra2"] + 2)
+                self.assertLess(figures["visual"]["psnr"], figures["psnr"]["psnr"])
+
+    def test_visual_tuning_of_hard_images(self):
+        """Images with alpha, and images that are too small for the visual loss, are encoded as well."""
+        for image in (scene(64, 48, 4), scene(9, 7), flat(40, 30, (200, 40, 90)), textured(40, 30, 2)):
+            with self.subTest(size=(image.width, image.height), channels=image.channels):
+                self.encode(image, "--bytes", "300", "--effort", "2", "--tune", "visual")
+                self.assertGreater(psnr(image, self.decode()), 18)
+
+    def test_tuning_needs_the_default_profile_and_l2(self):
         self.write_png("in.png", scene(16, 16))
-        for setting in (("--profile", "paper"), ("--loss", "l1")):
-            with self.subTest(setting=setting):
-                self.refused("in.png", "needs the default profile and the loss L2", "encode", "in.png", "--tune",
-                             "ssim", *setting, code=2)
+        for tune in ("ssim", "visual"):
+            for setting in (("--profile", "paper"), ("--loss", "l1")):
+                with self.subTest(tune=tune, setting=setting):
+                    self.refused("in.png", "needs the default profile and the loss L2", "encode", "in.png", "--tune",
+                                 tune, *setting, code=2)
 
 
 class Names(ToolTest):

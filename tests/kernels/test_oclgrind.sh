@@ -21,10 +21,10 @@ is_silent() {
     oclgrind --build-options -cl-opt-disable --check-api --data-races "$gscl" "$@" >"$work/output" 2>&1 && ! grep -q . "$work/output"
 }
 
-echo 1..10
+echo 1..12
 number=0
 for mapping in cpu gpu; do
-    for mode in "--effort 1 --blend normalized" "--effort 0 --tune ssim" "--effort 0 --blend alpha" "--effort 1 --blend sum" "--effort 0 --profile paper"; do
+    for mode in "--effort 1 --blend normalized" "--effort 0 --tune ssim" "--effort 0 --tune visual" "--effort 0 --blend alpha" "--effort 1 --blend sum" "--effort 0 --profile paper"; do
         number=$((number + 1))
         if is_silent encode "$image" -o "$work/coded.gscl" --splats 4 $mode --mapping $mapping --quiet &&
             is_silent decode "$work/coded.gscl" -o "$work/decoded.png" --mapping $mapping; then

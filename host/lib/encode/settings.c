@@ -6,7 +6,7 @@
 
 static gscl_result check_ranges(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
-        s->tune > GSCL_TUNE_SSIM || s->target > GSCL_TARGET_SPLATS)
+        s->tune > GSCL_TUNE_VISUAL || s->target > GSCL_TARGET_SPLATS)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
     if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
@@ -58,7 +58,7 @@ static const char *contradiction(const gscl_encode_settings *s) {
         return "layers are the default profile's";
     if (s->bare && s->blocks)
         return "a bare file cannot have blocks (profile, metadata)";
-    if (s->tune == GSCL_TUNE_SSIM && (paper || !squared))
+    if (s->tune != GSCL_TUNE_PSNR && (paper || !squared))
         return "tuning for SSIM weights squared errors; it needs the default profile and the loss L2";
     return NULL;
 }

@@ -31,7 +31,9 @@ static gscl_result create_fit(gscl_scalar_state *s) {
     gsf_coded_image *file = &s->coded->file;
     gscl_kernel_options options = gscl_coded_image_options(&file->header);
     options.loss = e->loss_kind;
-    options.weighted = e->settings.tune == GSCL_TUNE_SSIM;
+    options.weighted = e->settings.tune == GSCL_TUNE_SSIM     ? GSCL_WEIGHTED_PIXELS
+                       : e->settings.tune == GSCL_TUNE_VISUAL ? GSCL_WEIGHTED_LUMA
+                                                              : GSCL_WEIGHTED_NOT;
     GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, source->image_width, source->image_height,
                              source->first_level, source->planes));
     if (source->background.pixels > 0)
@@ -56,7 +58,8 @@ static int level_due(const gscl_scalar_state *s, double fraction) {
 /* Whether errors of the fit and residuals of levels are comparable. */
 static bool has_plain_squared_error(const gscl_scalar_state *s) {
     const gscl_encode_settings *settings = &s->encoder->settings;
-    return settings->loss == GSCL_LOSS_L2 && settings->tune == GSCL_TUNE_PSNR;
+    return settings->loss == GSCL_LOSS_L2 &&
+           (settings->tune == GSCL_TUNE_PSNR || (settings->tune == GSCL_TUNE_VISUAL && s->fit.model_level < 0));
 }
 
 /* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
@@ -138,12 +141,18 @@ static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     GSCL_TRY(gscl_fit_loss(&s->fit, &loss));
     progress->psnr = has_plain_squared_error(s) && loss > 0 ? -10 * log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
-    return gscl_progress_report(s->encoder->context, progress, s->fit_end * step / s->steps);
+    return gscl_progress_report(s->encoder->context, progress, tunables->fit_share * step / s->steps);
 }
 
 /* Whether step `step` is the one at this share of all steps. */
 static bool is_step_at(const gscl_scalar_state *s, int step, double share) {
     return step == (int)(share * s->steps);
+}
+
+/* Whether the model of the visual loss is renewed before step `step`. */
+static bool is_model_due(const gscl_scalar_state *s, int step) {
+    const int from = (int)(tunables->model_from * s->steps);
+    return step >= from && (s->fit.model_level != s->fit.level || (step - from) % tunables->model_interval == 0);
 }
 
 /* The first splats of the fit: after those of the layers before, where there are any. */
@@ -176,6 +185,8 @@ static gscl_result prepare_step(gscl_scalar_state *s, int step, int *round, bool
         GSCL_TRY(sort_for_alpha(s));
     if (is_step_at(s, step, tunables->adapt_at) || is_step_at(s, step, tunables->adapt_again_at))
         GSCL_TRY(gscl_fit_adapt_target(&s->fit));
+    if (is_model_due(s, step))
+        GSCL_TRY(gscl_fit_renew_model(&s->fit));
     return GSCL_OK;
 }
 
@@ -201,7 +212,10 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));
     GSCL_TRY(gscl_density_grow(&s->fit, new_splats, &s->random));
-    for (int step = 0; step < steps; step++)
+    for (int step = 0; step < steps; step++) {
+        if (step % tunables->model_interval == 0)
+            GSCL_TRY(gscl_fit_renew_model(&s->fit));
         GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(0.5 + 0.5 * (step + 0.5) / steps)));
+    }
     return gscl_scalar_quantise(s);
 }

@@ -106,7 +106,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .value = &encode->tune,
          .words = tune_words,
          .argument = "T",
-         .help = "quality measure to optimise: psnr, or ssim for MS-SSIM (default psnr)"},
+         .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for SSIMULACRA 2 (default psnr)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
          .value = &encode->effects,
