@@ -77,6 +77,39 @@ class Targets(ToolTest):
         self.assertGreater(reached[1], reached[0])
 
 
+class SmallFiles(ToolTest):
+    def test_budget_is_used(self):
+        """But for two bytes, which may be of no use to any splat."""
+        image = png_bytes(textured(96, 64))
+        for budget in (60, 100, 150, 260, 400):
+            with self.subTest(budget=budget):
+                size = len(self.encode(image, "--bytes", budget, "--effort", "5"))
+                self.assertLessEqual(size, budget)
+                self.assertGreaterEqual(size, budget - 2)
+
+    def test_more_effort_is_never_worse(self):
+        for name, image in (("scene", scene(96, 64)), ("textured", textured(96, 64))):
+            for budget in (100, 200):
+                reached = 0
+                for effort in (1, 3, 5, 7):
+                    with self.subTest(image=name, budget=budget, effort=effort):
+                        self.encode(image, "--bytes", budget, "--effort", effort)
+                        quality = psnr(image, self.decode())
+                        self.assertGreaterEqual(quality, reached - 0.1)
+                        reached = max(reached, quality)
+
+    def test_same_settings_same_bytes(self):
+        image = png_bytes(scene(96, 64))
+        arguments = ("--bytes", "150", "--effort", "4")
+        self.assertEqual(self.encode(image, *arguments), self.encode(image, *arguments))
+
+    def test_one_splat(self):
+        """The smallest files that have splats at all."""
+        for budget in range(18, 26):
+            with self.subTest(budget=budget):
+                self.assertLessEqual(len(self.encode(scene(64, 64), "--bytes", budget, "--effort", "3")), budget)
+
+
 class Kinds(ToolTest):
     def test_quality_grows_with_the_file(self):
         """Images other than photographs, at three sizes."""

@@ -595,10 +595,10 @@ static bool on_progress(void *opaque, const gscl_progress *progress) {
     return w->calls++ < w->allowed;
 }
 
-static void test_progress_and_cancel(void **state) {
-    (void)state;
+static void check_progress_and_cancel(int effort) {
     gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 64, 64, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 300);
+    settings.effort = effort;
     watch w = {0, 1000000, 0.0};
     settings.progress = on_progress;
     settings.progress_opaque = &w;
@@ -615,6 +615,12 @@ static void test_progress_and_cancel(void **state) {
     f = encode_file(&image, &settings);
     gscl_free(f.bytes);
     synthetic_image_free(&image);
+}
+
+static void test_progress_and_cancel(void **state) {
+    (void)state;
+    check_progress_and_cancel(0);
+    check_progress_and_cancel(3); /* small files are searched */
 }
 
 static void test_same_bytes_every_time(void **state) {

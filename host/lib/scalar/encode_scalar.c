@@ -7,6 +7,7 @@
 #include "scalar/byte_budget.h"
 #include "scalar/choose_codes.h"
 #include "scalar/scalar_fit.h"
+#include "scalar/search.h"
 
 /* The stages of the default profile. */
 static gscl_result run_stages(gscl_scalar_state *s) {
@@ -16,6 +17,7 @@ static gscl_result run_stages(gscl_scalar_state *s) {
     if (s->has_choice) {
         GSCL_TRY(gscl_scalar_choose_codes(s));
         GSCL_TRY(gscl_scalar_meet_budget(s));
+        GSCL_TRY(gscl_scalar_search(s));
         gscl_scalar_drop_unused_effects(s);
     }
     return gscl_scalar_trim(s);

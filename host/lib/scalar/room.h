@@ -11,6 +11,10 @@
  *   rdo_tables.h: meanings and costs of codes in a pass
  *   rdo_groups.h: splats that a pass can change at once
  *   byte_budget.h: stage "meet the budget"
+ *   search.h: stage "search", of small files
+ *   search_plan.h: its levels and rounds
+ *   search_state.h: what its two parts share
+ *   kept_codes.h: copies of codes
  *   probe_fit.c: short fits by which effects are decided
  *   tunables.h: effort presets, and the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_SCALAR_H

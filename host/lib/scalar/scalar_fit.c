@@ -141,7 +141,7 @@ static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     GSCL_TRY(gscl_fit_loss(&s->fit, &loss));
     progress->psnr = has_plain_squared_error(s) && loss > 0 ? -10 * log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
-    return gscl_progress_report(s->encoder->context, progress, tunables->fit_share * step / s->steps);
+    return gscl_progress_report(s->encoder->context, progress, s->fit_end * step / s->steps);
 }
 
 /* Whether step `step` is the one at this share of all steps. */

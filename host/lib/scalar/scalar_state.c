@@ -5,6 +5,7 @@
 
 #include "cl/constants.h"
 #include "decode/quantise.h"
+#include "scalar/search_plan.h"
 
 /* Splats that the budget is expected to hold. */
 static size_t estimate_splats(size_t bytes) {
@@ -30,16 +31,40 @@ double gscl_scalar_relative_spacing(const gscl_scalar_state *s) {
     return sqrt(s->source_pixels / (double)(s->target + 1)) / gscl_scalar_tunables.full_size_distance;
 }
 
+/* Small files are searched.  Layers of a progressive file are not, because the splats before them do not change. */
+static bool is_searched(const gscl_scalar_state *s, const gscl_scalar_plan *plan) {
+    return s->has_choice && s->bytes > 0 && s->bytes < (size_t)gscl_scalar_tunables.max_search_bytes &&
+           plan->preset->rounds > 0 && plan->coded->file.header.enhancement_layers == 0 &&
+           s->encoder->settings.loss == GSCL_LOSS_L2;
+}
+
+/* The number of splats that the target holds. */
+static size_t choose_target(const gscl_scalar_state *s, gscl_size_target target) {
+    const size_t splats = s->bytes ? estimate_splats(s->bytes) : target.splats;
+    return splats < s->max_splats ? splats : s->max_splats;
+}
+
+/* A searched file begins with the same fit in all efforts that search. */
+static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
+    const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
+    s->fit_end = t->fit_share;
+    s->passes_end = 1;
+    if (!is_searched(s, plan))
+        return;
+    s->finest = gscl_search_level(s->source_pixels, s->target);
+    s->rounds = gscl_search_rounds(s->source_pixels, s->finest, plan->preset->rounds);
+    s->passes = t->search_first_passes;
+    s->fit_end = t->search_fit_share;
+    s->passes_end = t->search_passes_share;
+}
+
 /* The number of splats before and after densification, and the steps of the fit. */
 static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
-    s->target = s->bytes ? estimate_splats(s->bytes) : plan->target.splats;
     const double spacing = fmin(fmax(gscl_scalar_relative_spacing(s) - 1, 0), 1);
     s->surplus = s->has_choice ? plan->preset->surplus + t->wide_surplus * spacing : 1.0;
-    s->steps = plan->preset->steps;
+    s->steps = s->rounds > 0 ? t->search_first_steps : plan->preset->steps;
     s->steps += (int)(t->wide_steps * spacing * s->steps);
-    if (s->target > s->max_splats)
-        s->target = s->max_splats;
     const size_t own = s->target - (s->fixed_count < s->target ? s->fixed_count : s->target);
     s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }
@@ -70,6 +95,8 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
     for (int i = 0; i < GSCL_MAX_LEVELS; i++)
         s->residuals[i] = NAN;
     choose_quantiser_steps(s, plan->all);
+    s->target = choose_target(s, plan->target);
+    choose_search(s, plan);
     choose_counts(s, plan);
 }
 

@@ -32,6 +32,9 @@ typedef struct gscl_scalar_state {
     int steps;              /* of the fit */
     int passes;             /* rate-distortion passes, besides the first and those that meet the budget */
     int finest;             /* level of the pyramid that is fitted last, counted from the source's */
+    int rounds;             /* of the search of a small file; 0: none */
+    double fit_end;         /* share of the time, at which the fit ends */
+    double passes_end;      /* the same of the passes; the search follows */
     bool has_choice;        /* codes are chosen by rate and distortion */
     const gsf_splat *fixed; /* splats of the layers before; the first of the fit and of `coded` */
     size_t fixed_count;

@@ -1,10 +1,11 @@
 #include "scalar/tunables.h"
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
-    /* steps, passes, finest, surplus, lambda_scale */
-    {60, 0, 1, 1.12, 1.0},    {100, 2, 0, 1.08, 0.5},   {180, 3, 0, 1.08, 0.5},  {300, 4, 0, 1.08, 0.5},
-    {430, 5, 0, 1.08, 0.5},   {600, 6, 0, 1.08, 0.5},   {1000, 8, 0, 1.08, 0.5}, {1800, 10, 0, 1.08, 0.5},
-    {3300, 14, 0, 1.08, 0.5}, {6000, 20, 0, 1.08, 0.5},
+    /* steps, passes, finest, surplus, lambda_scale, rounds */
+    {60, 0, 1, 1.12, 1.0, 0},      {100, 2, 0, 1.08, 0.5, 0},     {180, 3, 0, 1.08, 0.5, 0},
+    {300, 4, 0, 1.08, 0.5, 14},    {430, 5, 0, 1.08, 0.5, 24},    {600, 6, 0, 1.08, 0.5, 40},
+    {1000, 8, 0, 1.08, 0.5, 70},   {1800, 10, 0, 1.08, 0.5, 120}, {3300, 14, 0, 1.08, 0.5, 210},
+    {6000, 20, 0, 1.08, 0.5, 360},
 };
 
 const gscl_effort_preset gscl_probe_preset = {.steps = 180, .passes = 2, .surplus = 1.08, .lambda_scale = 0.5};
@@ -41,6 +42,23 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .report_interval = 25,
     .sort_interval = 25,
     .fit_share = 0.75,
+
+    .max_search_bytes = 600,
+    .search_first_steps = 600,
+    .search_first_passes = 6,
+    .search_pixels = 24000,
+    .search_distance = 20.0,
+    .search_removed = 0.02,
+    .search_added = 0.03,
+    .search_steps = 200,
+    .search_passes = 3,
+    .search_first_price = 1.0,
+    .search_final_pixels = 360000,
+    .search_additions = 4,
+    .search_trials = 6,
+    .search_price_range = 4.0,
+    .search_fit_share = 0.2,
+    .search_passes_share = 0.25,
 
     .texture_effort = 1,
     .scan_interval = 3,

@@ -1,0 +1,122 @@
+#include "scalar/search.h"
+
+#include <string.h>
+
+#include "fit/random.h"
+#include "runtime/timing.h"
+#include "scalar/scalar_fit.h"
+#include "scalar/search_plan.h"
+#include "scalar/search_state.h"
+#include "session/encode_trace.h"
+
+static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
+
+/* A random whole number with this mean. */
+static size_t random_count(gscl_scalar_state *s, double mean) {
+    return (size_t)(mean + (double)gscl_random_unit(&s->random));
+}
+
+static void remove_splats(gscl_scalar_state *s, size_t count) {
+    gsf_coded_image *file = &s->coded->file;
+    for (; count > 0 && file->header.splat_count > 1; count--) {
+        const uint32_t splats = file->header.splat_count;
+        const uint32_t i = (uint32_t)((double)gscl_random_unit(&s->random) * splats);
+        memmove(&file->splats[i], &file->splats[i + 1], (splats - 1 - i) * sizeof file->splats[0]);
+        file->header.splat_count--;
+    }
+}
+
+/* Another image: some splats of the best one are replaced, and all are fitted. */
+static gscl_result make_candidate(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
+    const size_t removed = random_count(s, tunables->search_removed * q->best.count);
+    size_t added = removed + random_count(s, tunables->search_added * q->best.count);
+    remove_splats(s, removed);
+    const size_t left = s->coded->file.header.splat_count;
+    if (left + added > s->max_splats)
+        added = s->max_splats > left ? s->max_splats - left : 0;
+    GSCL_TRY(gscl_scalar_refit(s, added, tunables->search_steps));
+    s->coded->file.header.has_texture = s->textures;
+    return gscl_search_update_size(s);
+}
+
+/* Passes over a candidate.  The price in a pass follows the size before it. */
+static gscl_result choose_candidate_codes(gscl_search *q, double *error) {
+    gscl_scalar_state *s = q->s;
+    double factor = 1;
+    GSCL_TRY(gscl_search_measure(s, error));
+    for (int pass = 0; pass < tunables->search_passes && s->coded->file.header.splat_count > 0; pass++) {
+        const bool last = pass == tunables->search_passes - 1;
+        GSCL_TRY(gscl_search_pass(q, *error, factor, s->textures && last));
+        factor = (double)s->size / (double)s->bytes;
+    }
+    return s->coded->file.header.splat_count > 0 ? gscl_search_measure(s, error) : GSCL_OK;
+}
+
+static double cost(const gscl_search *q, double error, size_t size) {
+    return error + q->lambda * 8 * (double)size;
+}
+
+/* The price of all later rounds follows the size, too: the candidates have the size of the budget in the mean. */
+static gscl_result search_round(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    double error;
+    GSCL_TRY(make_candidate(q));
+    GSCL_TRY(choose_candidate_codes(q, &error));
+    const bool drawn = s->coded->file.header.splat_count > 0;
+    if (drawn && cost(q, error, s->size) < cost(q, q->best.error, q->best.size)) {
+        GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
+        GSCL_TRY(gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps));
+    }
+    q->lambda *= (double)s->size / (double)s->bytes;
+    return GSCL_OK;
+}
+
+static gscl_result report_round(const gscl_search *q, int round) {
+    const gscl_scalar_state *s = q->s;
+    gscl_progress_state *progress = &s->encoder->progress;
+    const double share = (round + 1.0) / (s->rounds + 1.0); /* the last part takes the time of some rounds */
+    progress->splats = q->best.count;
+    gscl_log(s->encoder->context, GSCL_LOG_DEBUG, "%.2f s, round %d: %u splats, %zu bytes; best %u splats, %zu bytes",
+             gscl_now() - progress->start_s, round + 1, s->coded->file.header.splat_count, s->size, q->best.count,
+             q->best.size);
+    return gscl_progress_report(s->encoder->context, progress, s->passes_end + (1 - s->passes_end) * share);
+}
+
+/* Whether the search of this effort or a lower one ends after so many rounds.  Its result is then brought to the
+ * budget, and a higher effort keeps it unless it finds a better one. */
+static bool ends_an_effort(const gscl_scalar_state *s, int rounds) {
+    for (int effort = 0; effort <= GSCL_MAX_EFFORT; effort++)
+        if (rounds == gscl_search_rounds(s->source_pixels, s->finest, gscl_effort_presets[effort].rounds))
+            return true;
+    return false;
+}
+
+static gscl_result run_search(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    double error;
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level + s->finest));
+    GSCL_TRY(gscl_search_measure(s, &error));
+    GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
+    q->lambda = tunables->search_first_price * error / (2 * 8 * (double)s->bytes);
+    for (int round = 0; round < s->rounds; round++) {
+        GSCL_TRY(search_round(q));
+        if (ends_an_effort(s, round + 1))
+            GSCL_TRY(gscl_search_to_budget(q, &q->best, false));
+        GSCL_TRY(report_round(q, round));
+    }
+    GSCL_TRY(gscl_search_set_level(q, gscl_search_final_level(s->source_pixels, s->finest)));
+    GSCL_TRY(gscl_search_meet_budget(q));
+    return gscl_kept_codes_restore(&q->best, s);
+}
+
+gscl_result gscl_scalar_search(gscl_scalar_state *s) {
+    gscl_search q = {.s = s};
+    if (s->rounds == 0 || s->coded->file.header.splat_count == 0)
+        return GSCL_OK;
+    const gscl_result result = run_search(&q);
+    gscl_kept_codes_free(&q.best);
+    gscl_kept_codes_free(&q.within);
+    return result;
+}

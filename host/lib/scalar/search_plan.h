@@ -1,0 +1,14 @@
+/* Levels and rounds of a search (search.h).  Levels are counted from the source's, which has `source_pixels` pixels. */
+#ifndef GSCL_LIB_SEARCH_PLAN_H
+#define GSCL_LIB_SEARCH_PLAN_H
+
+#include <stddef.h>
+
+/* The level at which `splats` splats are searched. */
+int gscl_search_level(double source_pixels, size_t splats);
+/* The level of the last part of a search at `level`; it has the waves that are too fine for that one. */
+int gscl_search_final_level(double source_pixels, int level);
+/* The rounds of an effort whose preset has `rounds`: fewer at a level at which a round takes longer. */
+int gscl_search_rounds(double source_pixels, int level, int rounds);
+
+#endif

@@ -1,0 +1,48 @@
+#include "scalar/search_state.h"
+
+#include <math.h>
+
+static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
+
+gscl_result gscl_search_measure(gscl_scalar_state *s, double *error) {
+    gscl_kernel_options options = s->fit.renderer.options;
+    options.texture = s->coded->file.header.has_texture;
+    gscl_renderer_set_options(&s->fit.renderer, GSCL_PROGRAM_FIT, &options);
+    GSCL_TRY(gscl_scalar_load(s));
+    GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL)); /* the splats are quantised already */
+    GSCL_TRY(gscl_renderer_project(&s->fit.renderer));
+    return gscl_fit_rendering_error(&s->fit, error);
+}
+
+static gscl_result measure_kept(gscl_scalar_state *s, gscl_kept_codes *kept) {
+    GSCL_TRY(gscl_kept_codes_restore(kept, s));
+    return kept->count > 0 ? gscl_search_measure(s, &kept->error) : GSCL_OK;
+}
+
+gscl_result gscl_search_set_level(gscl_search *q, int level) {
+    gscl_scalar_state *s = q->s;
+    const double pixels = (double)gscl_fit_level_pixels(&s->fit);
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level + level));
+    q->lambda *= (double)gscl_fit_level_pixels(&s->fit) / pixels;
+    GSCL_TRY(measure_kept(s, &q->within));
+    return measure_kept(s, &q->best);
+}
+
+gscl_result gscl_search_update_size(gscl_scalar_state *s) {
+    GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
+    return gscl_file_size(s->encoder->context, s->coded, &s->size);
+}
+
+/* What a pass takes for the price: it multiplies error / (2 * bits of the file) by it. */
+static double lambda_scale(const gscl_search *q, double error, double factor) {
+    const double price = factor * q->lambda * 2 * 8 * (double)q->s->size;
+    return fmin(fmax(error > 0 ? price / error : 0, tunables->min_lambda_scale), tunables->max_lambda_scale);
+}
+
+gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool scan_textures) {
+    gscl_scalar_state *s = q->s;
+    const gscl_scalar_rdo_settings settings = {.lambda_scale = lambda_scale(q, error, factor),
+                                               .scan_textures = scan_textures};
+    GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
+    return gscl_search_update_size(s);
+}
