@@ -181,6 +181,15 @@ class Settings(ToolTest):
         self.assertGreater(figures["ssim"]["ms_ssim"], figures["psnr"]["ms_ssim"] + 0.02)
         self.assertLess(figures["ssim"]["psnr"], figures["psnr"]["psnr"])
 
+    def test_tuning_for_ssim_does_not_lower_it_in_small_files(self):
+        image = textured(240, 240)
+        figures = {}
+        for tune in ("psnr", "ssim"):
+            self.encode(image, "--bytes", "50", "--effort", "3", "--tune", tune)
+            self.decode()
+            figures[tune] = self.gscl_json("compare", "in.image", "in.png")["ms_ssim"]
+        self.assertGreaterEqual(figures["ssim"], figures["psnr"])
+
     def test_visual_tuning(self):
         """--tune visual has a higher SSIMULACRA 2 and a lower PSNR at the same size, also in grey."""
         for image, blend in ((textured(256, 192), "normalized"), (textured(256, 192, 1), "sum")):

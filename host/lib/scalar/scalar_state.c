@@ -35,7 +35,7 @@ double gscl_scalar_relative_spacing(const gscl_scalar_state *s) {
 static bool is_searched(const gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     return s->has_choice && s->bytes > 0 && s->bytes < (size_t)gscl_scalar_tunables.max_search_bytes &&
            plan->preset->rounds > 0 && plan->coded->file.header.enhancement_layers == 0 &&
-           s->encoder->settings.loss == GSCL_LOSS_L2;
+           s->encoder->settings.loss == GSCL_LOSS_L2 && s->encoder->settings.tune != GSCL_TUNE_VISUAL;
 }
 
 /* The number of splats that the target holds. */

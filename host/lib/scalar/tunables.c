@@ -35,6 +35,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,
     .quantise_from = 0.25,
+    .max_weighted_distance = 60.0,
     .adapt_at = 0.6,
     .adapt_again_at = 0.95,
     .model_from = 0.15,
