@@ -76,13 +76,13 @@ def add_variants(parser, sizes):
     """Adds --bytes and --variant, for scripts that compare sets of options at equal bytes."""
     parser.add_argument("--bytes", default=sizes, help="sizes of files (default %(default)s)")
     parser.add_argument("--variant", action="append", dest="variants", metavar="OPTIONS",
-                        help="options of gscl encode; may be given several times (default: '--tune psnr', then '--tune ssim')")
+                        help="options of gscl encode; may be given several times (default: '--tune visual', then '--tune psnr')")
 
 
 def parse_variants(parser):
     """Parses the command line: arguments.variants, and arguments.budgets in bytes."""
     arguments = parser.parse_args()
-    arguments.variants = arguments.variants or ["--tune psnr", "--tune ssim"]
+    arguments.variants = arguments.variants or ["--tune visual", "--tune psnr"]
     arguments.budgets = [int(size) for size in arguments.bytes.split(",")]
     return arguments
 
