@@ -46,10 +46,13 @@ struct gscl_fit_tunables {
      * single specks do not. */
     double residual_outliers;
 
-    /* The visual loss (fit/visual_loss.h): its share beside squared error; the curvature of its model in steps of the
-     * fit; and the largest size of its first scale, pixels. */
+    /* The visual loss (fit/visual_loss.h); points are those of SSIMULACRA 2, on three to six pictures of the Kodak set.
+     * Its share beside squared error: 0.12 costs 2 points against 0.25, and 0.25 costs 0.2 dB against 0.15; from 0.35
+     * on both are lost. */
     float visual_share;
+    /* The curvature of its model in steps of the fit; 0.05 to 1 tried, 0.6 costs a point. */
     float curvature_of_steps;
+    /* Largest size of its first scale, pixels: bounds the memory.  Where half of the size is left out, it costs a point. */
     int visual_max_pixels;
 };
 

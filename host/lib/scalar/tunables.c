@@ -38,8 +38,6 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .max_weighted_distance = 60.0,
     .adapt_at = 0.6,
     .adapt_again_at = 0.95,
-    .model_from = 0.15,
-    .model_interval = 5,
     .report_interval = 25,
     .sort_interval = 25,
     .fit_share = 0.75,
@@ -60,6 +58,10 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_price_range = 4.0,
     .search_fit_share = 0.2,
     .search_passes_share = 0.25,
+
+    .model_from = 0.15,
+    .model_interval = 5,
+    .curvature_of_passes = 0.6f,
 
     .texture_effort = 1,
     .scan_interval = 3,
@@ -84,7 +86,6 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .layer_shares = {0.1, 0.25, 0.5, 1.0},
     .min_layer_bytes = 60.0,
 
-    .curvature_of_passes = 0.6f,
     .rdo_growth = 1.3,
     .rdo_growth_pixels = 3.0,
     .rdo_count_floor = 0.05,
