@@ -222,8 +222,10 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
             pix_store_clipped(column_sum(rows + j * padded_plane(s), at, s.stride), moments + j * plain_plane(s) + to,
                               s.width - x);
         visual_terms t = terms_of(moments, statistics, statistics_at, rendering, target, plane_at, s, x, y);
-        pix inside = pix_inside(s.width - x);
-        pix maps[3] = {t.d * inside, fmax(t.e, (pix)(0.0f)) * inside, fmax(-t.e, (pix)(0.0f)) * inside};
+        /* Lanes beyond the row hold values of no meaning, of which a product with 0 may be no number. */
+        pix_mask inside = pix_offsets() < (pix)((float)(s.width - x));
+        pix zero = (pix)(0.0f), d = select(zero, t.d, inside), e = select(zero, t.e, inside);
+        pix maps[3] = {d, fmax(e, zero), fmax(-e, zero)};
         UNROLL
         for (int j = 0; j < 3; j++) {
             pix square = maps[j] * maps[j];

@@ -261,10 +261,12 @@ static gscl_result differentiate_scale(const visual_step *s, bool has_smaller) {
     cl_kernel kernel;
     cl_int has = has_smaller ? 8 : 0;
     const size_t colours = (size_t)s->comparison->options->colours;
-    GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->by_xyb, PLANES * plain_bytes(s)));
-    GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->curvature, plain_bytes(s)));
+    const bool has_terms = s->scale >= first_scale(s->comparison);
+    const size_t plane = has_terms ? plain_bytes(s) : sizeof(float);
+    GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->by_xyb, PLANES * plane));
+    GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->curvature, plane));
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &s->buffers->by_colour, (colours + 1) * plain_bytes(s)));
-    if (s->scale >= first_scale(s->comparison))
+    if (has_terms)
         GSCL_TRY(make_xyb(s, &s->buffers->xyb));
     /* Luma comes last: its curvature is kept. */
     static const int planes[PLANES] = {0, 2, LUMA};
