@@ -240,7 +240,7 @@ static void test_bad_settings(void **state) {
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;
-    bad[8].tune = (gscl_tune)2;
+    bad[8].tune = (gscl_tune)3;
     for (int i = 0; i < 9; i++)
         refuse_encode(&image, &bad[i], GSCL_ERROR_INVALID_ARGUMENT);
     gscl_encode_settings conflict = quick(GSCL_TARGET_SPLATS, 4);
