@@ -38,6 +38,7 @@ static const mode modes[] = {
     {"alpha", GSCL_PROFILE_DEFAULT, GSCL_BLEND_ALPHA, GSCL_TUNE_PSNR},
     {"sum", GSCL_PROFILE_DEFAULT, GSCL_BLEND_SUM, GSCL_TUNE_PSNR},
     {"tuned for SSIM", GSCL_PROFILE_DEFAULT, GSCL_BLEND_NORMALIZED, GSCL_TUNE_SSIM},
+    {"tuned for what people see", GSCL_PROFILE_DEFAULT, GSCL_BLEND_NORMALIZED, GSCL_TUNE_VISUAL},
     {"paper", GSCL_PROFILE_PAPER, GSCL_BLEND_ALPHA, GSCL_TUNE_PSNR},
 };
 #define MODES (sizeof modes / sizeof *modes)
