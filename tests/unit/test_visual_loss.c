@@ -130,7 +130,37 @@ static void test_reference(void **state) {
     free_scene(s);
 }
 
+/* At a level beyond the last scale the loss is squared error alone. */
+static void test_small_levels(void **state) {
+    (void)state;
+    static float found[3 * PLANE];
+    for (int level = GSCL_VISUAL_SCALES - 1; level < GSCL_VISUAL_SCALES + 3; level++) {
+        scene *s = make_scene(0, 3, 0, level);
+        const gscl_kernel_options options = {.colours = 3};
+        const gscl_visual_comparison comparison = {.pyramid = &s->pyramid,
+                                                   .options = &options,
+                                                   .level = level,
+                                                   .rendering = &s->device_rendering,
+                                                   .share = 1.0f};
+        gscl_visual *visual = calloc(1, sizeof *visual); /* of its own, so that sanitizers see what is beyond it */
+        gscl_buffer derivative = {0};
+        double loss;
+        assert_non_null(visual);
+        check_call(0, gscl_visual_derivative(visual, &comparison, &derivative));
+        check_call(0, gscl_visual_read_loss(visual, contexts[0], &loss));
+        check_call(0, gscl_buffer_read(contexts[0], &derivative, 0, found, sizeof found));
+        assert_true((loss > 0) == (level < GSCL_VISUAL_SCALES));
+        for (int i = 0; i < 3 * PLANE && level >= GSCL_VISUAL_SCALES; i++)
+            assert_float_equal(found[i], s->rendering[i] - s->target[i], 1e-6);
+        gscl_visual_free(visual);
+        free(visual);
+        gscl_buffer_free(&derivative);
+        free_scene(s);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference), cmocka_unit_test(test_derivative)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference), cmocka_unit_test(test_derivative),
+                                       cmocka_unit_test(test_small_levels)};
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }

@@ -9,7 +9,7 @@
 
 #define GROUP 16   /* work-items; few, so that small scales still occupy all cores */
 #define PLANES 3   /* X, Y, B */
-#define MIN_SIDE 8 /* pixels of the smallest scale, as in SSIMULACRA 2 */
+#define MIN_SIDE 8 /* pixels of the smallest scale */
 #define LUMA 1     /* of PLANES */
 
 /* The weights of SSIMULACRA 2.1: of the mean and the 4-norm of structure, artefacts and lost detail.  Those below 0.01
@@ -40,7 +40,7 @@ static bool has_weight(int plane, int scale) {
 }
 
 void gscl_visual_free(gscl_visual *v) {
-    for (int i = 0; i < GSCL_VISUAL_SCALES; i++) {
+    for (int i = 0; i < GSCL_MAX_LEVELS; i++) {
         gscl_visual_buffers *b = &v->scales[i];
         gscl_buffer *buffers[] = {&b->target, &b->statistics, &b->linear, &b->xyb, &b->rows, &b->maps, &b->by_colour};
         for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
@@ -178,7 +178,7 @@ static gscl_result blur_rows(const visual_step *s, const gscl_buffer *rendering,
 
 /* ---- The target ---- */
 
-/* Part of the buffer of statistics for one plane, which is copied there from scratch. */
+/* The mean and the variance of one plane of the target. */
 static gscl_result make_statistics(const visual_step *s, int plane) {
     cl_kernel kernel;
     const cl_ulong to_at = (cl_ulong)plane * 2 * plain_bytes(s) / sizeof(float);

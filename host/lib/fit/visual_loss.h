@@ -26,7 +26,8 @@ typedef struct gscl_visual_buffers {
 typedef struct gscl_visual {
     int level; /* of the pyramid, whose target the buffers hold */
     bool has_target;
-    gscl_visual_buffers scales[GSCL_VISUAL_SCALES];
+    /* By the level of the pyramid whose size they have.  A fit may be at a level beyond the last scale. */
+    gscl_visual_buffers scales[GSCL_MAX_LEVELS];
     gscl_buffer moments, direct, by_xyb, curvature, row_sums, shares, loss; /* scratch of one scale */
 } gscl_visual;
 
