@@ -38,23 +38,31 @@ __kernel void level_residual(__global const float *restrict planes, __global con
     map[at] = sum / (float)(4 * channels);
 }
 
-/* Squared error per pixel, added over channels.  `weighted`: GSCL_WEIGHTED_..., with a plane of weights behind the
- * target. */
+/* The luma of pixel i of planes: of the first three channels, or of the only colour. */
+inline float luma_of(__global const float *restrict planes, int channels, int count, int i) {
+    const float shares[3] = {GSCL_LUMA_SHARES};
+    if (channels < 3) return planes[i];
+    float luma = 0.0f;
+    for (int k = 0; k < 3; k++) luma = fma(shares[k], planes[(size_t)k * count + i], luma);
+    return luma;
+}
+
+/* Squared error per pixel, added over channels.  `weighted`: GSCL_WEIGHTED_..., whose planes lie behind the target's. */
 __kernel void squared_error(__global const float *restrict rendering, __global const float *restrict target,
                             int channels, int weighted, int count, __global float *restrict error) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
-    const float shares[3] = {GSCL_LUMA_SHARES};
-    float sum = 0.0f, luma = 0.0f;
+    __global const float *weights = target + (size_t)channels * count;
+    float sum = 0.0f;
     for (int k = 0; k < channels; k++) {
         float e = rendering[(size_t)k * count + i] - target[(size_t)k * count + i];
         sum = fma(e, e, sum);
-        float c = rendering[(size_t)k * count + i];
-        if (k < 3) luma = channels < 3 ? (k == 0 ? c : luma) : fma(shares[k], c, luma);
     }
-    if (weighted == GSCL_WEIGHTED_PIXELS) sum *= target[(size_t)channels * count + i];
-    if (weighted == GSCL_WEIGHTED_LUMA) luma -= target[(size_t)(channels + 1) * count + i];
-    if (weighted == GSCL_WEIGHTED_LUMA) sum = fma(target[(size_t)channels * count + i] * luma, luma, sum);
+    if (weighted == GSCL_WEIGHTED_PIXELS) sum *= weights[i];
+    if (weighted == GSCL_WEIGHTED_LUMA) {
+        float e = luma_of(rendering, channels, count, i) - weights[(size_t)count + i];
+        sum = fma(weights[i] * e, e, sum);
+    }
     error[i] = sum;
 }
 
