@@ -31,15 +31,25 @@ static bool has_structure(const gscl_scalar_state *s) {
     return gscl_scalar_relative_spacing(s) * tunables->full_size_distance < tunables->max_weighted_distance;
 }
 
+/* GSCL_WEIGHTED_... of the tune. */
+static int weighting(const gscl_scalar_state *s) {
+    switch (s->encoder->settings.tune) {
+    case GSCL_TUNE_SSIM:
+        return has_structure(s) ? GSCL_WEIGHTED_PIXELS : GSCL_WEIGHTED_NOT;
+    case GSCL_TUNE_VISUAL:
+        return GSCL_WEIGHTED_LUMA;
+    default:
+        return GSCL_WEIGHTED_NOT;
+    }
+}
+
 static gscl_result create_fit(gscl_scalar_state *s) {
     const gscl_encoder *e = s->encoder;
     const gscl_source *source = s->source;
     gsf_coded_image *file = &s->coded->file;
     gscl_kernel_options options = gscl_coded_image_options(&file->header);
     options.loss = e->loss_kind;
-    options.weighted = e->settings.tune == GSCL_TUNE_SSIM && has_structure(s) ? GSCL_WEIGHTED_PIXELS
-                       : e->settings.tune == GSCL_TUNE_VISUAL                 ? GSCL_WEIGHTED_LUMA
-                                                                              : GSCL_WEIGHTED_NOT;
+    options.weighted = weighting(s);
     GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, source->image_width, source->image_height,
                              source->first_level, source->planes));
     if (source->background.pixels > 0)
@@ -63,9 +73,8 @@ static int level_due(const gscl_scalar_state *s, double fraction) {
 
 /* Whether errors of the fit and residuals of levels are comparable. */
 static bool has_plain_squared_error(const gscl_scalar_state *s) {
-    const gscl_encode_settings *settings = &s->encoder->settings;
-    return settings->loss == GSCL_LOSS_L2 && (s->fit.renderer.options.weighted == GSCL_WEIGHTED_NOT ||
-                                              (settings->tune == GSCL_TUNE_VISUAL && s->fit.model_level < 0));
+    return s->encoder->settings.loss == GSCL_LOSS_L2 && s->fit.renderer.options.weighted != GSCL_WEIGHTED_PIXELS &&
+           s->fit.model_level < 0;
 }
 
 /* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
