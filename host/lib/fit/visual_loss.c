@@ -76,6 +76,16 @@ static size_t plain_bytes(const visual_step *s) {
     return (size_t)s->shape.width * (size_t)s->shape.height * sizeof(float);
 }
 
+/* Where a plane begins among plain ones, floats. */
+static cl_ulong plain_plane_at(const visual_step *s, int plane) {
+    return (cl_ulong)plane * plain_bytes(s) / sizeof(float);
+}
+
+/* Likewise, its statistics, which are two planes. */
+static cl_ulong statistics_at(const visual_step *s, int plane) {
+    return 2 * plain_plane_at(s, plane);
+}
+
 /* The first scale that has terms.  Large images begin at a smaller one, which bounds the memory. */
 static int first_scale(const gscl_visual_comparison *c) {
     int first = c->level > 0 ? c->level : 1;
@@ -181,7 +191,7 @@ static gscl_result blur_rows(const visual_step *s, const gscl_buffer *rendering,
 /* The mean and the variance of one plane of the target. */
 static gscl_result make_statistics(const visual_step *s, int plane) {
     cl_kernel kernel;
-    const cl_ulong to_at = (cl_ulong)plane * 2 * plain_bytes(s) / sizeof(float);
+    const cl_ulong to_at = statistics_at(s, plane);
     GSCL_TRY(blur_rows(s, &s->buffers->target, plane));
     GSCL_TRY(find_kernel(s, "visual_statistics", &kernel));
     return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(s->buffers->rows),
@@ -213,8 +223,7 @@ static gscl_result make_target(gscl_visual *v, const gscl_visual_comparison *c) 
 static gscl_result sum_terms(const visual_step *s, int plane) {
     gscl_visual *v = s->visual;
     cl_kernel kernel;
-    const cl_ulong plane_at = padded_plane_at(s, plane);
-    const cl_ulong statistics_at = (cl_ulong)plane * 2 * plain_bytes(s) / sizeof(float);
+    const cl_ulong plane_at = padded_plane_at(s, plane), target_at = statistics_at(s, plane);
     const gscl_visual_comparison *c = s->comparison;
     const cl_float unit = c->share * (float)gscl_pyramid_pixels(c->pyramid, c->level) / 2000.0f;
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->moments, 3 * plain_bytes(s)));
@@ -222,9 +231,9 @@ static gscl_result sum_terms(const visual_step *s, int plane) {
     GSCL_TRY(gscl_buffer_reserve(s->context, &v->shares, GSCL_VISUAL_SUMS * sizeof(float)));
     GSCL_TRY(find_kernel(s, "visual_terms_row", &kernel));
     GSCL_TRY(GSCL_LAUNCH(s->context, kernel, (size_t)s->shape.height, 1, GSCL_ARG_BUFFER(s->buffers->rows),
-                         GSCL_ARG_BUFFER(s->buffers->statistics), GSCL_ARG(statistics_at),
-                         GSCL_ARG_BUFFER(s->buffers->xyb), GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(plane_at),
-                         GSCL_ARG(s->shape), GSCL_ARG_BUFFER(v->moments), GSCL_ARG_BUFFER(v->row_sums)));
+                         GSCL_ARG_BUFFER(s->buffers->statistics), GSCL_ARG(target_at), GSCL_ARG_BUFFER(s->buffers->xyb),
+                         GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(plane_at), GSCL_ARG(s->shape),
+                         GSCL_ARG_BUFFER(v->moments), GSCL_ARG_BUFFER(v->row_sums)));
     GSCL_TRY(find_kernel(s, "visual_shares", &kernel));
     return GSCL_LAUNCH(s->context, kernel, 1, 1, GSCL_ARG_BUFFER(v->row_sums), GSCL_ARG(s->shape),
                        GSCL_ARG(loss_weights[plane][s->scale]), GSCL_ARG(unit), GSCL_ARG_BUFFER(v->shares),
@@ -235,16 +244,15 @@ static gscl_result sum_terms(const visual_step *s, int plane) {
 static gscl_result differentiate_terms(const visual_step *s, int plane) {
     gscl_visual *v = s->visual;
     cl_kernel kernel;
-    const cl_ulong plane_at = padded_plane_at(s, plane), to_at = (cl_ulong)plane * plain_bytes(s) / sizeof(float);
-    const cl_ulong statistics_at = 2 * to_at;
+    const cl_ulong plane_at = padded_plane_at(s, plane), to_at = plain_plane_at(s, plane);
+    const cl_ulong target_at = statistics_at(s, plane);
     GSCL_TRY(reserve_padded(s, &s->buffers->maps, 4));
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->direct, 2 * plain_bytes(s)));
     GSCL_TRY(find_kernel(s, "visual_maps", &kernel));
     GSCL_TRY(GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(v->moments),
-                         GSCL_ARG_BUFFER(s->buffers->statistics), GSCL_ARG(statistics_at),
-                         GSCL_ARG_BUFFER(s->buffers->xyb), GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(plane_at),
-                         GSCL_ARG(s->shape), GSCL_ARG_BUFFER(v->shares), GSCL_ARG_BUFFER(s->buffers->maps),
-                         GSCL_ARG_BUFFER(v->direct)));
+                         GSCL_ARG_BUFFER(s->buffers->statistics), GSCL_ARG(target_at), GSCL_ARG_BUFFER(s->buffers->xyb),
+                         GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(plane_at), GSCL_ARG(s->shape),
+                         GSCL_ARG_BUFFER(v->shares), GSCL_ARG_BUFFER(s->buffers->maps), GSCL_ARG_BUFFER(v->direct)));
     GSCL_TRY(find_kernel(s, "visual_blur_maps", &kernel));
     GSCL_TRY(GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(s->buffers->maps),
                          GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->rows)));
