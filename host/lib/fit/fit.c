@@ -107,13 +107,17 @@ const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
     return is_adapted ? &f->adapted_target : &f->pyramid.levels[f->level];
 }
 
+gscl_result gscl_fit_render(gscl_fit *f) {
+    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
+    return gscl_renderer_draw(&f->renderer);
+}
+
 gscl_result gscl_fit_adapt_target(gscl_fit *f) {
     const gscl_pyramid *p = &f->pyramid;
     if (f->renderer.options.weighted != GSCL_WEIGHTED_PIXELS || f->level != p->first_level ||
         p->first_level == p->last_level)
         return GSCL_OK;
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
-    GSCL_TRY(gscl_renderer_draw(&f->renderer));
+    GSCL_TRY(gscl_fit_render(f));
     return gscl_weights_adapt(p, &f->ssim, &f->renderer.options, &f->renderer.image, &f->adapted_target);
 }
 
@@ -133,8 +137,7 @@ gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, f
 gscl_result gscl_fit_renew_model(gscl_fit *f) {
     if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
         return GSCL_OK;
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
-    GSCL_TRY(gscl_renderer_draw(&f->renderer));
+    GSCL_TRY(gscl_fit_render(f));
     return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
 }
 

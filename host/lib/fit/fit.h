@@ -68,6 +68,8 @@ size_t gscl_fit_level_pixels(const gscl_fit *fit);
 /* The stage of an encode that fitting at the current level is. */
 gscl_stage_id gscl_fit_stage(const gscl_fit *fit);
 
+/* Draws the projected splats at the current level into renderer.image. */
+gscl_result gscl_fit_render(gscl_fit *fit);
 /* Adapts target and weights of the first level to the current rendering, so that the gradient of squared error
  * approximates that of MS-SSIM (fit/ssim_weights.h).  Has no effect where errors are not weighted, at other levels, or
  * if there is one level only. */

@@ -45,19 +45,14 @@ static gscl_result sum_error(gscl_fit *f, const gscl_buffer *planes, const gscl_
     return result;
 }
 
-static gscl_result fit_render(gscl_fit *f) {
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
-    return gscl_renderer_draw(&f->renderer);
-}
-
 gscl_result gscl_fit_error(gscl_fit *f, float *error) {
-    GSCL_TRY(fit_render(f));
+    GSCL_TRY(gscl_fit_render(f));
     return read_error(f, &f->renderer.image, gscl_fit_weighted_target(f), f->level, f->renderer.options.weighted,
                       error);
 }
 
 gscl_result gscl_fit_rendering_error(gscl_fit *f, double *sum) {
-    GSCL_TRY(fit_render(f));
+    GSCL_TRY(gscl_fit_render(f));
     GSCL_TRY(gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps));
     return gscl_fit_distortion(f, &f->renderer.image, sum);
 }

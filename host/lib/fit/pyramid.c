@@ -1,5 +1,6 @@
 #include "fit/pyramid.h"
 
+#include "cl/constants.h"
 #include "decode/renderer.h"
 #include "fit/tunables.h"
 #include "image/image.h"
@@ -62,7 +63,8 @@ gscl_result gscl_pyramid_create(gscl_pyramid *p, gscl_context *context, uint32_t
 gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *p) {
     for (int level = p->first_level; level <= p->last_level; level++) {
         const size_t plane = gscl_pyramid_pixels(p, level) * sizeof(float);
-        GSCL_TRY(gscl_buffer_zero(p->context, &p->levels[level], (size_t)p->channels * plane, 2 * plane));
+        GSCL_TRY(
+            gscl_buffer_zero(p->context, &p->levels[level], (size_t)p->channels * plane, GSCL_WEIGHTED_LUMA * plane));
     }
     return GSCL_OK;
 }
