@@ -1,10 +1,10 @@
 #include "scalar/byte_budget.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scalar/choose_codes.h"
+#include "scalar/kept_codes.h"
 
 static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
 
@@ -29,34 +29,27 @@ static gscl_result use_slack(gscl_scalar_state *s) {
     return GSCL_OK;
 }
 
-/* One pass of a file that is too large.  A pass that shrinks it too far is undone, and lambda is lowered.  `kept`: room
- * for all splats. */
-static gscl_result shrink_once(gscl_scalar_state *s, double min_share, gsf_splat *kept) {
-    gsf_coded_image *file = &s->coded->file;
-    const uint32_t count = file->header.splat_count;
+/* One pass of a file that is too large.  A pass that shrinks it too far is undone, and lambda is lowered. */
+static gscl_result shrink_once(gscl_scalar_state *s, double min_share, gscl_kept_codes *kept) {
     const size_t before = s->size;
-    memcpy(kept, file->splats, count * sizeof *kept);
+    GSCL_TRY(gscl_kept_codes_keep(kept, s, NAN));
     GSCL_TRY(gscl_scalar_pass(s, false));
     if (s->size > s->bytes) {
         gscl_scalar_update_lambda(s, before, (double)s->bytes * tunables->budget_aim, tunables->final_lambda_gain);
     } else if (has_slack(s, min_share)) {
         s->lambda_scale *= tunables->rollback_factor;
-        memcpy(file->splats, kept, count * sizeof *kept);
-        file->header.splat_count = count;
-        s->size = before;
+        GSCL_TRY(gscl_kept_codes_restore(kept, s));
     }
     return GSCL_OK;
 }
 
 static gscl_result shrink_to_budget(gscl_scalar_state *s) {
     const int passes = tunables->max_final_passes;
-    gsf_splat *kept = malloc((s->coded->file.header.splat_count + 1) * sizeof *kept);
-    if (!kept)
-        return gscl_fail_memory(s->encoder->context);
+    gscl_kept_codes kept = {0};
     gscl_result result = GSCL_OK;
     for (int pass = 0; pass < passes && result == GSCL_OK && s->size > s->bytes; pass++)
-        result = shrink_once(s, pass < passes - 1 ? tunables->full_share : tunables->densify_below, kept);
-    free(kept);
+        result = shrink_once(s, pass < passes - 1 ? tunables->full_share : tunables->densify_below, &kept);
+    gscl_kept_codes_free(&kept);
     return result;
 }
 
@@ -81,8 +74,7 @@ gscl_result gscl_scalar_trim(gscl_scalar_state *s) {
     gsf_coded_image *file = &s->coded->file;
     if (s->bytes == 0)
         return GSCL_OK;
-    GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
-    GSCL_TRY(gscl_file_size(s->encoder->context, s->coded, &s->size));
+    GSCL_TRY(gscl_scalar_update_size(s));
     while (s->size > s->bytes && file->header.splat_count > s->fixed_count) {
         for (size_t excess = (s->size - s->bytes) / 5 + 1; excess > 0 && file->header.splat_count > s->fixed_count;
              excess--)

@@ -21,8 +21,7 @@ gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
         .lambda_scale = s->lambda_scale, .keep_all = s->keep_all, .scan_textures = scan_textures};
     gscl_encoder *e = s->encoder;
     GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
-    GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
-    GSCL_TRY(gscl_file_size(e->context, s->coded, &s->size));
+    GSCL_TRY(gscl_scalar_update_size(s));
     gscl_log(e->context, GSCL_LOG_DEBUG, "%.2f s, pass: %u splats, %zu bytes, lambda scale %.2f%s",
              gscl_now() - e->progress.start_s, s->coded->file.header.splat_count, s->size, s->lambda_scale,
              scan_textures ? ", scan" : "");

@@ -1,4 +1,4 @@
-/* A copy of the codes of a coded image, to which the search returns. */
+/* A copy of the codes of a coded image, to which the search and the stage "meet the budget" return. */
 #ifndef GSCL_LIB_KEPT_CODES_H
 #define GSCL_LIB_KEPT_CODES_H
 
@@ -11,7 +11,7 @@ typedef struct gscl_kept_codes {
     uint32_t count;
     bool has_texture;
     size_t size;  /* of the coded image as a file */
-    double error; /* squared, at the level at which it was measured */
+    double error; /* squared, at the level at which it was measured; NAN: it was not */
 } gscl_kept_codes;
 
 /* Copies state->coded; state->size is its size. */

@@ -148,6 +148,11 @@ gscl_result gscl_scalar_load(gscl_scalar_state *s) {
     return gscl_fit_replace(&s->fit, s->params, count);
 }
 
+gscl_result gscl_scalar_update_size(gscl_scalar_state *s) {
+    GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
+    return gscl_file_size(s->encoder->context, s->coded, &s->size);
+}
+
 gscl_result gscl_scalar_set_quantiser(gscl_scalar_state *s) {
     float steps[GSCL_STEP_COUNT];
     gscl_steps_to_floats(&s->coded->file.steps, steps);

@@ -73,6 +73,8 @@ double gscl_scalar_relative_spacing(const gscl_scalar_state *state);
 gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
 /* Replaces the fit's splats by the coded ones. */
 gscl_result gscl_scalar_load(gscl_scalar_state *state);
+/* Sorts the coded image; state->size is its size. */
+gscl_result gscl_scalar_update_size(gscl_scalar_state *state);
 /* From now on the fit draws its splats as the quantiser would store them. */
 gscl_result gscl_scalar_set_quantiser(gscl_scalar_state *state);
 

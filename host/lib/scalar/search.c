@@ -38,7 +38,7 @@ static gscl_result make_candidate(gscl_search *q) {
         added = s->max_splats > left ? s->max_splats - left : 0;
     GSCL_TRY(gscl_scalar_refit(s, added, tunables->search_steps));
     s->coded->file.header.has_texture = s->textures;
-    return gscl_search_update_size(s);
+    return gscl_scalar_update_size(s);
 }
 
 /* Passes over a candidate.  The price in a pass follows the size before it. */

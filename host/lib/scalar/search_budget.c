@@ -48,7 +48,7 @@ static gscl_result add_splats(gscl_search *q) {
     GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
     GSCL_TRY(gscl_scalar_refit(s, (size_t)(bits / tunables->expected_bits_per_splat) + 1, tunables->search_steps));
     s->coded->file.header.has_texture = s->textures;
-    GSCL_TRY(gscl_search_update_size(s));
+    GSCL_TRY(gscl_scalar_update_size(s));
     GSCL_TRY(gscl_search_measure(s, &error));
     return gscl_kept_codes_keep(&q->best, s, error);
 }
@@ -73,7 +73,7 @@ static gscl_result decide_textures(gscl_search *q) {
     GSCL_TRY(gscl_kept_codes_restore(&q->within, s));
     gscl_scalar_drop_unused_effects(s);
     s->textures = s->coded->file.header.has_texture;
-    GSCL_TRY(gscl_search_update_size(s));
+    GSCL_TRY(gscl_scalar_update_size(s));
     return gscl_kept_codes_keep(&q->within, s, q->within.error);
 }
 

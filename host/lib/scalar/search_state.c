@@ -28,11 +28,6 @@ gscl_result gscl_search_set_level(gscl_search *q, int level) {
     return measure_kept(s, &q->best);
 }
 
-gscl_result gscl_search_update_size(gscl_scalar_state *s) {
-    GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
-    return gscl_file_size(s->encoder->context, s->coded, &s->size);
-}
-
 /* What a pass takes for the price: it multiplies error / (2 * bits of the file) by it. */
 static double lambda_scale(const gscl_search *q, double error, double factor) {
     const double price = factor * q->lambda * 2 * 8 * (double)q->s->size;
@@ -44,5 +39,5 @@ gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool s
     const gscl_scalar_rdo_settings settings = {.lambda_scale = lambda_scale(q, error, factor),
                                                .scan_textures = scan_textures};
     GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
-    return gscl_search_update_size(s);
+    return gscl_scalar_update_size(s);
 }

@@ -18,8 +18,6 @@ gscl_result gscl_search_measure(gscl_scalar_state *state, double *error);
 gscl_result gscl_search_set_level(gscl_search *q, int level);
 /* One rate-distortion pass at the price q->lambda * factor.  `error`: of the coded image. */
 gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool scan_textures);
-/* Sorts the coded image; state->size is its size. */
-gscl_result gscl_search_update_size(gscl_scalar_state *state);
 
 /* Passes over the codes in `from` at different prices, by bisection for the lowest one at which the file is within the
  * budget.  q->within has the result. */
