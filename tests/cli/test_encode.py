@@ -170,37 +170,32 @@ class Settings(ToolTest):
                 self.encode(image, "--bytes", "500", "--loss", loss)
                 self.assertGreater(psnr(image, self.decode()), 20)
 
+    def figures_of_tunes(self, image, tune, *arguments):
+        """What `gscl compare` measures of the image with --tune psnr, and with this tune."""
+        figures = []
+        for name in ("psnr", tune):
+            self.encode(image, "--tune", name, *arguments)
+            self.decode()
+            figures.append(self.gscl_json("compare", "in.image", "in.png"))
+        return figures
+
     def test_tuning_for_ssim(self):
         """--tune ssim has a higher MS-SSIM and a lower PSNR at the same size."""
-        image = faint_and_strong(192, 192)
-        figures = {}
-        for tune in ("psnr", "ssim"):
-            self.encode(image, "--bytes", "700", "--effort", "2", "--tune", tune)
-            self.decode()
-            figures[tune] = self.gscl_json("compare", "in.image", "in.png")
-        self.assertGreater(figures["ssim"]["ms_ssim"], figures["psnr"]["ms_ssim"] + 0.02)
-        self.assertLess(figures["ssim"]["psnr"], figures["psnr"]["psnr"])
+        plain, tuned = self.figures_of_tunes(faint_and_strong(192, 192), "ssim", "--bytes", "700", "--effort", "2")
+        self.assertGreater(tuned["ms_ssim"], plain["ms_ssim"] + 0.02)
+        self.assertLess(tuned["psnr"], plain["psnr"])
 
     def test_tuning_for_ssim_does_not_lower_it_in_small_files(self):
-        image = textured(240, 240)
-        figures = {}
-        for tune in ("psnr", "ssim"):
-            self.encode(image, "--bytes", "50", "--effort", "3", "--tune", tune)
-            self.decode()
-            figures[tune] = self.gscl_json("compare", "in.image", "in.png")["ms_ssim"]
-        self.assertGreaterEqual(figures["ssim"], figures["psnr"])
+        plain, tuned = self.figures_of_tunes(textured(240, 240), "ssim", "--bytes", "50", "--effort", "3")
+        self.assertGreaterEqual(tuned["ms_ssim"], plain["ms_ssim"])
 
     def test_visual_tuning(self):
         """--tune visual has a higher SSIMULACRA 2 and a lower PSNR at the same size, also in grey."""
         for image, blend in ((textured(256, 192), "normalized"), (textured(256, 192, 1), "sum")):
             with self.subTest(blend=blend):
-                figures = {}
-                for tune in ("psnr", "visual"):
-                    self.encode(image, "--bytes", "900", "--effort", "3", "--tune", tune, "--blend", blend)
-                    self.decode()
-                    figures[tune] = self.gscl_json("compare", "in.image", "in.png")
-                self.assertGreater(figures["visual"]["ssimulacra2"], figures["psnr"]["ssimulacra2"] + 2)
-                self.assertLess(figures["visual"]["psnr"], figures["psnr"]["psnr"])
+                plain, tuned = self.figures_of_tunes(image, "visual", "--bytes", "900", "--effort", "3", "--blend", blend)
+                self.assertGreater(tuned["ssimulacra2"], plain["ssimulacra2"] + 2)
+                self.assertLess(tuned["psnr"], plain["psnr"])
 
     def test_visual_tuning_of_hard_images(self):
         """Images with alpha, and images that are too small for the visual loss, are encoded as well."""
