@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the structure of the sources: check_rooms.py [--root FOLDER] [--list] [OBJECT_FOLDER...]
 
-Each folder of host/lib and host/tool is a room, and so are format/ and cl/.  The lists below order the rooms from the
+Each folder of host/lib and host/tool is a room, and so are format/, cl/ and each binding.  The lists below order the rooms from the
 lowest to the highest.  The script fails when
 
  - a file includes a header of a higher room, or of a part of the tree that its program may not use,
@@ -28,6 +28,9 @@ LIBRARY = ["runtime", "image", "software", "decode", "fit", "session", "codebook
 TOOL = ["cli", "image", "plot", "tradeoff", "commands"]
 PROGRAMS = {"host/lib": LIBRARY, "host/tool": TOOL}
 BASE = {"host/lib": ["format", "cl"], "host/tool": [], "format": [], "cl": []}
+# Bindings are one room each, which uses itself and the public headers.
+BINDINGS = ["host/desktop", "host/openimageio"]
+BASE |= {binding: [] for binding in BINDINGS}
 PUBLIC = "host/include/gscl/"
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
@@ -41,6 +44,8 @@ def room_of(path):
     if parts[0] in ("format", "cl"):
         return parts[0], ""
     program = "/".join(parts[:2])
+    if program in BINDINGS:
+        return program, ""
     if program in PROGRAMS:
         return program, parts[2] if len(parts) > 3 else ""
     return None

@@ -52,6 +52,7 @@ FAULTS = {
     "an include from format/ of the library": (include("format/header.c", '"host/lib/fit/fit.h"'), "may not use host/lib"),
     "an include of the tool of a private header": (include("host/tool/main.c", '"host/lib/fit/fit.h"'), "may not use"),
     "an include of the library of the tool": (include("host/lib/fit/fit.c", '"host/tool/cli/json.h"'), "may not use"),
+    "an include of a binding of the library": (include("host/openimageio/gscl_plugin.h", '"host/lib/fit/fit.h"'), "may not use"),
     "a public header with a private one": (include("host/include/gscl/gscl.h", '"fit/fit.h"'), "public headers only"),
     "an include that names no file": (include("host/tool/main.c", '"fit/fit.h"'), "names no file"),
     "headers in a circle": (circle, "circle: host/lib/fit/one host/lib/fit/two"),

@@ -76,12 +76,21 @@ static bool is_read_in_memory(const uint8_t *start, size_t count) {
            image_is_tiff(start, count) || image_is_heif(start, count);
 }
 
+/* Refuses a gscl file in place of an image: OpenImageIO may have a plug-in that reads it, which depends on the machine. */
+static bool is_no_gscl(const char *label, const uint8_t *start, size_t count) {
+    static const uint8_t magic[] = {0xC7, 'g', 's', 'c'};
+    return count < sizeof magic || memcmp(start, magic, sizeof magic) != 0 ||
+           report_error(label, "is a gscl file, not an image; 'gscl decode' makes an image of it");
+}
+
 /* Decodes the bytes of the input `name`, which it may change. */
 static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_content *content) {
     char message[IMAGE_MESSAGE_SIZE];
     const char *label = input_label(name);
     if (size == 0)
         return report_error(label, "is empty; an image is expected");
+    if (!is_no_gscl(label, bytes, size))
+        return false;
     if (image_is_png(bytes, size))
         return image_read_png(bytes, size, content, message) || report_error(label, "%s", message);
     if (image_is_jpeg(bytes, size))
@@ -116,7 +125,7 @@ static bool read_content(const char *name, image_content *content) {
     size_t count;
     if (!is_regular_file(name)) /* a pipe can be read only once; reading reports a missing file */
         return read_in_memory(name, content);
-    if (!read_file_start(name, start, sizeof start, &count))
+    if (!read_file_start(name, start, sizeof start, &count) || !is_no_gscl(name, start, count))
         return false;
     return is_read_in_memory(start, count) ? read_in_memory(name, content)
                                            : read_through_module(name, name, NULL, 0, content);

@@ -1,0 +1,327 @@
+// The writer of the OpenImageIO plug-in: collects all rows and encodes them when the file is closed.  README.md lists its
+// attributes.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/strutil.h>
+#include <OpenImageIO/tiffutils.h>
+
+#include "gscl_plugin.h"
+
+namespace {
+
+using OIIO::Strutil::iequals;
+
+// Bits per pixel for the quality of programs that have one slider for all formats: 0.125, the default, at 50; doubled every
+// 12.5.
+double bpp_of_quality(int quality) {
+    return 0.125 * std::exp2((std::clamp(quality, 1, 100) - 50) / 12.5);
+}
+constexpr double min_quality_bytes = 256; // of the picture, at any quality
+
+class GsclOutput final : public OIIO::ImageOutput {
+  public:
+    ~GsclOutput() override {
+        close();
+    }
+    const char *format_name() const override {
+        return "gscl";
+    }
+    int supports(OIIO::string_view feature) const override {
+        return feature == "alpha" || feature == "ioproxy" || feature == "random_access" || feature == "exif";
+    }
+    bool open(const std::string &name, const OIIO::ImageSpec &spec, OpenMode mode) override;
+    bool write_scanline(int y, int z, OIIO::TypeDesc format, const void *data, OIIO::stride_t xstride) override;
+    bool close() override;
+
+  private:
+    bool check_spec();
+    void choose_format();
+    bool choose_number(const char *name, gscl_target target, double min, double max);
+    bool choose_quality();
+    bool choose_target();
+    bool choose_settings();
+    bool wants_metadata(const char *name) const;
+    void add_block(gscl_block_type type, const void *data, size_t size);
+    bool collect_blocks();
+    void make_srgb();
+    void turn_upright(gscl_image &image, OIIO::ImageBuf &upright);
+    bool encode();
+    bool write_file(const uint8_t *bytes, size_t size);
+    template <typename... Arguments> bool fail(const char *format, const Arguments &...arguments) {
+        errorfmt(format, arguments...);
+        return false;
+    }
+
+    std::string name_;
+    bool open_ = false, linear_ = false;
+    std::vector<uint8_t> pixels_, scratch_;
+    std::vector<bool> written_; // which rows have come
+    gscl_encode_settings settings_;
+    std::vector<char> exif_;
+    std::string xmp_;
+    uint8_t cicp_[2];
+    gscl_block blocks_[4];
+    size_t block_count_ = 0;
+};
+
+// ---- Opening --------------------------------------------------------------------------------------
+
+bool GsclOutput::check_spec() {
+    if (m_spec.width < 1 || m_spec.height < 1 || m_spec.width > GSCL_MAX_DIMENSION ||
+        m_spec.height > GSCL_MAX_DIMENSION)
+        return fail("a picture of {} x {} pixels cannot be written; 1 x 1 to {} x {} are possible", m_spec.width,
+                    m_spec.height, GSCL_MAX_DIMENSION, GSCL_MAX_DIMENSION);
+    if (m_spec.deep || m_spec.depth > 1)
+        return fail("deep and volume images cannot be written; a flat one is needed");
+    if (m_spec.nchannels < 1 || m_spec.nchannels > 4)
+        return fail("{} channels cannot be written; grey or RGB, with or without alpha, is needed", m_spec.nchannels);
+    return true;
+}
+
+// Chooses the samples to encode, of the kinds that gscl has.  Linear light becomes sRGB, which needs floats.
+void GsclOutput::choose_format() {
+    const std::string space(m_spec.get_string_attribute("oiio:ColorSpace"));
+    linear_ = (iequals(space, "Linear") || iequals(space, "scene_linear") || iequals(space, "lin_srgb")) &&
+              !m_spec.find_attribute("ICCProfile") && !m_spec.find_attribute("CICP");
+    const auto type = m_spec.format.basetype;
+    if (linear_)
+        m_spec.set_format(OIIO::TypeDesc::FLOAT);
+    else if (type == OIIO::TypeDesc::INT8)
+        m_spec.set_format(OIIO::TypeDesc::UINT8);
+    else if (type == OIIO::TypeDesc::INT16)
+        m_spec.set_format(OIIO::TypeDesc::UINT16);
+    else if (type != OIIO::TypeDesc::UINT8 && type != OIIO::TypeDesc::UINT16)
+        m_spec.set_format(OIIO::TypeDesc::FLOAT);
+}
+
+// Takes a target, if it is given.
+bool GsclOutput::choose_number(const char *name, gscl_target target, double min, double max) {
+    const OIIO::ParamValue *given = m_spec.find_attribute(name);
+    if (!given)
+        return true;
+    const double value = gscl_plugin::number_of(m_spec, name, -1);
+    if (!(value >= min && value <= max))
+        return fail("{} cannot be {}; it takes a number from {} to {}", name, given->get_string(), min, max);
+    if (settings_.target != GSCL_TARGET_AUTO)
+        return fail("gscl:bytes, gscl:bpp, gscl:psnr and gscl:splats exclude each other; give one of them");
+    settings_.target = target;
+    settings_.target_value = value;
+    return true;
+}
+
+// Takes "Compression" of the form "gscl:QUALITY" and "CompressionQuality", which gscl's own attributes precede.  Those of
+// the format that the picture came from have another name and are ignored.
+bool GsclOutput::choose_quality() {
+    const std::string compression(m_spec.get_string_attribute("Compression"));
+    if (!compression.empty() && !OIIO::Strutil::istarts_with(compression, "gscl"))
+        return true;
+    const int quality = m_spec.decode_compression_metadata("gscl", -1).second;
+    if (settings_.target != GSCL_TARGET_AUTO || quality < 1)
+        return true;
+    if (quality > 100)
+        return fail("a compression quality cannot be {}; it takes 1 to 100", quality);
+    const double pixels = double(m_spec.width) * m_spec.height;
+    settings_.target = GSCL_TARGET_BPP;
+    settings_.target_value = std::max(bpp_of_quality(quality), 8.0 * min_quality_bytes / pixels);
+    return true;
+}
+
+bool GsclOutput::choose_target() {
+    return choose_number("gscl:bytes", GSCL_TARGET_BYTES, 1, UINT32_MAX) &&
+           choose_number("gscl:bpp", GSCL_TARGET_BPP, 0.0001, 64) &&
+           choose_number("gscl:psnr", GSCL_TARGET_PSNR, 1, 100) &&
+           choose_number("gscl:splats", GSCL_TARGET_SPLATS, 0, GSCL_MAX_SPLATS) && choose_quality();
+}
+
+bool GsclOutput::choose_settings() {
+    const std::string tune(m_spec.get_string_attribute("gscl:tune", "psnr"));
+    const std::string metadata(m_spec.get_string_attribute("gscl:metadata", "none"));
+    gscl_encode_settings_default(&settings_);
+    settings_.effort = m_spec.get_int_attribute("gscl:effort", GSCL_DEFAULT_EFFORT);
+    settings_.progressive = m_spec.get_int_attribute("gscl:progressive") != 0;
+    settings_.tune = tune == "visual" ? GSCL_TUNE_VISUAL : tune == "ssim" ? GSCL_TUNE_SSIM : GSCL_TUNE_PSNR;
+    if (tune != "psnr" && tune != "ssim" && tune != "visual")
+        return fail("gscl:tune cannot be '{}'; it takes psnr, ssim or visual", tune);
+    if (settings_.effort < 0 || settings_.effort > GSCL_MAX_EFFORT)
+        return fail("gscl:effort cannot be {}; it takes 0 to {}", settings_.effort, GSCL_MAX_EFFORT);
+    if (metadata != "none" && metadata != "exif" && metadata != "all")
+        return fail("gscl:metadata cannot be '{}'; it takes none, exif or all", metadata);
+    return choose_target();
+}
+
+bool GsclOutput::open(const std::string &name, const OIIO::ImageSpec &spec, OpenMode mode) {
+    if (mode != Create)
+        return fail("a gscl file holds one picture");
+    name_ = name;
+    m_spec = spec;
+    ioproxy_retrieve_from_config(m_spec);
+    if (!check_spec())
+        return false;
+    choose_format();
+    if (!choose_settings())
+        return false;
+    pixels_.resize(m_spec.image_bytes());
+    written_.assign(size_t(m_spec.height), false);
+    open_ = true;
+    return true;
+}
+
+bool GsclOutput::write_scanline(int y, int z, OIIO::TypeDesc format, const void *data, OIIO::stride_t xstride) {
+    const int row = y - m_spec.y;
+    if (!open_ || row < 0 || row >= m_spec.height)
+        return fail("there is no row {} to write", y);
+    const size_t size = m_spec.scanline_bytes();
+    std::memcpy(pixels_.data() + size_t(row) * size, to_native_scanline(format, data, xstride, scratch_, 0, y, z),
+                size);
+    written_[size_t(row)] = true;
+    return true;
+}
+
+// ---- What the file holds beside the picture -------------------------------------------------------
+
+bool GsclOutput::wants_metadata(const char *name) const {
+    const std::string metadata(m_spec.get_string_attribute("gscl:metadata", "none"));
+    return metadata == "all" || metadata == name;
+}
+
+void GsclOutput::add_block(gscl_block_type type, const void *data, size_t size) {
+    blocks_[block_count_] = {nullptr, type, data, size};
+    if (block_count_ > 0)
+        blocks_[block_count_ - 1].next = &blocks_[block_count_];
+    block_count_++;
+    settings_.blocks = blocks_;
+}
+
+// Lists the blocks to store.  A profile of sRGB is left out: a file without one has these colours.
+bool GsclOutput::collect_blocks() {
+    const std::string description(m_spec.get_string_attribute("ICCProfile:profile_description"));
+    const OIIO::ParamValue *icc = m_spec.find_attribute("ICCProfile");
+    const OIIO::ParamValue *cicp = m_spec.find_attribute("CICP");
+    block_count_ = 0;
+    if (cicp && cicp->type().basetype == OIIO::TypeDesc::INT && cicp->type().numelements() >= 2) {
+        const int *points = static_cast<const int *>(cicp->data());
+        cicp_[0] = uint8_t(points[0]);
+        cicp_[1] = uint8_t(points[1]);
+        add_block(GSCL_BLOCK_COLOUR_SPACE, cicp_, sizeof cicp_);
+    }
+    if (icc && icc->type().size() > GSCL_MAX_BLOCK_SIZE)
+        return fail("the colour profile has {} bytes; a gscl file holds at most {}", icc->type().size(),
+                    GSCL_MAX_BLOCK_SIZE);
+    if (icc && icc->type().basetype == OIIO::TypeDesc::UINT8 && !OIIO::Strutil::istarts_with(description, "sRGB"))
+        add_block(GSCL_BLOCK_ICC, icc->data(), icc->type().size());
+    OIIO::ImageSpec spec = m_spec; // of the upright picture
+    spec.attribute("Orientation", 1);
+    if (wants_metadata("exif")) {
+        OIIO::encode_exif(spec, exif_);
+        add_block(GSCL_BLOCK_EXIF, exif_.data(), exif_.size());
+    }
+    if (wants_metadata("xmp")) {
+        xmp_ = OIIO::encode_xmp(spec, false); // with IPTC, which gscl has no block for
+        if (!xmp_.empty())
+            add_block(GSCL_BLOCK_XMP, xmp_.data(), xmp_.size());
+    }
+    return true;
+}
+
+// ---- Encoding -------------------------------------------------------------------------------------
+
+float linear_to_srgb(float v) {
+    return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
+}
+
+// Converts linear light, multiplied by alpha unless the spec says otherwise, to straight sRGB.
+void GsclOutput::make_srgb() {
+    const size_t channels = size_t(m_spec.nchannels), colours = channels % 2 ? channels : channels - 1;
+    const bool straight = m_spec.get_int_attribute("oiio:UnassociatedAlpha") != 0;
+    float *pixel = reinterpret_cast<float *>(pixels_.data());
+    for (size_t left = m_spec.image_pixels(); left > 0; left--, pixel += channels) {
+        const float alpha = colours == channels || straight ? 1.0f : pixel[colours];
+        for (size_t c = 0; c < colours; c++)
+            pixel[c] = alpha > 0.0f ? linear_to_srgb(std::max(pixel[c] / alpha, 0.0f)) : 0.0f;
+    }
+}
+
+// Turns the picture as its attribute Orientation says.  `upright` owns the new pixels.
+void GsclOutput::turn_upright(gscl_image &image, OIIO::ImageBuf &upright) {
+    const int orientation = m_spec.get_int_attribute("Orientation", 1);
+    if (orientation < 2 || orientation > 8)
+        return;
+    OIIO::ImageSpec spec(m_spec.width, m_spec.height, m_spec.nchannels, m_spec.format);
+    spec.attribute("Orientation", orientation);
+    OIIO::ImageBuf stored(spec, image.pixels);
+    upright = OIIO::ImageBufAlgo::reorient(stored);
+    image.width = uint32_t(upright.spec().width);
+    image.height = uint32_t(upright.spec().height);
+    image.pixels = upright.localpixels();
+}
+
+// Writes the whole file or nothing: to the caller's proxy, or beside the name, which it then takes.
+bool GsclOutput::write_file(const uint8_t *bytes, size_t size) {
+    if (ioproxy())
+        return ioproxy()->write(bytes, size) == size || fail("cannot be written");
+    const std::string beside = OIIO::Filesystem::unique_path(name_ + ".%%%%%%%%");
+    std::string reason;
+    if (!OIIO::Filesystem::write_binary_file(beside, OIIO::cspan<uint8_t>(bytes, ptrdiff_t(size)))) {
+        OIIO::Filesystem::remove(beside);
+        return fail("\"{}\" cannot be written: {}", name_, std::strerror(errno));
+    }
+    if (OIIO::Filesystem::rename(beside, name_, reason))
+        return true;
+    OIIO::Filesystem::remove(beside);
+    return fail("\"{}\" cannot be written: {}", name_, reason);
+}
+
+bool GsclOutput::encode() {
+    gscl_image image = {uint32_t(m_spec.width),
+                        uint32_t(m_spec.height),
+                        uint32_t(m_spec.nchannels),
+                        GSCL_SAMPLE_F32,
+                        0,
+                        m_spec.nchannels % 2 == 0 && !linear_ && !m_spec.get_int_attribute("oiio:UnassociatedAlpha"),
+                        pixels_.data()};
+    if (m_spec.format != OIIO::TypeDesc::FLOAT)
+        image.sample = m_spec.format == OIIO::TypeDesc::UINT8 ? GSCL_SAMPLE_U8 : GSCL_SAMPLE_U16;
+    OIIO::ImageBuf upright;
+    if (linear_)
+        make_srgb();
+    turn_upright(image, upright);
+    gscl_plugin::Context context{std::string(m_spec.get_string_attribute("gscl:device"))};
+    uint8_t *bytes = nullptr;
+    size_t size = 0;
+    gscl_result result = context.result();
+    if (result == GSCL_OK)
+        result = gscl_encode(context.get(), &image, &settings_, &bytes, &size, nullptr);
+    const bool ok = result == GSCL_OK ? write_file(bytes, size) : fail("{}", context.message(result));
+    gscl_free(bytes);
+    return ok;
+}
+
+bool GsclOutput::close() {
+    bool ok = true;
+    const auto missing = std::count(written_.begin(), written_.end(), false);
+    if (open_ && missing > 0)
+        ok = fail("{} of {} rows were not written; the file is not made", missing, m_spec.height);
+    else if (open_)
+        ok = collect_blocks() && encode();
+    open_ = false;
+    pixels_ = {};
+    written_ = {};
+    ioproxy_clear();
+    return ok;
+}
+
+} // namespace
+
+OIIO_PLUGIN_EXPORTS_BEGIN
+OIIO_EXPORT OIIO::ImageOutput *gscl_output_imageio_create() {
+    return new GsclOutput;
+}
+OIIO_EXPORT const char *gscl_output_extensions[] = {"gscl", nullptr};
+OIIO_PLUGIN_EXPORTS_END
