@@ -1,0 +1,104 @@
+"""Plugin for Pillow: Image.open, Image.save and Image.draft for gscl files.  `import gscl` registers it."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import IO, Any
+
+from PIL import Image, ImageFile, UnidentifiedImageError
+
+from gscl._decode import decode
+from gscl._encode import encode
+from gscl._errors import DamagedError, FileError, NotGsclError, TruncatedError
+from gscl._inspect import info, metadata
+
+MAGIC = b"\xc7gsc"
+
+_MODES = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA"}
+
+# Arguments of gscl.encode that Image.save takes.
+_ARGUMENTS = frozenset(encode.__kwdefaults__ or ())
+
+
+def _accept(prefix: bytes) -> bool:
+    return prefix.startswith(MAGIC)
+
+
+def _metadata(data: bytes) -> dict[str, Any]:
+    """Nothing where the file is damaged or cut off, which load reports."""
+    try:
+        return metadata(data)
+    except (DamagedError, TruncatedError):
+        return {}
+
+
+class GsclImageFile(ImageFile.ImageFile):
+    format = "GSCL"
+    format_description = "gscl, an image as 2D Gaussians"
+
+    _data: bytes | None = None  # the file until the picture is drawn
+
+    def _open(self) -> None:
+        assert self.fp is not None
+        self._data = self.fp.read()
+        try:
+            header = info(self._data, header_only=True)
+            blocks = _metadata(self._data)
+        except NotGsclError as error:
+            raise SyntaxError(str(error)) from error
+        except FileError as error:
+            raise UnidentifiedImageError(str(error)) from error
+        self._size = header.width, header.height
+        self._mode = "I;16" if header.dtype == "uint16" and header.channels == 1 else _MODES[header.channels]
+        for name in ("icc_profile", "exif", "xmp"):
+            if name in blocks:
+                self.info[name] = blocks[name]
+        self.tile = []
+
+    def draft(self, mode: str | None, size: tuple[int, int] | None) -> tuple[str, tuple[int, int, float, float]] | None:
+        """Draws the picture at the smallest size that covers `size`, if that is below the encoded one."""
+        if self._data is None or size is None:
+            return None
+        scale = min(1.0, max(size[0] / self.width, size[1] / self.height))
+        self._size = max(1, math.ceil(self.width * scale)), max(1, math.ceil(self.height * scale))
+        return self.mode, (0, 0, *self.size)
+
+    def load(self) -> Any:
+        if self._data is not None:
+            dtype = "uint16" if self.mode == "I;16" else "uint8"
+            try:
+                samples = decode(self._data, size=self.size, dtype=dtype, partial=ImageFile.LOAD_TRUNCATED_IMAGES)
+            except FileError as error:
+                raise OSError(str(error)) from error
+            self._data = None
+            if self.fp and self._exclusive_fp:
+                self.fp.close()
+            self.fp = io.BytesIO(samples.tobytes())
+            self.tile = [ImageFile._Tile("raw", (0, 0, *self.size), 0, self.mode)]
+        return super().load()
+
+    def load_seek(self, pos: int) -> None:
+        pass
+
+    def verify(self) -> None:
+        """Reads and checks the whole file without drawing it."""
+        if self._data is not None:
+            try:
+                info(self._data)
+            except FileError as error:
+                raise OSError(str(error)) from error
+        super().verify()
+
+
+def _save(im: Image.Image, fp: IO[bytes], filename: str | bytes) -> None:
+    arguments = {name: value for name, value in im.encoderinfo.items() if name in _ARGUMENTS}
+    if isinstance(arguments.get("exif"), Image.Exif):
+        arguments["exif"] = arguments["exif"].tobytes()
+    fp.write(encode(im, **arguments).data)
+
+
+Image.register_open(GsclImageFile.format, GsclImageFile, _accept)
+Image.register_save(GsclImageFile.format, _save)
+Image.register_extension(GsclImageFile.format, ".gscl")
+Image.register_mime(GsclImageFile.format, "image/x-gscl")

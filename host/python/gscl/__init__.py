@@ -1,0 +1,96 @@
+"""gscl: an image codec that stores an image as a set of 2D Gaussians ("splats").
+
+    import gscl
+    data, report = gscl.encode("photo.jpg", bytes=2000)
+    array = gscl.decode(data, size=(1536, 1024))
+
+Importing it also registers a plugin of Pillow: PIL.Image.open("photo.gscl"), image.save("photo.gscl", bytes=2000).
+"""
+
+from gscl import GsclImagePlugin as GsclImagePlugin
+from gscl._binding import ffi as _ffi
+from gscl._binding import lib as _lib
+from gscl._decode import Comparison, compare, decode
+from gscl._devices import HOST, Device, devices, release_devices
+from gscl._encode import EffectDecision, Encoded, EncodeReport, Progress, Stage, TracePoint, encode
+from gscl._errors import (
+    AmbiguousDeviceError,
+    BudgetTooSmallError,
+    CancelledError,
+    ConflictError,
+    CorruptError,
+    DamagedError,
+    DeviceError,
+    DeviceFailedError,
+    DeviceMemoryError,
+    Error,
+    FileError,
+    ImageNotFiniteError,
+    ImageSizeError,
+    InvalidArgumentError,
+    KernelBuildError,
+    LimitError,
+    NewerVersionError,
+    NoOpenCLError,
+    NoPlatformError,
+    NotGsclError,
+    OutOfMemoryError,
+    StructSizeError,
+    TargetUnreachableError,
+    TruncatedError,
+    UnknownBlockError,
+    UnknownDeviceError,
+)
+from gscl._inspect import SPLAT_DTYPE, Info, certain_splats, info, metadata, splats
+
+__version__: str = _ffi.string(_lib.gscl_version()).decode()
+
+__all__ = [
+    "AmbiguousDeviceError",
+    "BudgetTooSmallError",
+    "CancelledError",
+    "certain_splats",
+    "compare",
+    "Comparison",
+    "ConflictError",
+    "CorruptError",
+    "DamagedError",
+    "decode",
+    "Device",
+    "DeviceError",
+    "DeviceFailedError",
+    "DeviceMemoryError",
+    "devices",
+    "EffectDecision",
+    "encode",
+    "Encoded",
+    "EncodeReport",
+    "Error",
+    "FileError",
+    "GsclImagePlugin",
+    "HOST",
+    "ImageNotFiniteError",
+    "ImageSizeError",
+    "Info",
+    "info",
+    "InvalidArgumentError",
+    "KernelBuildError",
+    "LimitError",
+    "metadata",
+    "NewerVersionError",
+    "NoOpenCLError",
+    "NoPlatformError",
+    "NotGsclError",
+    "OutOfMemoryError",
+    "Progress",
+    "release_devices",
+    "SPLAT_DTYPE",
+    "splats",
+    "Stage",
+    "StructSizeError",
+    "TargetUnreachableError",
+    "TracePoint",
+    "TruncatedError",
+    "UnknownBlockError",
+    "UnknownDeviceError",
+]

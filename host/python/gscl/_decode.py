@@ -1,0 +1,126 @@
+"""Decoding, and comparing pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy
+from numpy.typing import DTypeLike, NDArray
+
+from gscl._binding import ffi, lib
+from gscl._devices import HOST, context_on
+from gscl._errors import Error, InvalidArgumentError, NoPlatformError, assign, check
+from gscl._images import Picture, from_struct, load, to_struct
+from gscl._inspect import Content, File, inspect, read
+from gscl._names import SAMPLES, number_of
+
+HOST_PIXELS = 3_000_000  # up to which the device "host" is the faster choice
+
+
+def decode(
+    file: File,
+    *,
+    size: tuple[int, int] | None = None,
+    crop: tuple[int, int, int, int] | None = None,
+    dtype: DTypeLike | None = None,
+    premultiplied: bool = False,
+    partial: bool = False,
+    bare: bool = False,
+    max_pixels: int | None = None,
+    max_work: int | None = None,
+    device: str | None = None,
+) -> NDArray[Any]:
+    """Decodes a file to an array of shape (height, width) if it is grey, else (height, width, channels): grey and alpha,
+    RGB or RGBA.
+
+    file: the bytes of a gscl file, its path, or an open file.
+    size: width and height at which the whole picture is drawn; None for the encoded size.
+    crop: x, y, width and height of the rectangle of the drawn picture to return.
+    dtype: uint8, uint16 or float32 (0..1); None for uint8 or uint16, as the source was.
+    premultiplied: whether to multiply colours by alpha.
+    partial: whether the file may be cut off: draws the splats that its bytes hold.
+    bare: whether the file was encoded with `bare`, which its bytes do not tell.
+    max_pixels, max_work: limits for files from strangers: pixels to return, and evaluations of a splat at a pixel (a core
+        does about 5e8 a second).  LimitError is raised before memory is allocated.
+    device: "host", which needs no OpenCL; "P.D" or a part of the name of an OpenCL device; None for "host" up to three
+        megapixels and where there is no OpenCL device, else the default OpenCL device.
+
+    Raises a subclass of gscl.Error, or OSError.  The interpreter's lock is released while the library works.
+    """
+    settings = ffi.new("gscl_decode_settings *")
+    lib.gscl_decode_settings_init(settings, ffi.sizeof("gscl_decode_settings"))
+    if size is not None:
+        _assign_all(settings, "size", size, ("width", "height"), positive=(0, 1))
+    if crop is not None:
+        _assign_all(settings, "crop", crop, ("crop_x", "crop_y", "crop_width", "crop_height"), positive=(2, 3))
+    if dtype is not None:
+        settings.sample = number_of("dtype", SAMPLES, numpy.dtype(dtype).name)
+    for name, limit in {"max_pixels": max_pixels, "max_work": max_work}.items():
+        if limit is not None:
+            _assign_all(settings, name, (limit,), (name,), positive=(0,))
+    settings.premultiplied, settings.partial, settings.bare = premultiplied, partial, bare
+    content = read(file)
+    if device is None and _pixels(content, settings) <= HOST_PIXELS:
+        device = HOST
+    try:
+        return _draw(content, settings, device)
+    except NoPlatformError:
+        if device is not None:
+            raise
+        return _draw(content, settings, HOST)
+
+
+def _assign_all(
+    settings: Any, argument: str, values: tuple[int, ...], fields: tuple[str, ...], positive: tuple[int, ...]
+) -> None:
+    """Sets fields to numbers, of which some must not be 0, because 0 is a default of the library."""
+    if len(values) != len(fields) or any(values[i] < 1 for i in positive):
+        raise InvalidArgumentError(f"{argument}: {values}: expected {len(fields)} numbers, and sizes of at least 1")
+    for name, value in zip(fields, values):
+        assign(settings, name, value, argument)
+
+
+def _pixels(content: Content, settings: Any) -> int:
+    """Pixels to draw; 0 for a file that cannot be read, which decoding refuses with its message."""
+    if settings.crop_width:
+        return int(settings.crop_width * settings.crop_height)
+    if settings.width:
+        return int(settings.width * settings.height)
+    try:
+        return int(inspect(lib.gscl_probe, content, settings.bare).pixels)
+    except Error:
+        return 0
+
+
+def _draw(content: Content, settings: Any, device: str | None) -> NDArray[Any]:
+    image = ffi.new("gscl_image *")
+    with context_on(device) as context:
+        check(lib.gscl_decode(context, content.buffer, content.size, settings, image), context, content.name)
+    return from_struct(image)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How far two pictures differ."""
+
+    mse: float
+    """Mean squared error over all channels, samples in 0..255."""
+    psnr: float
+    """dB; infinite for equal pictures."""
+    ssim: float
+    ms_ssim: float
+    max_difference: float
+    """Of samples in 0..255."""
+    ssimulacra2: float
+    """SSIMULACRA 2.1 of b as a version of a: 100 for equal pictures."""
+
+
+def compare(a: Picture, b: Picture) -> Comparison:
+    """Compares two pictures of equal size and channels.  Measures that need more pixels than there are become NaN.
+    Raises a subclass of gscl.Error."""
+    (first, owner), (second, other) = (to_struct(load(picture, keep_colours=False).samples) for picture in (a, b))
+    found = ffi.new("gscl_comparison *", {"struct_size": ffi.sizeof("gscl_comparison")})
+    check(lib.gscl_compare(first, second, found))
+    del owner, other
+    return Comparison(found.mse, found.psnr, found.ssim, found.ms_ssim, found.max_difference, found.ssimulacra2)

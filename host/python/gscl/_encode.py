@@ -1,0 +1,333 @@
+"""Encoding."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Optional, Union
+
+from gscl._binding import ffi, lib
+from gscl._devices import context_on
+from gscl._errors import ConflictError, InvalidArgumentError, assign, check
+from gscl._images import Picture, Source, load, to_struct
+from gscl._names import BLENDS, BLOCKS, LOSSES, PROFILES, TUNES
+from gscl._names import Blend, Effect, Loss, Profile, Tune
+from gscl._names import bits_of, effects_of, number_of, word_of
+
+
+class Progress(NamedTuple):
+    """State of an encode, for its callback."""
+
+    fraction: float
+    """Of the expected work, 0..1; never decreases."""
+    psnr: float
+    """dB of the current fit; 0 while unknown."""
+    splats: int
+    elapsed_s: float
+    remaining_s: float
+    """An estimate."""
+
+
+ProgressCallback = Callable[[Progress], Optional[bool]]
+"""Called in the thread that calls encode.  Returning False cancels; an exception cancels, and encode raises it."""
+
+
+class EffectDecision(NamedTuple):
+    """The encoder's decision on an effect."""
+
+    effect: str
+    on: bool
+    reason: str
+    """"requested", "content", "profile", "trial" or "passes"."""
+    gain_db: float
+    """For "trial": PSNR with the effect less PSNR without it; else NaN."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Time of one stage of an encode."""
+
+    name: str
+    count: int
+    seconds: float
+
+
+class TracePoint(NamedTuple):
+    """State of the fit at one moment of an encode."""
+
+    stage: str
+    steps: int
+    splats: int
+    seconds: float
+    psnr: float
+
+
+@dataclass(frozen=True)
+class EncodeReport:
+    """Results of an encode."""
+
+    bytes: int
+    splats: int
+    psnr: float
+    """dB of the decoded file against the picture."""
+    seconds: float
+    trials: int
+    """Complete fits until the target was met."""
+    blend: str
+    effects: tuple[EffectDecision, ...]
+    stages: tuple[Stage, ...]
+    trace: tuple[TracePoint, ...]
+    """Empty unless the argument `trace` asks for it."""
+
+
+class Encoded(NamedTuple):
+    """What encode returns: `data, report = encode(...)`."""
+
+    data: bytes
+    report: EncodeReport
+
+
+Metadata = Union[bytes, bool, None]
+"""Bytes to store; True for those that the picture came with; None or False for none."""
+
+
+def encode(
+    picture: Picture,
+    *,
+    bytes: int | None = None,
+    bpp: float | None = None,
+    psnr: float | None = None,
+    splats: int | None = None,
+    effort: int = 5,
+    tune: Tune = "psnr",
+    profile: Profile = "default",
+    blend: Blend = "auto",
+    loss: Loss = "auto",
+    codebook_size: int = 0,
+    effects_on: Iterable[Effect] = (),
+    effects_off: Iterable[Effect] = (),
+    step_factor: float = 0.0,
+    seed: int = 1,
+    premultiplied: bool = False,
+    progressive: bool = False,
+    bare: bool = False,
+    icc_profile: Metadata = None,
+    exif: Metadata = None,
+    xmp: Metadata = None,
+    cicp: tuple[int, int] | None = None,
+    trace: bool = False,
+    progress: ProgressCallback | None = None,
+    device: str | None = None,
+) -> Encoded:
+    """Encodes a picture.
+
+    picture: a path to a file that Pillow reads, an image of Pillow, or an array of shape (height, width) or (height,
+        width, channels): grey, grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.
+        Files and images are turned upright and converted to sRGB by their profile.
+    bytes, bpp, psnr, splats: the target, at most one: bytes or bits per pixel of the whole file, never exceeded; dB,
+        exceeded by at most 0.3; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
+    effort: 0 (fastest) to 9 (best).
+    tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).
+    profile, blend, loss, codebook_size, effects_on, effects_off, step_factor, seed: gscl_encode_settings in gscl/gscl.h
+        explains them.
+    premultiplied: whether colours of the picture are multiplied by alpha.
+    progressive: whether to write layers, so that the first part of the file draws a better picture.
+    bare: whether to write the picture alone, without magic bytes, version, metadata and check.
+    icc_profile, exif, xmp: metadata to store: bytes, or True for those of the picture.  With a profile, colours are not
+        converted.
+    cicp: code points of primaries and transfer function (ITU-T H.273) to store.  Colours are not converted.
+    trace: whether the report has the convergence trace.
+    progress: called several times a second; returns False to cancel, which raises CancelledError.
+    device: "P.D" or a part of the name of an OpenCL device; None for the default.
+
+    Raises a subclass of gscl.Error; for files that Pillow does not open, OSError.  The interpreter's lock is released
+    while the library works.  An interrupt (Ctrl-C) in the main thread stops the encode with KeyboardInterrupt.
+    """
+    settings = ffi.new("gscl_encode_settings *")
+    lib.gscl_encode_settings_init(settings, ffi.sizeof("gscl_encode_settings"))
+    targets = {
+        lib.GSCL_TARGET_BYTES: ("bytes", bytes),
+        lib.GSCL_TARGET_BPP: ("bpp", bpp),
+        lib.GSCL_TARGET_PSNR: ("psnr", psnr),
+        lib.GSCL_TARGET_SPLATS: ("splats", splats),
+    }
+    _set_target(settings, targets)
+    settings.tune = number_of("tune", TUNES, tune)
+    settings.profile = number_of("profile", PROFILES, profile)
+    settings.blend = number_of("blend", BLENDS, blend)
+    settings.loss = number_of("loss", LOSSES, loss)
+    settings.effects_on = bits_of("effects_on", effects_on)
+    settings.effects_off = bits_of("effects_off", effects_off)
+    settings.step_factor = step_factor
+    settings.progressive, settings.bare, settings.trace = progressive, bare, trace
+    for name, value in {"effort": effort, "codebook_size": codebook_size, "seed": seed}.items():
+        assign(settings, name, value)
+
+    source = load(picture, keep_colours=bool(icc_profile or cicp))
+    blocks = _blocks(source, {"icc_profile": icc_profile, "exif": exif, "xmp": xmp}, cicp)
+    settings.blocks = blocks[0][0] if blocks else ffi.NULL
+    image, owner = to_struct(source.samples)
+    image.premultiplied = premultiplied
+
+    def work(progress: ProgressCallback | None) -> Encoded:
+        with context_on(device) as context:
+            encoded = _run(context, image, settings, progress)
+        _keep(owner, blocks)  # which the library read until here
+        return encoded
+
+    return interruptible(work, progress)
+
+
+def _keep(*owners: Any) -> None:
+    """Keeps memory until here."""
+
+
+def _set_target(settings: Any, targets: dict[int, tuple[str, float | None]]) -> None:
+    chosen = [(number, name, value) for number, (name, value) in targets.items() if value is not None]
+    if len(chosen) > 1:
+        raise ConflictError("more than one target: " + ", ".join(name for _, name, _ in chosen))
+    for number, _, value in chosen:
+        settings.target = number
+        settings.target_value = value
+
+
+def _blocks(source: Source, wanted: dict[str, Metadata], cicp: tuple[int, int] | None) -> list[tuple[Any, Any]]:
+    """A linked list of blocks to store, from the first to the last, each with the owner of its data."""
+    contents = {}
+    if cicp is not None:
+        try:
+            contents[lib.GSCL_BLOCK_COLOUR_SPACE] = bytes(cicp)
+        except ValueError:
+            raise InvalidArgumentError(f"cicp: {cicp}: expected two numbers in 0..255") from None
+    for name, value in wanted.items():
+        data = source.metadata.get(name) if value is True else value
+        if data:
+            contents[BLOCKS[name]] = data.removeprefix(b"Exif\0\0")
+    blocks = []
+    following = ffi.NULL
+    for kind, data in contents.items():
+        owner = ffi.from_buffer(data)
+        following = ffi.new("gscl_block *", {"next": following, "type": kind, "data": owner, "size": len(data)})
+        blocks.append((following, owner))
+    return blocks[::-1]
+
+
+class _Call(threading.local):
+    """The callback of the encode that runs in a thread, and the exception that ended it."""
+
+    progress: ProgressCallback | None = None
+    exception: BaseException | None = None
+
+
+_call = _Call()
+
+
+def _keep_exception(kind: Any, exception: BaseException, traceback: Any) -> None:
+    _call.exception = exception
+
+
+@ffi.def_extern(error=False, onerror=_keep_exception)  # type: ignore[untyped-decorator]
+def gscl_python_progress(opaque: Any, state: Any) -> bool:
+    assert _call.progress is not None
+    now = Progress(state.fraction, state.psnr, state.splats, state.elapsed_s, state.remaining_s)
+    return _call.progress(now) is not False
+
+
+def _run(context: Any, image: Any, settings: Any, progress: ProgressCallback | None) -> Encoded:
+    if progress is not None:
+        settings.progress = lib.gscl_python_progress
+    report = ffi.new("gscl_encode_report *", {"struct_size": ffi.sizeof("gscl_encode_report")})
+    data, size = ffi.new("uint8_t **"), ffi.new("size_t *")
+    outer = _call.progress, _call.exception  # of an encode whose callback encodes
+    _call.progress, _call.exception = progress, None
+    try:
+        result = lib.gscl_encode(context, image, settings, data, size, report)
+        exception = _call.exception
+    finally:
+        _call.progress, _call.exception = outer
+    if exception is not None:
+        lib.gscl_free(data[0])
+        raise exception
+    check(result, context)
+    encoded = bytes(ffi.buffer(data[0], size[0]))
+    lib.gscl_free(data[0])
+    return Encoded(encoded, _report(report))
+
+
+INTERRUPT_GRACE = 0.5  # seconds that an interrupted call waits for its encode to stop
+
+
+def interruptible(work: Callable[[Optional[ProgressCallback]], Encoded], progress: ProgressCallback | None) -> Encoded:
+    """Calls `work`, so that an interrupt ends it.
+
+    Python handles interrupts in the main thread, between its own instructions.  There the work has a thread of its own;
+    the main thread waits for it and calls `progress`.  After an interrupt the work is cancelled; where it does not stop at
+    once, because a kernel is being compiled, it ends later and its result is dropped.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return work(progress)
+    events: queue.SimpleQueue[Progress | Future[Encoded]] = queue.SimpleQueue()
+    answers: queue.SimpleQueue[bool] = queue.SimpleQueue()
+    stopped = threading.Event()
+
+    def ask(state: Progress) -> bool:
+        if progress is None or stopped.is_set():
+            return not stopped.is_set()
+        events.put(state)
+        return answers.get()
+
+    def run() -> None:
+        done: Future[Encoded] = Future()
+        try:
+            done.set_result(work(ask))
+        except BaseException as error:
+            done.set_exception(error)
+        events.put(done)
+
+    worker = threading.Thread(target=run, name="gscl.encode")
+    try:
+        worker.start()
+        while not isinstance(event := events.get(), Future):
+            assert progress is not None
+            answers.put(progress(event) is not False)
+        return event.result()
+    except BaseException:
+        stopped.set()
+        answers.put(False)
+        if worker.ident is not None:
+            worker.join(INTERRUPT_GRACE)
+        raise
+
+
+def _word(text: Any) -> str:
+    return str(ffi.string(text).decode())
+
+
+def _report(report: Any) -> EncodeReport:
+    return EncodeReport(
+        bytes=report.bytes,
+        splats=report.splats,
+        psnr=report.psnr,
+        seconds=report.seconds,
+        trials=report.trials,
+        blend=word_of(BLENDS, report.blend),
+        effects=tuple(_decision(report.effects[i]) for i in range(report.effect_count)),
+        stages=tuple(_stage(report.stages[i]) for i in range(report.stage_count)),
+        trace=tuple(_trace_point(report.trace[i]) for i in range(report.trace_count)),
+    )
+
+
+def _decision(row: Any) -> EffectDecision:
+    reason = lib.gscl_effect_reason_name(row.reason)
+    return EffectDecision(", ".join(effects_of(row.effect)), row.on, _word(reason) if reason else "", row.gain_db)
+
+
+def _stage(row: Any) -> Stage:
+    return Stage(_word(row.name), row.count, row.seconds)
+
+
+def _trace_point(row: Any) -> TracePoint:
+    return TracePoint(_word(row.stage), row.steps, row.splats, row.seconds, row.psnr)
