@@ -37,15 +37,20 @@ build() {
     meson setup $again "$folder" "$@" && ninja -C "$folder"
 }
 
-# suite FOLDER [MESON TEST ARGUMENTS]: adds each single test of the suites to the count.
+# add_counts FILE: adds each single test of a file of results to the count.
+add_counts() {
+    counts=$(python3 tests/count_results.py "$1")
+    passed=$((passed + ${counts% *}))
+    failed=$((failed + ${counts#* }))
+}
+
+# suite FOLDER [MESON TEST ARGUMENTS]
 suite() {
     folder=$1
     shift
     rm -f "$folder/meson-logs/testlog.json"
     meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
-    counts=$(python3 tests/count_results.py "$folder/meson-logs/testlog.json")
-    passed=$((passed + ${counts% *}))
-    failed=$((failed + ${counts#* }))
+    add_counts "$folder/meson-logs/testlog.json"
 }
 
 # The quick start of the README, in build/ and out/.
@@ -61,6 +66,12 @@ check "format of sources" sh tests/check_format.sh
 check "clang-tidy" sh tests/check_tidy.sh build-test
 check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
 check "rooms are checked" python3 tests/structure/test_check_rooms.py
+
+# The Python package, in a virtual environment.
+rm -f build-test/python/results.xml
+check "python wheel" sh tests/python/install.sh build-test/python
+sh tests/python/test.sh build-test/python build-test/tests/pocl
+add_counts build-test/python/results.xml
 
 # Host code under ASan and UBSan, with small hard cases; check_leaks.sh checks for leaks.
 check "build with sanitizers" build build-sanitize \

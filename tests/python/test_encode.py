@@ -1,0 +1,264 @@
+"""gscl.encode: pictures, targets, settings, metadata, report."""
+
+import numpy
+import pytest
+from PIL import Image
+
+import gscl
+from conftest import make_picture, psnr
+from profiles import DISPLAY_P3, icc_rgb, srgb_of
+
+
+def encode(picture, **options):
+    return gscl.encode(picture, **{"effort": 0, "bytes": 400, **options})
+
+
+def test_bytes(picture, data):
+    assert isinstance(data, bytes) and 100 < len(data) <= 400
+    assert psnr(picture, gscl.decode(data)) > 30
+
+
+def test_bpp(picture):
+    data, report = gscl.encode(picture, bpp=0.4, effort=0)
+    assert len(data) == report.bytes <= 0.4 * 96 * 64 / 8
+
+
+def test_psnr(picture):
+    data, report = gscl.encode(picture, psnr=30, effort=0)
+    assert report.psnr >= 30
+    assert psnr(picture, gscl.decode(data)) == pytest.approx(report.psnr, abs=0.01)
+
+
+def test_splats(picture):
+    data, report = gscl.encode(picture, splats=20, effort=0)
+    assert report.splats <= 20 and gscl.info(data).splats == report.splats
+
+
+def test_default_target(picture):
+    assert len(gscl.encode(picture, effort=0).data) <= 256
+
+
+def test_report(picture):
+    report = encode(picture, trace=True).report
+    assert report.blend == "normalized"
+    assert {row.effect: row.reason for row in report.effects}["chroma"] == "content"
+    assert any(stage.name == "write" and stage.count == 1 for stage in report.stages)
+    assert report.trace[-1].splats == report.splats
+    assert report.seconds > 0 and report.trials >= 1
+
+
+def test_repeats(picture, data):
+    assert encode(picture).data == data
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"seed": 2},
+        {"effort": 1},
+        {"tune": "ssim"},
+        {"step_factor": 2.0},
+        {"effects_off": ["anisotropy", "rotation"]},
+        {"progressive": True},
+        {"blend": "sum"},
+    ],
+    ids=str,
+)
+def test_settings_matter(picture, data, options):
+    other = encode(picture, **options).data
+    assert len(other) <= 400 and other != data
+    assert psnr(picture, gscl.decode(other)) > 20
+
+
+def test_effects(picture):
+    info = gscl.info(encode(picture, effects_off={"rotation", "anisotropy"}, effects_on="opacity").data)
+    assert "opacity" in info.effects and "rotation" not in info.effects
+
+
+def test_bare(picture, data):
+    bare = encode(picture, bare=True, bytes=150).data
+    with pytest.raises(gscl.Error):
+        gscl.decode(bare)
+    assert gscl.decode(bare, bare=True).shape == picture.shape
+    assert gscl.info(bare, bare=True).width == 96
+    assert len(gscl.splats(bare, bare=True)) == gscl.info(bare, bare=True).splats
+
+
+# ---- Arrays ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4])
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
+def test_kinds_of_arrays(channels, dtype):
+    picture = make_picture(40, 32, channels, dtype)
+    decoded = gscl.decode(encode(picture).data)
+    assert decoded.shape == picture.shape
+    assert decoded.dtype == (numpy.uint8 if dtype == "uint8" else numpy.uint16)
+    assert psnr(picture, decoded) > 25
+
+
+def test_other_layouts_of_memory(picture, data):
+    wide = numpy.zeros((64, 96, 6), numpy.uint8)
+    wide[:, :, ::2] = picture
+    upside_down = numpy.ascontiguousarray(picture[::-1])
+    readonly = picture.copy()
+    readonly.flags.writeable = False
+    for same in wide[:, :, ::2], upside_down[::-1], numpy.asfortranarray(picture), readonly, picture.tolist():
+        if isinstance(same, list):
+            same = numpy.array(same, dtype=numpy.uint8)
+        assert encode(same).data == data
+
+
+def test_other_floats_and_byte_orders():
+    half = make_picture(40, 32, 3, numpy.float32).astype(numpy.float16)
+    assert encode(half).data == encode(half.astype(numpy.float64)).data == encode(half.astype(numpy.float32)).data
+    words = make_picture(40, 32, 3, numpy.uint16)
+    assert encode(words.astype(">u2")).data == encode(words.astype("<u2")).data
+
+
+def test_one_channel_axis():
+    grey = make_picture(40, 32, 1)
+    assert encode(grey[:, :, None]).data == encode(grey).data
+
+
+@pytest.mark.parametrize("shape", [(8,), (8, 8, 5), (8, 8, 0), (2, 8, 8, 3)])
+def test_wrong_shapes(shape):
+    with pytest.raises(gscl.InvalidArgumentError, match="shape"):
+        encode(numpy.zeros(shape, numpy.uint8))
+
+
+@pytest.mark.parametrize("dtype", ["int8", "int32", "uint32", "bool", "complex64", "object"])
+def test_wrong_types(dtype):
+    with pytest.raises(TypeError, match="expected uint8, uint16 or float"):
+        encode(numpy.zeros((8, 8), dtype))
+
+
+def test_bytes_are_no_picture(data):
+    with pytest.raises(TypeError, match="not bytes"):
+        encode(data)
+
+
+# ---- Files and images of Pillow ------------------------------------------------------------------
+
+
+def test_paths(picture, data, tmp_path):
+    path = tmp_path / "picture.png"
+    Image.fromarray(picture).save(path)
+    assert encode(path).data == encode(str(path)).data == encode(Image.fromarray(picture)).data == data
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        encode(tmp_path / "nothing.png")
+
+
+def test_no_image_file(tmp_path):
+    path = tmp_path / "text.png"
+    path.write_text("no picture")
+    with pytest.raises(OSError, match="text.png"):
+        encode(path)
+
+
+@pytest.mark.parametrize(
+    "mode, shape",
+    [
+        ("1", ()),
+        ("L", ()),
+        ("LA", (2,)),
+        ("La", (2,)),
+        ("P", (3,)),
+        ("RGB", (3,)),
+        ("RGBA", (4,)),
+        ("RGBa", (4,)),
+        ("CMYK", (3,)),
+        ("YCbCr", (3,)),
+        ("I;16", ()),
+        ("I", ()),
+        ("F", ()),
+    ],
+)
+def test_modes_of_pillow(mode, shape):
+    colours = Image.fromarray(make_picture(40, 32))
+    if mode == "I;16":
+        image = Image.fromarray(make_picture(40, 32, 1, numpy.uint16))
+        assert image.mode == mode
+    elif mode == "F":
+        image = Image.fromarray(make_picture(40, 32, 1, numpy.float32))
+    elif mode == "La":
+        image = colours.convert("LA").convert("La")
+    elif mode == "RGBa":
+        image = colours.convert("RGBA").convert("RGBa")
+    else:
+        image = colours.convert(mode)
+    decoded = gscl.decode(encode(image).data)
+    assert decoded.shape in ((32, 40) + shape, (32, 40) + (() if shape == (2,) else (3,) if shape == (4,) else shape))
+    assert decoded.dtype == (numpy.uint16 if mode in ("I;16", "I", "F") else numpy.uint8)
+
+
+def test_transparent_palette():
+    image = Image.fromarray(make_picture(40, 32)).quantize(16)
+    image.info["transparency"] = 0
+    assert gscl.decode(encode(image).data).shape == (32, 40, 4)
+
+
+def test_orientation(tmp_path):
+    picture = make_picture(48, 32)
+    exif = Image.Exif()
+    exif[0x0112] = 6  # the first row is at the right
+    exif[0x010E] = "a disc"
+    path = tmp_path / "turned.jpg"
+    Image.fromarray(picture).save(path, exif=exif, quality=95)
+    data = encode(path, exif=True, bytes=600).data
+    decoded = gscl.decode(data)
+    assert decoded.shape == (48, 32, 3)
+    assert psnr(numpy.rot90(picture, -1), decoded) > 25
+    kept = Image.Exif()
+    kept.load(gscl.metadata(data)["exif"])
+    assert kept.get(0x0112, 1) == 1 and kept[0x010E] == "a disc"
+
+
+# ---- Colours and metadata ------------------------------------------------------------------------
+
+
+def test_colours_become_srgb():
+    picture = make_picture(40, 32)
+    image = Image.fromarray(picture)
+    image.info["icc_profile"] = icc_rgb(DISPLAY_P3)
+    expected = numpy.array(
+        [[[255 * value for value in srgb_of(pixel / 255, DISPLAY_P3)] for pixel in row] for row in picture]
+    )
+    expected = numpy.rint(expected).astype(numpy.uint8)
+    converted = gscl.decode(encode(image, bytes=800).data)
+    assert psnr(expected, converted) > psnr(picture, converted) + 3
+    assert "icc_profile" not in gscl.metadata(encode(image).data)
+
+
+def test_alpha_survives_conversion():
+    picture = make_picture(40, 32, 4)
+    image = Image.fromarray(picture)
+    image.info["icc_profile"] = icc_rgb(DISPLAY_P3)
+    decoded = gscl.decode(encode(image, bytes=800).data)
+    assert abs(decoded[:, :, 3].astype(int) - picture[:, :, 3]).mean() < 10
+
+
+def test_profile_is_kept(picture):
+    image = Image.fromarray(picture)
+    image.info["icc_profile"] = icc_rgb(DISPLAY_P3)
+    budget = 400 + len(image.info["icc_profile"]) + 16
+    for choice in True, image.info["icc_profile"]:
+        data = encode(image, icc_profile=choice, bytes=budget).data
+        assert gscl.metadata(data)["icc_profile"] == image.info["icc_profile"]
+        assert psnr(picture, gscl.decode(data)) > 25
+
+
+def test_useless_profile_warns(picture, data):
+    image = Image.fromarray(picture)
+    image.info["icc_profile"] = b"no profile"
+    with pytest.warns(UserWarning, match="colour profile cannot be used"):
+        assert encode(image).data == data
+
+
+def test_metadata(picture):
+    data = encode(picture, exif=b"Exif\0\0II*\0\x08\0\0\0\0\0\0\0", xmp=b"<x/>", cicp=(12, 13)).data
+    assert gscl.metadata(data) == {"exif": b"II*\0\x08\0\0\0\0\0\0\0", "xmp": b"<x/>", "cicp": (12, 13)}
+    assert gscl.metadata(encode(picture).data) == {}

@@ -1,0 +1,186 @@
+"""Progress, cancelling, interrupts and threads."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy
+import pytest
+
+import gscl
+
+LIMIT = 240  # seconds for what may have to compile kernels on a loaded machine
+
+
+class Counter(threading.Thread):
+    """Counts as long as it gets the interpreter's lock."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.count = 0
+        self.stopped = False
+
+    def run(self):
+        while not self.stopped:
+            self.count += 1
+            time.sleep(0.0002)
+
+
+@pytest.fixture
+def counter():
+    """A counter beside a thread that gives the lock away only when it waits or calls the library."""
+    interval = sys.getswitchinterval()
+    thread = Counter()
+    thread.start()
+    while not thread.count:
+        time.sleep(0.01)
+    sys.setswitchinterval(1000)
+    yield thread
+    sys.setswitchinterval(interval)
+    thread.stopped = True
+    thread.join()
+
+
+def in_thread(function):
+    """Calls a function outside the main thread, where encode has no thread of its own."""
+    results = []
+    thread = threading.Thread(target=lambda: results.append(function()))
+    thread.start()
+    thread.join(LIMIT)
+    return results[0]
+
+
+def counted(counter, function):
+    """How far the counter came during a call."""
+
+    def run():
+        before = counter.count
+        function()
+        return counter.count - before
+
+    return in_thread(run)
+
+
+def test_encode_releases_the_lock(counter, picture):
+    assert counted(counter, lambda: gscl.encode(picture, effort=1)) > 20
+
+
+def test_decode_releases_the_lock(counter, data):
+    assert counted(counter, lambda: gscl.decode(data, size=(6000, 4000), device="host")) > 20
+
+
+def test_progress(picture):
+    states = []
+    gscl.encode(picture, effort=0, progress=states.append)
+    fractions = [state.fraction for state in states]
+    assert len(states) > 3 and fractions == sorted(fractions) and 0 <= fractions[0] and fractions[-1] <= 1
+    assert states[-1].splats > 0 and states[-1].elapsed_s > 0
+
+
+def test_progress_in_the_calling_thread(picture):
+    def threads():
+        found = set()
+        gscl.encode(picture, effort=0, progress=lambda state: found.add(threading.get_ident()))
+        return found == {threading.get_ident()}
+
+    assert threads() and in_thread(threads)
+
+
+@pytest.mark.parametrize("run", [lambda function: function(), in_thread], ids=["main", "other"])
+def test_cancel(picture, data, run):
+    calls = []
+
+    def cancel(state):
+        calls.append(state)
+        return len(calls) < 3
+
+    def encode():
+        with pytest.raises(gscl.CancelledError, match="cancelled"):
+            gscl.encode(picture, effort=0, progress=cancel)
+        return len(calls)
+
+    assert run(encode) == 3
+    assert gscl.encode(picture, effort=0, bytes=400).data == data
+
+
+@pytest.mark.parametrize("run", [lambda function: function(), in_thread], ids=["main", "other"])
+def test_exception_in_progress(picture, run):
+    def fail(state):
+        raise ZeroDivisionError("in the callback")
+
+    def encode():
+        with pytest.raises(ZeroDivisionError, match="in the callback"):
+            gscl.encode(picture, effort=0, progress=fail)
+        return True
+
+    assert run(encode)
+
+
+def test_encode_within_progress(picture, data):
+    """On a context of its own."""
+    inner = []
+
+    def encode(state):
+        if not inner:
+            inner.append(gscl.encode(picture, effort=0, bytes=400).data)
+
+    assert gscl.encode(picture, effort=0, bytes=400, progress=encode).data == data
+    assert inner == [data]
+
+
+def test_several_threads(picture, data):
+    results = []
+
+    def work():
+        for _ in range(2):
+            encoded = gscl.encode(picture, effort=0, bytes=400).data
+            results.append((encoded, gscl.decode(encoded).tobytes()))
+
+    threads = [threading.Thread(target=work) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(LIMIT)
+    assert results == [(data, gscl.decode(data).tobytes())] * 6
+
+
+INTERRUPTED = """
+import sys, threading, time
+import numpy, gscl
+
+def say_when_working():
+    while all(thread.name != "gscl.encode" for thread in threading.enumerate()):
+        time.sleep(0.01)
+    print("working", flush=True)
+
+picture = numpy.load(sys.argv[1])
+expected = gscl.encode(picture, effort=0, bytes=400).data
+threading.Thread(target=say_when_working).start()
+try:
+    gscl.encode(numpy.tile(picture, (8, 8, 1)), effort=9, progress=print if sys.argv[2] == "progress" else None)
+    sys.exit("was not interrupted")
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+for thread in threading.enumerate():
+    if thread is not threading.current_thread():
+        thread.join()
+assert gscl.encode(picture, effort=0, bytes=400).data == expected
+print("undamaged", flush=True)
+"""
+
+
+@pytest.mark.parametrize("callback", ["progress", "none"])
+def test_ctrl_c(tmp_path, picture, callback):
+    """One interrupt ends the encode with KeyboardInterrupt, and the next encode gives the same bytes as before."""
+    path = tmp_path / "picture.npy"
+    numpy.save(path, picture)
+    command = [sys.executable, "-c", INTERRUPTED, str(path), callback]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        while process.stdout.readline() not in ("working\n", ""):
+            pass
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=LIMIT)
+    assert (process.returncode, errors) == (0, "")
+    assert output.split()[-2:] == ["interrupted", "undamaged"]

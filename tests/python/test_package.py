@@ -1,0 +1,134 @@
+"""The installed package: types, names, the example, machines without OpenCL."""
+
+import importlib.metadata
+import inspect
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+import gscl
+from conftest import HERE
+
+PACKAGE = pathlib.Path(gscl.__file__).parent
+ROOT = HERE.parents[1]
+
+
+def run(*arguments, **options):
+    done = subprocess.run(arguments, capture_output=True, text=True, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_version():
+    version = (ROOT / "host/include/gscl/version.h").read_text().split('#define GSCL_VERSION "')[1].split('"')[0]
+    assert gscl.__version__ == importlib.metadata.version("gscl") == version
+
+
+def test_is_installed():
+    """The tests are of the package in a wheel, with its marker of types, not of the sources."""
+    assert ROOT / "host" not in PACKAGE.parents
+    assert (PACKAGE / "py.typed").exists()
+
+
+def test_every_public_name():
+    assert all(hasattr(gscl, name) for name in gscl.__all__)
+    for name in gscl.__all__:
+        assert inspect.getdoc(getattr(gscl, name)) or name == "SPLAT_DTYPE", name
+
+
+@pytest.fixture(scope="module")
+def mypy(tmp_path_factory):
+    """Checks types in a folder without configuration, and returns the errors."""
+    folder = tmp_path_factory.mktemp("mypy")
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(folder / "cache")]
+
+    def check(*sources):
+        done = subprocess.run([*command, *map(str, sources)], capture_output=True, text=True, cwd=folder)
+        assert not done.stderr, done.stderr
+        return [line for line in done.stdout.splitlines() if "error:" in line]
+
+    return check
+
+
+def test_types_of_the_package(mypy):
+    assert mypy("-p", "gscl") == []
+
+
+def test_types_of_a_program(mypy):
+    assert mypy(HERE / "typed_use.py") == []
+
+
+def test_wrong_types_are_found(mypy, tmp_path):
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text('import gscl\ngscl.encode("x.png", bytes="many")\ngscl.decode(b"", size=3)\n')
+    assert len(mypy(wrong)) == 2
+
+
+def test_library_needs_nothing_else():
+    """Besides the C library, one module links the OpenCL loader and the other nothing."""
+    for name, expected in {"_gscl": {"libOpenCL.so.1"}, "_gscl_host": set()}.items():
+        module = next(PACKAGE.glob(name + ".abi3.so"))
+        lines = run("readelf", "-d", str(module)).splitlines()
+        needed = {line.split("[")[1].rstrip("]") for line in lines if "(NEEDED)" in line}
+        assert needed - {"libc.so.6", "libm.so.6"} == expected
+
+
+WITHOUT_LOADER = """
+import sys
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name == "gscl._gscl":
+            raise ImportError("libOpenCL.so.1: cannot open shared object file")
+
+sys.meta_path.insert(0, Missing())
+import gscl
+picture = gscl.decode(sys.argv[1])
+try:
+    gscl.encode(picture)
+    sys.exit("encoded")
+except gscl.NoOpenCLError as error:
+    print(picture.shape, gscl.info(sys.argv[1]).splats, len(gscl.splats(sys.argv[1])))
+"""
+
+
+def test_without_opencl_loader(data, tmp_path):
+    path = tmp_path / "picture.gscl"
+    path.write_bytes(data)
+    splats = gscl.info(data).splats
+    assert run(sys.executable, "-c", WITHOUT_LOADER, str(path)) == f"(64, 96, 3) {splats} {splats}\n"
+
+
+def test_example(picture, tmp_path):
+    """It draws the picture, its ellipses and a curve."""
+    from PIL import Image
+
+    source, figure = tmp_path / "picture.png", tmp_path / "figure.png"
+    Image.fromarray(picture).save(source)
+    environment = {**os.environ, "MPLBACKEND": "Agg", "MPLCONFIGDIR": str(tmp_path)}
+    program = ROOT / "host/python/examples/ellipses_and_rates.py"
+    output = run(sys.executable, str(program), str(source), str(figure), "--effort", "0", env=environment)
+    assert "dB" in output
+    drawn = numpy.asarray(Image.open(figure).convert("L"))
+    assert drawn.shape[1] > 900 and drawn.std() > 20
+
+
+def test_readme(picture, tmp_path, monkeypatch):
+    """The code of README.md runs, block after block."""
+    import matplotlib
+    from PIL import Image
+
+    matplotlib.use("Agg")
+    monkeypatch.chdir(tmp_path)
+    Image.fromarray(picture).save("photo.png")
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "host/python/README.md").read_text(), re.M | re.S)
+    names = {}
+    for block in blocks:
+        exec(block, names)
+    assert len(blocks) == 3 and names["image"].size == (64, 43) and names["corner"].shape == (64, 64, 3)
+    assert numpy.asarray(Image.open("figure.png").convert("L")).std() > 20

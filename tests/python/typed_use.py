@@ -1,0 +1,28 @@
+"""A program that uses the package, for mypy."""
+
+import pathlib
+
+import numpy
+from numpy.typing import NDArray
+from PIL import Image
+
+import gscl
+
+
+def show(state: gscl.Progress) -> bool:
+    print(f"{state.fraction:.0%} {state.psnr:.2f} dB")
+    return state.elapsed_s < 60
+
+
+def main(path: pathlib.Path) -> None:
+    picture: NDArray[numpy.uint8] = numpy.zeros((32, 48, 3), numpy.uint8)
+    data, report = gscl.encode(picture, bytes=300, effort=0, tune="psnr", effects_off=["texture"], progress=show)
+    encoded: bytes = gscl.encode(Image.open(path), bpp=0.1, icc_profile=True).data
+    rate: float = 8 * report.bytes / picture[:, :, 0].size
+    drawn = gscl.decode(data, size=(96, 64), crop=(0, 0, 10, 10), dtype=numpy.float32, device="host")
+    ellipses = gscl.splats(encoded)
+    print(rate, drawn.shape, ellipses["x"].mean(), gscl.info(path).streams["position"], gscl.compare(picture, drawn).psnr)
+    try:
+        gscl.decode(path, max_pixels=10**6)
+    except gscl.LimitError as error:
+        print(error.code, error)
