@@ -126,20 +126,20 @@ static uint32_t code_angle(gsf_coder *coder, gsf_conditional *model, uint32_t ro
 /* Codes the part of the cell across the major axis.  Before, a decoder has the cell of the class in x and y. */
 static void code_part(gsf_coder *coder, gsf_splat *splat, uint32_t parts, bool steep) {
     uint32_t *place = steep ? &splat->x : &splat->y;
-    const uint32_t cell = coder->decoding || parts == 1 ? *place : *place / parts;
+    const uint32_t cell = GSF_DECODING(coder) || parts == 1 ? *place : *place / parts;
     *place = cell * parts + gsf_code_uniform(coder, *place - cell * parts, parts);
 }
 
 static void code_shape(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
-    coder->stream = GSF_STREAM_SCALE;
+    gsf_coder_count_in(coder, GSF_STREAM_SCALE);
     if (a->header.has_anisotropy)
         splat->aspect = code_aspect(coder, a, splat);
-    coder->stream = GSF_STREAM_ANGLE;
+    gsf_coder_count_in(coder, GSF_STREAM_ANGLE);
     const unsigned angles = a->header.has_rotation ? a->angles[splat->aspect] : 1;
     if (angles > 1)
         splat->angle =
             (uint16_t)code_angle(coder, &a->direction, gsf_direction_row(splat->aspect), angles, splat->angle);
-    coder->stream = GSF_STREAM_POSITION;
+    gsf_coder_count_in(coder, GSF_STREAM_POSITION);
     const uint32_t parts = a->parts[splat->aspect];
     const bool steep = gsf_angle_is_steep(splat->angle, angles);
     code_part(coder, splat, parts, steep);
@@ -186,18 +186,18 @@ static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) 
 void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat *splat) {
     gsf_attributes *a = attributes;
     code_shape(coder, a, splat);
-    coder->stream = GSF_STREAM_LUMA;
+    gsf_coder_count_in(coder, GSF_STREAM_LUMA);
     splat->luma = code_from(coder, &a->luma, a->luma_min, splat->luma);
-    coder->stream = GSF_STREAM_CHROMA;
+    gsf_coder_count_in(coder, GSF_STREAM_CHROMA);
     if (a->header.has_chroma)
         code_chroma(coder, a, splat);
-    coder->stream = GSF_STREAM_ALPHA;
+    gsf_coder_count_in(coder, GSF_STREAM_ALPHA);
     if (a->header.has_alpha)
         splat->alpha = code_from(coder, &a->alpha, a->alpha_min, splat->alpha);
-    coder->stream = GSF_STREAM_OPACITY;
+    gsf_coder_count_in(coder, GSF_STREAM_OPACITY);
     if (a->header.has_opacity)
         splat->opacity = (uint16_t)gsf_code_with_model(coder, splat->opacity, &a->opacity);
-    coder->stream = GSF_STREAM_TEXTURE;
+    gsf_coder_count_in(coder, GSF_STREAM_TEXTURE);
     if (a->header.has_texture)
         code_texture(coder, a, splat);
 }

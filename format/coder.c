@@ -51,20 +51,20 @@ void gsf_coder_read_from(gsf_coder *coder, const uint8_t *bytes, size_t size, ui
 }
 
 bool gsf_coder_overrun(const gsf_coder *coder) {
-    return coder->decoding && gsf_range_decoder_overrun(&coder->decoder);
+    return GSF_DECODING(coder) && gsf_range_decoder_overrun(&coder->decoder);
 }
 
 bool gsf_coder_is_certain(const gsf_coder *coder) {
-    return !coder->decoding || coder->decoder.position <= coder->decoder.size;
+    return !GSF_DECODING(coder) || coder->decoder.position <= coder->decoder.size;
 }
 
 static void count_bits(gsf_coder *coder, uint32_t freq, uint32_t total) {
-    if (coder->stream_bits256)
-        coder->stream_bits256[coder->stream] += gsf_cost256(freq, total);
+    if (GSF_STREAM_BITS(coder))
+        GSF_STREAM_BITS(coder)[coder->stream] += gsf_cost256(freq, total);
 }
 
 static void code_interval(gsf_coder *coder, uint32_t cum, uint32_t freq, uint32_t total) {
-    if (coder->decoding)
+    if (GSF_DECODING(coder))
         gsf_range_decode_consume(&coder->decoder, cum, freq, total);
     else
         gsf_range_encode(&coder->encoder, cum, freq, total);
@@ -77,7 +77,7 @@ static void code_interval(gsf_coder *coder, uint32_t cum, uint32_t freq, uint32_
 static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t target, uint32_t *cum) {
     uint32_t value = 0;
     *cum = 0;
-    while (value + STRIDE < count) { /* whole strides, which compilers sum with SIMD instructions */
+    while (!GSF_IS_SMALL && value + STRIDE < count) { /* whole strides, which compilers sum with SIMD instructions */
         uint32_t sum = 0;
         for (uint32_t i = 0; i < STRIDE; i++)
             sum += freq[value + i];
@@ -89,7 +89,7 @@ static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t targe
     /* Within a stride a branch on the symbol would be mispredicted. */
     uint32_t end = *cum;
     const uint32_t first = value;
-    const uint32_t last = count - value <= STRIDE ? count - value - 1 : STRIDE - 1;
+    const uint32_t last = GSF_IS_SMALL || count - value <= STRIDE ? count - value - 1 : STRIDE - 1;
     for (uint32_t i = 0; i < last; i++) {
         end += freq[first + i];
         const bool beyond = end <= target;
@@ -101,7 +101,7 @@ static uint32_t find_symbol(const uint16_t *freq, uint32_t count, uint32_t targe
 
 uint32_t gsf_code_symbol(gsf_coder *coder, uint32_t value, const uint16_t *freq, uint32_t count, uint32_t total) {
     uint32_t cum = 0;
-    if (coder->decoding) {
+    if (GSF_DECODING(coder)) {
         const uint32_t target = gsf_range_decode_target(&coder->decoder, total);
         value = find_symbol(freq, count, target, &cum);
     } else {
@@ -113,17 +113,18 @@ uint32_t gsf_code_symbol(gsf_coder *coder, uint32_t value, const uint16_t *freq,
 }
 
 uint32_t gsf_code_binary(gsf_coder *coder, uint32_t value, uint32_t first, uint32_t total) {
-    if (coder->decoding)
+    if (GSF_DECODING(coder))
         value = !gsf_range_decode_first(&coder->decoder, first, total);
     else
         gsf_range_encode(&coder->encoder, value ? first : 0, value ? total - first : first, total);
-    if (coder->stream_bits256) /* avoids a branch on the value, which would be mispredicted, when no bits are counted */
+    /* Avoids a branch on the value, which would be mispredicted, when no bits are counted. */
+    if (GSF_STREAM_BITS(coder))
         count_bits(coder, value ? total - first : first, total);
     return value;
 }
 
 uint32_t gsf_code_uniform(gsf_coder *coder, uint32_t value, uint32_t count) {
-    if (coder->decoding)
+    if (GSF_DECODING(coder))
         value = gsf_range_decode_target(&coder->decoder, count);
     code_interval(coder, value, 1, count);
     return value;

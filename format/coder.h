@@ -15,6 +15,25 @@ typedef struct gsf_coder {
     uint64_t *stream_bits256; /* GSF_STREAM_COUNT counters, or NULL */
 } gsf_coder;
 
+/* GSF_DECODING: whether the coder reads.  GSF_STREAM_BITS: where it counts bits, or NULL.  A program that only reads and
+ * must be small defines GSF_SMALL_READER: it has no code that writes or counts bits, and takes the general way where
+ * there is also a quicker one (GSF_IS_SMALL). */
+#ifdef GSF_SMALL_READER
+#define GSF_IS_SMALL true
+#define GSF_DECODING(coder) ((void)(coder), true)
+#define GSF_STREAM_BITS(owner) ((void)(owner), (uint64_t *)NULL)
+#else
+#define GSF_IS_SMALL false
+#define GSF_DECODING(coder) ((coder)->decoding)
+#define GSF_STREAM_BITS(owner) ((owner)->stream_bits256)
+#endif
+
+/* The bits from here on are those of the stream. */
+static inline void gsf_coder_count_in(gsf_coder *coder, gsf_stream stream) {
+    if (!GSF_IS_SMALL)
+        coder->stream = stream;
+}
+
 void gsf_coder_write_to(gsf_coder *coder, uint8_t *bytes, size_t capacity, uint64_t *stream_bits256);
 void gsf_coder_read_from(gsf_coder *coder, const uint8_t *bytes, size_t size, uint64_t *stream_bits256);
 

@@ -78,7 +78,7 @@ uint32_t gsf_code_count_split(gsf_coder *coder, uint32_t left, uint32_t n, uint3
     unsigned shift = 0; /* low bits of the count, which are coded with equal frequencies */
     while (n >> shift > MAX_TABLE)
         shift++;
-    if (n == 1)
+    if (n == 1 && !GSF_IS_SMALL)
         return gsf_code_single_split(coder, left != 0, gsf_single_split_of(left_weight, right_weight));
     const beta_binomial b = distribution_of(n >> shift, left_weight, right_weight);
     uint16_t freq[MAX_TABLE + 1];

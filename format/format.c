@@ -66,7 +66,7 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_hea
 
 /* Resets the counters and adds the bits of the container. */
 static void count_container(const gsf_coded_image *image, size_t size, size_t picture_size) {
-    if (!image->stream_bits256)
+    if (!GSF_STREAM_BITS(image))
         return;
     const gsf_bytes none[GSF_BLOCK_COUNT] = {{NULL, 0}};
     const size_t all = size - picture_size;

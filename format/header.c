@@ -99,7 +99,7 @@ static void code_kind(gsf_coder *coder, gsf_header *header) {
     gsf_header h = *header;
     if (code_flag(coder, !is_ordinary(&h), 4))
         code_special(coder, &h);
-    else if (coder->decoding)
+    else if (GSF_DECODING(coder))
         set_ordinary(&h);
     h.has_texture = h.coding == GSF_CODING_SCALAR && code_flag(coder, h.has_texture, 12);
     *header = h;
@@ -159,7 +159,7 @@ static void code_layers(gsf_coder *coder, gsf_header *header) {
 static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
 void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
-    coder->stream = GSF_STREAM_HEADER;
+    gsf_coder_count_in(coder, GSF_STREAM_HEADER);
     code_kind(coder, header);
     code_size(coder, header);
     const uint32_t count = code_number(coder, header->splat_count, COUNT_LENGTHS, LENGTH(COUNT_LENGTHS));
@@ -215,7 +215,7 @@ static void code_background(gsf_coder *coder, gsf_coded_image *image) {
 
 void gsf_code_header(gsf_coder *coder, gsf_coded_image *image) {
     gsf_code_fields(coder, &image->header);
-    coder->stream = GSF_STREAM_SIDE;
+    gsf_coder_count_in(coder, GSF_STREAM_SIDE);
     if (image->header.coding == GSF_CODING_SCALAR && image->header.splat_count > 0)
         code_steps(coder, &image->header, &image->steps);
     code_background(coder, image);

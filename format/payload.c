@@ -38,7 +38,7 @@ static uint32_t code_class_count(gsf_coder *coder, uint32_t count, uint32_t left
  * in this layer and those after it.  Returns the number in this layer. */
 static uint32_t code_layer_counts(gsf_coder *coder, gsf_workspace *w, uint32_t class_no, uint32_t left, bool is_last) {
     uint32_t *counts = w->counts + class_no, n = left;
-    coder->stream = GSF_STREAM_SCALE;
+    gsf_coder_count_in(coder, GSF_STREAM_SCALE);
     if (left > 0 && !is_last)
         n = gsf_code_count_split(coder, gsf_sum(counts, GSF_SCALE_CLASSES), left, GSF_WEIGHT_UNIT, GSF_WEIGHT_UNIT);
     for (uint32_t i = 0, rest = n; i < GSF_SCALE_CLASSES; i++) {
@@ -60,23 +60,23 @@ static uint32_t code_group_counts(gsf_coder *coder, const gsf_coded_image *image
     const uint32_t group = group_size(image);
     if (image->header.coding == GSF_CODING_SCALAR)
         return code_layer_counts(coder, w, class_no, left, class_no + group == gsf_class_count(image));
-    coder->stream = GSF_STREAM_SHAPE_INDEX;
+    gsf_coder_count_in(coder, GSF_STREAM_SHAPE_INDEX);
     gsf_code_class_counts(coder, w->counts, group, left);
     return left;
 }
 
 static void code_indexed(gsf_coder *coder, gsf_workspace *w, gsf_indexed_splat *splat) {
-    coder->stream = GSF_STREAM_COLOUR_INDEX;
+    gsf_coder_count_in(coder, GSF_STREAM_COLOUR_INDEX);
     splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->colour_index);
 }
 
 /* Codes the positions of the splats of a class, then all else of each of them. */
 static void code_class(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w, uint32_t class_no, uint32_t first) {
     const uint32_t end = first + w->counts[class_no];
-    coder->stream = GSF_STREAM_POSITION;
+    gsf_coder_count_in(coder, GSF_STREAM_POSITION);
     gsf_code_class_points(coder, &w->set, class_no, first);
     for (uint32_t i = first; i < end && !gsf_coder_overrun(coder); i++) {
-        if (coder->decoding)
+        if (GSF_DECODING(coder))
             place_splat(image, i, class_no, w->points[i]);
         if (image->header.coding == GSF_CODING_SCALAR)
             gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
@@ -90,7 +90,7 @@ static void code_class(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *
 static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
     const uint32_t classes = gsf_class_count(image);
     uint32_t first = 0, left = image->header.splat_count;
-    if (!coder->decoding)
+    if (!GSF_DECODING(coder))
         list_splats(image, w);
     for (uint32_t i = 0; i < classes; i++)
         w->grids[i] = gsf_class_grid(image, i);
@@ -109,9 +109,9 @@ static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
 
 /* Codes parameters and words of the codebooks. */
 static void code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *w) {
-    coder->stream = GSF_STREAM_SIDE;
+    gsf_coder_count_in(coder, GSF_STREAM_SIDE);
     gsf_code_codebook_parameters(coder, &image->header, &image->codebooks);
-    coder->stream = GSF_STREAM_CODEBOOK;
+    gsf_coder_count_in(coder, GSF_STREAM_CODEBOOK);
     gsf_code_codebook_words(coder, &image->header, &image->codebooks, w->points);
     gsf_complete_shape_words(&image->header, &image->codebooks);
 }

@@ -14,7 +14,7 @@ static void code_class_range(gsf_coder *coder, const uint32_t *counts, uint32_t 
                              uint32_t *last) {
     *first = 0;
     *last = classes - 1;
-    if (!coder->decoding) {
+    if (!GSF_DECODING(coder)) {
         while (counts[*first] == 0)
             ++*first;
         while (counts[*last] == 0)
@@ -39,7 +39,7 @@ static void code_counts(gsf_coder *coder, uint32_t *counts, uint32_t classes, ui
         return;
     }
     const uint32_t half = classes / 2;
-    const uint32_t left = gsf_code_count_split(coder, coder->decoding ? 0 : gsf_sum(counts, half), n,
+    const uint32_t left = gsf_code_count_split(coder, GSF_DECODING(coder) ? 0 : gsf_sum(counts, half), n,
                                                half * CLASS_WEIGHT, (classes - half) * CLASS_WEIGHT);
     code_counts(coder, counts, half, left);
     code_counts(coder, counts + half, classes - half, n - left);
@@ -105,7 +105,7 @@ static uint32_t count_left(const gsf_point *points, uint32_t n, const gsf_split 
 
 /* The count to encode; unused when decoding. */
 static uint32_t left_to_encode(const gsf_coder *coder, const gsf_point *points, uint32_t n, const gsf_split *split) {
-    return coder->decoding ? 0 : count_left(points, n, split);
+    return GSF_DECODING(coder) ? 0 : count_left(points, n, split);
 }
 
 /* Moves the priors of the first half to the front and returns their number. */
@@ -219,7 +219,7 @@ static void code_class(gsf_coder *coder, const class_task *t) {
     stack[0] = (node){{0, 0, t->grid->cells_x, t->grid->cells_y}, 0, t->n, 0, t->prior_n};
     while (depth > 0 && !gsf_coder_overrun(coder)) {
         const node *top = &stack[depth - 1];
-        if (top->n == 1)
+        if (top->n == 1 && !GSF_IS_SMALL)
             code_point(coder, t, stack[--depth]);
         else if (top->rect.width > 1 || top->rect.height > 1)
             depth = code_split(coder, t, stack, depth);
@@ -233,7 +233,7 @@ void gsf_set_init(gsf_set *set, gsf_point *points, const uint32_t *counts, const
     set->counts = counts;
     set->grids = grids;
     set->priors = priors;
-    for (uint32_t length = 2; length <= GSF_MAX_NARROW; length++) {
+    for (uint32_t length = 2; length <= GSF_MAX_NARROW && !GSF_IS_SMALL; length++) {
         uint32_t weight[2];
         narrow_weights(length, weight);
         set->narrow[length] = gsf_single_split_of(weight[0], weight[1]);
