@@ -16,6 +16,9 @@
 #define FOR_ALL_VECTORS
 #endif
 
+/* Of numbers of pixels, which are multiples of GSCL_ROW_LANES: tells the compiler so, which then needs no loop for a rest. */
+#define WHOLE_LANES(n) ((n) & -GSCL_ROW_LANES)
+
 /* The plane behind those of the channels. */
 static float *weights_of(gscl_canvas *c, float planes[][GSCL_CANVAS_PLANE]) {
     return planes[c->channels];
@@ -70,7 +73,7 @@ FOR_ALL_VECTORS static void add_rgb(const gscl_chord *chord, float t0, const flo
                                     float *restrict red, float *restrict green, float *restrict blue,
                                     float *restrict w) {
     const float a = chord->a, b = chord->b, c = chord->c, r = colour[0], g = colour[1], u = colour[2];
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < WHOLE_LANES(n); i++) {
         const float weight = weight_at(a, b, c, t0 + (float)i) * opacity;
         red[i] += weight * r;
         green[i] += weight * g;
@@ -82,13 +85,13 @@ FOR_ALL_VECTORS static void add_rgb(const gscl_chord *chord, float t0, const flo
 FOR_ALL_VECTORS static void weigh_row(const gscl_chord *chord, float t0, float opacity, int n,
                                       float *restrict weights) {
     const float a = chord->a, b = chord->b, c = chord->c;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < WHOLE_LANES(n); i++)
         weights[i] = weight_at(a, b, c, t0 + (float)i) * opacity;
 }
 
 /* Blend `alpha`: weights become shares of the pixel behind all splats so far. */
 FOR_ALL_VECTORS static void shade_row(int n, float *restrict weights, float *restrict minus_opacity) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < WHOLE_LANES(n); i++) {
         float w = gscl_lesser_positive(weights[i], GSCL_MAX_ALPHA);
         w = w * minus_opacity[i] + w;
         minus_opacity[i] -= w;
@@ -98,12 +101,12 @@ FOR_ALL_VECTORS static void shade_row(int n, float *restrict weights, float *res
 
 FOR_ALL_VECTORS static void wave_row(const gscl_chord *chord, const gscl_ellipse *e, float t0, int n,
                                      const float *restrict weights, float *restrict waves) {
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < WHOLE_LANES(n); i++)
         waves[i] = weights[i] * e->wave_amplitude * cos_turns(chord->turns + (t0 + (float)i) * e->wave_x);
 }
 
 FOR_ALL_VECTORS static void add_scaled(int n, const float *restrict from, float factor, float *restrict to) {
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < WHOLE_LANES(n); i++)
         to[i] += factor * from[i];
 }
 

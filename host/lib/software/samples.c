@@ -49,8 +49,6 @@ void gscl_store_samples(const gscl_image *image, float *const values[4], int col
         clamp_row(values[k], count);
     for (int k = 0; k < colours && has_alpha; k++)
         divide_row(values[k], alpha, image->premultiplied, count);
-    for (uint32_t k = 0; k < stored; k++)
-        store_channel(image, values[colours == 3 ? k : 0], k, count, pixels);
-    if (image->channels > stored)
-        store_channel(image, alpha, stored, count, pixels);
+    for (uint32_t k = 0; k < image->channels; k++)
+        store_channel(image, k == stored ? alpha : values[colours == 3 ? k : 0], k, count, pixels);
 }
