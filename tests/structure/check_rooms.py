@@ -31,6 +31,9 @@ BASE = {"host/lib": ["format", "cl"], "host/tool": [], "format": [], "cl": []}
 # Bindings are one room each, which uses itself and the public headers.
 BINDINGS = ["host/desktop", "host/openimageio"]
 BASE |= {binding: [] for binding in BINDINGS}
+# The decoder for web pages is compiled with parts of the library.
+BINDINGS.append("host/web")
+BASE["host/web"] = ["host/lib", "format", "cl"]
 PUBLIC = "host/include/gscl/"
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)

@@ -1,0 +1,141 @@
+/* The decoder as a WebAssembly module, for decoder.js: format/ and the software renderer without a context.
+ *
+ * An instance reads one file.  The calls come in this order: web_file, web_header, web_read, then web_splats, or web_frame
+ * with web_work and web_draw. */
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "cl/constants.h"
+#include "decode/coded_image.h"
+#include "decode/frame.h"
+#include "decode/resize.h"
+#include "format/format.h"
+#include "software/software.h"
+
+#define EXPORT(name) __attribute__((export_name(name)))
+
+static uint8_t *bytes; /* the file */
+static size_t size;
+static gscl_coded_image coded;
+static gscl_frame frame;
+
+EXPORT("file") uint8_t *web_file(size_t file_size, bool bare);
+EXPORT("header") gsf_result web_header(void);
+EXPORT("fields") const uint32_t *web_fields(void);
+EXPORT("read") gsf_result web_read(bool partial);
+EXPORT("splats") const float *web_splats(void);
+EXPORT("frame")
+void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
+EXPORT("work") double web_work(void);
+EXPORT("draw") const void *web_draw(void);
+
+/* Makes room for a file; NULL without memory. */
+uint8_t *web_file(size_t file_size, bool bare) {
+    size = file_size;
+    coded.file.bare = bare;
+    return bytes = malloc(size);
+}
+
+gsf_result web_header(void) {
+    return gsf_read_header(bytes, size, coded.file.bare, &coded.file.header);
+}
+
+/* The header as decoder.js takes it.  After web_read of a part of a file the splats are those that it holds. */
+const uint32_t *web_fields(void) {
+    static uint32_t fields[9];
+    const gsf_header *h = &coded.file.header;
+    fields[0] = h->width;
+    fields[1] = h->height;
+    fields[2] = h->splat_count;
+    fields[3] = h->layout;
+    fields[4] = h->enhancement_layers;
+    fields[5] = h->high_bit_depth;
+    fields[6] = h->has_chroma ? 3 : 1;
+    fields[7] = h->has_alpha;
+    fields[8] = h->has_opacity;
+    return fields;
+}
+
+/* Memory for the file, whatever its coding. */
+static bool reserve(gsf_coded_image *file) {
+    gsf_codebooks *books = &file->codebooks;
+    coded.scratch = malloc(gsf_scratch_size(&file->header));
+    file->splats = malloc(file->header.splat_count * sizeof *file->splats);
+    file->indexed = malloc(file->header.splat_count * sizeof *file->indexed);
+    books->shape_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->shape_words);
+    books->colour_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->colour_words);
+    return coded.scratch && file->splats && file->indexed && books->shape_words && books->colour_words;
+}
+
+gsf_result web_read(bool partial) {
+    uint32_t total;
+    if (!reserve(&coded.file))
+        return GSF_NO_SPACE;
+    return partial ? gsf_read_prefix(bytes, size, &coded.file, &total, coded.scratch)
+                   : gsf_read(bytes, size, &coded.file, coded.scratch);
+}
+
+/* GSCL_PARAMS parameters of each splat; NULL without memory. */
+const float *web_splats(void) {
+    const uint32_t count = coded.file.header.splat_count;
+    float *params = malloc(count * GSCL_PARAMS * sizeof *params);
+    for (uint32_t i = 0; params && i < count; i++)
+        gscl_coded_image_splat(&coded, i, params + i * GSCL_PARAMS);
+    return params;
+}
+
+/* Sets the rectangle of the whole drawn image that web_draw draws.  It must be within the limits of gscl_decode. */
+void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+    frame = (gscl_frame){.full_width = full_width,
+                         .full_height = full_height,
+                         .x = x,
+                         .y = y,
+                         .width = width,
+                         .height = height,
+                         .scale_x = (double)full_width / coded.file.header.width,
+                         .scale_y = (double)full_height / coded.file.header.height};
+}
+
+/* What max_work limits. */
+double web_work(void) {
+    return (double)gscl_frame_work(&coded, &frame);
+}
+
+/* The options of gscl_frame_options; the format and the kernels number blend modes alike. */
+static gscl_kernel_options options_of(const gsf_header *h) {
+    return (gscl_kernel_options){.blend = (int)h->blend,
+                                 .colours = h->has_chroma ? 3 : 1,
+                                 .alpha_channel = h->has_alpha,
+                                 .opacity = h->has_opacity,
+                                 .texture = h->has_texture,
+                                 .shape = GSCL_SHAPE_ROTATED};
+}
+
+static void add_splats(gscl_software *software, double sums[4]) {
+    const gsf_header *header = &coded.file.header;
+    for (uint32_t i = 0; i < header->splat_count; i++) {
+        float params[GSCL_PARAMS];
+        gscl_coded_image_splat(&coded, i, params);
+        gscl_resize_splats(params, 1, frame.scale_x, frame.scale_y);
+        gscl_software_add(software, params);
+        for (unsigned k = 0; k < gsf_channel_count(header); k++)
+            sums[k] += (double)params[GSCL_COLOUR + k];
+    }
+}
+
+/* Pixels of 4 bytes, R, G, B and alpha, whatever the layout of the file; NULL without memory. */
+const void *web_draw(void) {
+    const gscl_kernel_options options = options_of(&coded.file.header);
+    const gscl_software_view view = {frame.full_width, frame.full_height, frame.x, frame.y};
+    const size_t pixels = (size_t)frame.width * frame.height;
+    const gscl_image image = {frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc(4 * pixels)};
+    gscl_software *software = gscl_software_create(&options, &view, coded.file.header.splat_count);
+    double sums[4] = {0};
+    float background[4];
+    if (!software || !image.pixels)
+        return NULL;
+    add_splats(software, sums);
+    gscl_coded_image_background(&coded, sums, background);
+    gscl_software_draw(software, background, &image);
+    return image.pixels;
+}

@@ -1,0 +1,83 @@
+/* decode, info and load; gscl.d.ts describes them.
+ *
+ * Each call has an instance of the WebAssembly module of its own: its memory goes when the call ends, and a trap ends one call
+ * only.  The build joins this file and element.js to gscl.js, without comments and with short names. */
+
+/* Codes and messages by the numbers of gsf_result (format/types.h); the messages are those of gscl_decode. */
+export const OUT_OF_MEMORY = 7;
+const failures = [
+  ,
+  ['not-a-gscl-file', 'not a gscl file'],
+  ['newer-version', bytes => `written in format version ${bytes[4] & 15}; this program reads up to version 2`],
+  ['truncated', bytes => `the file is incomplete: ${bytes.length} bytes are there and more are needed`],
+  ['damaged', 'the file is damaged or cut off: the check at its end does not match'],
+  ['corrupt', 'the file breaks a rule of the format'],
+  ['unknown-block', 'the file has a block that must be understood and is unknown to this program'],
+  ['out-of-memory', 'out of memory'],
+];
+const MAX_DIMENSION = 16384;
+
+export class GsclError extends Error {
+  name = 'GsclError';
+}
+
+const refuse = (isRefused, message, code = 'invalid-argument') => {
+  if (isRefused)
+    throw Object.assign(new GsclError(message), {code});
+};
+
+let module;
+export const load = source => module = Promise.resolve(source).then(it => it instanceof WebAssembly.Module ? it : WebAssembly.compile(it));
+const fetchModule = async () => (await fetch(new URL('gscl.wasm', import.meta.url))).arrayBuffer();
+
+/* Calls use(wasm, header, check) with an instance that has read the header of the file.  header() is the list of
+ * decoder.c; check(result) throws unless the result is 0. */
+export const open = async (source, {bare}, use) => {
+  try {
+    const bytes = ArrayBuffer.isView(source) ? new Uint8Array(source.buffer, source.byteOffset, source.byteLength) : new Uint8Array(source);
+    const wasm = (await WebAssembly.instantiate(await (module || load(fetchModule())), {Math})).exports;
+    const check = result => {
+      if (result) {
+        const [code, message] = failures[result];
+        refuse(1, message.at ? message : message(bytes), code);
+      }
+    };
+    const at = wasm.file(bytes.length, !!bare);
+    check(at ? 0 : OUT_OF_MEMORY);
+    new Uint8Array(wasm.memory.buffer, at).set(bytes);
+    check(wasm.header());
+    return use(wasm, () => new Uint32Array(wasm.memory.buffer, wasm.fields(), 9), check);
+  } catch (error) {
+    refuse(!(error instanceof GsclError), `the decoder failed: ${error.message}`, 'failed');
+    throw error;
+  }
+};
+
+export const info = (source, options = {}) => open(source, options, (wasm, header) => {
+  const [width, height, splats, layout, enhancement, isHigh] = header();
+  return {width, height, channels: layout + 1, bitDepth: isHigh ? 16 : 8, splats, layers: enhancement + 1};
+});
+
+/* The same checks as gscl_decode, in the same order. */
+export const decode = (source, options = {}) => open(source, options, (wasm, header, check) => {
+  const {width = 0, height = 0, crop = {}, maxPixels = 2 ** 26, maxWork = 2 ** 33} = options;
+  const {x = 0, y = 0, width: cropWidth = 0, height: cropHeight = 0} = crop;
+  const fields = header(), fullWidth = width || fields[0], fullHeight = height || fields[1];
+  const w = cropWidth || fullWidth - x, h = cropHeight || fullHeight - y;
+  const isNatural = number => number >= 0 && number % 1 == 0;
+  refuse(![width, height, x, y, cropWidth, cropHeight].every(isNatural), 'width, height and crop must be whole numbers from 0 on');
+  refuse(!width != !height, 'both width and height must be given, or neither');
+  refuse(Math.max(fullWidth, fullHeight) > MAX_DIMENSION, `cannot draw ${fullWidth}x${fullHeight} pixels; at most ${MAX_DIMENSION}x${MAX_DIMENSION}`, 'image-size');
+  refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
+    `crop ${x},${y},${cropWidth},${cropHeight} does not lie inside ${fullWidth}x${fullHeight}`);
+  refuse(w * h > maxPixels, `the decoded image has ${w * h} pixels (${w}x${h}); max_pixels is ${maxPixels}`, 'limit');
+  refuse(fields[2] > maxWork, `the file has ${fields[2]} splats of at least one evaluation each; max_work is ${maxWork}`, 'limit');
+  check(wasm.read(!!options.partial));
+  wasm.frame(fullWidth, fullHeight, x, y, w, h);
+  const work = header()[2] * w * h > maxWork ? wasm.work() : 0;
+  refuse(work > maxWork, `drawing the image takes ${work} evaluations; max_work is ${maxWork}`, 'limit');
+  const at = wasm.draw();
+  check(at ? 0 : OUT_OF_MEMORY);
+  const data = new Uint8ClampedArray(wasm.memory.buffer, at, 4 * w * h).slice();
+  return globalThis.ImageData ? new ImageData(data, w, h) : {width: w, height: h, data};
+});

@@ -1,0 +1,98 @@
+/** Decoder of gscl pictures. In Node all of it is exported by "gscl"; in browsers `splats` is in "gscl/splats". */
+
+export interface ReadOptions {
+  /** Whether the file is of the bare form, which its bytes do not tell. Default false. */
+  bare?: boolean;
+}
+
+export interface PartialOptions extends ReadOptions {
+  /** Whether the file may be cut off: only the splats that it holds for certain are drawn or listed, and damage is not
+   * detected. Default false: a file that is cut off is refused. */
+  partial?: boolean;
+}
+
+export interface Rectangle {
+  /** Top left corner, pixels of the drawn image; default 0. */
+  x?: number;
+  y?: number;
+  /** Size in pixels; default 0: up to the right and bottom edges. */
+  width?: number;
+  height?: number;
+}
+
+export interface DecodeOptions extends PartialOptions {
+  /** Size at which the whole picture is drawn, pixels, at most 16384; both or neither. Default 0: the encoded size. */
+  width?: number;
+  height?: number;
+  /** The part of the drawn picture that is returned. Default: all of it. */
+  crop?: Rectangle;
+  /** Largest number of pixels to return. Default 2^26. */
+  maxPixels?: number;
+  /** Largest number of evaluations of a splat at a pixel. Default 2^33, some 30 seconds. */
+  maxWork?: number;
+}
+
+export interface Info {
+  /** Encoded size, pixels. */
+  width: number;
+  height: number;
+  /** Of the source: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA. */
+  channels: number;
+  bitDepth: 8 | 16;
+  splats: number;
+  /** Of a progressive file; else 1. */
+  layers: number;
+}
+
+/** A Gaussian as it is drawn. Lengths are pixels of the encoded size. */
+export interface Splat {
+  x: number;
+  y: number;
+  /** Standard deviations along the axes. */
+  sigma1: number;
+  sigma2: number;
+  /** Direction of the axis of sigma1, radians from +x towards +y. */
+  theta: number;
+  /** 0..1 */
+  opacity: number;
+  /** R, G, B and alpha; about 0..1, premultiplied. */
+  colour: [number, number, number, number];
+}
+
+export type GsclErrorCode =
+  | 'not-a-gscl-file' | 'newer-version' | 'truncated' | 'damaged' | 'corrupt' | 'unknown-block'
+  | 'invalid-argument' | 'image-size' | 'limit' | 'out-of-memory'
+  /** gscl.wasm was not found, the engine lacks SIMD, or the decoder stopped at a fault of its own. */
+  | 'failed'
+  /** (gscl-image) the answer of the server was no file. */
+  | 'not-found';
+
+export class GsclError extends Error {
+  readonly code: GsclErrorCode;
+}
+
+export type Bytes = ArrayBuffer | ArrayBufferView;
+
+/** Decodes a file. The result has 4 bytes a pixel, R, G, B and alpha, not premultiplied. In Node, which has no ImageData, it
+ * is an object with the same fields. Rejects with a GsclError. */
+export function decode(file: Bytes, options?: DecodeOptions): Promise<ImageData>;
+/** Reads the header of a file. Succeeds where only the check at the end does not match. Rejects with a GsclError. */
+export function info(file: Bytes, options?: ReadOptions): Promise<Info>;
+/** Lists the splats in drawing order. Rejects with a GsclError. */
+export function splats(file: Bytes, options?: PartialOptions): Promise<Splat[]>;
+/** Takes gscl.wasm from elsewhere than beside the script: its bytes, or the compiled module, or a promise of them. */
+export function load(source: BufferSource | WebAssembly.Module | PromiseLike<BufferSource | WebAssembly.Module>): Promise<WebAssembly.Module>;
+
+/** <gscl-image src="picture.gscl" alt="..." width="300" height="200">
+ *
+ * Attributes: `src`, a URL, also a data: URL; `data`, a file in base64, in place of src; `bare`, whether the file is bare;
+ * `alt`; `width` and `height` in CSS pixels, default the encoded size. The picture is drawn while its bytes arrive, and
+ * again whenever its size on the screen changes. Events: `load`, once the whole file is drawn; `error`, an ErrorEvent with
+ * a GsclError or a TypeError of fetch. */
+export class GsclImage extends HTMLElement {}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    'gscl-image': GsclImage;
+  }
+}

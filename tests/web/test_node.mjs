@@ -1,0 +1,184 @@
+/* The decoder for web pages in Node: the conformance set, prefixes, changed bytes, arguments and limits.
+ *
+ *     node test_node.mjs FOLDER    FOLDER: host/web of the build folder
+ *
+ * GSCL names the tool, with which pictures at other sizes are compared. */
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join, resolve} from 'node:path';
+import {fileURLToPath, pathToFileURL} from 'node:url';
+
+import {assertPicture, assertPixel, rgbaOf} from './compare.mjs';
+import {readPng} from './png.mjs';
+import {runTests, test} from './tap.mjs';
+
+const folder = resolve(process.argv[2]), gscl = process.env.GSCL;
+const {decode, info, splats, load, GsclError} = await import(pathToFileURL(join(folder, 'node.js')));
+const set = fileURLToPath(new URL('../conformance/', import.meta.url));
+const index = JSON.parse(readFileSync(join(set, 'index.json')));
+const fileOf = name => readFileSync(join(set, 'files', `${name}.gscl`));
+
+const MAX_GZIPPED = 15000; /* bytes of the module and its script */
+
+const codeOf = promise => promise.then(() => 'valid', error => {
+  assert(error instanceof GsclError && error instanceof Error, String(error));
+  assert(error.message.length > 5);
+  return error.code;
+});
+
+test('the module and its script are at most 15 kB gzipped', () => {
+  const sizes = ['gscl.wasm', 'gscl.js'].map(name => execFileSync('gzip', ['-9c', join(folder, name)]).length);
+  console.log(`# ${sizes.join(' + ')} bytes`);
+  assert(sizes[0] + sizes[1] <= MAX_GZIPPED, `${sizes.join(' + ')} bytes`);
+});
+
+for (const result of new Set(index.map(entry => entry.result)))
+  test(`conformance set: ${result}`, async () => {
+    for (const {file, bare} of index.filter(entry => entry.result == result))
+      assert.equal(await codeOf(decode(fileOf(file), {bare})), result, file);
+  });
+
+test('conformance set: pictures', async () => {
+  let count = 0;
+  for (const {file, bare, picture, samples = []} of index.filter(entry => entry.result == 'valid')) {
+    const bytes = fileOf(file), image = await decode(bytes, {bare}), {channels, bitDepth} = await info(bytes, {bare});
+    if (picture)
+      assertPicture(image, readPng(readFileSync(join(set, 'pictures', picture))), file);
+    for (const [x, y, ...values] of samples)
+      assertPixel(image.data, 4 * (y * image.width + x), rgbaOf(values.slice(0, channels), bitDepth), file);
+    count += picture != null || samples.length > 0;
+  }
+  assert(count > 100);
+});
+
+test('info and splats of the example of FORMAT.md', async () => {
+  const file = fileOf('example');
+  assert.deepEqual(await info(file), {width: 12, height: 8, channels: 3, bitDepth: 8, splats: 2, layers: 1});
+  const [first, second] = await splats(file);
+  const near = (value, expected) => assert(Math.abs(value - expected) < 1e-4, `${value}, not ${expected}`);
+  near(first.x, 4.2402), near(first.y, 3.9141), near(first.sigma1, 8.3542), near(first.sigma2, 2.2776), near(first.theta, 1.3);
+  first.colour.forEach((value, i) => near(value, [0.5, 0.25, 0.2, 1][i]));
+  near(second.x, 9.2695), near(second.sigma2, 1.834), near(second.opacity, 1);
+});
+
+test('prefixes', async () => {
+  for (const name of ['example', 'photograph', 'layers-8', 'blocks']) {
+    const file = fileOf(name), total = (await info(file)).splats;
+    let before = 0;
+    for (let size = 0; size <= file.length; size++) {
+      const part = file.subarray(0, size), code = await codeOf(decode(part, {partial: true}));
+      if (code != 'valid') {
+        assert.equal(before, 0, `${name}: ${size} bytes`);
+        continue;
+      }
+      const count = (await splats(part, {partial: true})).length;
+      assert(before <= count && count <= total, `${name}: ${size} bytes`);
+      before = count;
+      assert(size == file.length || await codeOf(decode(part)) != 'valid', `${name}: ${size} bytes`);
+    }
+    assert.equal(before, total);
+  }
+});
+
+test('changed bytes neither trap nor hang', async () => {
+  let state = 1, count = 0;
+  const random = n => (state = state * 48271 % 2147483647) % n;
+  const codes = new Set();
+  for (const {file, bare} of index.filter(entry => entry.result == 'valid')) {
+    const original = fileOf(file);
+    for (let i = 0; i < 3 && original.length < 4000; i++, count++) {
+      const bytes = Uint8Array.from(original);
+      bytes[random(bytes.length)] ^= 1 + random(255);
+      for (const options of [{bare}, {bare, partial: true}])
+        codes.add(await codeOf(decode(bytes, {...options, maxPixels: 1e6, maxWork: 1e7})));
+    }
+  }
+  assert(count > 300);
+  assert(!codes.has('failed') && codes.has('corrupt') && codes.has('damaged') && codes.has('limit'), [...codes].join(' '));
+});
+
+test('random bytes', async () => {
+  for (let i = 0; i < 300; i++) {
+    const bytes = Uint8Array.from({length: 5 + i % 60}, (_, k) => (i * 7919 + k * k * 104729 >> 3) & 255);
+    await codeOf(decode(bytes, {bare: true, maxPixels: 1e5, maxWork: 1e7}));
+  }
+});
+
+test('sizes, crops and limits as gscl_decode', async () => {
+  const file = fileOf('photograph'), {width, height} = await info(file);
+  const refused = async (options, code, message) => {
+    const error = await decode(file, options).then(() => assert.fail(JSON.stringify(options)), it => it);
+    assert.equal(error.code, code, String(error));
+    assert.match(error.message, message);
+  };
+  await refused({width: 10}, 'invalid-argument', /^both width and height must be given, or neither$/);
+  await refused({width: 16385, height: 1}, 'image-size', /^cannot draw 16385x1 pixels; at most 16384x16384$/);
+  await refused({width: 1.5, height: 2}, 'invalid-argument', /whole numbers/);
+  await refused({width: -1, height: -1}, 'invalid-argument', /whole numbers/);
+  await refused({width: NaN, height: 1}, 'invalid-argument', /whole numbers/);
+  await refused({width: 8, height: 8, crop: {x: 1, y: 2, width: 8, height: 1}}, 'invalid-argument', /^crop 1,2,8,1 does not lie inside 8x8$/);
+  await refused({crop: {x: width}}, 'invalid-argument', /does not lie inside/);
+  await refused({maxPixels: 5}, 'limit', new RegExp(`^the decoded image has ${width * height} pixels \\(${width}x${height}\\); max_pixels is 5$`));
+  await refused({maxWork: 1}, 'limit', /max_work is 1$/);
+  await refused({maxWork: 1000}, 'limit', /^drawing the image takes [0-9]+ evaluations; max_work is 1000$/);
+  assert.equal(await codeOf(decode('text')), 'not-a-gscl-file');
+  assert.equal(await codeOf(decode(undefined)), 'not-a-gscl-file');
+});
+
+test('messages name figures', async () => {
+  const file = fileOf('example');
+  await assert.rejects(decode(file.subarray(0, 10)), {code: 'truncated', message: 'the file is incomplete: 10 bytes are there and more are needed'});
+  const newer = Uint8Array.from(file);
+  newer[4] = 3;
+  await assert.rejects(decode(newer), {code: 'newer-version', message: 'written in format version 3; this program reads up to version 2'});
+});
+
+test('views, buffers and crops give the same picture', async () => {
+  const file = fileOf('photograph'), whole = await decode(file, {width: 300, height: 200});
+  const copy = new Uint8Array(file.length + 9).fill(7);
+  copy.set(file, 5);
+  const view = new DataView(copy.buffer, 5, file.length);
+  assert.deepEqual((await decode(view, {width: 300, height: 200})).data, whole.data);
+  assert.deepEqual((await decode(Uint8Array.from(file).buffer, {width: 300, height: 200})).data, whole.data);
+  const crop = await decode(file, {width: 300, height: 200, crop: {x: 250, y: 30, width: 21, height: 9}});
+  for (let y = 0; y < 9; y++)
+    assert.deepEqual(crop.data.subarray(y * 84, y * 84 + 84), whole.data.subarray(((y + 30) * 300 + 250) * 4, ((y + 30) * 300 + 271) * 4));
+});
+
+if (gscl)
+  test('pictures at other sizes are those of the tool', async () => {
+    const made = mkdtempSync(join(tmpdir(), 'gscl-web-'));
+    try {
+      for (const name of ['photograph', 'layers-8', 'bits-16', 'layout-grey-alpha', 'codebook-alpha-rgb-alpha'])
+        for (const [width, height] of [[97, 61], [500, 333], [7, 90]]) {
+          writeFileSync(join(made, 'file.gscl'), fileOf(name));
+          execFileSync(gscl, ['decode', '--device', 'host', '--size', `${width}x${height}`, '-o', join(made, 'out.png'), join(made, 'file.gscl')]);
+          assertPicture(await decode(fileOf(name), {width, height}), readPng(readFileSync(join(made, 'out.png'))), `${name} at ${width}x${height}`);
+        }
+    } finally {
+      rmSync(made, {recursive: true});
+    }
+  });
+
+test('a trap is an ordinary error, and the next call works', async () => {
+  /* A module whose functions have an unreachable instruction. */
+  const module = Uint8Array.of(0, 97, 115, 109, 1, 0, 0, 0, 1, 7, 1, 96, 2, 127, 127, 1, 127, 3, 2, 1, 0, 7, 8, 1, 4, 102, 105, 108, 101, 0, 0, 10, 5, 1, 3, 0, 0, 11);
+  await load(module);
+  await assert.rejects(decode(fileOf('example')), {code: 'failed', message: /^the decoder failed: unreachable/});
+  await load(readFileSync(join(folder, 'gscl.wasm')));
+  assert.equal((await decode(fileOf('example'))).width, 12);
+});
+
+test('many calls do not add up memory', async () => {
+  const file = fileOf('photograph'), options = {width: 1000, height: 1000};
+  await decode(file, options);
+  const before = process.memoryUsage().rss;
+  for (let i = 0; i < 60; i++)
+    await decode(file, options);
+  const grown = process.memoryUsage().rss - before;
+  assert(grown < 200e6, `${grown} bytes more`); /* 60 pictures of 4 MB and their memory would be 600 MB */
+});
+
+process.exitCode = await runTests() ? 0 : 1;
