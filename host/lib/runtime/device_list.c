@@ -99,8 +99,9 @@ static cl_int device_describe_numbers(gscl_listed_device *d) {
     return CL_SUCCESS;
 }
 
-/* Fills all but the handles and the id.  A device whose parameters cannot be read is listed as unusable. */
-static void device_describe(gscl_listed_device *d) {
+/* Fills all but the handles and the id.  A device whose parameters cannot be read is listed as unusable, unless the host
+ * has no memory left. */
+static gscl_result device_describe(gscl_listed_device *d) {
     cl_int error = device_describe_texts(d);
     if (error == CL_SUCCESS)
         error = device_describe_platform(d);
@@ -108,6 +109,7 @@ static void device_describe(gscl_listed_device *d) {
         error = device_describe_numbers(d);
     if (error != CL_SUCCESS)
         snprintf(d->unusable, sizeof d->unusable, "cannot be queried: %s", gscl_cl_error_name(error));
+    return error == CL_OUT_OF_HOST_MEMORY ? GSCL_ERROR_OUT_OF_MEMORY : GSCL_OK;
 }
 
 /* Appends the devices of one platform. */
@@ -127,7 +129,7 @@ static gscl_result device_list_append(gscl_device_list *list, cl_platform_id pla
         *d = (gscl_listed_device){.platform = platform, .device = ids[i], .type = CL_DEVICE_TYPE_CPU};
         gscl_text id = gscl_text_begin(d->info.id, sizeof d->info.id);
         gscl_text_append(&id, "%u.%u", (unsigned)platform_number, (unsigned)i);
-        device_describe(d);
+        result = device_describe(d);
     }
     free(ids);
     return result;
