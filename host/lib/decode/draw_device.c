@@ -53,7 +53,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
 
 /* `params` and `background`: room for the data that are copied to the device. */
 static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                               const gscl_image *image, float *params, float background[4]) {
+                               const gscl_image *image, float *params, float *background) {
     const gsf_header *header = &coded->file.header;
     gscl_renderer *renderer = NULL;
     const gscl_kernel_options options = gscl_frame_options(header, f);
@@ -68,11 +68,11 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *co
 
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
                                 const gscl_image *image) {
-    float background[4], *params = malloc(((size_t)coded->file.header.splat_count + 1) * GSCL_PARAMS * sizeof *params);
+    const size_t count = (size_t)coded->file.header.splat_count * GSCL_PARAMS;
+    float *params = malloc((count + 4) * sizeof *params), *background = params ? params + count : NULL;
     if (!params)
         return gscl_fail_memory(context);
     gscl_result result = draw_splats(context, coded, f, image, params, background);
-    gscl_finish(context); /* after an error, too, the device may still read `params` */
-    free(params);
+    gscl_release_after_copies(context, params); /* after an error the device may still read them */
     return result;
 }

@@ -38,8 +38,9 @@ void gscl_renderer_free(gscl_renderer *r) {
                               &r->listed,  &r->listed_counts, &r->samples};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
-    free(r->totals);
+    gscl_release_after_copies(r->context, r->totals); /* NULL in a renderer that was never created */
     r->totals = NULL;
+    r->totals_rows = 0;
 }
 
 gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint32_t y, uint32_t width,
@@ -78,9 +79,12 @@ gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params
 }
 
 gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
-    gscl_result result = gscl_renderer_set_splats_async(r, params, count, background);
-    gscl_result finished = gscl_finish(r->context); /* after an error, too: a copy may be pending */
-    return result == GSCL_OK ? finished : result;
+    r->count = 0;
+    GSCL_TRY(gscl_renderer_reserve(r, count));
+    GSCL_TRY(gscl_buffer_write(r->context, &r->params, 0, params, count * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write(r->context, &r->background, 0, background, (size_t)r->channels * sizeof(float)));
+    r->count = (cl_int)count;
+    return GSCL_OK;
 }
 
 gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
@@ -100,12 +104,16 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
 
 /* Starts to read the number of entries of each row of tiles at the last binning, without waiting for it. */
 static gscl_result read_totals_async(gscl_renderer *r) {
-    size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
-    cl_int *totals = realloc(r->totals, size);
-    if (!totals)
-        return gscl_fail_memory(r->context);
-    r->totals = totals;
-    return gscl_buffer_read_async(r->context, &r->row_totals, totals, size);
+    const size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
+    if (r->totals_rows < r->view.tiles_y) {
+        cl_int *totals = malloc(size);
+        if (!totals)
+            return gscl_fail_memory(r->context);
+        gscl_release_after_copies(r->context, r->totals); /* an earlier read may not have ended */
+        r->totals = totals;
+        r->totals_rows = r->view.tiles_y;
+    }
+    return gscl_buffer_read_async(r->context, &r->row_totals, r->totals, size);
 }
 
 /* The largest number of entries of a row of tiles; sets the occupancy. */

@@ -19,6 +19,7 @@ typedef struct gscl_renderer {
     cl_int row_capacity;  /* list entries that each row of tiles owns */
     double occupancy;     /* mean entries of a tile at the last exact binning */
     cl_int *totals;       /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
+    cl_int totals_rows;   /* rows that totals has room for */
     gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
     gscl_buffer samples;
@@ -37,7 +38,7 @@ gscl_result gscl_renderer_set_view(gscl_renderer *renderer, int level, uint32_t 
 /* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device. */
 gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
                                      const float *background);
-/* The same without waiting: both must stay valid until the queue has reached the copy (gscl_buffer_write_async). */
+/* The same without waiting: both must stay valid until the queue has reached the copy (gscl_release_after_copies). */
 gscl_result gscl_renderer_set_splats_async(gscl_renderer *renderer, const float *params, size_t count,
                                            const float *background);
 /* Makes room for `count` splats without touching those that are there. */

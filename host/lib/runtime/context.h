@@ -11,6 +11,7 @@
 
 struct gscl_program; /* programs.c */
 struct gscl_timings; /* timing.c */
+struct gscl_parked;  /* opencl.c */
 
 /* Wall-clock time and number of runs of one stage. */
 typedef struct gscl_stage_time_sum {
@@ -41,6 +42,7 @@ struct gscl_context {
     gscl_stage_clock clock;
     struct gscl_timings *timings;                 /* NULL unless the caller asked for timings */
     void (*settle)(struct gscl_context *context); /* waits for the device and adds its times up; NULL where is_host */
+    struct gscl_parked *parked;                   /* memory to release later (opencl.h), or NULL */
     void *decoder;                                /* state that is kept between decodes (decode/decode.c), or NULL */
     void (*decoder_free)(void *decoder);
     gscl_log_callback log;

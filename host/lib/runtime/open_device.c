@@ -40,6 +40,7 @@ gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings 
 void gscl_device_close(gscl_context *context) {
     gscl_timing_free(context);
     gscl_programs_free(context);
+    gscl_release_parked(context);
     if (context->queue)
         clReleaseCommandQueue(context->queue);
     if (context->cl)

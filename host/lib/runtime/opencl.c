@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "runtime/cl_names.h"
@@ -49,8 +50,11 @@ gscl_result gscl_buffer_reserve_image(gscl_context *context, gscl_buffer *buffer
     if (buffer->memory && size <= buffer->size)
         return GSCL_OK;
     GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
-    GSCL_CL(context, clEnqueueFillBuffer(context->queue, buffer->memory, &one, sizeof one, 0, size, 0, NULL, NULL));
-    return GSCL_OK;
+    const cl_int error = clEnqueueFillBuffer(context->queue, buffer->memory, &one, sizeof one, 0, size, 0, NULL, NULL);
+    if (error == CL_SUCCESS)
+        return GSCL_OK;
+    gscl_buffer_free(buffer); /* the next call must not take it for a buffer that was filled */
+    return gscl_cl_fail(context, error, "clEnqueueFillBuffer");
 }
 
 gscl_result gscl_buffer_grow(gscl_context *context, gscl_buffer *buffer, size_t size, size_t keep) {
@@ -119,6 +123,48 @@ gscl_result gscl_finish(gscl_context *context) {
     if (context->queue)
         GSCL_CL(context, clFinish(context->queue));
     return GSCL_OK;
+}
+
+struct gscl_parked {
+    struct gscl_parked *next;
+    void *memory;
+};
+
+/* Releases all parked memory if the device has ended its work. */
+static bool release_if_finished(gscl_context *context) {
+    if (context->queue && clFinish(context->queue) != CL_SUCCESS)
+        return false;
+    while (context->parked) {
+        struct gscl_parked *first = context->parked;
+        context->parked = first->next;
+        free(first->memory);
+        free(first);
+    }
+    return true;
+}
+
+void gscl_release_after_copies(gscl_context *context, void *memory) {
+    if (!memory)
+        return;
+    if (release_if_finished(context)) {
+        free(memory);
+        return;
+    }
+    struct gscl_parked *parked = malloc(sizeof *parked);
+    if (!parked)
+        return; /* the memory is lost, which is better than a device that writes into it after its release */
+    *parked = (struct gscl_parked){context->parked, memory};
+    context->parked = parked;
+}
+
+void gscl_release_parked(gscl_context *context) {
+    if (release_if_finished(context))
+        return;
+    while (context->parked) { /* as above, the memory itself is lost */
+        struct gscl_parked *next = context->parked->next;
+        free(context->parked);
+        context->parked = next;
+    }
 }
 
 gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size) {

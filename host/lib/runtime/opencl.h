@@ -43,6 +43,11 @@ gscl_result gscl_buffer_write_async(gscl_context *context, const gscl_buffer *bu
 gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size);
 /* Waits until the queue is empty; accepts a context without one. */
 gscl_result gscl_finish(gscl_context *context);
+/* Releases memory of the host that copies without waiting may still use: after waiting for the device or, where that
+ * fails, when a later call of these two can wait.  Leaves the context's message as it is.  `memory` may be NULL. */
+void gscl_release_after_copies(gscl_context *context, void *memory);
+/* Releases what is left of that, before the queue is released. */
+void gscl_release_parked(gscl_context *context);
 /* Copies bytes to the same place in another buffer. */
 gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,
                              size_t size);
