@@ -5,7 +5,8 @@ build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-he
     pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libcairo2-dev"
 # Further packages of the tests.
 test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev libglib2.0-bin oclgrind shared-mime-info
-    openimageio-tools python3-dev python3-venv binaryen chromium esbuild lld nodejs"
+    openimageio-tools python3-dev python3-venv binaryen chromium esbuild lld nodejs
+    openimageio-tools dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler"
 
 missing_packages() {
     for package in "$@"; do

@@ -19,7 +19,7 @@ class Images(ToolTest):
     def test_not_an_image(self):
         self.bad("text.png", b"no image at all, only text\n", "is not an image")
         self.bad("zeros.jpg", bytes(1000), "is not an image")
-        self.bad("file.gscl", contained(header(4, 4, 0).finish()), "is not an image")
+        self.bad("file.gscl", contained(header(4, 4, 0).finish()), "is a gscl file, not an image")
 
     def test_empty_file(self):
         self.bad("empty.png", b"", "is empty; an image is expected")

@@ -17,6 +17,21 @@ for file in mime/packages/gscl.xml misc/gscl.magic; do
     test -f "$prefix/share/$file"
 done
 
+# The loader of gdk-pixbuf and the media type, as update_caches.sh makes them known.
+loader=$(find "$work" -name libpixbufloader-gscl.so)
+if [ -n "$loader" ]; then
+    test -f "$prefix/share/thumbnailers/gscl.thumbnailer"
+    query=$(pkg-config --variable=gdk_pixbuf_query_loaders gdk-pixbuf-2.0)
+    system=$(pkg-config --variable=gdk_pixbuf_moduledir gdk-pixbuf-2.0)
+    LD_LIBRARY_PATH=$libdir MESON_INSTALL_PREFIX=$prefix \
+        sh "$source/host/desktop/update_caches.sh" "$query" "$(dirname "$loader")" "$system"
+    grep -q image/x-gscl "$(dirname "$(dirname "$loader")")/loaders.cache"
+    grep -q '^image/x-gscl:\*.gscl$' "$prefix/share/mime/globs"
+fi
+if [ -f "$build/host/openimageio/gscl.imageio.so" ]; then
+    test -f "$libdir/OpenImageIO/gscl.imageio.so"
+fi
+
 # The files contain paths for an installation in /, not in $work.
 export PKG_CONFIG_PATH="$libdir/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$work"
 flags="-std=c99 -Wall -Wextra -Werror -pedantic $source/tests/example/encode_decode.c"
