@@ -15,6 +15,9 @@ from gscl._inspect import info, metadata
 
 MAGIC = b"\xc7gsc"
 
+# A tuple in Pillow 10, with names later.
+_tile: Any = getattr(ImageFile, "_Tile", lambda *fields: fields)
+
 _MODES = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA"}
 
 # Arguments of gscl.encode that Image.save takes.
@@ -75,7 +78,7 @@ class GsclImageFile(ImageFile.ImageFile):
             if self.fp and self._exclusive_fp:
                 self.fp.close()
             self.fp = io.BytesIO(samples.tobytes())
-            self.tile = [ImageFile._Tile("raw", (0, 0, *self.size), 0, self.mode)]
+            self.tile = [_tile("raw", (0, 0, *self.size), 0, self.mode)]
         return super().load()
 
     def load_seek(self, pos: int) -> None:
