@@ -8,6 +8,7 @@ import pytest
 
 import gscl
 from conftest import make_picture, psnr
+from gscl._devices import context_on
 
 
 def test_sources(picture, data, tmp_path):
@@ -102,6 +103,17 @@ def test_devices(data):
     assert sum(device.is_default for device in gscl.devices()) == 1
     gscl.release_devices()
     assert numpy.array_equal(gscl.decode(data, device="host"), host)
+
+
+def test_default_device(data, monkeypatch):
+    """The device "host" up to three megapixels, else an OpenCL device."""
+    from gscl import _decode
+
+    used = []
+    monkeypatch.setattr(_decode, "context_on", lambda device: used.append(device) or context_on(device))
+    for options in {}, {"size": (2400, 1600)}, {"size": (2400, 1600), "crop": (100, 100, 500, 500)}:
+        gscl.decode(data, **options)
+    assert used == ["host", None, "host"]
 
 
 def test_info(data):

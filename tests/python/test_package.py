@@ -94,6 +94,19 @@ try:
     sys.exit("encoded")
 except gscl.NoOpenCLError as error:
     print(picture.shape, gscl.info(sys.argv[1]).splats, len(gscl.splats(sys.argv[1])))
+assert gscl.decode(sys.argv[1], size=(2400, 1600)).shape == (1600, 2400, 3)
+"""
+
+WITHOUT_DEVICES = """
+import sys
+import gscl
+assert gscl.decode(sys.argv[1], size=(2400, 1600)).shape == (1600, 2400, 3)
+for use in gscl.devices, lambda: gscl.encode(gscl.decode(sys.argv[1])):
+    try:
+        use()
+        sys.exit("there is a device")
+    except gscl.NoPlatformError as error:
+        pass
 """
 
 
@@ -102,6 +115,13 @@ def test_without_opencl_loader(data, tmp_path):
     path.write_bytes(data)
     splats = gscl.info(data).splats
     assert run(sys.executable, "-c", WITHOUT_LOADER, str(path)) == f"(64, 96, 3) {splats} {splats}\n"
+
+
+def test_without_devices(data, tmp_path):
+    path = tmp_path / "picture.gscl"
+    path.write_bytes(data)
+    environment = {**os.environ, "OCL_ICD_VENDORS": str(tmp_path)}
+    run(sys.executable, "-c", WITHOUT_DEVICES, str(path), env=environment)
 
 
 def test_example(picture, tmp_path):

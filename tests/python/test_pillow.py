@@ -125,6 +125,14 @@ def test_bomb(data, monkeypatch):
         opened(data)
 
 
+def test_too_much_work(data, monkeypatch):
+    monkeypatch.setattr(gscl.GsclImagePlugin, "MAX_WORK", 10)
+    with pytest.raises(Image.DecompressionBombError, match="MAX_WORK"):
+        opened(data).load()
+    monkeypatch.setattr(gscl.GsclImagePlugin, "MAX_WORK", None)
+    opened(data).load()
+
+
 def test_save_errors(picture, tmp_path):
     path = tmp_path / "picture.gscl"
     with pytest.raises(gscl.BudgetTooSmallError):

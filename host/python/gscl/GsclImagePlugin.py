@@ -10,8 +10,12 @@ from PIL import Image, ImageFile, UnidentifiedImageError
 
 from gscl._decode import decode
 from gscl._encode import encode
-from gscl._errors import DamagedError, FileError, NotGsclError, TruncatedError
+from gscl._errors import DamagedError, FileError, LimitError, NotGsclError, TruncatedError
 from gscl._inspect import info, metadata
+
+MAX_WORK: int | None = 2 * 10**10
+"""Largest number of evaluations of a splat at a pixel for a picture; None for no limit.  A core does about 5e8 a second.
+Beside Image.MAX_IMAGE_PIXELS it protects from files of strangers: load raises Image.DecompressionBombError."""
 
 MAGIC = b"\xc7gsc"
 
@@ -70,8 +74,11 @@ class GsclImageFile(ImageFile.ImageFile):
     def load(self) -> Any:
         if self._data is not None:
             dtype = "uint16" if self.mode == "I;16" else "uint8"
+            partial = ImageFile.LOAD_TRUNCATED_IMAGES
             try:
-                samples = decode(self._data, size=self.size, dtype=dtype, partial=ImageFile.LOAD_TRUNCATED_IMAGES)
+                samples = decode(self._data, size=self.size, dtype=dtype, partial=partial, max_work=MAX_WORK)
+            except LimitError as error:
+                raise Image.DecompressionBombError(f"{error}; the limit is GsclImagePlugin.MAX_WORK") from error
             except FileError as error:
                 raise OSError(str(error)) from error
             self._data = None
