@@ -55,3 +55,4 @@ END
 echo "file        $result.gscl"
 echo "decoded     $result.decoded.png"
 echo "compare     $result.side_by_side.png (original | decoded)"
+echo "browser     sh host/web/serve.sh shows the demonstration page: zoom, splats, the first part of a file"

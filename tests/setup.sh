@@ -3,10 +3,12 @@
 # Packages of the library and the tool, and PoCL, an OpenCL device on any CPU.
 build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
     pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libcairo2-dev"
+# Packages of the decoder for web pages.
+web_packages="binaryen clang esbuild lld"
 # Further packages of the tests.
 test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev libglib2.0-bin oclgrind shared-mime-info
-    openimageio-tools python3-dev python3-venv binaryen chromium esbuild lld nodejs
-    openimageio-tools dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler"
+    openimageio-tools python3-dev python3-venv $web_packages chromium nodejs
+    dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler"
 
 missing_packages() {
     for package in "$@"; do

@@ -84,7 +84,8 @@ const float *web_splats(void) {
     return params;
 }
 
-/* Sets the rectangle of the whole drawn image that web_draw draws.  It must be within the limits of gscl_decode. */
+/* Sets the rectangle of the whole drawn image that web_draw draws.  The rectangle must have at most GSCL_MAX_DIMENSION
+ * pixels a side; the whole image may be larger than gscl_decode allows, so that pages can zoom far. */
 void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     frame = (gscl_frame){.full_width = full_width,
                          .full_height = full_height,
@@ -111,12 +112,15 @@ static gscl_kernel_options options_of(const gsf_header *h) {
                                  .shape = GSCL_SHAPE_ROTATED};
 }
 
-static void add_splats(gscl_software *software, double sums[4]) {
+/* `x`, `y`: the place in the drawn image of the corner of what `software` draws. */
+static void add_splats(gscl_software *software, uint32_t x, uint32_t y, double sums[4]) {
     const gsf_header *header = &coded.file.header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
         gscl_coded_image_splat(&coded, i, params);
         gscl_resize_splats(params, 1, frame.scale_x, frame.scale_y);
+        params[GSCL_X] -= (float)x;
+        params[GSCL_Y] -= (float)y;
         gscl_software_add(software, params);
         for (unsigned k = 0; k < gsf_channel_count(header); k++)
             sums[k] += (double)params[GSCL_COLOUR + k];
@@ -126,7 +130,10 @@ static void add_splats(gscl_software *software, double sums[4]) {
 /* Pixels of 4 bytes, R, G, B and alpha, whatever the layout of the file; NULL without memory. */
 const void *web_draw(void) {
     const gscl_kernel_options options = options_of(&coded.file.header);
-    const gscl_software_view view = {frame.full_width, frame.full_height, frame.x, frame.y};
+    /* The renderer has no numbers for the rows of larger images: it draws the rectangle as an image of its own. */
+    const bool is_far = frame.full_width > GSCL_MAX_DIMENSION || frame.full_height > GSCL_MAX_DIMENSION;
+    const gscl_software_view near = {frame.full_width, frame.full_height, frame.x, frame.y};
+    const gscl_software_view view = is_far ? (gscl_software_view){frame.width, frame.height, 0, 0} : near;
     const size_t pixels = (size_t)frame.width * frame.height;
     const gscl_image image = {frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc(4 * pixels)};
     gscl_software *software = gscl_software_create(&options, &view, coded.file.header.splat_count);
@@ -134,7 +141,7 @@ const void *web_draw(void) {
     float background[4];
     if (!software || !image.pixels)
         return NULL;
-    add_splats(software, sums);
+    add_splats(software, frame.x - view.x, frame.y - view.y, sums);
     gscl_coded_image_background(&coded, sums, background);
     gscl_software_draw(software, background, &image);
     return image.pixels;

@@ -16,6 +16,7 @@ const failures = [
   ['out-of-memory', 'out of memory'],
 ];
 const MAX_DIMENSION = 16384;
+const MAX_ZOOMED = 2 ** 24; /* where a float still has whole pixels */
 
 export class GsclError extends Error {
   name = 'GsclError';
@@ -58,7 +59,7 @@ export const info = (source, options = {}) => open(source, options, (wasm, heade
   return {width, height, channels: layout + 1, bitDepth: isHigh ? 16 : 8, splats, layers: enhancement + 1};
 });
 
-/* The same checks as gscl_decode, in the same order. */
+/* The same checks as gscl_decode, in the same order, but that only the returned rectangle is limited to MAX_DIMENSION. */
 export const decode = (source, options = {}) => open(source, options, (wasm, header, check) => {
   const {width = 0, height = 0, crop = {}, maxPixels = 2 ** 26, maxWork = 2 ** 33} = options;
   const {x = 0, y = 0, width: cropWidth = 0, height: cropHeight = 0} = crop;
@@ -67,7 +68,7 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   const isNatural = number => number >= 0 && number % 1 == 0;
   refuse(![width, height, x, y, cropWidth, cropHeight].every(isNatural), 'width, height and crop must be whole numbers from 0 on');
   refuse(!width != !height, 'both width and height must be given, or neither');
-  refuse(Math.max(fullWidth, fullHeight) > MAX_DIMENSION, `cannot draw ${fullWidth}x${fullHeight} pixels; at most ${MAX_DIMENSION}x${MAX_DIMENSION}`, 'image-size');
+  refuse(Math.max(w, h) > MAX_DIMENSION || Math.max(fullWidth, fullHeight) > MAX_ZOOMED, `cannot draw ${w}x${h} pixels; at most ${MAX_DIMENSION}x${MAX_DIMENSION}`, 'image-size');
   refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
     `crop ${x},${y},${cropWidth},${cropHeight} does not lie inside ${fullWidth}x${fullHeight}`);
   refuse(w * h > maxPixels, `the decoded image has ${w * h} pixels (${w}x${h}); max_pixels is ${maxPixels}`, 'limit');

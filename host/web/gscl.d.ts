@@ -21,7 +21,8 @@ export interface Rectangle {
 }
 
 export interface DecodeOptions extends PartialOptions {
-  /** Size at which the whole picture is drawn, pixels, at most 16384; both or neither. Default 0: the encoded size. */
+  /** Size at which the whole picture is drawn, pixels, at most 2^24 where `crop` is at most 16384 a side; both or neither.
+   * Default 0: the encoded size. */
   width?: number;
   height?: number;
   /** The part of the drawn picture that is returned. Default: all of it. */

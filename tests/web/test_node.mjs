@@ -115,6 +115,7 @@ test('sizes, crops and limits as gscl_decode', async () => {
   };
   await refused({width: 10}, 'invalid-argument', /^both width and height must be given, or neither$/);
   await refused({width: 16385, height: 1}, 'image-size', /^cannot draw 16385x1 pixels; at most 16384x16384$/);
+  await refused({width: 2 ** 25, height: 1, crop: {width: 5, height: 1}}, 'image-size', /^cannot draw 5x1/);
   await refused({width: 1.5, height: 2}, 'invalid-argument', /whole numbers/);
   await refused({width: -1, height: -1}, 'invalid-argument', /whole numbers/);
   await refused({width: NaN, height: 1}, 'invalid-argument', /whole numbers/);
@@ -145,6 +146,15 @@ test('views, buffers and crops give the same picture', async () => {
   const crop = await decode(file, {width: 300, height: 200, crop: {x: 250, y: 30, width: 21, height: 9}});
   for (let y = 0; y < 9; y++)
     assert.deepEqual(crop.data.subarray(y * 84, y * 84 + 84), whole.data.subarray(((y + 30) * 300 + 250) * 4, ((y + 30) * 300 + 271) * 4));
+});
+
+test('a far zoom is the picture near its place', async () => {
+  const file = fileOf('photograph'), {width, height} = await info(file), zoom = 1 << 14;
+  const near = await decode(file, {width: width * 64, height: height * 64, crop: {x: 64 * 5, y: 64 * 7, width: 64, height: 64}});
+  for (const [x, y] of [[3, 4], [60, 33], [32, 0]]) {
+    const far = await decode(file, {width: width * zoom, height: height * zoom, crop: {x: (64 * 5 + x) * zoom / 64 + zoom / 128, y: (64 * 7 + y) * zoom / 64 + zoom / 128, width: 2, height: 2}});
+    assertPixel(far.data, 0, [...near.data.subarray(4 * (64 * y + x), 4 * (64 * y + x) + 4)], `${x}, ${y}`);
+  }
 });
 
 if (gscl)

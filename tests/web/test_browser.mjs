@@ -1,0 +1,241 @@
+/* The element and the demonstration page in Chromium, on files that the tool encodes.
+ *
+ *     node test_browser.mjs FOLDER [SCREENSHOTS]    FOLDER: host/web of the build folder; SCREENSHOTS: a folder for pictures
+ *
+ * GSCL names the tool, CHROMIUM the browser. */
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join, resolve} from 'node:path';
+import {fileURLToPath} from 'node:url';
+
+import {Chromium, serve} from './chromium.mjs';
+import {assertPicture} from './compare.mjs';
+import {readPng} from './png.mjs';
+import {runTests, test} from './tap.mjs';
+
+const folder = resolve(process.argv[2]), screenshots = process.argv[3], gscl = process.env.GSCL;
+const conformance = fileURLToPath(new URL('../conformance/', import.meta.url));
+const made = mkdtempSync(join(tmpdir(), 'gscl-web-')), fileOf = name => readFileSync(join(made, name));
+
+/* Real files: a picture of the set, encoded anew, and the same progressive and bare. */
+const encode = (name, ...options) => execFileSync(gscl, ['encode', join(made, 'scene.png'), '-o', join(made, name), '--effort', '0', '--quiet', ...options]);
+execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/photograph.gscl'), '--size', '320x240', '-o', join(made, 'scene.png')]);
+encode('scene.gscl', '--bytes', '3000');
+encode('progressive.gscl', '--bytes', '3000', '--progressive');
+encode('bare.gscl', '--bytes', '150', '--bare');
+copyFileSync(join(conformance, 'files/damaged-bit.gscl'), join(made, 'damaged.gscl'));
+
+const decodeBy = (name, ...options) => {
+  execFileSync(gscl, ['decode', '--device', 'host', join(made, name), '-o', join(made, 'out.png'), ...options]);
+  return readPng(fileOf('out.png'));
+};
+
+let slow; /* the answer to /slow.gscl, which the tests write to */
+const page = body => `<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script>
+  window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message]), true);
+  </script><script type="module" src="/web/gscl.js"></script>${body}`;
+const pages = {};
+const site = await serve({'/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
+  '/slow.gscl': (_, response) => slow = response,
+  '/page': (request, response) => response.writeHead(200, {'content-type': 'text/html'}).end(page(pages[new URL(request.url, 'http://host').searchParams.get('name')])),
+});
+const browser = await Chromium.start();
+let count = 0;
+const show = async body => {
+  pages[++count] = body;
+  await browser.open(`${site.url}/page?name=${count}`);
+};
+const canvasOf = id => `document.getElementById('${id}').shadowRoot.querySelector('canvas')`;
+const loaded = id => browser.until(`events.some(([id, name]) => id == '${id}' && name == 'load')`);
+const shoot = async name => screenshots && (mkdirSync(screenshots, {recursive: true}), writeFileSync(join(screenshots, `${name}.png`), await browser.screenshot()));
+
+await browser.resize(1200, 900);
+
+test('decode returns an ImageData with the pixels of the tool', async () => {
+  await show('');
+  const [kind, width, height, text] = await browser.evaluate(`(async () => {
+    const {decode} = await import('/web/gscl.js'), bytes = await (await fetch('/files/scene.gscl')).arrayBuffer(), image = await decode(bytes, {width: 200, height: 150});
+    return [image.constructor.name, image.width, image.height, Array.from(image.data).join()];
+  })()`);
+  assert.equal(kind, 'ImageData');
+  assertPicture({width, height, data: text.split(',').map(Number)}, decodeBy('scene.gscl', '--size', '200x150'), 'decode');
+});
+
+test('an element draws a file at its size', async () => {
+  await show('<gscl-image id="a" src="/files/scene.gscl" alt="A scene" width="200" height="150"></gscl-image><gscl-image id="b" src="/files/scene.gscl"></gscl-image>');
+  await loaded('a'), await loaded('b');
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '200x150'), 'given size');
+  assertPicture(await browser.pixels(canvasOf('b')), decodeBy('scene.gscl'), 'own size');
+  assert.deepEqual(await browser.evaluate(`['role', 'aria-label'].map(name => a.getAttribute(name))`), ['img', 'A scene']);
+  assert.equal(await browser.evaluate('events.filter(([id]) => id).length'), 2);
+  assert.deepEqual(browser.errors, []);
+});
+
+test('an element follows its size and the pixels of the screen', async () => {
+  await browser.evaluate(`a.style.width = '300px', a.style.height = '225px'`);
+  await browser.until(`${canvasOf('a')}.width == 300`);
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '300x225'), 'resized');
+  await browser.resize(600, 450, 2); /* as a browser zooms */
+  await browser.until(`${canvasOf('a')}.width == 600`);
+  await browser.resize(1200, 900);
+  await browser.until(`${canvasOf('a')}.width == 300`);
+});
+
+test('files inside the page', async () => {
+  const whole = fileOf('scene.gscl').toString('base64'), bare = fileOf('bare.gscl').toString('base64');
+  await show(`<gscl-image id="a" data="${bare}" bare></gscl-image><gscl-image id="b" src="data:image/x-gscl;base64,${whole}"></gscl-image>`);
+  await loaded('a'), await loaded('b');
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('bare.gscl', '--bare'), 'bare');
+  assertPicture(await browser.pixels(canvasOf('b')), decodeBy('scene.gscl'), 'data URL');
+});
+
+test('an element draws while bytes arrive', async () => {
+  for (const name of ['scene.gscl', 'progressive.gscl']) {
+    const file = fileOf(name);
+    await show('<gscl-image id="a" src="/slow.gscl"></gscl-image>');
+    await browser.until('document.querySelector("gscl-image").shadowRoot');
+    for (let i = 0; i < 300 && !slow; i++)
+      await new Promise(resolve => setTimeout(resolve, 20));
+    slow.writeHead(200, {'content-type': 'application/octet-stream'});
+    const draws = [];
+    let sent = 0;
+    for (const size of [1200, 2200]) {
+      slow.write(file.subarray(sent, size)), sent = size;
+      writeFileSync(join(made, 'part.gscl'), file.subarray(0, size));
+      const expected = decodeBy('part.gscl', '--partial');
+      await browser.until(`${canvasOf('a')}.width == 320`);
+      for (let i = 0; ; i++) /* until the bytes have come */
+        try {
+          assertPicture(await browser.pixels(canvasOf('a')), expected, `${name}: ${size} bytes`);
+          break;
+        } catch (error) {
+          if (i > 100)
+            throw error;
+          await new Promise(resolve => setTimeout(resolve, 50));
+        }
+      draws.push(size);
+      assert.equal(await browser.evaluate('events.filter(([id]) => id).length'), 0);
+    }
+    slow.end(file.subarray(sent));
+    slow = undefined;
+    await loaded('a');
+    assertPicture(await browser.pixels(canvasOf('a')), decodeBy(name), name);
+  }
+});
+
+test('errors are events', async () => {
+  await show('<gscl-image id="a" src="/files/damaged.gscl"></gscl-image><gscl-image id="b" src="/files/none.gscl"></gscl-image><gscl-image id="c" data="***"></gscl-image><gscl-image id="d" data="AAAA"></gscl-image>');
+  await browser.until('events.filter(([id, name]) => id && name == "error").length == 4');
+  const codes = Object.fromEntries((await browser.evaluate('events')).map(([id, , code]) => [id, code]));
+  assert.equal(codes.a, 'damaged');
+  assert.equal(codes.b, 'not-found');
+  assert.equal(codes.d, 'not-a-gscl-file');
+  await browser.evaluate(`events.length = 0, a.setAttribute('src', '/files/scene.gscl')`);
+  await loaded('a');
+});
+
+test('an element changes its file, and the last one counts', async () => {
+  await show('<gscl-image id="a"></gscl-image>');
+  await browser.evaluate(`customElements.whenDefined('gscl-image').then(() => { a.setAttribute('src', '/slow.gscl'); })`);
+  await browser.evaluate(`new Promise(resolve => setTimeout(resolve, 100)).then(() => a.setAttribute('src', '/files/progressive.gscl'))`);
+  await loaded('a');
+  slow?.end(fileOf('scene.gscl')), slow = undefined;
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('progressive.gscl'), 'last file');
+});
+
+/* ---- The demonstration page ---- */
+
+const drawn = async action => {
+  const before = await browser.evaluate('+(stage.dataset.drawn || 0)');
+  await action();
+  await browser.until(`+(stage.dataset.drawn || 0) > ${before}`);
+};
+const textOf = id => browser.evaluate(`document.getElementById('${id}').textContent`);
+const stageBox = () => browser.evaluate('(({x, y, width, height}) => ({x, y, width, height}))(stage.getBoundingClientRect())');
+
+test('the demonstration page opens a file', async () => {
+  await browser.open(`${site.url}/web/demo/index.html`);
+  await browser.until(`!message.hidden || stage.dataset.drawn`);
+  await drawn(() => browser.choose('#chooser', join(made, 'scene.gscl')));
+  assert.equal(await textOf('name'), 'scene.gscl');
+  assert.match(await textOf('pixels'), /320 × 240/);
+  const {width, height} = await browser.pixels('picture'), scale = Math.min(width / 320, height / 240);
+  const size = [320 * scale, 240 * scale].map(Math.round);
+  const crop = await browser.pixels(`(() => { const c = document.createElement('canvas'); c.width = ${size[0]}; c.height = ${size[1]};
+    c.getContext('2d').drawImage(picture, -Math.round((${width} - 320 * ${scale}) / 2), -Math.round((${height} - 240 * ${scale}) / 2)); return c; })()`);
+  assertPicture(crop, decodeBy('scene.gscl', '--size', size.join('x')), 'fitted');
+  await shoot('file');
+});
+
+test('the slider shows the first part of the file', async () => {
+  await drawn(() => browser.evaluate(`part.value = 30, part.dispatchEvent(new Event('input'))`));
+  const [shown, all] = (await textOf('splats')).split(' of ').map(text => +text.replace(',', ''));
+  assert(shown > 5 && shown < all / 2, `${shown} of ${all}`);
+  assert.match(await textOf('partText'), /of [23],[0-9]+ bytes/);
+  await shoot('part');
+  await drawn(() => browser.evaluate(`part.value = 100, part.dispatchEvent(new Event('input'))`));
+  assert.equal((await textOf('splats')).split(' of ')[0], all.toLocaleString('en'));
+});
+
+test('the wheel zooms without limit, drawn anew', async () => {
+  const {x, y, width, height} = await stageBox(), before = await browser.pixels('picture');
+  const percent = async () => parseFloat((await textOf('scale')).replaceAll(',', ''));
+  const fitted = await percent();
+  await drawn(() => browser.mouse('mouseWheel', x + width / 2, y + height / 2, {deltaX: 0, deltaY: -480}));
+  await browser.until(`parseFloat(scale.textContent.replaceAll(',', '')) > ${fitted * 3.9}`);
+  const after = await browser.pixels('picture'), middle = (after.height >> 1) * after.width + (after.width >> 1);
+  for (let k = 0; k < 3; k++) /* the place under the mouse stays, but for half a pixel */
+    assert(Math.abs(after.data[4 * middle + k] - before.data[4 * middle + k]) < 24);
+  await shoot('zoom');
+  for (let i = 0; i < 6; i++)
+    await browser.mouse('mouseWheel', x + width / 2, y + height / 2, {deltaX: 0, deltaY: -480});
+  await browser.until(`parseFloat(scale.textContent.replaceAll(',', '')) > 1e5`);
+  const far = await browser.pixels('picture');
+  assert(far.data.every((value, i) => i % 4 < 3 || value == 255));
+  assert(await browser.evaluate('message.hidden'));
+  await drawn(() => browser.evaluate('fit.click()'));
+  assert.equal(await percent(), fitted);
+});
+
+test('dragging moves the picture', async () => {
+  const {x, y, width, height} = await stageBox(), before = await browser.pixels('picture');
+  await browser.mouse('mousePressed', x + width / 2, y + height / 2, {button: 'left', clickCount: 1});
+  await drawn(() => browser.mouse('mouseMoved', x + width / 2 + 40, y + height / 2 + 10, {button: 'left', buttons: 1}));
+  await browser.mouse('mouseReleased', x + width / 2 + 40, y + height / 2 + 10, {button: 'left', clickCount: 1});
+  const after = await browser.pixels('picture'), at = (px, py) => 4 * (py * after.width + px);
+  const px = after.width >> 1, py = after.height >> 1;
+  for (let k = 0; k < 3; k++)
+    assert(Math.abs(after.data[at(px + 40, py + 10) + k] - before.data[at(px, py) + k]) <= 2);
+  await drawn(() => browser.evaluate('fit.click()'));
+});
+
+test('splats are shown as ellipses', async () => {
+  const drawnPixels = pixels => pixels.data.reduce((sum, value, i) => sum + (i % 4 == 3 && value > 0), 0);
+  assert.equal(drawnPixels(await browser.pixels('outlines')), 0);
+  await drawn(() => browser.evaluate('showOutlines.click()'));
+  const shown = await browser.pixels('outlines');
+  assert.equal(drawnPixels(shown), shown.width * shown.height);
+  const bright = shown.data.reduce((sum, value, i) => sum + (i % 4 < 3 && value > 100), 0);
+  assert(bright > 1000, `${bright} bright samples`);
+  await shoot('ellipses');
+  await drawn(() => browser.evaluate('showOutlines.click()'));
+});
+
+test('a file that is not valid is named, and the page goes on', async () => {
+  await browser.choose('#chooser', join(made, 'damaged.gscl'));
+  await browser.until('!message.hidden');
+  assert.match(await textOf('message'), /damaged/);
+  await drawn(() => browser.choose('#chooser', join(made, 'progressive.gscl')));
+  assert(await browser.evaluate('message.hidden'));
+  assert.deepEqual(browser.errors.filter(text => !text.includes('samples.json')), []);
+});
+
+try {
+  process.exitCode = await runTests() ? 0 : 1;
+} finally {
+  await browser.close();
+  site.close();
+  rmSync(made, {recursive: true});
+}
