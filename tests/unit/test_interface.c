@@ -260,6 +260,23 @@ static void test_settings_of_an_old_program(void **state) {
     assert_result(use_decode_settings(&d), GSCL_OK);
 }
 
+/* The automatic target has no value. */
+static void test_value_of_the_automatic_target_is_not_used(void **state) {
+    (void)state;
+    const double values[] = {-1, NAN, INFINITY};
+    gscl_encode_report report = {.struct_size = sizeof report};
+    gscl_encode_settings e;
+    gscl_encode_settings_default(&e);
+    e.effort = 0;
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        e.target_value = values[i];
+        e.target = GSCL_TARGET_AUTO;
+        assert_result(encode_with(&e, &report), GSCL_OK);
+        e.target = GSCL_TARGET_BYTES;
+        assert_result(encode_with(&e, &report), GSCL_ERROR_INVALID_ARGUMENT);
+    }
+}
+
 static void test_results_of_an_old_program(void **state) {
     (void)state;
     gscl_encode_report report;
@@ -420,6 +437,7 @@ int main(void) {
         cmocka_unit_test(test_message_on_a_missing_size),
         cmocka_unit_test(test_defaults_of_an_old_program),
         cmocka_unit_test(test_settings_of_an_old_program),
+        cmocka_unit_test(test_value_of_the_automatic_target_is_not_used),
         cmocka_unit_test(test_results_of_an_old_program),
         cmocka_unit_test(test_header_is_refused_without_allocating),
         cmocka_unit_test(test_pixels_are_those_returned),

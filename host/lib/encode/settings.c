@@ -10,7 +10,7 @@ static gscl_result check_ranges(gscl_context *context, const gscl_encode_setting
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
     if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
-    if (!(s->target_value >= 0) || !isfinite(s->target_value))
+    if (s->target != GSCL_TARGET_AUTO && (!(s->target_value >= 0) || !isfinite(s->target_value)))
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %g is not a positive number",
                          s->target_value);
     if (s->target == GSCL_TARGET_SPLATS && s->target_value > GSCL_MAX_SPLATS)
