@@ -29,6 +29,10 @@ class Images(ToolTest):
         os.mkdir(self.path("folder.png"))
         self.refused("folder.png", "cannot be read: Is a directory", "encode", "folder.png")
 
+    def test_empty_name(self):
+        self.refused("''", "cannot be opened: No such file", "encode", "", "-o", "out.gscl")
+        self.refused("''", "cannot be opened: No such file", "decode", "", "-o", "out.png")
+
     def test_truncated_png(self):
         data = png_bytes(scene(30, 20))
         for size in (8, 20, 33, 40, 60, len(data) // 2, len(data) - 13, len(data) - 1):

@@ -24,13 +24,13 @@ static void make_one_line(char *text) {
         text[--length] = '\0';
 }
 
-/* Prints "gscl: SUBJECT: KIND" and the text; SUBJECT may be NULL.  On a terminal it takes the place of a progress line,
+/* Prints "gscl: SUBJECT: KIND" and the text; SUBJECT may be NULL, and '' stands for one that is empty.  On a terminal it takes the place of a progress line,
  * which its next update draws again. */
 static void print_line(const char *subject, const char *kind, const char *format, va_list arguments) {
     char line[MAX_LINE];
     int used = 0;
     if (subject)
-        used = snprintf(line, sizeof line, "gscl: %.1024s: %s", subject, kind);
+        used = snprintf(line, sizeof line, "gscl: %.1024s: %s", *subject ? subject : "''", kind);
     vsnprintf(line + used, sizeof line - (size_t)used, format, arguments);
     make_one_line(line);
     fprintf(stderr, "%s%s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", line);
