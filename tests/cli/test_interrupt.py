@@ -10,9 +10,13 @@ from images import scene
 from tool import GSCL, TIMEOUT, ToolTest, main
 
 
+HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGALRM, signal.SIGXCPU, signal.SIGUSR1,
+           signal.SIGUSR2)
+
+
 def restore_signals():
     """Restores the default handlers, because the parent may ignore signals, as nohup does."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in HANDLED:
         signal.signal(number, signal.SIG_DFL)
 
 
@@ -41,7 +45,7 @@ class Interrupt(ToolTest):
         return error
 
     def test_signals_leave_nothing(self):
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in HANDLED:
             with self.subTest(number=number):
                 process = self.start_encoding()
                 process.send_signal(number)

@@ -46,7 +46,7 @@ static void *wait_for_signals(void *unused) {
 }
 
 void interrupt_install(void) {
-    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGXCPU, SIGUSR1, SIGUSR2};
     pthread_t thread;
     sigemptyset(&handled_signals);
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {

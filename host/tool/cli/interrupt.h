@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-/* After this call SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the guarded files and end the program with EXIT_SIGNAL plus
- * the signal; a file that grows beyond the limit of the process is an error of the write.  Must be called before any
- * other thread starts. */
+/* After this call SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGXCPU, SIGUSR1, SIGUSR2 and SIGPIPE remove the guarded files
+ * and end the program with EXIT_SIGNAL plus the signal; a file that grows beyond the limit of the process is an error of
+ * the write.  Must be called before any other thread starts. */
 void interrupt_install(void);
 
 /* Makes and opens a temporary file as mkstemp() does.  A signal removes it from then on.  At most 16 at a time. */
