@@ -32,8 +32,10 @@ static void print_usage(FILE *stream) {
     fprintf(stream, "gscl %s: stores an image as 2D Gaussians\n\nusage: gscl COMMAND ...\n\n", gscl_version());
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         fprintf(stream, "  %-10s%s\n", commands[i].name, commands[i].about);
-    fprintf(stream, "\n'gscl COMMAND -h' lists a command's options.  In place of a file, - reads standard input or\n"
-                    "writes standard output.  Exit code: 0 success, 1 failure, 2 wrong usage.\n");
+    fprintf(stream,
+            "\n'gscl COMMAND -h' lists a command's options.  In place of a file, - reads standard input or\n"
+            "writes standard output.  An output appears whole or not at all; a symbolic link stays, and the file\n"
+            "that it names is written.  Exit code: 0 success, 1 failure, 2 wrong usage, 128 + n signal n.\n");
 }
 
 static const command *find_command(const char *name) {

@@ -245,6 +245,22 @@ class Names(ToolTest):
         self.assertTrue(self.path("out.gscl").is_symlink())
         self.assertEqual(self.path("elsewhere/out.gscl").read_bytes()[:4], b"\xc7gsc")
 
+    def test_link_to_no_file_makes_the_file(self):
+        """Links are followed from where they stand, one after the other."""
+        os.mkdir(self.path("a"))
+        os.mkdir(self.path("b"))
+        self.path("out.gscl").symlink_to("a/second.gscl")
+        self.path("a/second.gscl").symlink_to("../b/made.gscl")
+        self.path("lost.gscl").symlink_to("missing/made.gscl")
+        self.path("circle.gscl").symlink_to("circle.gscl")
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", "-o", "out.gscl", *FAST)
+        self.assertTrue(self.path("out.gscl").is_symlink() and self.path("a/second.gscl").is_symlink())
+        self.assertFalse(self.path("b/made.gscl").is_symlink())
+        self.assertEqual(self.path("b/made.gscl").read_bytes()[:4], b"\xc7gsc")
+        self.refused("lost.gscl", "cannot be written: No such file", "encode", "in.png", "-o", "lost.gscl", *FAST)
+        self.refused("circle.gscl", "cannot be written: Too many", "encode", "in.png", "-o", "circle.gscl", *FAST)
+
     def test_leaves_no_other_files(self):
         self.write_png("in.png", scene(16, 16))
         self.gscl("encode", "in.png", *FAST)

@@ -1,8 +1,9 @@
-#define _DEFAULT_SOURCE /* realpath, fchmod */
+#define _DEFAULT_SOURCE /* realpath, readlink, fchmod, PATH_MAX */
 #include "cli/output_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -10,6 +11,8 @@
 
 #include "cli/interrupt.h"
 #include "cli/message.h"
+
+#define MAX_LINKS 40 /* one after the other, as Linux follows them */
 
 const char *name_suffix(const char *name) {
     const char *slash = strrchr(name, '/');
@@ -90,6 +93,37 @@ bool output_open(output_file *output, const char *name) {
     return output_open_text(output, name);
 }
 
+/* The name that a symbolic link holds, seen from where the link stands; NULL for what is not a link, and without memory. */
+static char *follow_link(const char *name) {
+    char content[PATH_MAX];
+    const char *slash = strrchr(name, '/');
+    const ssize_t length = readlink(name, content, sizeof content);
+    if (length < 0 || length == (ssize_t)sizeof content)
+        return NULL;
+    const size_t folder = slash && content[0] != '/' ? (size_t)(slash + 1 - name) : 0;
+    char *followed = malloc(folder + (size_t)length + 1);
+    if (followed) {
+        memcpy(followed, name, folder);
+        memcpy(followed + folder, content, (size_t)length);
+        followed[folder + (size_t)length] = '\0';
+    }
+    return followed;
+}
+
+/* The file that is to be replaced or made, behind all symbolic links.  NULL with errno when out of memory, or when links
+ * lead in a circle. */
+static char *resolve_target(const char *name) {
+    char *target = realpath(name, NULL), *next;
+    if (target || errno == ELOOP)
+        return target;
+    target = strdup(name); /* no such file, perhaps at the end of links */
+    for (int links = 0; target && links < MAX_LINKS && (next = follow_link(target)); links++) {
+        free(target);
+        target = next;
+    }
+    return target;
+}
+
 bool output_open_text(output_file *output, const char *name) {
     *output = (output_file){.label = name};
     if (strcmp(name, "-") == 0) {
@@ -97,10 +131,7 @@ bool output_open_text(output_file *output, const char *name) {
         output->stream = stdout;
         return true;
     }
-    /* A symbolic link stays; the file that it names is replaced. */
-    output->target = realpath(name, NULL);
-    if (!output->target)
-        output->target = strdup(name);
+    output->target = resolve_target(name);
     if (output->target && open_target(output))
         return true;
     report_error(name, "cannot be written: %s", strerror(errno));

@@ -1,5 +1,6 @@
 /* An output that appears complete or not at all: it is written under a temporary name beside the target and renamed when
- * it is finished.  Standard output ("-"), devices and pipes are written directly. */
+ * it is finished.  Standard output ("-"), devices and pipes are written directly.  A symbolic link stays: the file that it
+ * names is replaced or, where there is none, made. */
 #ifndef GSCL_TOOL_OUTPUT_FILE_H
 #define GSCL_TOOL_OUTPUT_FILE_H
 
