@@ -8,7 +8,8 @@ web_packages="binaryen clang esbuild lld"
 # Further packages of the tests.
 test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev libglib2.0-bin oclgrind shared-mime-info
     openimageio-tools python3-dev python3-venv $web_packages chromium nodejs
-    dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler"
+    dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
+    cmake fish man-db mandoc zsh"
 
 missing_packages() {
     for package in "$@"; do

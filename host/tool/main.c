@@ -1,4 +1,5 @@
 /* gscl: the command-line tool.  Exit codes: 0 success, 1 failure, 2 wrong usage, 128 + n ended by signal n. */
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,7 @@
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
+#include "cli/options.h"
 #include "commands/command.h"
 
 typedef struct command {
@@ -28,15 +30,54 @@ static const command commands[] = {
 };
 #define COMMAND_COUNT (sizeof commands / sizeof *commands)
 
+#define ABOUT "stores an image as 2D Gaussians"
+#define ABOUT_FILES                                                                                                   \
+    "In place of a file, - reads standard input or\nwrites standard output.  An output appears whole or not at all; " \
+    "a "                                                                                                              \
+    "symbolic link stays, and the file\nthat it names is written."
+#define ABOUT_EXIT_CODE "Exit code: 0 success, 1 failure, 2 wrong usage, 128 + n signal n."
+
 static void print_usage(FILE *stream) {
-    fprintf(stream, "gscl %s: stores an image as 2D Gaussians\n\nusage: gscl COMMAND ...\n\n", gscl_version());
+    fprintf(stream, "gscl %s: " ABOUT "\n\nusage: gscl COMMAND ...\n\n", gscl_version());
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         fprintf(stream, "  %-10s%s\n", commands[i].name, commands[i].about);
-    fprintf(stream,
-            "\n'gscl COMMAND -h' lists a command's options.  In place of a file, - reads standard input or\n"
-            "writes standard output.  An output appears whole or not at all; a symbolic link stays, and the file\n"
-            "that it names is written.  Exit code: 0 success, 1 failure, 2 wrong usage, 128 + n signal n.\n");
+    fprintf(stream, "\n'gscl COMMAND -h' lists a command's options.  " ABOUT_FILES "  " ABOUT_EXIT_CODE "\n");
 }
+
+/* ---- Manual pages -------------------------------------------------------------------------------- */
+
+/* The head of a manual page.  `name` is that of a command, or NULL for the program. */
+static void print_man_head(const char *name, const char *about) {
+    printf(".TH \"GSCL%s", name ? "\\-" : "");
+    for (const char *letter = name ? name : ""; *letter; letter++)
+        putchar(toupper((unsigned char)*letter));
+    printf("\" 1 \"\" \"gscl %s\" \"User Commands\"\n.SH NAME\ngscl%s%s \\- ", gscl_version(), name ? "\\-" : "",
+           name ? name : "");
+    print_roff(about);
+    putchar('\n');
+}
+
+/* The manual page of the program.  Those of commands are made by options.c. */
+static void print_man(void) {
+    print_man_head(NULL, ABOUT);
+    fputs(".SH SYNOPSIS\n\\fBgscl\\fR \\fICOMMAND\\fR ...\n.SH DESCRIPTION\n", stdout);
+    print_roff(ABOUT_FILES "\n");
+    fputs(".SH COMMANDS\n", stdout);
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
+        printf(".TP\n\\fBgscl\\-%s\\fR(1)\n", commands[i].name);
+        print_roff(commands[i].about);
+        putchar('\n');
+    }
+    fputs(".SH EXIT STATUS\n", stdout);
+    print_roff(ABOUT_EXIT_CODE "\n");
+}
+
+static void print_commands(void) {
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        printf("%s\t%s\n", commands[i].name, commands[i].about);
+}
+
+/* ---- Running a command --------------------------------------------------------------------------- */
 
 static const command *find_command(const char *name) {
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
@@ -75,7 +116,17 @@ static int run_command(int argc, char **argv) {
         printf("gscl %s\n", gscl_version());
         return EXIT_SUCCESS;
     }
+    if (strcmp(argv[0], "--help=man") == 0) {
+        print_man();
+        return EXIT_SUCCESS;
+    }
+    if (strcmp(argv[0], "--help=commands") == 0) {
+        print_commands();
+        return EXIT_SUCCESS;
+    }
     const command *chosen = find_command(argv[0]);
+    if (chosen && argc == 2 && strcmp(argv[1], "--help=man") == 0)
+        print_man_head(chosen->name, chosen->about);
     return chosen ? chosen->run(argc, argv) : report_unknown_command(argv[0]);
 }
 

@@ -43,6 +43,12 @@ echo "example of the header:"
 sh "$source/tests/install/header_example.sh" "$prefix/include/gscl/gscl.h" >"$work/header.c"
 cc -std=c99 -Wall -Wextra -Werror -pedantic "$work/header.c" $(pkg-config --cflags --libs gscl) -o "$work/header"
 LD_LIBRARY_PATH=$libdir "$work/header"
+echo "CMake:"
+cmake -S "$source/tests/install/cmake" -B "$work/cmake" -DCMAKE_PREFIX_PATH="$prefix" \
+    -DEXAMPLE="$source/tests/example/encode_decode.c" >"$work/cmake.log" || { cat "$work/cmake.log"; exit 1; }
+cmake --build "$work/cmake" >"$work/cmake.log" || { cat "$work/cmake.log"; exit 1; }
+LD_LIBRARY_PATH=$libdir "$work/cmake/shared"
+"$work/cmake/static"
 echo "static:"
 rm "$libdir"/libgscl.so* # so that -lgscl means libgscl.a
 cc $flags $(pkg-config --cflags --libs --static gscl) -o "$work/static"
@@ -50,6 +56,10 @@ cc $flags $(pkg-config --cflags --libs --static gscl) -o "$work/static"
 
 if [ -x "$prefix/bin/gscl" ]; then
     echo "tool:"
+    for file in man/man1/gscl.1 man/man1/gscl-encode.1 bash-completion/completions/gscl zsh/site-functions/_gscl \
+        fish/vendor_completions.d/gscl.fish; do
+        test -s "$prefix/share/$file"
+    done
     DESTDIR=$work meson install -C "$build" --quiet # the shared library again
     "$prefix/bin/gscl" devices
 fi

@@ -178,6 +178,91 @@ static void print_help(const option_command *command) {
     printf("%-*s%s\n", HELP_COLUMN, "  -h, --help", "print this text");
 }
 
+/* ---- Other forms of the help text -------------------------------------------------------------- */
+
+void print_roff(const char *text) {
+    bool starts_line = true;
+    for (; *text; text++) {
+        if (starts_line && (*text == '.' || *text == '\''))
+            fputs("\\&", stdout);
+        starts_line = *text == '\n';
+        if (text[0] == '\n' && text[1] == '\n') {
+            fputs("\n.PP", stdout);
+            text++;
+            putchar('\n');
+        } else if (*text == '-')
+            fputs("\\-", stdout);
+        else if (*text == '\\')
+            fputs("\\e", stdout);
+        else
+            putchar(*text);
+    }
+}
+
+/* A heading of the list of options: "-o, --output FILE". */
+static void print_man_option(const option_spec *spec) {
+    char range[256];
+    describe_range(spec, range, sizeof range);
+    fputs(".TP\n", stdout);
+    if (spec->letter)
+        printf("\\fB\\-%c\\fR, ", spec->letter);
+    fputs("\\fB\\-\\-", stdout);
+    print_roff(spec->name);
+    fputs("\\fR", stdout);
+    if (spec->argument)
+        printf(" \\fI%s\\fR", spec->argument);
+    putchar('\n');
+    print_roff(spec->help);
+    if (*range) {
+        fputs(" [", stdout);
+        print_roff(range);
+        putchar(']');
+    }
+    putchar('\n');
+}
+
+/* The manual page after its section NAME, which the program prints. */
+static void print_man(const option_command *command) {
+    fputs(".SH SYNOPSIS\n\\fBgscl ", stdout);
+    print_roff(command->name);
+    fputs("\\fR ", stdout);
+    print_roff(command->usage);
+    fputs("\n.SH DESCRIPTION\n", stdout);
+    print_roff(command->about);
+    fputs("\n.SH OPTIONS\n", stdout);
+    for (int i = 0; i < command->option_count; i++)
+        print_man_option(&command->options[i]);
+    fputs(".TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR\nprint a help text\n", stdout);
+}
+
+/* One line for each option, for scripts that complete command lines, with tabs between: name, letter, name of the value (empty
+ * for flags), words that it can be, help. */
+static void print_option_table(const option_command *command) {
+    for (int i = 0; i < command->option_count; i++) {
+        const option_spec *spec = &command->options[i];
+        char words[256] = "";
+        if (spec->kind == OPTION_WORD)
+            append_words(words, sizeof words, spec->words);
+        printf("%s\t%.1s\t%s\t%s\t%s\n", spec->name, &spec->letter, spec->argument ? spec->argument : "", words,
+               spec->help);
+    }
+}
+
+/* Prints the help text, or for --help=FORM another form of it. */
+static option_outcome run_help(const option_command *command, const char *form) {
+    if (!form)
+        print_help(command);
+    else if (strcmp(form, "man") == 0)
+        print_man(command);
+    else if (strcmp(form, "options") == 0)
+        print_option_table(command);
+    else {
+        report_usage(command->name, "--help cannot be '%s'; it takes man or options", form);
+        return OPTIONS_WRONG;
+    }
+    return OPTIONS_HELP;
+}
+
 /* ---- The command line -------------------------------------------------------------------------- */
 
 /* The options of a command in the tables of getopt. */
@@ -191,7 +276,7 @@ static void fill_getopt_tables(const option_command *command, getopt_tables *tab
     memset(tables, 0, sizeof *tables);
     *letter++ = ':'; /* getopt then returns ':' for a missing argument and '?' for an unknown option */
     *letter++ = 'h';
-    tables->longs[0] = (struct option){"help", no_argument, NULL, 'h'};
+    tables->longs[0] = (struct option){"help", optional_argument, NULL, 'h'};
     for (int i = 0; i < command->option_count && i < MAX_OPTIONS; i++) {
         const option_spec *spec = &command->options[i];
         const int argument = spec->kind == OPTION_FLAG ? no_argument : required_argument;
@@ -238,10 +323,8 @@ option_outcome options_parse(const option_command *command, int argc, char **arg
     opterr = 0;
     optind = 1;
     for (int value; (value = getopt_long(argc, argv, tables.shorts, tables.longs, NULL)) != -1;) {
-        if (value == 'h') {
-            print_help(command);
-            return OPTIONS_HELP;
-        }
+        if (value == 'h')
+            return run_help(command, optarg);
         const option_spec *spec = find_option(command, value);
         if (!spec) {
             report_unknown_option(command, argv, value == ':');

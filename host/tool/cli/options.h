@@ -51,8 +51,12 @@ typedef struct option_command {
 typedef enum option_outcome { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_WRONG } option_outcome;
 
 /* Reads argv (argv[0] is the name of the command).  OPTIONS_RUN: argv[*first .. argc) are the operands, whose number is
- * within the limits of the command.  OPTIONS_HELP: the help text has been printed.  OPTIONS_WRONG: an error has. */
+ * within the limits of the command.  OPTIONS_HELP: the help text has been printed,
+ * or with --help=man or --help=options the same as a part of a manual page or as a table.  OPTIONS_WRONG: an error has. */
 option_outcome options_parse(const option_command *command, int argc, char **argv, int *first);
+
+/* Prints text in the language of manual pages, in which some characters have a meaning.  Empty lines separate paragraphs. */
+void print_roff(const char *text);
 
 /* The exit code of the program after OPTIONS_HELP or OPTIONS_WRONG. */
 int options_exit_code(option_outcome outcome);
