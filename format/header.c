@@ -38,7 +38,8 @@ static uint32_t code_fixed(gsf_coder *coder, uint32_t value, const uint16_t *fre
 
 /* Codes a flag that is set with a probability of `set` / 16. */
 static bool code_flag(gsf_coder *coder, bool value, uint32_t set) {
-    return gsf_code_binary(coder, value, 16 - set, 16) != 0;
+    const uint16_t freq[] = {(uint16_t)(16 - set), (uint16_t)set};
+    return gsf_code_symbol(coder, value, freq, 2, 16) != 0;
 }
 
 static unsigned bit_length(uint32_t value) {

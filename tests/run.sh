@@ -57,7 +57,7 @@ suite() {
 check "quickstart" sh tests/quickstart.sh
 
 # All tests of a release build.
-check "build" build build-test -Dtool=enabled -Dtests=enabled
+check "build" build build-test -Dtool=enabled -Dtests=enabled -Dweb=enabled
 suite build-test
 check "install" sh tests/install/test_install.sh build-test
 check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
@@ -75,7 +75,7 @@ add_counts build-test/python/results.xml
 
 # Host code under ASan and UBSan, with small hard cases; check_leaks.sh checks for leaks.
 check "build with sanitizers" build build-sanitize \
-    --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled
+    --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled
 # The kernels are the same, so the sanitized build uses the cache of the release build.
 [ -d build-sanitize/tests/pocl ] || cp -R build-test/tests/pocl build-sanitize/tests/
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
@@ -92,7 +92,7 @@ check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
 
 for compiler in gcc:g++ clang:clang++; do
     CC=${compiler%:*} CXX=${compiler#*:} check "no warnings from ${compiler%:*}" \
-        build "build-${compiler%:*}" --werror -Dtool=enabled -Dtests=enabled
+        build "build-${compiler%:*}" --werror -Dtool=enabled -Dtests=enabled -Dweb=disabled
 done
 
 echo "$passed passed, $failed failed"

@@ -20,7 +20,8 @@ FAST = {"canvas.c"}
 LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split()
 # The lowest 1024 bytes hold nothing, where wasm-ld begins the data.  The order of the passes was found by trying.
 OPTIMISE = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
-    --low-memory-unused --flatten --coalesce-locals --reorder-functions --rereloop -Oz --flatten -Oz""".split()
+    --low-memory-unused --rse --local-cse --flatten --optimize-added-constants-propagate --coalesce-locals --reorder-functions --rereloop
+    -Oz --flatten -Oz""".split()
 
 
 def run(command):

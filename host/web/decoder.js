@@ -63,16 +63,15 @@ export const info = (source, options = {}) => open(source, options, (wasm, heade
 export const decode = (source, options = {}) => open(source, options, (wasm, header, check) => {
   const {width = 0, height = 0, crop = {}, maxPixels = 2 ** 26, maxWork = 2 ** 33} = options;
   const {x = 0, y = 0, width: cropWidth = 0, height: cropHeight = 0} = crop;
-  const fields = header(), fullWidth = width || fields[0], fullHeight = height || fields[1];
+  const [ownWidth, ownHeight, count] = header(), fullWidth = width || ownWidth, fullHeight = height || ownHeight;
   const w = cropWidth || fullWidth - x, h = cropHeight || fullHeight - y;
-  const isNatural = number => number >= 0 && number % 1 == 0;
-  refuse(![width, height, x, y, cropWidth, cropHeight].every(isNatural), 'width, height and crop must be whole numbers from 0 on');
+  refuse(![width, height, x, y, cropWidth, cropHeight].every(number => number >= 0 && number % 1 == 0), 'width, height and crop must be whole numbers from 0 on');
   refuse(!width != !height, 'both width and height must be given, or neither');
   refuse(Math.max(w, h) > MAX_DIMENSION || Math.max(fullWidth, fullHeight) > MAX_ZOOMED, `cannot draw ${w}x${h} pixels; at most ${MAX_DIMENSION}x${MAX_DIMENSION}`, 'image-size');
   refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
     `crop ${x},${y},${cropWidth},${cropHeight} does not lie inside ${fullWidth}x${fullHeight}`);
   refuse(w * h > maxPixels, `the decoded image has ${w * h} pixels (${w}x${h}); max_pixels is ${maxPixels}`, 'limit');
-  refuse(fields[2] > maxWork, `the file has ${fields[2]} splats of at least one evaluation each; max_work is ${maxWork}`, 'limit');
+  refuse(count > maxWork, `the file has ${count} splats of at least one evaluation each; max_work is ${maxWork}`, 'limit');
   check(wasm.read(!!options.partial));
   wasm.frame(fullWidth, fullHeight, x, y, w, h);
   const work = header()[2] * w * h > maxWork ? wasm.work() : 0;

@@ -17,7 +17,7 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
     this.#canvas.width = this.#canvas.height = 0;
   }
   connectedCallback() {
-    this.hasAttribute('role') || this.setAttribute('role', 'img');
+    this.role ||= 'img';
     this.#observer.observe(this);
     addEventListener('resize', this.#redraw); /* the zoom of the page changes the pixels of the screen, not the element */
   }
@@ -27,7 +27,7 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
   }
   attributeChangedCallback(name, _, value) {
     if (name == 'alt')
-      this.setAttribute('aria-label', value || '');
+      this.ariaLabel = value;
     else if (name == 'width' || name == 'height')
       this.style[name] = value && value + 'px';
     else
@@ -55,7 +55,7 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
   }
   async #fetch(src, signal) {
     const answer = await fetch(src, {signal}), parts = [];
-    refuse(!answer.ok, `${answer.url}: ${answer.status} ${answer.statusText}`, 'not-found');
+    refuse(!answer.ok, `${answer.url}: ${answer.status}`, 'not-found');
     for (const reader = answer.body.getReader(); ;) {
       const {value, done} = await reader.read();
       if (done)

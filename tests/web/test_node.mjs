@@ -9,6 +9,7 @@ import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {fileURLToPath, pathToFileURL} from 'node:url';
+import {gzipSync} from 'node:zlib';
 
 import {assertPicture, assertPixel, rgbaOf} from './compare.mjs';
 import {readPng} from './png.mjs';
@@ -29,9 +30,14 @@ const codeOf = promise => promise.then(() => 'valid', error => {
 });
 
 test('the module and its script are at most 15 kB gzipped', () => {
-  const sizes = ['gscl.wasm', 'gscl.js'].map(name => execFileSync('gzip', ['-9c', join(folder, name)]).length);
+  const sizes = ['gscl.wasm', 'gscl.js'].map(name => gzipSync(readFileSync(join(folder, name)), {level: 9}).length);
   console.log(`# ${sizes.join(' + ')} bytes`);
   assert(sizes[0] + sizes[1] <= MAX_GZIPPED, `${sizes.join(' + ')} bytes`);
+});
+
+test('the package has the version of the library', () => {
+  const header = readFileSync(new URL('../../host/include/gscl/version.h', import.meta.url), 'utf8');
+  assert.equal(JSON.parse(readFileSync(join(folder, 'package.json'))).version, /GSCL_VERSION "(.*)"/.exec(header)[1]);
 });
 
 for (const result of new Set(index.map(entry => entry.result)))
