@@ -2,9 +2,9 @@
 import struct
 import unittest
 
-from images import (Image, exr_bytes, flat, max_difference, noise, png_bytes, png_palette_bytes, pnm_bytes, psnr,
-                      read_png, read_pnm, scene, srgb_to_linear, tiff_bytes)
-from tool import ToolTest, main
+from images import (Image, exr_bytes, flat, jpeg_bytes, max_difference, noise, png_bytes, png_palette_bytes, pnm_bytes,
+                      psnr, read_png, read_pnm, scene, srgb_to_linear, tiff_bytes)
+from tool import FAST, ToolTest, main
 
 # dB; effort 0 exceeds it on scene(48, 40), while a wrong channel order, alpha or bit depth is far below.
 MIN_PSNR = 27.0
@@ -231,6 +231,80 @@ class Writing(ToolTest):
             self.assertFalse(b"libOpenImageIO" in done.stderr, suffix)
         done = self.start("decode", "in.gscl", "-o", "out.exr", env=environment)
         self.assertTrue(b"libOpenImageIO" in done.stderr)
+
+
+def two_pages(reduced=False):
+    """A TIFF whose second directory describes the pixels of the first once more, as a preview of them if `reduced`."""
+    data = tiff_bytes(scene(40, 30))
+    start = struct.unpack_from(">I", data, 4)[0]
+    count = struct.unpack_from(">H", data, start)[0]
+    entries = data[start + 2:start + 2 + 12 * count]
+    if reduced:
+        entries = struct.pack(">HHII", 254, 4, 1, 1) + entries
+    second = struct.pack(">H", len(entries) // 12) + entries + bytes(4)
+    return data[:-4] + struct.pack(">I", len(data)) + second
+
+
+def gif_bytes(frames):
+    """A GIF of one white pixel in each frame."""
+    frame = b"\x21\xf9\x04\0\x0a\0\0\0" + b"\x2c" + struct.pack("<4HB", 0, 0, 1, 1, 0) + b"\x02\x02\x44\x01\0"
+    return b"GIF89a" + struct.pack("<HHBBB", 1, 1, 0x80, 0, 0) + b"\xff\xff\xff\0\0\0" + frame * frames + b"\x3b"
+
+
+class Losses(ToolTest):
+    """Warnings of what an encode does not show of its input."""
+
+    def warning(self, name, data, *arguments):
+        """Encodes a file and returns what is printed besides the line of results."""
+        self.write(name, data)
+        done = self.start("encode", name, "-o", "out.gscl", *FAST, *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return "".join(line for line in done.stderr.decode().splitlines() if not line.startswith("out.gscl: "))
+
+    def test_damaged_jpeg(self):
+        data = jpeg_bytes(noise(64, 64))
+        self.assertEqual(self.warning("in.jpg", data), "")
+        at = data.index(b"\xff\xda") + 14 + 300
+        damaged = data[:at] + b"\xff\xd3" + data[at + 2:]
+        self.assertRegex(self.warning("in.jpg", damaged), "^gscl: in.jpg: warning: is damaged, and so may be .*: .")
+        self.assertEqual(self.warning("in.jpg", damaged, "-q"), "")
+
+    def test_further_images(self):
+        message = "holds more than one image; only the first is read"
+        animated = png_bytes(scene(20, 20), [(b"acTL", struct.pack(">II", 2, 0))])
+        for name, data in (("in.tif", two_pages()), ("in.gif", gif_bytes(3)), ("in.png", animated)):
+            with self.subTest(name=name):
+                self.assertEqual(self.warning(name, data), f"gscl: {name}: warning: {message}")
+                self.assertEqual(self.warning(name, data, "-q"), "")
+
+    def test_single_images(self):
+        still = png_bytes(scene(20, 20), [(b"acTL", struct.pack(">II", 1, 0))])
+        for name, data in (("in.tif", tiff_bytes(scene(40, 30))), ("in.tif", two_pages(reduced=True)),
+                           ("in.gif", gif_bytes(1)), ("in.png", still)):
+            with self.subTest(name=name):
+                self.assertEqual(self.warning(name, data), "")
+
+    def test_clamped_samples(self):
+        bright = [0.5] * 98 + [1.5, -0.1]
+        half = [0.5] * 99 + [1.0]
+        self.assertRegex(self.warning("in.exr", exr_bytes(10, 10, {"R": bright, "G": half, "B": half})),
+                         "in.exr: warning: 2 samples lie outside 0..1 and are clamped")
+        self.assertEqual(self.warning("in.exr", exr_bytes(10, 10, {"R": half, "G": half, "B": half})), "")
+        half_clear = [0.25] * 100  # premultiplied: 0.25 of 0.25 is 1
+        self.assertEqual(self.warning("in.exr", exr_bytes(10, 10, {c: half_clear for c in "RGBA"})), "")
+
+    def test_tiff_without_bits_per_sample(self):
+        """TIFF takes it for 1 bit; the reader of the pixels takes it for 8."""
+        data = tiff_bytes(scene(40, 30, 1))
+        entry = data.index(struct.pack(">HHI", 258, 3, 1))
+        count_at = struct.unpack_from(">I", data, 4)[0]
+        count = struct.unpack_from(">H", data, count_at)[0]
+        bilevel = data[:count_at] + struct.pack(">H", count - 1) + data[count_at + 2:entry] + data[entry + 12:]
+        self.write("in.tif", bilevel)
+        self.refused("in.tif", "lacks the field BitsPerSample", "encode", "in.tif", "-o", "out.gscl", *FAST)
+        with open(self.path("in.tif"), "rb") as pipe:
+            self.refused("standard input", "lacks the field BitsPerSample", "encode", "-", "-o", "out.gscl", *FAST,
+                         stdin=pipe)
 
 
 if __name__ == "__main__":

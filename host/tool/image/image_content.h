@@ -35,11 +35,14 @@ typedef struct image_content {
     bool cmyk;        /* whether the four channels are inks, 0 for none */
     int orientation;  /* as EXIF counts, 1..8, where the format has a field of its own; else 0 */
     image_metadata metadata;
-    bool damaged_profile; /* whether there is a colour profile that cannot be extracted */
-    bool has_primaries;   /* without a profile; default: those of sRGB */
-    double primaries[8];  /* x and y of white, red, green, blue */
-    double gamma;         /* without a profile: exponent from samples to light; 0: the curve of sRGB */
-    size_t other_bytes;   /* of metadata that gscl does not store: comments, IPTC, text */
+    bool damaged_profile;            /* whether there is a colour profile that cannot be extracted */
+    bool has_primaries;              /* without a profile; default: those of sRGB */
+    double primaries[8];             /* x and y of white, red, green, blue */
+    double gamma;                    /* without a profile: exponent from samples to light; 0: the curve of sRGB */
+    size_t other_bytes;              /* of metadata that gscl does not store: comments, IPTC, text */
+    bool has_more_images;            /* frames or pages beside the one that was read */
+    uint64_t clamped;                /* F32 samples outside 0..1, which the encoder clamps */
+    char damage[IMAGE_MESSAGE_SIZE]; /* a fault in spite of which the pixels were read, as a phrase; empty: none */
 } image_content;
 
 /* What to do with what a file holds beside its pixels.  The default, zero, drops it. */

@@ -100,6 +100,9 @@ static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_cont
         return read_through_module(label, "image.webp", bytes, size, content);
     }
     if (is_plain_tiff(name, bytes, size)) {
+        if (image_tiff_lacks_bits(bytes, size))
+            return report_error(label, "lacks the field BitsPerSample, which then is 1; write it into the file, for "
+                                       "example by 'tiffset -s 258 1'");
         image_take_tiff_metadata(bytes, size, content);
         return read_through_module(label, "image.tif", bytes, size, content);
     }
@@ -167,7 +170,20 @@ static void settle_metadata(const char *label, const image_read_options *options
         report_note("%s: other metadata of %zu bytes dropped", label, content->other_bytes);
 }
 
+/* Warns of what the pixels do not show of the file. */
+static void warn_of_losses(const char *label, const image_content *content) {
+    if (content->damage[0])
+        report_warning(label, "is damaged, and so may be the image: %s", content->damage);
+    if (content->has_more_images)
+        report_warning(label, "holds more than one image; only the first is read");
+    if (content->clamped)
+        report_warning(label, "%llu samples lie outside 0..1 and are clamped; scale them first if they matter",
+                       (unsigned long long)content->clamped);
+}
+
 static bool settle(const char *label, const image_read_options *options, image_content *content) {
+    if (!options->quiet)
+        warn_of_losses(label, content);
     if (content->metadata.exif.size && !exif_is_valid(&content->metadata.exif)) {
         image_blob_free(&content->metadata.exif);
         if (!options->quiet)

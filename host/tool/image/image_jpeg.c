@@ -33,6 +33,7 @@ typedef struct jpeg_errors {
     struct jpeg_error_mgr base;
     jmp_buf escape;
     char *message;
+    char *damage; /* receives the first warning about the data; NULL in writing */
 } jpeg_errors;
 
 static void fail(j_common_ptr jpeg, const char *text) {
@@ -48,9 +49,14 @@ static void on_error(j_common_ptr jpeg) {
     fail(jpeg, text);
 }
 
+/* Levels from 0 on are notices, -1 is a fault of the data that libjpeg passes over. */
 static void on_warning(j_common_ptr jpeg, int level) {
-    (void)jpeg;
-    (void)level;
+    jpeg_errors *errors = (jpeg_errors *)jpeg->err;
+    char reason[JMSG_LENGTH_MAX];
+    if (level >= 0 || !errors->damage || errors->damage[0])
+        return;
+    jpeg->err->format_message(jpeg, reason);
+    snprintf(errors->damage, IMAGE_MESSAGE_SIZE, "%s", reason);
 }
 
 static void on_progress(j_common_ptr jpeg) {
@@ -63,6 +69,7 @@ static struct jpeg_error_mgr *set_errors(jpeg_errors *errors, char *message) {
     base->error_exit = on_error;
     base->emit_message = on_warning;
     errors->message = message;
+    errors->damage = NULL;
     snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the available memory");
     return base;
 }
@@ -216,6 +223,7 @@ bool image_read_jpeg(const uint8_t *bytes, size_t size, image_content *content, 
     struct jpeg_decompress_struct jpeg = {0};
     jpeg_errors errors;
     jpeg.err = set_errors(&errors, message);
+    errors.damage = content->damage;
     if (!is_complete(bytes, size)) {
         snprintf(message, IMAGE_MESSAGE_SIZE, "ends too early; the file is truncated");
         return false;

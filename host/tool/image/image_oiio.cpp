@@ -151,6 +151,26 @@ bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     return true;
 }
 
+// The number of floating-point samples that the encoder clamps, beyond the errors of conversions.
+uint64_t count_clamped(const gscl_image &image) {
+    const float tolerance = 1.0f / 512;
+    const float *samples = static_cast<const float *>(image.pixels);
+    if (image.sample != GSCL_SAMPLE_F32)
+        return 0;
+    return uint64_t(std::count_if(samples, samples + size_t(image.width) * image.height * image.channels,
+                                  [=](float v) { return v < -tolerance || v > 1 + tolerance; }));
+}
+
+// Whether the file has frames or pages beside the first.  Moves on to the second.
+bool has_more_images(OIIO::ImageInput &input) {
+    const int REDUCED = 1; // of the tag NewSubfileType: a preview of the first
+    if (std::strcmp(input.format_name(), "psd") == 0)
+        return false; // they are the layers of the first
+    const bool found = input.seek_subimage(1, 0);
+    input.geterror(); // forgets why there is none
+    return found && !(input.spec().get_int_attribute("tiff:subfiletype") & REDUCED);
+}
+
 bool read_pixels(OIIO::ImageInput &input, gscl_image &image, char *message) {
     const OIIO::ImageSpec &spec = input.spec();
     if (!input.read_image(0, 0, 0, int(image.channels), type_of(image.sample), image.pixels))
@@ -208,7 +228,11 @@ bool read_file(const char *path, const uint8_t *bytes, size_t size, image_conten
     content->cmyk = holds_inks(spec);
     if (!bytes)
         take_metadata(spec, *content);
-    return read_pixels(*input, image, message);
+    if (!read_pixels(*input, image, message))
+        return false;
+    content->clamped = count_clamped(image);
+    content->has_more_images = has_more_images(*input);
+    return true;
 }
 
 // ---- Writing --------------------------------------------------------------------------------------

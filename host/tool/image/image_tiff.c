@@ -21,6 +21,13 @@ bool image_tiff_is_raw(const uint8_t *bytes, size_t size) {
             tiff_find_number(&view, view.directory, TAG_PHOTOMETRIC, 0) == PHOTOMETRIC_RAW);
 }
 
+bool image_tiff_lacks_bits(const uint8_t *bytes, size_t size) {
+    tiff_view view;
+    tiff_entry entry;
+    return tiff_open(&view, (uint8_t *)(uintptr_t)bytes, size) /* it only reads */ &&
+           !tiff_find(&view, view.directory, TAG_BITS, &entry);
+}
+
 /* ---- EXIF: a TIFF structure of its own ----------------------------------------------------------- */
 
 /* Whether an entry goes into the block: at the top those that describe the image and not its storage, deeper down all. */

@@ -42,6 +42,9 @@ bool image_is_tiff(const uint8_t *bytes, size_t size);
 /* Whether such a file has the marks of the raw formats of cameras, which derive from TIFF and need another reader. */
 bool image_tiff_is_raw(const uint8_t *bytes, size_t size);
 
+/* Whether a file has no number of bits per sample.  TIFF takes it for 1 bit, OpenImageIO for 8. */
+bool image_tiff_lacks_bits(const uint8_t *bytes, size_t size);
+
 /* Moves the metadata of a file into the content, and hides it from the reader of the pixels.  Also sets content->cmyk
  * and the orientation. */
 void image_take_tiff_metadata(uint8_t *bytes, size_t size, image_content *content);

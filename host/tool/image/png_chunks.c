@@ -107,6 +107,8 @@ static void take_chunk(const png_chunk *chunk, image_content *content, png_colou
         take_cicp(chunk, content);
     else if (is_named(chunk, "iCCP"))
         take_icc(chunk, content);
+    else if (is_named(chunk, "acTL") && chunk->intact && chunk->size == 8) /* number of frames, of repetitions */
+        content->has_more_images = big_endian(chunk->bytes) > 1;
     else if (is_named(chunk, "sRGB"))
         colours->srgb = chunk->intact;
     else if (is_named(chunk, "gAMA") && chunk->intact && chunk->size == 4)
