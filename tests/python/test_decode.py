@@ -45,6 +45,7 @@ def test_size_and_crop(data):
 @pytest.mark.parametrize(
     "options",
     [
+        {"size": (0, 0)},
         {"size": (0, 5)},
         {"size": (-1, 5)},
         {"size": (5,)},

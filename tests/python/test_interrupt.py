@@ -149,6 +149,17 @@ def test_several_threads(picture, data):
 INTERRUPTED = """
 import sys, threading, time
 import numpy, gscl
+from gscl import _encode
+
+outcomes = []
+run = _encode._run
+
+def recorded(*arguments):
+    try:
+        return run(*arguments)
+    except BaseException as error:
+        outcomes.append(type(error))
+        raise
 
 def say_when_working():
     while all(thread.name != "gscl.encode" for thread in threading.enumerate()):
@@ -157,6 +168,7 @@ def say_when_working():
 
 picture = numpy.load(sys.argv[1])
 expected = gscl.encode(picture, effort=0, bytes=400).data
+_encode._run = recorded
 threading.Thread(target=say_when_working).start()
 try:
     gscl.encode(numpy.tile(picture, (8, 8, 1)), effort=9, progress=print if sys.argv[2] == "progress" else None)
@@ -166,6 +178,7 @@ except KeyboardInterrupt:
 for thread in threading.enumerate():
     if thread is not threading.current_thread():
         thread.join()
+assert outcomes == [gscl.CancelledError], outcomes
 assert gscl.encode(picture, effort=0, bytes=400).data == expected
 print("undamaged", flush=True)
 """

@@ -52,7 +52,7 @@ def _samples(array: NDArray[Any]) -> NDArray[Any]:
     if array.dtype.kind == "f":
         kind = "float32"
     elif array.dtype.kind == "u" and array.dtype.itemsize <= 2:
-        kind = array.dtype.newbyteorder("=").name
+        kind = array.dtype.name
     else:
         raise TypeError(f"an array of {array.dtype}: expected uint8, uint16 or floating-point samples in 0..1")
     return numpy.ascontiguousarray(array, dtype=kind)
