@@ -9,7 +9,7 @@ web_packages="binaryen clang esbuild lld"
 test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev libglib2.0-bin oclgrind shared-mime-info
     openimageio-tools python3-dev python3-venv $web_packages chromium nodejs
     dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
-    cmake fish man-db mandoc zsh"
+    cmake fish man-db mandoc librsvg2-bin zsh"
 
 missing_packages() {
     for package in "$@"; do

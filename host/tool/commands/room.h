@@ -8,6 +8,7 @@
  *   command_decode.c: a gscl file into an image
  *   command_encode.c, effect_list.h, encode_batch.h, output_names.h: images into gscl files, two at a time
  *   command_draw.c, ellipse_outline.h: splats as ellipses
+ *   command_export.c, export_svg.h: splats for other programs
  *   command_bench.c, bench_codec.h: the speed of a device
  *   command_tradeoff.c: accuracy against time; its parts are in tradeoff/ */
 #ifndef GSCL_ROOM_TOOL_COMMANDS_H

@@ -1,0 +1,227 @@
+/* gscl export: the splats of a file as an SVG image, or as a table. */
+#define _DEFAULT_SOURCE /* strcasecmp */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include <gscl/gscl.h>
+
+#include "cli/device_choice.h"
+#include "cli/exit_code.h"
+#include "cli/gscl_input.h"
+#include "cli/message.h"
+#include "cli/options.h"
+#include "cli/output_file.h"
+#include "cli/read_file.h"
+#include "commands/command.h"
+#include "commands/export_svg.h"
+
+typedef enum export_format { EXPORT_SVG, EXPORT_PLY, EXPORT_CSV, EXPORT_FORMATS } export_format;
+static const char *const suffixes[] = {".svg", ".ply", ".csv"};
+
+typedef struct export_options {
+    const char *input, *output;
+    bool formats[EXPORT_FORMATS]; /* which were asked for */
+    export_format format;
+    gscl_form form;
+} export_options;
+
+/* ---- Tables ------------------------------------------------------------------------------------ */
+
+static const char *const columns[] = {"x",       "y",   "sigma1", "sigma2", "theta",
+                                      "opacity", "red", "green",  "blue",   "alpha"};
+#define COLUMN_COUNT (sizeof columns / sizeof *columns)
+
+static void write_ply_head(output_file *output, const gscl_info *info, size_t count) {
+    char text[512];
+    int length =
+        snprintf(text, sizeof text,
+                 "ply\nformat ascii 1.0\ncomment splats of a gscl file, %u x %u pixels, y points down\ncomment x y "
+                 "sigma1 sigma2: pixels; theta: radians from +x towards +y; others 0 to 1, colours premultiplied\n"
+                 "element vertex %zu\n",
+                 info->width, info->height, count);
+    output_write(output, text, (size_t)length);
+    for (size_t i = 0; i < COLUMN_COUNT; i++) {
+        length = snprintf(text, sizeof text, "property float %s\n%s", columns[i], i == 1 ? "property float z\n" : "");
+        output_write(output, text, (size_t)length);
+    }
+    output_write(output, "end_header\n", 11);
+}
+
+static void write_csv_head(output_file *output) {
+    for (size_t i = 0; i < COLUMN_COUNT; i++) {
+        output_write(output, columns[i], strlen(columns[i]));
+        output_write(output, i + 1 < COLUMN_COUNT ? "," : "\n", 1);
+    }
+}
+
+static void write_table(const export_options *options, output_file *output, const gscl_info *info,
+                        const gscl_splat *splats, size_t count) {
+    const bool ply = options->format == EXPORT_PLY;
+    const char *format = ply ? "%.9g %.9g 0 %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n"
+                             : "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n";
+    if (ply)
+        write_ply_head(output, info, count);
+    else
+        write_csv_head(output);
+    for (size_t i = 0; i < count && !output->error; i++) {
+        const gscl_splat *s = &splats[i];
+        char text[256];
+        const int length = snprintf(text, sizeof text, format, s->x, s->y, s->sigma1, s->sigma2, s->theta, s->opacity,
+                                    s->colour[0], s->colour[1], s->colour[2], s->colour[3]);
+        output_write(output, text, (size_t)length);
+    }
+}
+
+/* ---- SVG --------------------------------------------------------------------------------------- */
+
+/* Reduces pixels to three channels, in place.  Colours stay multiplied by alpha. */
+static void make_rgb(gscl_image *image) {
+    float *out = image->pixels;
+    const float *in = image->pixels;
+    const uint32_t channels = image->channels;
+    float *copy = channels >= 3 ? out : malloc((size_t)image->width * image->height * 3 * sizeof *copy);
+    if (!copy)
+        return;
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++, in += channels) {
+        for (uint32_t c = 0; c < 3; c++)
+            copy[3 * i + c] = in[channels >= 3 ? c : 0];
+    }
+    if (copy != out) {
+        gscl_free(image->pixels);
+        image->pixels = copy;
+    }
+    image->channels = 3;
+}
+
+static int write_svg(const export_options *options, output_file *output, const gscl_info *info, const uint8_t *bytes,
+                     size_t size, gscl_splat *splats, size_t count) {
+    const device_choice choice = {.device = GSCL_HOST_DEVICE};
+    gscl_context *context;
+    gscl_image image = {0};
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.sample = GSCL_SAMPLE_F32;
+    settings.premultiplied = true;
+    settings.bare = options->form.bare;
+    export_svg_grid(info, &settings.width, &settings.height);
+    int status = open_device(&choice, &context);
+    if (status != EXIT_SUCCESS)
+        return status;
+    gscl_result result = gscl_decode(context, bytes, size, &settings, &image);
+    if (result == GSCL_OK) {
+        make_rgb(&image);
+        if (image.channels != 3 || !export_svg(output, info, splats, count, &image))
+            result = GSCL_ERROR_OUT_OF_MEMORY;
+    }
+    if (result != GSCL_OK)
+        status =
+            report_result(result == GSCL_ERROR_OUT_OF_MEMORY ? NULL : context, input_label(options->input), result);
+    gscl_free(image.pixels);
+    gscl_context_free(&context);
+    return status;
+}
+
+/* ---- The command ------------------------------------------------------------------------------- */
+
+static int export_splats(const export_options *options, const gscl_info *info, const uint8_t *bytes, size_t size,
+                         gscl_splat *splats, size_t count) {
+    output_file output;
+    int status = EXIT_SUCCESS;
+    if (!output_open_text(&output, options->output))
+        return EXIT_FAILURE;
+    if (options->format == EXPORT_SVG)
+        status = write_svg(options, &output, info, bytes, size, splats, count);
+    else
+        write_table(options, &output, info, splats, count);
+    if (status == EXIT_SUCCESS)
+        return output_commit(&output) ? EXIT_SUCCESS : EXIT_FAILURE;
+    output_discard(&output);
+    return status;
+}
+
+static int export_file(const export_options *options) {
+    gscl_info info = {.struct_size = sizeof info};
+    gscl_splat *splats = NULL;
+    size_t size, count = 0;
+    uint8_t *bytes;
+    if (!output_is_separate("export", options->input, options->output))
+        return EXIT_USAGE;
+    if (!read_gscl_file(options->input, &options->form, &bytes, &size))
+        return EXIT_FAILURE;
+    const gscl_read_settings reading = read_settings_of(&options->form);
+    gscl_result result = gscl_probe(bytes, size, &reading, &info);
+    if (result == GSCL_OK)
+        result = gscl_read_splats(bytes, size, &reading, &splats, &count);
+    const int status = result == GSCL_OK ? export_splats(options, &info, bytes, size, splats, count)
+                                         : report_result(NULL, input_label(options->input), result);
+    gscl_free(splats);
+    free(bytes);
+    return status;
+}
+
+/* The format of the options, or that of the suffix.  Returns 0 or EXIT_USAGE. */
+static int choose_format(export_options *options) {
+    const int asked = options->formats[EXPORT_SVG] + options->formats[EXPORT_PLY] + options->formats[EXPORT_CSV];
+    if (!options->output)
+        return report_usage("export", "-o is missing; it names the file to write, or - for standard output");
+    if (asked > 1)
+        return report_usage("export", "--svg, --ply and --csv exclude each other; give one of them");
+    for (int i = 0; i < EXPORT_FORMATS; i++) {
+        if (asked ? options->formats[i] : strcasecmp(name_suffix(options->output), suffixes[i]) == 0) {
+            options->format = (export_format)i;
+            return 0;
+        }
+    }
+    return report_usage("export", "%s: the format is not known by its name; add --svg, --ply or --csv",
+                        options->output);
+}
+
+int command_export(int argc, char **argv) {
+    export_options export = {.output = NULL};
+    const option_spec options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .kind = OPTION_TEXT,
+         .value = &export.output,
+         .argument = "FILE",
+         .help = "file to write, in the format of its suffix; - is standard output (required)"},
+        {.name = "svg",
+         .kind = OPTION_FLAG,
+         .value = &export.formats[EXPORT_SVG],
+         .help = "write an SVG image: an approximation of the picture, without waves and transparency"},
+        {.name = "ply",
+         .kind = OPTION_FLAG,
+         .value = &export.formats[EXPORT_PLY],
+         .help = "write a PLY point cloud in text form, with z 0"},
+        {.name = "csv",
+         .kind = OPTION_FLAG,
+         .value = &export.formats[EXPORT_CSV],
+         .help = "write a table with a line for each splat"},
+        GSCL_FORM_OPTIONS(export.form),
+    };
+    const option_command command = {
+        .name = "export",
+        .usage = "IN.gscl -o OUT.svg|OUT.ply|OUT.csv [options]",
+        .about =
+            "Writes the splats of a gscl file for other programs.  SVG draws each as an ellipse with a radial "
+            "gradient.  It\ncan be scaled without limit but only comes close to the picture: SVG cannot blend as gscl "
+            "does.\n\nPLY and CSV have the splats in drawing order, in the columns x, y (centre) and sigma1, sigma2 "
+            "(standard\ndeviations) in pixels of the encoded size, theta (direction of sigma1) in radians from +x "
+            "towards +y, which\npoints down, and opacity, red, green, blue, alpha from 0 to 1; colours are multiplied "
+            "by alpha, and those of\nthe blend sum may be negative.  Background and waves are left out.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+    };
+    int first;
+    const option_outcome outcome = options_parse(&command, argc, argv, &first);
+    if (outcome != OPTIONS_RUN)
+        return options_exit_code(outcome);
+    if (choose_format(&export) != 0)
+        return EXIT_USAGE;
+    export.input = argv[first];
+    return export_file(&export);
+}
