@@ -72,7 +72,7 @@ test('info and splats of the example of FORMAT.md', async () => {
 test('prefixes', async () => {
   for (const name of ['example', 'photograph', 'layers-8', 'blocks']) {
     const file = fileOf(name), total = (await info(file)).splats;
-    let before = 0;
+    let before = 0, drawn = 0;
     for (let size = 0; size <= file.length; size++) {
       const part = file.subarray(0, size), code = await codeOf(decode(part, {partial: true}));
       if (code != 'valid') {
@@ -82,9 +82,11 @@ test('prefixes', async () => {
       const count = (await splats(part, {partial: true})).length;
       assert(before <= count && count <= total, `${name}: ${size} bytes`);
       before = count;
+      drawn++;
       assert(size == file.length || await codeOf(decode(part)) != 'valid', `${name}: ${size} bytes`);
     }
     assert.equal(before, total);
+    assert(drawn > 5, `${name}: ${drawn} parts are drawn`);
   }
 });
 
