@@ -2,6 +2,7 @@
 import re
 import unittest
 
+from gscl_file import contained, header
 from images import Image, max_difference, psnr, read_png, scene
 from tool import ToolTest, main
 
@@ -55,12 +56,26 @@ class Limits(ToolTest):
         for option, figure in (("--max-pixels", info["pixels"]), ("--max-work", info["work"])):
             with self.subTest(option):
                 self.decode(option, figure)
-                self.refused("in.gscl", rf"{figure}\b.*{figure - 1}\b|{figure - 1}\b.*{figure}\b", "decode", "in.gscl", "-o",
-                             "out.png", option, figure - 1)
+                for command in (("decode", "in.gscl", "-o", "out.png"), ("draw", "in.gscl", "-o", "out.png")):
+                    self.refused("in.gscl", rf"{figure}\b.*{figure - 1}; {option} raises this limit", *command, option,
+                                 figure - 1)
+                self.refused("in.gscl", rf"{figure}\b.*more than {option} {figure - 1} allows", "info", "in.gscl",
+                             "--reference", "in.image", option, figure - 1)
 
     def test_limits_are_those_of_the_crop(self):
         self.encode(scene(61, 43), *HIGH_RATE)
         self.decode("--crop", "3,4,10,10", "--max-pixels", "100")
+
+
+    def test_default_limits(self):
+        """A file of few bytes that asks for 800 MB of pixels."""
+        self.write("in.gscl", contained(header(16384, 16384, 0).finish()))
+        message = "268435456 pixels .* 100000000; --max-pixels raises"
+        self.refused("in.gscl", message, "decode", "in.gscl", "-o", "out.ppm")
+        self.refused("in.gscl", message, "draw", "in.gscl", "-o", "out.ppm")
+        self.encode(scene(61, 43))
+        self.refused("in.gscl", "--max-pixels raises", "decode", "in.gscl", "-o", "out.ppm", "--size", "10001x10000")
+        self.decode("--size", "10001x10000", "--crop", "10000,9999,1,1")
 
 
 class Partial(ToolTest):

@@ -1,5 +1,6 @@
 """Signals: gscl ends and leaves no partial file."""
 import os
+import pty
 import signal
 import subprocess
 import tempfile
@@ -86,6 +87,34 @@ class Interrupt(ToolTest):
                 process.send_signal(signal.SIGINT)
                 self.assert_ends(process, 130)
                 self.assertEqual(self.files(), ["in.png"])
+
+    def start_decoding(self, *arguments):
+        """Starts a decode with a terminal for its standard error, and returns the process and that terminal."""
+        terminal, other_end = pty.openpty()
+        self.addCleanup(os.close, terminal)
+        process = subprocess.Popen([GSCL, "decode", "in.gscl", "-o", "out.ppm", *arguments], cwd=self.folder,
+                                   stderr=other_end, preexec_fn=restore_signals)
+        self.addCleanup(process.kill)
+        os.close(other_end)
+        return process, terminal
+
+    def test_long_decode_shows_progress_and_can_be_stopped(self):
+        """The line of progress comes after a second of a decode that takes many."""
+        self.gscl("encode", "in.png", "-o", "in.gscl", "-q", "--effort", "0")
+        for device in ("host", "0.0"):
+            with self.subTest(device=device):
+                process, terminal = self.start_decoding("--size", "16384x16384", "--max-pixels", "999999999", "--device",
+                                                        device)
+                text = b""
+                while b"%" not in text:
+                    text += os.read(terminal, 4096)
+                process.send_signal(signal.SIGINT)
+                while b"interrupted" not in text:
+                    text += os.read(terminal, 4096)
+                self.assertEqual(process.wait(timeout=TIMEOUT), 130)
+                self.assertRegex(text.decode(), r"in.gscl +\d+ % +\d+ splats +\d+\.\d s left")
+                self.assertIn("gscl: in.gscl: interrupted; its output was not written", text.decode())
+                self.assertEqual(self.files(), ["in.gscl", "in.png"])
 
     def test_closed_pipe_leaves_nothing(self):
         """When the reader of its output ends, the encode continues or fails, but leaves no partial file."""

@@ -233,6 +233,11 @@ static void refuse_log(void *opaque, gscl_log_level level, const char *message) 
     fail_msg("%d %s %p", (int)level, message, opaque);
 }
 
+static bool refuse_progress(void *opaque, const gscl_progress *progress) {
+    fail_msg("%g %p", progress->fraction, opaque);
+    return true;
+}
+
 static void test_settings_of_an_old_program(void **state) {
     (void)state;
     gscl_context_settings c;
@@ -257,6 +262,10 @@ static void test_settings_of_an_old_program(void **state) {
     d.max_pixels = d.max_work = 1;
     assert_result(use_decode_settings(&d), GSCL_ERROR_LIMIT);
     d.struct_size = OLD_DECODE;
+    assert_result(use_decode_settings(&d), GSCL_OK);
+    gscl_decode_settings_default(&d);
+    d.progress = refuse_progress;
+    d.struct_size = offsetof(gscl_decode_settings, progress);
     assert_result(use_decode_settings(&d), GSCL_OK);
 }
 

@@ -18,7 +18,7 @@
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
 
-enum { HOST = 2, KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250 };
+enum { HOST = 2, KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250, MANY_SPLATS = 1500 };
 
 typedef struct {
     uint8_t *bytes;
@@ -239,6 +239,57 @@ static void test_limits(void **state) {
     free(f.bytes);
 }
 
+typedef struct {
+    int calls, last_call; /* the callback cancels at last_call; 0: never */
+    double fraction;
+} watched;
+
+static bool watch(void *opaque, const gscl_progress *progress) {
+    watched *w = opaque;
+    assert_true(progress->fraction >= w->fraction && progress->fraction <= 1 && progress->splats == MANY_SPLATS);
+    assert_true(progress->elapsed_s >= 0 && progress->remaining_s >= 0 && progress->psnr == 0);
+    assert_true(w->calls > 0 || progress->fraction == 0);
+    w->fraction = progress->fraction;
+    return ++w->calls != w->last_call;
+}
+
+/* The callback sees the whole decode and does not change it; a cancelled one leaves a context that works. */
+static void check_progress(int which, const file *f) {
+    gscl_decode_settings settings = float_settings();
+    settings.sample = GSCL_SAMPLE_U8;
+    settings.width = 6 * WIDTH;
+    settings.height = 40 * HEIGHT;
+    gscl_image expected = decode(which, f, &settings);
+    watched w = {0};
+    settings.progress = watch;
+    settings.progress_opaque = &w;
+    gscl_image image = decode(which, f, &settings);
+    const int calls = w.calls;
+    assert_true(calls > 3 && w.fraction == 1);
+    assert_memory_equal(image.pixels, expected.pixels, (size_t)image.width * image.height * image.channels);
+    gscl_free(image.pixels);
+    for (int last = 1; last <= calls; last += calls - 1) {
+        w = (watched){.last_call = last};
+        image = (gscl_image){0};
+        assert_int_equal(gscl_decode(contexts[which], f->bytes, f->size, &settings, &image), GSCL_ERROR_CANCELLED);
+        assert_string_equal(gscl_context_message(contexts[which]), "cancelled");
+        assert_true(!image.pixels && w.calls == last);
+    }
+    w = (watched){0};
+    image = decode(which, f, &settings);
+    assert_memory_equal(image.pixels, expected.pixels, (size_t)image.width * image.height * image.channels);
+    gscl_free(image.pixels);
+    gscl_free(expected.pixels);
+}
+
+static void test_progress(void **state) {
+    (void)state;
+    const file f = file_of(0, GSF_CODING_SCALAR, MANY_SPLATS, false);
+    for (int which = 0; which <= HOST; which++)
+        check_progress(which, &f);
+    free(f.bytes);
+}
+
 static void test_errors_of_files(void **state) {
     (void)state;
     const gscl_image none = {0};
@@ -335,6 +386,7 @@ int main(void) {
         cmocka_unit_test(test_waves_of_reduced_images),
         cmocka_unit_test(test_partial_and_bare_files),
         cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_progress),
         cmocka_unit_test(test_errors_of_files),
         cmocka_unit_test(test_stride),
         cmocka_unit_test(test_device),

@@ -75,7 +75,7 @@ typedef enum gscl_result {
     GSCL_OK = 0,
     GSCL_ERROR_INVALID_ARGUMENT = 1,  /* a NULL pointer or a value out of range */
     GSCL_ERROR_OUT_OF_MEMORY = 2,     /* on the host */
-    GSCL_ERROR_CANCELLED = 3,         /* by the progress callback */
+    GSCL_ERROR_CANCELLED = 3,         /* by a progress callback */
     GSCL_ERROR_STRUCT_SIZE = 4,       /* struct_size was not set, or is not one that this library knows */
     GSCL_ERROR_NO_PLATFORM = 10,      /* no OpenCL platform or no device at all */
     GSCL_ERROR_UNKNOWN_DEVICE = 11,   /* no device matches the selector */
@@ -297,12 +297,12 @@ typedef enum gscl_target {
 
 typedef struct gscl_progress {
     double fraction;    /* of the expected work, 0..1; never decreases */
-    double psnr;        /* dB of the current fit; 0 while unknown */
-    uint32_t splats;    /* of the current fit */
-    double elapsed_s;   /* seconds since the encode began */
+    double psnr;        /* dB of the current fit; 0 while unknown, and in a decode */
+    uint32_t splats;    /* of the current fit, or of the file that is decoded */
+    double elapsed_s;   /* seconds since the encode or the decode began */
     double remaining_s; /* seconds until it ends, an estimate */
 } gscl_progress;
-/* Returns true to continue and false to cancel; a cancelled encode returns GSCL_ERROR_CANCELLED. */
+/* Returns true to continue and false to cancel; a cancelled encode or decode returns GSCL_ERROR_CANCELLED. */
 typedef bool (*gscl_progress_callback)(void *opaque, const gscl_progress *progress);
 
 #define GSCL_MAX_EFFORT 9
@@ -406,6 +406,9 @@ typedef struct gscl_decode_settings {
                           false */
     bool partial;      /* whether the file may be cut off: draws the splats that gscl_certain_splats counts.  Damage is
                           then not detected.  Default false: a file that is cut off is refused */
+    gscl_progress_callback progress; /* default NULL.  Called before drawing and after each part of the image, of 16
+                                        rows or of about 5e7 evaluations; the pixels stay equal */
+    void *progress_opaque;           /* first argument of `progress` */
 } gscl_decode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_decode_settings_default. */
@@ -419,7 +422,8 @@ static inline void gscl_decode_settings_default(gscl_decode_settings *settings) 
  * caller's memory with the caller's stride; width, height, channels and sample must then be those of the decoded image,
  * which gscl_probe returns.  The context keeps its device buffers for the next decode.  `settings` may be NULL for the
  * defaults.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
- * _IMAGE_SIZE, and those of memory and the device. */
+ * _IMAGE_SIZE, _CANCELLED, and those of memory and the device.  A decode that fails may have written to the caller's
+ * pixels. */
 GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size,
                                               const gscl_decode_settings *settings, gscl_image *image);
 

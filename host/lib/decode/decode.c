@@ -5,6 +5,7 @@
 #include "cl/constants.h"
 #include "decode/coded_image.h"
 #include "decode/draw_device.h"
+#include "decode/draw_progress.h"
 #include "decode/frame.h"
 #include "decode/resize.h"
 #include "image/image.h"
@@ -64,7 +65,7 @@ static void add_splats(const gscl_coded_image *coded, const gscl_frame *f, gscl_
 }
 
 static gscl_result draw_in_software(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                    const gscl_image *image) {
+                                    const gscl_image *image, const gscl_draw_progress *progress) {
     const gscl_kernel_options options = gscl_frame_options(&coded->file.header, f);
     const gscl_software_view view = {f->full_width, f->full_height, f->x, f->y};
     double sums[4] = {0};
@@ -76,9 +77,13 @@ static gscl_result draw_in_software(gscl_context *context, const gscl_coded_imag
     add_splats(coded, f, software, sums);
     gscl_coded_image_background(coded, sums, background);
     gscl_stage(context, GSCL_STAGE_DRAW);
-    gscl_software_draw(software, background, image);
+    gscl_result result = GSCL_OK;
+    for (uint32_t row = 0; row < image->height && result == GSCL_OK;) {
+        gscl_software_draw_rows(software, background, image, &row);
+        result = gscl_draw_progress_report(context, progress, f, row);
+    }
     gscl_software_free(software);
-    return GSCL_OK;
+    return result;
 }
 
 /* Reads the file, checking each limit as soon as its figure is known: the header before anything is allocated, the work
@@ -105,11 +110,19 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
     return result;
 }
 
+static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
+                        const gscl_image *image, const gscl_draw_progress *progress) {
+    GSCL_TRY(gscl_draw_progress_report(context, progress, f, 0));
+    return context->is_host ? draw_in_software(context, coded, f, image, progress)
+                            : gscl_draw_on_device(context, coded, f, image, progress);
+}
+
 gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_decode_settings *settings,
                         gscl_image *image) {
     if (!context || !bytes || !image)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_forget_message(context);
+    const double start_s = gscl_now();
     gscl_decode_settings s;
     gscl_decode_settings_default(&s);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_decode_settings, max_pixels, settings, &s));
@@ -120,9 +133,10 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     GSCL_TRY(read_within_limits(context, bytes, size, &s, &coded, &f));
     gscl_image decoded = shape_of(&f, &coded.file.header, &s);
     gscl_result result = provide_pixels(context, &decoded, image);
-    if (result == GSCL_OK)
-        result = context->is_host ? draw_in_software(context, &coded, &f, &decoded)
-                                  : gscl_draw_on_device(context, &coded, &f, &decoded);
+    if (result == GSCL_OK) {
+        const gscl_draw_progress progress = gscl_draw_progress_begin(&s, &coded, &f, start_s);
+        result = draw(context, &coded, &f, &decoded, &progress);
+    }
     if (result == GSCL_OK)
         *image = decoded;
     else if (!image->pixels)

@@ -9,18 +9,25 @@
 #include "image/image.h"
 #include "runtime/stage_clock.h"
 
+/* Rows of a band: whole rows of tiles, as many as its samples and, where there is a callback, its work allow. */
+static uint32_t rows_of_band(const gscl_frame *f, const gscl_image *image, const gscl_draw_progress *progress) {
+    double rows = (double)gscl_decode_tunables.band_samples / ((double)f->width * image->channels);
+    if (progress->callback && progress->row_work * rows > gscl_decode_tunables.band_work)
+        rows = gscl_decode_tunables.band_work / progress->row_work;
+    return rows < GSCL_TILE ? GSCL_TILE : (uint32_t)rows / GSCL_TILE * GSCL_TILE;
+}
+
 /* Draws the frame band by band, so that no buffer grows with the image. */
-static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image) {
+static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image,
+                              const gscl_draw_progress *progress) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
-    const size_t row_samples = (size_t)f->width * image->channels;
-    uint32_t rows = (uint32_t)((size_t)gscl_decode_tunables.band_samples / row_samples / GSCL_TILE * GSCL_TILE);
-    if (rows < GSCL_TILE)
-        rows = GSCL_TILE;
+    const uint32_t rows = rows_of_band(f, image, progress);
     for (uint32_t y = 0; y < f->height; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;
         size_t stride = gscl_image_stride(image);
         GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n));
         GSCL_TRY(gscl_renderer_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
+        GSCL_TRY(gscl_draw_progress_report(r->context, progress, f, y + n));
     }
     return GSCL_OK;
 }
@@ -53,7 +60,8 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
 
 /* `params` and `background`: room for the data that are copied to the device. */
 static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                               const gscl_image *image, float *params, float *background) {
+                               const gscl_image *image, const gscl_draw_progress *progress, float *params,
+                               float *background) {
     const gsf_header *header = &coded->file.header;
     gscl_renderer *renderer = NULL;
     const gscl_kernel_options options = gscl_frame_options(header, f);
@@ -63,16 +71,16 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *co
     gscl_stage(context, GSCL_STAGE_DRAW);
     GSCL_TRY(reuse_renderer(context, &options, &renderer));
     GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));
-    return draw_bands(renderer, f, image);
+    return draw_bands(renderer, f, image, progress);
 }
 
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                const gscl_image *image) {
+                                const gscl_image *image, const gscl_draw_progress *progress) {
     const size_t count = (size_t)coded->file.header.splat_count * GSCL_PARAMS;
     float *params = malloc((count + 4) * sizeof *params), *background = params ? params + count : NULL;
     if (!params)
         return gscl_fail_memory(context);
-    gscl_result result = draw_splats(context, coded, f, image, params, background);
+    gscl_result result = draw_splats(context, coded, f, image, progress, params, background);
     gscl_release_after_copies(context, params); /* after an error the device may still read them */
     return result;
 }

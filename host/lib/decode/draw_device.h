@@ -3,10 +3,11 @@
 #define GSCL_LIB_DRAW_DEVICE_H
 
 #include "decode/coded_image.h"
+#include "decode/draw_progress.h"
 #include "decode/frame.h"
 
 /* Draws into image->pixels, which has the size of the frame's rectangle. */
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                const gscl_image *image);
+                                const gscl_image *image, const gscl_draw_progress *progress);
 
 #endif

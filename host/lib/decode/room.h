@@ -9,6 +9,7 @@
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
  *   frame.h: the rectangle that a decode returns, and its limits
+ *   draw_progress.h: the caller's callback
  *   draw_device.h: a frame on the device
  *   decode.c, inspect.c: the public functions
  *   tunables.h: the numbers that were found by trying */

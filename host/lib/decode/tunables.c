@@ -2,6 +2,7 @@
 
 const struct gscl_decode_tunables gscl_decode_tunables = {
     .band_samples = 16 << 20,
+    .band_work = 5e7,
 
     .first_entries = 1024,
     .spare_part = 4,

@@ -12,8 +12,8 @@ static gscl_result refuse(gscl_context *context, const char *activity) {
 
 /* No context gets here. */
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                const gscl_image *image) {
-    (void)coded, (void)f, (void)image;
+                                const gscl_image *image, const gscl_draw_progress *progress) {
+    (void)coded, (void)f, (void)image, (void)progress;
     return refuse(context, "drawing");
 }
 

@@ -106,24 +106,29 @@ static int lesser(uint32_t a, uint32_t b) {
     return (int)(a < b ? a : b);
 }
 
-void gscl_software_draw(gscl_software *s, const float background[4], const gscl_image *image) {
+void gscl_software_draw_rows(gscl_software *s, const float background[4], const gscl_image *image, uint32_t *row) {
     const gscl_software_view *v = &s->view;
     gscl_canvas *c = &s->canvas;
+    const uint32_t y = (v->y + *row) / GSCL_BLOCK_ROWS * GSCL_BLOCK_ROWS;
     c->blend = s->options.blend;
     c->colours = s->options.colours;
     c->channels = s->options.colours + s->options.alpha_channel;
     c->image_width = (int)v->full_width;
-    for (uint32_t y = v->y / GSCL_BLOCK_ROWS * GSCL_BLOCK_ROWS; y < v->y + image->height; y += GSCL_BLOCK_ROWS) {
-        list_splats(s, y);
-        c->y = (int)y;
-        c->height = lesser(GSCL_BLOCK_ROWS, v->full_height - y);
-        for (uint32_t x = v->x / GSCL_BLOCK_COLUMNS * GSCL_BLOCK_COLUMNS; x < v->x + image->width;
-             x += GSCL_BLOCK_COLUMNS) {
-            c->x = (int)x;
-            c->width = lesser(GSCL_BLOCK_COLUMNS, v->full_width - x);
-            gscl_canvas_begin(c, background);
-            draw_block(s);
-            store_block(s, background, image);
-        }
+    list_splats(s, y);
+    c->y = (int)y;
+    c->height = lesser(GSCL_BLOCK_ROWS, v->full_height - y);
+    for (uint32_t x = v->x / GSCL_BLOCK_COLUMNS * GSCL_BLOCK_COLUMNS; x < v->x + image->width;
+         x += GSCL_BLOCK_COLUMNS) {
+        c->x = (int)x;
+        c->width = lesser(GSCL_BLOCK_COLUMNS, v->full_width - x);
+        gscl_canvas_begin(c, background);
+        draw_block(s);
+        store_block(s, background, image);
     }
+    *row = (uint32_t)lesser(y + GSCL_BLOCK_ROWS - v->y, image->height);
+}
+
+void gscl_software_draw(gscl_software *s, const float background[4], const gscl_image *image) {
+    for (uint32_t row = 0; row < image->height;)
+        gscl_software_draw_rows(s, background, image, &row);
 }

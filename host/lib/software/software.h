@@ -25,5 +25,8 @@ void gscl_software_add(gscl_software *software, const float *params);
 
 /* Draws into image->pixels.  A pixel has the same value in every rectangle. */
 void gscl_software_draw(gscl_software *software, const float background[4], const gscl_image *image);
+/* The same for some rows from *row on, which begins with 0 and becomes the first that is not drawn. */
+void gscl_software_draw_rows(gscl_software *software, const float background[4], const gscl_image *image,
+                             uint32_t *row);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 #include "cli/exit_code.h"
@@ -28,6 +29,11 @@ static const char *advice(gscl_result result) {
     }
 }
 
+/* The option that raises the limit of an error, as the library names it. */
+static const char *advice_on_limit(const char *detail) {
+    return strstr(detail, "max_pixels") ? "; --max-pixels raises this limit" : "; --max-work raises this limit";
+}
+
 int report_result(const gscl_context *context, const char *subject, gscl_result result) {
     /* A signal decides whatever the result is: kernel compilers react to signals too, and fail with errors of their own. */
     if (interrupt_pending()) {
@@ -35,7 +41,10 @@ int report_result(const gscl_context *context, const char *subject, gscl_result 
         return EXIT_SIGNAL + interrupt_pending();
     }
     const char *detail = context ? gscl_context_message(context) : "";
-    report_error(subject, "%s%s", *detail ? detail : gscl_result_text(result), *detail ? "" : advice(result));
+    if (*detail)
+        report_error(subject, "%s%s", detail, result == GSCL_ERROR_LIMIT ? advice_on_limit(detail) : "");
+    else
+        report_error(subject, "%s%s", gscl_result_text(result), advice(result));
     return result == GSCL_ERROR_CONFLICT ? EXIT_USAGE : EXIT_FAILURE;
 }
 

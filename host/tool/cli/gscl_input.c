@@ -1,5 +1,6 @@
 #include "cli/gscl_input.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 #include "cli/base64.h"
@@ -14,6 +15,16 @@ bool read_gscl_file(const char *name, const gscl_form *form, uint8_t **bytes, si
         return true;
     free(*bytes);
     return report_error(input_label(name), "%s", error);
+}
+
+bool is_within_limits(const char *name, const gscl_info *info, const gscl_limits *limits) {
+    if (info->pixels > limits->max_pixels)
+        return report_error(name, "has %" PRIu64 " pixels (%ux%u), more than --max-pixels %" PRIu64 " allows",
+                            info->pixels, info->width, info->height, limits->max_pixels);
+    if (info->work > limits->max_work)
+        return report_error(name, "takes %" PRIu64 " evaluations to draw, more than --max-work %" PRIu64 " allows",
+                            info->work, limits->max_work);
+    return true;
 }
 
 gscl_read_settings read_settings_of(const gscl_form *form) {

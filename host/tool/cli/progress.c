@@ -10,6 +10,7 @@
 
 #define REDRAW_SECONDS 0.1
 #define LABEL_WIDTH 28
+#define DECODE_DELAY 1.0 /* seconds: most decodes are shorter */
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* guards the terminal line */
 static const progress_line *shown;                       /* line on the terminal; NULL: none */
@@ -32,7 +33,8 @@ static void show_line(progress_line *line, const gscl_progress *progress) {
     pthread_mutex_lock(&lock);
     if (!shown)
         shown = line;
-    if (shown == line && (!line->drawn || progress->elapsed_s >= line->drawn_at + REDRAW_SECONDS)) {
+    if (shown == line && progress->elapsed_s >= line->delay &&
+        (!line->drawn || progress->elapsed_s >= line->drawn_at + REDRAW_SECONDS)) {
         print_progress(line, progress);
         line->drawn = true;
         line->drawn_at = progress->elapsed_s;
@@ -55,4 +57,24 @@ void progress_finish(progress_line *line) {
     if (shown == line)
         shown = NULL;
     pthread_mutex_unlock(&lock);
+}
+
+gscl_result progress_decode(gscl_context *context, const char *label, const uint8_t *bytes, size_t size,
+                            gscl_decode_settings *settings, gscl_image *image) {
+    progress_line line;
+    progress_start(&line, label, false);
+    line.delay = DECODE_DELAY;
+    settings->progress = progress_update;
+    settings->progress_opaque = &line;
+    interrupt_set_deferring(true);
+    gscl_result result = gscl_decode(context, bytes, size, settings, image);
+    interrupt_set_deferring(false);
+    progress_finish(&line);
+    /* The library does not see a signal that comes after its last check. */
+    if (result == GSCL_OK && interrupt_pending()) {
+        gscl_free(image->pixels);
+        image->pixels = NULL;
+        result = GSCL_ERROR_CANCELLED;
+    }
+    return result;
 }

@@ -10,6 +10,7 @@
 #include "cli/gscl_input.h"
 #include "cli/message.h"
 #include "cli/options.h"
+#include "cli/progress.h"
 #include "cli/read_file.h"
 #include "commands/command.h"
 #include "image/image_file.h"
@@ -21,8 +22,8 @@ typedef struct decode_options {
     double scale;
     option_size size;
     option_rectangle crop;
-    int depth;                     /* index into depth_words */
-    uint64_t max_pixels, max_work; /* 0: no limit */
+    int depth; /* index into depth_words */
+    gscl_limits limits;
     bool has_scale, has_size, has_crop, has_depth;
     bool partial;
     gscl_form form;
@@ -113,12 +114,12 @@ static uint64_t pixels_of(const gscl_decode_settings *settings) {
 
 /* Decodes the file and writes the image to `output`, which is closed in any case. */
 static int decode_to(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size,
-                     const gscl_decode_settings *settings, output_file *output) {
+                     gscl_decode_settings *settings, output_file *output) {
     gscl_context *context;
     gscl_image image = {0};
     int status = open_decoder(&options->choice, pixels_of(settings), &context);
     if (status == EXIT_SUCCESS) {
-        const gscl_result result = gscl_decode(context, bytes, size, settings, &image);
+        const gscl_result result = progress_decode(context, input_label(options->input), bytes, size, settings, &image);
         if (result != GSCL_OK)
             status = report_result(context, input_label(options->input), result);
         gscl_context_free(&context);
@@ -141,8 +142,8 @@ static int decode_bytes(const decode_options *options, const image_format *forma
         return report_result(NULL, input_label(options->input), result);
     gscl_decode_settings_default(&settings);
     settings.sample = choose_sample(options, format, &info);
-    settings.max_pixels = options->max_pixels;
-    settings.max_work = options->max_work;
+    settings.max_pixels = options->limits.max_pixels;
+    settings.max_work = options->limits.max_work;
     settings.bare = options->form.bare;
     settings.partial = options->partial;
     if (!choose_area(options, &info, &settings) ||
@@ -205,21 +206,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .argument = "N",
          .words = depth_words,
          .help = "bits per sample (default: those of the encoded image)"},
-        {.name = "max-pixels",
-         .kind = OPTION_INTEGER,
-         .value = &decode->max_pixels,
-         .argument = "N",
-         .min_integer = 1,
-         .max_integer = UINT64_MAX,
-         .help = "refuse a file that would give more pixels (default: as many as the format allows)"},
-        {.name = "max-work",
-         .kind = OPTION_INTEGER,
-         .value = &decode->max_work,
-         .argument = "N",
-         .min_integer = 1,
-         .max_integer = UINT64_MAX,
-         .help =
-             "refuse a file that needs more evaluations of a splat at a pixel, see 'gscl info' (default: no limit)"},
+        GSCL_LIMIT_OPTIONS(decode->limits),
         {.name = "partial",
          .kind = OPTION_FLAG,
          .value = &decode->partial,
@@ -252,7 +239,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
 }
 
 int command_decode(int argc, char **argv) {
-    decode_options options = {.scale = 1.0};
+    decode_options options = {.scale = 1.0, .limits = GSCL_DEFAULT_LIMITS};
     const option_outcome outcome = parse_decode(&options, argc, argv);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);

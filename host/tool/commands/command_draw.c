@@ -8,6 +8,7 @@
 #include "cli/gscl_input.h"
 #include "cli/message.h"
 #include "cli/options.h"
+#include "cli/progress.h"
 #include "cli/read_file.h"
 #include "commands/command.h"
 #include "commands/ellipse_outline.h"
@@ -17,6 +18,7 @@
 typedef struct draw_options {
     const char *input, *output;
     uint64_t scale;
+    gscl_limits limits;
     gscl_form form;
     device_choice choice;
 } draw_options;
@@ -66,12 +68,14 @@ static int decode_with_outlines(const draw_options *options, const uint8_t *byte
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_U8;
     settings.bare = options->form.bare;
+    settings.max_pixels = options->limits.max_pixels;
+    settings.max_work = options->limits.max_work;
     settings.width = info->width * (uint32_t)options->scale;
     settings.height = info->height * (uint32_t)options->scale;
     int status = open_device(&options->choice, &context);
     if (status != EXIT_SUCCESS)
         return status;
-    gscl_result result = gscl_decode(context, bytes, size, &settings, &decoded);
+    gscl_result result = progress_decode(context, input_label(options->input), bytes, size, &settings, &decoded);
     if (result == GSCL_OK)
         result =
             make_colour(&decoded, image) ? draw_outlines(options, bytes, size, info, image) : GSCL_ERROR_OUT_OF_MEMORY;
@@ -123,7 +127,7 @@ static int draw_file(const draw_options *options) {
 }
 
 int command_draw(int argc, char **argv) {
-    draw_options draw = {.scale = 1};
+    draw_options draw = {.scale = 1, .limits = GSCL_DEFAULT_LIMITS};
     const option_spec options[] = {
         {.name = "output",
          .letter = 'o',
@@ -138,6 +142,7 @@ int command_draw(int argc, char **argv) {
          .min_integer = 1,
          .max_integer = 64,
          .help = "scale of the image; the width of the lines stays (default 1)"},
+        GSCL_LIMIT_OPTIONS(draw.limits),
         GSCL_FORM_OPTIONS(draw.form),
         DEVICE_OPTIONS(draw.choice),
     };

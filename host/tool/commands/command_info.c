@@ -221,8 +221,8 @@ static gscl_result find_blocks(file_facts *facts, const uint8_t *bytes, size_t s
     return result;
 }
 
-static int inspect(const char *input, const char *reference, const gscl_form *form, const device_choice *device,
-                   bool as_json) {
+static int inspect(const char *input, const char *reference, const gscl_form *form, const gscl_limits *limits,
+                   const device_choice *device, bool as_json) {
     file_facts facts = {.name = input_label(input), .info = {.struct_size = sizeof facts.info}};
     const gscl_read_settings reading = read_settings_of(form);
     uint8_t *bytes;
@@ -236,7 +236,9 @@ static int inspect(const char *input, const char *reference, const gscl_form *fo
         result = gscl_inspect_effects(NULL, bytes, size, &reading, NULL, facts.uses, &facts.use_count);
     int status = result == GSCL_OK ? EXIT_SUCCESS : report_result(NULL, facts.name, result);
     if (status == EXIT_SUCCESS && reference)
-        status = inspect_against(&facts, reference, bytes, size, &reading, device);
+        status = is_within_limits(facts.name, &facts.info, limits)
+                     ? inspect_against(&facts, reference, bytes, size, &reading, device)
+                     : EXIT_FAILURE;
     free(bytes);
     if (status != EXIT_SUCCESS)
         return status;
@@ -251,6 +253,7 @@ int command_info(int argc, char **argv) {
     bool as_json = false;
     const char *reference = NULL;
     gscl_form form = {.bare = false};
+    gscl_limits limits = GSCL_DEFAULT_LIMITS;
     device_choice device = {0};
     const option_spec options[] = {
         {.name = "reference",
@@ -258,6 +261,7 @@ int command_info(int argc, char **argv) {
          .value = &reference,
          .argument = "IMAGE",
          .help = "the image that was encoded; adds the loss in PSNR of the same splats without each effect"},
+        GSCL_LIMIT_OPTIONS(limits),
         GSCL_FORM_OPTIONS(form),
         DEVICE_OPTIONS(device),
         {.name = "json", .kind = OPTION_FLAG, .value = &as_json, .help = "write JSON; null stands for unknown figures"},
@@ -268,7 +272,7 @@ int command_info(int argc, char **argv) {
         .about = "Checks a gscl file and shows its header, its blocks, its effects with the bits that the same splats "
                  "save without "
                  "each,\n"
-                 "and the bits of each stream.",
+                 "and the bits of each stream.  Only --reference draws, which the limits are for.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -278,5 +282,5 @@ int command_info(int argc, char **argv) {
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
-    return inspect(argv[first], reference, &form, &device, as_json);
+    return inspect(argv[first], reference, &form, &limits, &device, as_json);
 }
