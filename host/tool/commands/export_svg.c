@@ -299,7 +299,7 @@ bool export_svg(output_file *output, const gscl_info *info, gscl_splat *splats, 
     double background[3];
     p.scale_x = (double)decoded->width / info->width;
     p.scale_y = (double)decoded->height / info->height;
-    p.cells = malloc((size_t)p.width * p.height * sizeof *p.cells);
+    p.cells = calloc((size_t)p.width * p.height, sizeof *p.cells);
     if (!p.cells)
         return false;
     find_background(&p, splats, count, decoded, background);
