@@ -11,6 +11,7 @@
 /* Error of a colour c, relative to no splat: fixed + sum_k (2 linear_k c_k + square c_k^2). */
 typedef struct {
     float fixed, linear[CHANNELS], square;
+    float error; /* without the splat, under its weight */
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
     float luma_linear, luma_square; /* likewise for the luma of c */
 #endif
@@ -22,7 +23,7 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
                                  __global const float *restrict weights, __global const float *restrict target,
                                  int width, int height, ulong plane) {
     outline o = outline_of(a, width, height);
-    pix before = (pix)(0.0f), after = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
+    pix error_sum = (pix)(0.0f), before = (pix)(0.0f), after = (pix)(0.0f), square = (pix)(0.0f), linear[CHANNELS];
     for (int k = 0; k < CHANNELS; k++) linear[k] = (pix)(0.0f);
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
     pix luma_square = (pix)(0.0f), luma_linear = (pix)(0.0f);
@@ -53,6 +54,7 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
                 if (TEXTURE && k < COLOURS) residual = fma(s, wave, residual);
                 linear[k] = fma(weighted, residual, linear[k]);
                 before = fma(weight * error, error, before);
+                error_sum = fma(weighted * error, error, error_sum);
                 after = fma(weight * residual, residual, after);
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
                 if (k >= COLOURS) continue;
@@ -63,6 +65,7 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
             pix luma_weight = PIX_LOAD(target + CHANNELS * plane + at);
             pix luma_after = luma_error + luma_change;
+            error_sum = fma(luma_weight * s * luma_error, luma_error, error_sum);
             after = fma(luma_weight * luma_change, luma_error + luma_after, after);
             luma_linear = fma(luma_weight * s, luma_after, luma_linear);
             luma_square = fma(luma_weight * s, s, luma_square);
@@ -72,6 +75,7 @@ inline quadratic error_of_colour(const projected_splat *a, __global const float 
     quadratic q;
     q.fixed = pix_sum(after - before);
     q.square = pix_sum(square);
+    q.error = pix_sum(error_sum);
     for (int k = 0; k < CHANNELS; k++) q.linear[k] = pix_sum(linear[k]);
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
     q.luma_linear = pix_sum(luma_linear);
@@ -205,6 +209,12 @@ inline bool task_contains(gscl_rdo_task task, const projected_splat *a) {
     return outline_is_within(a, (int4)(task.x0, task.x1, task.y0, task.y1));
 }
 
+/* The part of the price of an elongated splat that is due at this shape. */
+inline float elongation(splat s) {
+    float ratio = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
+    return clamp(0.5f * log2(ratio) - 1.0f, 0.0f, 1.0f);
+}
+
 /* First kernel for a group: removes its splats from the rendering. */
 __kernel void rdo_remove(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                          __global const gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
@@ -237,6 +247,7 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *res
             quadratic q = error_of_colour(&a, rendering, weights, target, pass.width, pass.height,
                                           (ulong)pass.width * (ulong)pass.height);
             outcome.cost = colour_descend(&q, &now, bits, pass.settings);
+            outcome.cost += pass.settings.elongation_price * elongation(s) * q.error;
             if (OPACITY) other_bits += bits[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
             outcome.cost += pass.settings.lambda *
                             (pass.bits_per_splat + other_bits + tables->majors[now.code[GSCL_CODE_MAJOR]].bits +

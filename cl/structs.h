@@ -140,8 +140,10 @@ typedef struct gscl_rdo_settings {
     cl_float luma_step, chroma_step, alpha_step;
     cl_float amplitude_step; /* of a texture */
     cl_float opacity_levels;
-    cl_int scan;           /* 1: all waves are tried for each splat; 0: only those near its own */
-    cl_int min[4], max[4]; /* of the codes luma, co, cg, alpha */
+    cl_float elongation_price; /* see gscl_scalar_rdo_settings */
+    cl_float min_explained;    /* likewise */
+    cl_int scan;               /* 1: all waves are tried for each splat; 0: only those near its own */
+    cl_int min[4], max[4];     /* of the codes luma, co, cg, alpha */
 } gscl_rdo_settings;
 
 /* The settings of a pass, and the tasks of one group. */

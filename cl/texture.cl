@@ -61,6 +61,7 @@ inline void share_and_error(const projected_splat *plain, const outline *o, int 
 
 typedef struct {
     float error_cos, error_sin; /* sums of s e cos, s e sin */
+    float share, error2;        /* of s, s e^2 */
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
@@ -69,6 +70,7 @@ inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __glo
                               int height, ulong plane) {
     outline o = outline_of(plain, width, height);
     pix ec = (pix)(0.0f), es = (pix)(0.0f), cc = (pix)(0.0f), ss = (pix)(0.0f), cs = (pix)(0.0f);
+    pix share = (pix)(0.0f), error2 = (pix)(0.0f);
     for (int y = o.rows.x; y <= o.rows.y; y++) {
         int2 columns = outline_columns(&o, y);
         for (int x = columns.x; x <= columns.y; x += LANES) {
@@ -77,6 +79,8 @@ inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __glo
             pix turns = fma(pix_offsets() + ((float)x + 0.5f - o.x), (pix)(cycles.x),
                             (pix)(((float)y + 0.5f - o.y) * cycles.y));
             pix c = s * pix_cos_turns(turns), n = s * pix_cos_turns(turns - 0.25f);
+            share += s;
+            error2 = fma(s * e, e, error2);
             ec = fma(c, e, ec);
             es = fma(n, e, es);
             cc = fma(c, c, cc);
@@ -84,8 +88,15 @@ inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __glo
             cs = fma(c, n, cs);
         }
     }
-    wave_sums w = {pix_sum(ec), pix_sum(es), COLOURS * pix_sum(cc), COLOURS * pix_sum(ss), COLOURS * pix_sum(cs)};
+    wave_sums w = {pix_sum(ec),           pix_sum(es),           pix_sum(share),       pix_sum(error2),
+                   COLOURS * pix_sum(cc), COLOURS * pix_sum(ss), COLOURS * pix_sum(cs)};
     return w;
+}
+
+/* Whether the wave explains this part of the squared error under the splat's weight.  By the inequality of Cauchy and
+ * Schwarz the squares of the sums are at most half of share * error2: the mean of cos^2 is 1/2. */
+inline bool wave_explains(const wave_sums *w, float part) {
+    return 2.0f * fma(w->error_cos, w->error_cos, w->error_sin * w->error_sin) >= part * w->share * w->error2;
 }
 
 /* Finds the phase and the amplitude with the lowest cost for a wave and direction; returns that cost. */
@@ -230,6 +241,7 @@ inline void texture_choose(gscl_codes *c, __global const gscl_major_entry *major
         float2 cycles =
             (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);
         wave_sums w = wave_sums_of(&plain, cycles, rendering, weights, target, width, height, plane);
+        if (!wave_explains(&w, t.min_explained)) continue;
         float attenuation = projected.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
         float cost = wave_choose_codes(&other, &w, attenuation, tables, t);
         if (cost < best) {

@@ -109,12 +109,16 @@ static double error_of(scene *s) {
     return sum;
 }
 
-static void run_passes(scene *s, double lambda_scale, bool keep_all) {
-    for (int pass = 0; pass < PASSES; pass++) {
-        const gscl_scalar_rdo_settings settings = {
-            .lambda_scale = lambda_scale, .keep_all = keep_all, .scan_textures = pass % 2 == 0};
+/* Every other pass scans for waves. */
+static void run_passes_with(scene *s, gscl_scalar_rdo_settings settings, int passes) {
+    for (int pass = 0; pass < passes; pass++) {
+        settings.scan_textures = pass % 2 == 0;
         check_call(s, gscl_scalar_rdo_pass(&s->rdo, &s->fit, &s->coded, &settings));
     }
+}
+
+static void run_passes(scene *s, double lambda_scale, bool keep_all) {
+    run_passes_with(s, (gscl_scalar_rdo_settings){.lambda_scale = lambda_scale, .keep_all = keep_all}, PASSES);
 }
 
 /* No step of one colour code lowers the error any more. */
@@ -224,6 +228,57 @@ static void test_fixed_splats_stay(void **state) {
     }
 }
 
+/* The sum of the aspect codes beyond the aspect ratio up to which elongation has no price. */
+static int elongation_at_price(gscl_context *context, gsf_blend blend, double price) {
+    scene s;
+    int sum = 0;
+    open_scene(&s, context, blend, GSCL_WEIGHTED_NOT, false, ELLIPSES);
+    const int free_codes = (int)(2 * 32 / (s.coded.file.steps.scale + 4.0)); /* of log2 4 */
+    run_passes_with(&s, (gscl_scalar_rdo_settings){.lambda_scale = FREE, .keep_all = true, .elongation_price = price},
+                    PASSES);
+    for (int i = 0; i < SPLATS; i++)
+        if (s.coded.file.splats[i].aspect > free_codes)
+            sum += s.coded.file.splats[i].aspect - free_codes;
+    close_scene(&s);
+    return sum;
+}
+
+static void test_a_price_of_elongation_makes_splats_shorter(void **state) {
+    (void)state;
+    for (int variant = 0; variant < 4; variant++) {
+        gscl_context *context = contexts[variant / 2];
+        const gsf_blend blend = variant % 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED;
+        const int at_none = elongation_at_price(context, blend, 0), at_high = elongation_at_price(context, blend, 1);
+        if (!(2 * at_high < at_none))
+            fail_msg("variant %d: aspect codes of %d without a price, of %d at 1", variant, at_none, at_high);
+    }
+}
+
+static int waves_that_explain(gscl_context *context, int weighted, double min_explained) {
+    scene s;
+    int waves = 0;
+    open_scene(&s, context, GSF_BLEND_NORMALIZED, weighted, true, ELLIPSES);
+    run_passes_with(
+        &s, (gscl_scalar_rdo_settings){.lambda_scale = FREE, .keep_all = true, .min_explained = min_explained}, 10);
+    for (int i = 0; i < SPLATS; i++)
+        waves += s.coded.file.splats[i].texture.amplitude > 0;
+    close_scene(&s);
+    return waves;
+}
+
+/* No wave explains all of noise, and most explain little of it. */
+static void test_waves_explain_their_part_of_the_error(void **state) {
+    (void)state;
+    for (int variant = 0; variant < 6; variant++) {
+        const int weighted[] = {GSCL_WEIGHTED_NOT, GSCL_WEIGHTED_PIXELS, GSCL_WEIGHTED_LUMA};
+        int waves[3];
+        for (int i = 0; i < 3; i++)
+            waves[i] = waves_that_explain(contexts[variant % 2], weighted[variant / 2], 0.5 * i);
+        if (!(waves[0] > waves[1] && waves[1] > 0 && waves[2] == 0))
+            fail_msg("variant %d: %d waves, %d at one half, %d at 1", variant, waves[0], waves[1], waves[2]);
+    }
+}
+
 static void check_same_files(scene *a, scene *b) {
     uint8_t *a_bytes, *b_bytes;
     size_t a_size, b_size;
@@ -267,8 +322,12 @@ static void test_reused_buffers_change_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_bits_reach_a_minimum),      cmocka_unit_test(test_passes_lower_the_visual_loss),
-        cmocka_unit_test(test_expensive_bits_drop_all_splats), cmocka_unit_test(test_fixed_splats_stay),
+        cmocka_unit_test(test_free_bits_reach_a_minimum),
+        cmocka_unit_test(test_passes_lower_the_visual_loss),
+        cmocka_unit_test(test_expensive_bits_drop_all_splats),
+        cmocka_unit_test(test_fixed_splats_stay),
+        cmocka_unit_test(test_a_price_of_elongation_makes_splats_shorter),
+        cmocka_unit_test(test_waves_explain_their_part_of_the_error),
         cmocka_unit_test(test_reused_buffers_change_nothing),
     };
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);

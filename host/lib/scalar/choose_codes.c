@@ -17,8 +17,9 @@ static gscl_result report_pass_progress(gscl_scalar_state *s) {
 }
 
 gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
-    const gscl_scalar_rdo_settings settings = {
-        .lambda_scale = s->lambda_scale, .keep_all = s->keep_all, .scan_textures = scan_textures};
+    gscl_scalar_rdo_settings settings = gscl_scalar_rdo_default_settings(s->lambda_scale);
+    settings.keep_all = s->keep_all;
+    settings.scan_textures = scan_textures;
     gscl_encoder *e = s->encoder;
     GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
     GSCL_TRY(gscl_scalar_update_size(s));

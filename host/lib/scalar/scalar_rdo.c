@@ -148,6 +148,12 @@ static gscl_result rdo_run(rdo_pass *p, double lambda_scale) {
     return rdo_read_codes(p);
 }
 
+gscl_scalar_rdo_settings gscl_scalar_rdo_default_settings(double lambda_scale) {
+    return (gscl_scalar_rdo_settings){.lambda_scale = lambda_scale,
+                                      .elongation_price = gscl_scalar_tunables.elongation_price,
+                                      .min_explained = gscl_scalar_tunables.min_explained};
+}
+
 gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded_image *coded,
                                  const gscl_scalar_rdo_settings *settings) {
     gscl_renderer *r = &fit->renderer;
@@ -163,6 +169,8 @@ gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded
                                    -log2f((float)(p.count - fit->fixed)), /* the order of all splats saves bits */
                                .cost_of_dropping = settings->keep_all ? FLT_MAX : 0.0f};
     p.shared.settings.scan = settings->scan_textures;
+    p.shared.settings.elongation_price = (float)settings->elongation_price;
+    p.shared.settings.min_explained = (float)settings->min_explained;
     options.texture = coded->file.header.has_texture;
     gscl_renderer_set_options(r, GSCL_PROGRAM_SCALAR_RDO, &options);
     gscl_stage(fit->context, GSCL_STAGE_RDO);

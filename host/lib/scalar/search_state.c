@@ -36,8 +36,8 @@ static double lambda_scale(const gscl_search *q, double error, double factor) {
 
 gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool scan_textures) {
     gscl_scalar_state *s = q->s;
-    const gscl_scalar_rdo_settings settings = {.lambda_scale = lambda_scale(q, error, factor),
-                                               .scan_textures = scan_textures};
+    gscl_scalar_rdo_settings settings = gscl_scalar_rdo_default_settings(lambda_scale(q, error, factor));
+    settings.scan_textures = scan_textures;
     GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
     return gscl_scalar_update_size(s);
 }

@@ -63,6 +63,9 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .model_interval = 5,
     .curvature_of_passes = 0.6f,
 
+    .elongation_price = 0.1,
+    .min_explained = 0.1,
+
     .texture_effort = 1,
     .scan_interval = 3,
     .min_textured_share = 0.01,
