@@ -142,6 +142,14 @@ def picture_rows(arguments, image, work):
     return "\n".join(parts)
 
 
+def write_page(title, rows, out):
+    """Writes index.html into the folder `out`, and prints its name."""
+    page = "\n".join(['<!DOCTYPE html>', f'<html lang="en"><head><meta charset="utf-8"><title>{title}</title>',
+                      f"<style>\n{STYLE}\n</style></head><body>", f"<h1>{title}</h1>", *rows, "</body></html>", ""])
+    (out / "index.html").write_text(page, encoding="utf-8")
+    print(out / "index.html")
+
+
 def parse():
     parser = codec.parser(__doc__)
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder for the page; it is made if it is missing")
@@ -156,10 +164,7 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         rows = [picture_rows(arguments, image, pathlib.Path(folder)) for image in images]
-    page = "\n".join(['<!DOCTYPE html>', '<html lang="en"><head><meta charset="utf-8"><title>Crops at equal bytes</title>',
-                      f"<style>\n{STYLE}\n</style></head><body>", "<h1>Crops at equal bytes</h1>", *rows, "</body></html>", ""])
-    (arguments.out / "index.html").write_text(page, encoding="utf-8")
-    print(arguments.out / "index.html")
+    write_page("Crops at equal bytes", rows, arguments.out)
 
 
 if __name__ == "__main__":

@@ -198,6 +198,18 @@ class Crops(ToolTest):
         self.assertNotIn("AVIF", page)
         self.assertEqual(page.count('width="24" height="32"'), 6)
 
+    def test_artefacts_of_two_builds(self):
+        self.write_png("kodim23.png", scene(400, 390, 3))
+        self.write_png("other.png", scene(24, 40, 3))
+        done = subprocess.run([sys.executable, BENCH / "artefacts.py", self.folder, "--gscl", GSCL, "--and", GSCL, "--out",
+                               "made/page"], cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = self.path("made/page/index.html").read_text()
+        self.assertEqual(re.findall("<h2>(.*)</h2>", page), ["shapes that are not there: kodim23, 150 bytes"])
+        crops = [read_png(base64.b64decode(data)) for data in re.findall("base64,([^\"]*)", page)]
+        self.assertEqual(crops[0], scene(400, 390, 3).crop(128, 128, 256, 256))
+        self.assertEqual(crops[1], crops[2])
+
 
 class CorpusList(unittest.TestCase):
     def test_each_line_names_a_kind_a_package_and_a_pattern_once(self):
