@@ -1,6 +1,7 @@
 #include "faults.h"
 
 #include <CL/cl.h>
+#include <malloc.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -16,10 +17,7 @@ static int failing_number; /* 0: none */
 static bool failing_forever, released_too_early;
 static const char *failed_call = "";
 static int live_blocks;
-static struct {
-    uintptr_t start;
-    size_t size;
-} pending[MAX_PENDING];
+static uintptr_t pending[MAX_PENDING]; /* where each begins in memory */
 static int pending_count;
 
 void faults_begin(fault_kind kind, int number, bool forever) {
@@ -76,11 +74,11 @@ void *__wrap_calloc(size_t count, size_t size);
 void *__wrap_realloc(void *memory, size_t size);
 void __wrap_free(void *memory);
 
-/* The size of a block is not known; copies never begin far behind the start of theirs. */
-static void check_release(const void *memory) {
+static void check_release(void *memory) {
     const uintptr_t start = (uintptr_t)memory;
-    for (int i = 0; memory && i < pending_count; i++)
-        if (pending[i].start >= start && pending[i].start - start < 4096)
+    const size_t size = malloc_usable_size(memory); /* 0 for NULL */
+    for (int i = 0; i < pending_count; i++)
+        if (pending[i] >= start && pending[i] - start < size)
             released_too_early = true;
 }
 
@@ -114,13 +112,11 @@ void __wrap_free(void *memory) {
 /* ---- OpenCL ------------------------------------------------------------------------------------ */
 
 /* The queue is in order: a call that waits has ended all copies. */
-static cl_int note_copy(cl_int error, cl_bool blocking, const void *memory, size_t size) {
+static cl_int note_copy(cl_int error, cl_bool blocking, const void *memory) {
     if (error == CL_SUCCESS && blocking)
         pending_count = 0;
-    else if (error == CL_SUCCESS && pending_count < MAX_PENDING) {
-        pending[pending_count].start = (uintptr_t)memory;
-        pending[pending_count++].size = size;
-    }
+    else if (error == CL_SUCCESS && pending_count < MAX_PENDING)
+        pending[pending_count++] = (uintptr_t)memory;
     return error;
 }
 
@@ -184,8 +180,7 @@ cl_int __wrap_clEnqueueReadBuffer(cl_command_queue q, cl_mem m, cl_bool blocking
                                   cl_uint waits, const cl_event *list, cl_event *event) {
     if (opencl_fails(FAULT_OPENCL, "clEnqueueReadBuffer"))
         return CL_OUT_OF_RESOURCES;
-    return note_copy(__real_clEnqueueReadBuffer(q, m, blocking, offset, size, to, waits, list, event), blocking, to,
-                     size);
+    return note_copy(__real_clEnqueueReadBuffer(q, m, blocking, offset, size, to, waits, list, event), blocking, to);
 }
 
 cl_int __real_clEnqueueWriteBuffer(cl_command_queue, cl_mem, cl_bool, size_t, size_t, const void *, cl_uint,
@@ -197,7 +192,7 @@ cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue q, cl_mem m, cl_bool blockin
     if (opencl_fails(FAULT_OPENCL, "clEnqueueWriteBuffer"))
         return CL_OUT_OF_RESOURCES;
     return note_copy(__real_clEnqueueWriteBuffer(q, m, blocking, offset, size, from, waits, list, event), blocking,
-                     from, size);
+                     from);
 }
 
 cl_int __real_clEnqueueReadBufferRect(cl_command_queue, cl_mem, cl_bool, const size_t *, const size_t *, const size_t *,
@@ -211,7 +206,7 @@ cl_int __wrap_clEnqueueReadBufferRect(cl_command_queue q, cl_mem m, cl_bool bloc
         return CL_OUT_OF_RESOURCES;
     return note_copy(__real_clEnqueueReadBufferRect(q, m, blocking, from, at, size, row, slice, to_row, to_slice, to,
                                                     waits, list, event),
-                     blocking, to, 1);
+                     blocking, to);
 }
 
 cl_int __real_clFinish(cl_command_queue);
@@ -219,5 +214,5 @@ cl_int __wrap_clFinish(cl_command_queue);
 cl_int __wrap_clFinish(cl_command_queue queue) {
     if (opencl_fails(FAULT_FINISH, "clFinish"))
         return CL_OUT_OF_RESOURCES;
-    return note_copy(__real_clFinish(queue), CL_TRUE, NULL, 0);
+    return note_copy(__real_clFinish(queue), CL_TRUE, NULL);
 }
