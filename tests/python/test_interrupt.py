@@ -1,5 +1,6 @@
 """Progress, cancelling, interrupts and threads."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -105,6 +106,28 @@ def test_cancel(picture, data, run):
     assert gscl.encode(picture, effort=0, bytes=400).data == data
 
 
+@pytest.mark.parametrize("device", ["host", None], ids=["host", "default"])
+def test_progress_of_a_decode(data, device):
+    states = []
+    size = (3000, 2000)
+    drawn = gscl.decode(data, size=size, device=device, progress=states.append)
+    fractions = [state.fraction for state in states]
+    assert len(states) > 2 and fractions == sorted(fractions) and 0 <= fractions[0] and fractions[-1] <= 1
+    assert {state.splats for state in states} == {gscl.info(data).splats}
+    assert numpy.array_equal(drawn, gscl.decode(data, size=size, device=device))
+    with pytest.raises(gscl.CancelledError, match="cancelled"):
+        gscl.decode(data, size=size, device=device, progress=lambda state: False)
+
+
+def test_ctrl_c_ends_a_decode(data):
+    threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        gscl.decode(data, size=(16384, 12000), device="host")  # takes several seconds
+    while any(thread.name == "gscl" for thread in threading.enumerate()):
+        time.sleep(0.01)
+    assert gscl.decode(data).any()
+
+
 @pytest.mark.parametrize("run", [lambda function: function(), in_thread], ids=["main", "other"])
 def test_exception_in_progress(picture, run):
     def fail(state):
@@ -162,7 +185,7 @@ def recorded(*arguments):
         raise
 
 def say_when_working():
-    while all(thread.name != "gscl.encode" for thread in threading.enumerate()):
+    while all(thread.name != "gscl" for thread in threading.enumerate()):
         time.sleep(0.01)
     print("working", flush=True)
 

@@ -12,7 +12,7 @@ from gscl._binding import ffi as _ffi
 from gscl._binding import lib as _lib
 from gscl._decode import Comparison, compare, decode
 from gscl._devices import HOST, Device, devices, release_devices
-from gscl._encode import EffectDecision, Encoded, EncodeReport, Progress, Stage, TracePoint, encode
+from gscl._encode import EffectDecision, Encoded, EncodeReport, Stage, TracePoint, encode
 from gscl._errors import (
     AmbiguousDeviceError,
     BudgetTooSmallError,
@@ -42,6 +42,7 @@ from gscl._errors import (
     UnknownDeviceError,
 )
 from gscl._inspect import SPLAT_DTYPE, Info, certain_splats, info, metadata, splats
+from gscl._progress import Progress
 
 __version__: str = _ffi.string(_lib.gscl_version()).decode()
 

@@ -14,6 +14,7 @@ from gscl._errors import Error, InvalidArgumentError, NoPlatformError, assign, c
 from gscl._images import Picture, from_struct, load, to_struct
 from gscl._inspect import Content, File, inspect, read
 from gscl._names import SAMPLES, number_of
+from gscl._progress import ProgressCallback, call, interruptible
 
 HOST_PIXELS = 3_000_000  # up to which the device "host" is the faster choice
 
@@ -29,6 +30,7 @@ def decode(
     bare: bool = False,
     max_pixels: int | None = None,
     max_work: int | None = None,
+    progress: ProgressCallback | None = None,
     device: str | None = None,
 ) -> NDArray[Any]:
     """Decodes a file to an array of shape (height, width) if it is grey, else (height, width, channels): grey and alpha,
@@ -43,10 +45,12 @@ def decode(
     bare: whether the file was encoded with `bare`, which its bytes do not tell.
     max_pixels, max_work: limits for files from strangers: pixels to return, and evaluations of a splat at a pixel (a core
         does about 5e8 a second).  LimitError is raised before memory is allocated.
+    progress: called after each part of the picture; returns False to cancel, which raises CancelledError.
     device: "host", which needs no OpenCL; "P.D" or a part of the name of an OpenCL device; None for "host" up to three
         megapixels and where there is no OpenCL device, else the default OpenCL device.
 
-    Raises a subclass of gscl.Error, or OSError.  The interpreter's lock is released while the library works.
+    Raises a subclass of gscl.Error, or OSError.  The interpreter's lock is released while the library works.  An interrupt
+    (Ctrl-C) in the main thread stops the decode with KeyboardInterrupt.
     """
     settings = ffi.new("gscl_decode_settings *")
     lib.gscl_decode_settings_init(settings, ffi.sizeof("gscl_decode_settings"))
@@ -63,12 +67,16 @@ def decode(
     content = read(file)
     if device is None and _pixels(content, settings) <= HOST_PIXELS:
         device = HOST
-    try:
-        return _draw(content, settings, device)
-    except NoPlatformError:
-        if device is not None:
-            raise
-        return _draw(content, settings, HOST)
+
+    def work(progress: ProgressCallback | None) -> NDArray[Any]:
+        try:
+            return _draw(content, settings, device, progress)
+        except NoPlatformError:
+            if device is not None:
+                raise
+            return _draw(content, settings, HOST, progress)
+
+    return interruptible(work, progress)
 
 
 def _assign_all(
@@ -93,10 +101,14 @@ def _pixels(content: Content, settings: Any) -> int:
         return 0
 
 
-def _draw(content: Content, settings: Any, device: str | None) -> NDArray[Any]:
+def _draw(content: Content, settings: Any, device: str | None, progress: ProgressCallback | None) -> NDArray[Any]:
     image = ffi.new("gscl_image *")
     with context_on(device) as context:
-        check(lib.gscl_decode(context, content.buffer, content.size, settings, image), context, content.name)
+
+        def draw() -> int:
+            return int(lib.gscl_decode(context, content.buffer, content.size, settings, image))
+
+        check(call(settings, progress, draw), context, content.name)
     return from_struct(image)
 
 

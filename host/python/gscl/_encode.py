@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import queue
-import threading
-from collections.abc import Callable, Iterable
-from concurrent.futures import Future
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, NamedTuple, Union
 
 from gscl._binding import ffi, lib
 from gscl._devices import context_on
@@ -16,23 +13,7 @@ from gscl._images import Picture, Source, load, to_struct
 from gscl._names import BLENDS, BLOCKS, LOSSES, PROFILES, TUNES
 from gscl._names import Blend, Effect, Loss, Profile, Tune
 from gscl._names import bits_of, effects_of, number_of, word_of
-
-
-class Progress(NamedTuple):
-    """State of an encode, for its callback."""
-
-    fraction: float
-    """Of the expected work, 0..1; never decreases."""
-    psnr: float
-    """dB of the current fit; 0 while unknown."""
-    splats: int
-    elapsed_s: float
-    remaining_s: float
-    """An estimate."""
-
-
-ProgressCallback = Callable[[Progress], Optional[bool]]
-"""Called in the thread that calls encode.  Returning False cancels; an exception cancels, and encode raises it."""
+from gscl._progress import ProgressCallback, call, interruptible
 
 
 class EffectDecision(NamedTuple):
@@ -215,91 +196,14 @@ def _blocks(source: Source, wanted: dict[str, Metadata], cicp: tuple[int, int] |
     return blocks[::-1]
 
 
-class _Call(threading.local):
-    """The callback of the encode that runs in a thread, and the exception that ended it."""
-
-    progress: ProgressCallback | None = None
-    exception: BaseException | None = None
-
-
-_call = _Call()
-
-
-def _keep_exception(kind: Any, exception: BaseException, traceback: Any) -> None:
-    _call.exception = exception
-
-
-@ffi.def_extern(error=False, onerror=_keep_exception)  # type: ignore[untyped-decorator]
-def gscl_python_progress(opaque: Any, state: Any) -> bool:
-    assert _call.progress is not None
-    now = Progress(state.fraction, state.psnr, state.splats, state.elapsed_s, state.remaining_s)
-    return _call.progress(now) is not False
-
-
 def _run(context: Any, image: Any, settings: Any, progress: ProgressCallback | None) -> Encoded:
-    if progress is not None:
-        settings.progress = lib.gscl_python_progress
     report = ffi.new("gscl_encode_report *", {"struct_size": ffi.sizeof("gscl_encode_report")})
     data, size = ffi.new("uint8_t **"), ffi.new("size_t *")
-    outer = _call.progress, _call.exception  # of an encode whose callback encodes
-    _call.progress, _call.exception = progress, None
     try:
-        result = lib.gscl_encode(context, image, settings, data, size, report)
-        exception = _call.exception
+        check(call(settings, progress, lambda: lib.gscl_encode(context, image, settings, data, size, report)), context)
+        return Encoded(bytes(ffi.buffer(data[0], size[0])), _report(report))
     finally:
-        _call.progress, _call.exception = outer
-    if exception is not None:
         lib.gscl_free(data[0])
-        raise exception
-    check(result, context)
-    encoded = bytes(ffi.buffer(data[0], size[0]))
-    lib.gscl_free(data[0])
-    return Encoded(encoded, _report(report))
-
-
-INTERRUPT_GRACE = 0.5  # seconds that an interrupted call waits for its encode to stop
-
-
-def interruptible(work: Callable[[Optional[ProgressCallback]], Encoded], progress: ProgressCallback | None) -> Encoded:
-    """Calls `work`, so that an interrupt ends it.
-
-    Python handles interrupts in the main thread, between its own instructions.  There the work has a thread of its own;
-    the main thread waits for it and calls `progress`.  After an interrupt the work is cancelled; where it does not stop at
-    once, because a kernel is being compiled, it ends later and its result is dropped.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        return work(progress)
-    events: queue.SimpleQueue[Progress | Future[Encoded]] = queue.SimpleQueue()
-    answers: queue.SimpleQueue[bool] = queue.SimpleQueue()
-    stopped = threading.Event()
-
-    def ask(state: Progress) -> bool:
-        if progress is None or stopped.is_set():
-            return not stopped.is_set()
-        events.put(state)
-        return answers.get()
-
-    def run() -> None:
-        done: Future[Encoded] = Future()
-        try:
-            done.set_result(work(ask))
-        except BaseException as error:
-            done.set_exception(error)
-        events.put(done)
-
-    worker = threading.Thread(target=run, name="gscl.encode")
-    try:
-        worker.start()
-        while not isinstance(event := events.get(), Future):
-            assert progress is not None
-            answers.put(progress(event) is not False)
-        return event.result()
-    except BaseException:
-        stopped.set()
-        answers.put(False)
-        if worker.ident is not None:
-            worker.join(INTERRUPT_GRACE)
-        raise
 
 
 def _word(text: Any) -> str:
