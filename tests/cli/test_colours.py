@@ -1,4 +1,5 @@
 """Colour profiles and other descriptions of colours: pixels are converted to sRGB, and never change without a word."""
+import re
 import struct
 import time
 import unittest
@@ -47,13 +48,16 @@ def cicp(primaries, transfer, matrix=0, full_range=1):
 
 class ColourTest(ToolTest):
     def read(self, name, data, expected, message, tolerance=1.001):
-        """Reads a file, whose pixels must be those of `expected`, and whose notes must be `message` or nothing."""
+        """Reads a file, whose pixels must be those of `expected`, and whose notes must be `message`, match it, or nothing."""
         self.write(name, data)
         self.write_png("expected.png", expected)
         done = self.start("compare", "expected.png", name, "--json")
         error = done.stderr.decode()
         self.assertEqual(done.returncode, 0, error)
-        self.assertEqual(error, f"{message}\n" if message else "")
+        if isinstance(message, re.Pattern):
+            self.assertRegex(error, message)
+        else:
+            self.assertEqual(error, f"{message}\n" if message else "")
         self.write("report.json", done.stdout)
         difference = float(done.stdout.split(b'"max_difference":')[1].split(b",")[0].strip(b" }\n"))
         self.assertLessEqual(difference, tolerance)
@@ -387,7 +391,9 @@ class Kept(ColourTest):
                 data, notes = self.decode_to(suffix)
                 self.assertEqual(notes, self.from_to_srgb(f"out.{suffix}", "Test Adobe") +
                                  f", because .{suffix} holds no colour profile\n")
-                self.read(f"out.{suffix}", data, expected, "", tolerance)
+                # OpenEXR also holds the colours that sRGB does not have.
+                outside = re.compile(r"\Agscl: out.exr: warning: \d+ samples lie outside 0..1 and are clamped; .*\n\Z")
+                self.read(f"out.{suffix}", data, expected, outside if suffix == "exr" else "", tolerance)
 
     def test_colours_that_cannot_be_kept(self):
         self.write("in.jpg", jpeg_bytes(flat(16, 8, (0, 255, 0, 0)), jpeg_icc(icc_cmyk(INKS))))
