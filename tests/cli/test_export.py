@@ -101,6 +101,12 @@ class Svg(ToolTest):
                 samples = [s for s in exact.samples for _ in range(4 - channels if channels == 1 else 1)]
                 self.assertGreater(psnr(Image(96, 64, 3, 8, colours), Image(96, 64, 3, 8, samples)), MIN_PSNR[name])
 
+    def test_limits(self):
+        self.encode(scene(60, 40), "--splats", 12)
+        export = ("export", "in.gscl", "-o", "x.svg")
+        self.refused("in.gscl", "max_work.*; --max-work raises this limit", *export, "--max-work", 1)
+        self.refused("in.gscl", "max_pixels.*; --max-pixels raises this limit", *export, "--max-pixels", 1)
+
     def test_background_alone(self):
         root = self.export(scene(8, 8), "--effects=-chroma", "--splats", 1)
         self.assertEqual(len(list(root.iter(f"{SVG}rect"))), 1)

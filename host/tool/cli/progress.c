@@ -70,6 +70,8 @@ gscl_result progress_decode(gscl_context *context, const char *label, const uint
     gscl_result result = gscl_decode(context, bytes, size, settings, image);
     interrupt_set_deferring(false);
     progress_finish(&line);
+    settings->progress = NULL;
+    settings->progress_opaque = NULL;
     /* The library does not see a signal that comes after its last check. */
     if (result == GSCL_OK && interrupt_pending()) {
         gscl_free(image->pixels);

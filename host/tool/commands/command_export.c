@@ -13,6 +13,7 @@
 #include "cli/message.h"
 #include "cli/options.h"
 #include "cli/output_file.h"
+#include "cli/progress.h"
 #include "cli/read_file.h"
 #include "commands/command.h"
 #include "commands/export_svg.h"
@@ -25,6 +26,7 @@ typedef struct export_options {
     bool formats[EXPORT_FORMATS]; /* which were asked for */
     export_format format;
     gscl_form form;
+    gscl_limits limits; /* of an SVG image */
 } export_options;
 
 /* ---- Tables ------------------------------------------------------------------------------------ */
@@ -76,48 +78,53 @@ static void write_table(const export_options *options, output_file *output, cons
 
 /* ---- SVG --------------------------------------------------------------------------------------- */
 
-/* Reduces pixels to three channels, in place.  Colours stay multiplied by alpha. */
-static void make_rgb(gscl_image *image) {
-    float *out = image->pixels;
+/* The image with three channels, colours multiplied by alpha.  Its pixels are NULL where memory ran out; they are
+ * released with free. */
+static gscl_image rgb_of(const gscl_image *image) {
+    const size_t pixels = (size_t)image->width * image->height;
     const float *in = image->pixels;
-    const uint32_t channels = image->channels;
-    float *copy = channels >= 3 ? out : malloc((size_t)image->width * image->height * 3 * sizeof *copy);
-    if (!copy)
-        return;
-    for (size_t i = 0; i < (size_t)image->width * image->height; i++, in += channels) {
+    gscl_image rgb = *image;
+    float *out = rgb.pixels = malloc((pixels ? pixels : 1) * 3 * sizeof *out);
+    rgb.channels = 3;
+    rgb.stride = 0;
+    for (size_t i = 0; out && i < pixels; i++, in += image->channels)
         for (uint32_t c = 0; c < 3; c++)
-            copy[3 * i + c] = in[channels >= 3 ? c : 0];
-    }
-    if (copy != out) {
-        gscl_free(image->pixels);
-        image->pixels = copy;
-    }
-    image->channels = 3;
+            out[3 * i + c] = in[image->channels >= 3 ? c : 0];
+    return rgb;
 }
 
-static int write_svg(const export_options *options, output_file *output, const gscl_info *info, const uint8_t *bytes,
-                     size_t size, gscl_splat *splats, size_t count) {
-    const device_choice choice = {.device = GSCL_HOST_DEVICE};
-    gscl_context *context;
-    gscl_image image = {0};
+static gscl_decode_settings svg_settings(const export_options *options, const gscl_info *info) {
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_F32;
     settings.premultiplied = true;
     settings.bare = options->form.bare;
+    settings.max_pixels = options->limits.max_pixels;
+    settings.max_work = options->limits.max_work;
     export_svg_grid(info, &settings.width, &settings.height);
+    return settings;
+}
+
+/* Drawing the picture comes first: it refuses files that would take too long here, too. */
+static int write_svg(const export_options *options, output_file *output, const gscl_info *info, const uint8_t *bytes,
+                     size_t size, gscl_splat *splats, size_t count) {
+    const device_choice choice = {.device = GSCL_HOST_DEVICE};
+    gscl_decode_settings settings = svg_settings(options, info);
+    const char *label = input_label(options->input);
+    gscl_context *context;
+    gscl_image image = {0};
     int status = open_device(&choice, &context);
     if (status != EXIT_SUCCESS)
         return status;
-    gscl_result result = gscl_decode(context, bytes, size, &settings, &image);
+    const gscl_result result = progress_decode(context, label, bytes, size, &settings, &image);
     if (result == GSCL_OK) {
-        make_rgb(&image);
-        if (image.channels != 3 || !export_svg(output, info, splats, count, &image))
-            result = GSCL_ERROR_OUT_OF_MEMORY;
+        const gscl_image rgb = rgb_of(&image);
+        if (!rgb.pixels || !export_svg(output, info, splats, count, &rgb))
+            status = report_result(NULL, label, GSCL_ERROR_OUT_OF_MEMORY);
+        free(rgb.pixels);
+    } else {
+        status = report_result(context, label, result);
     }
-    if (result != GSCL_OK)
-        status =
-            report_result(result == GSCL_ERROR_OUT_OF_MEMORY ? NULL : context, input_label(options->input), result);
     gscl_free(image.pixels);
     gscl_context_free(&context);
     return status;
@@ -179,7 +186,7 @@ static int choose_format(export_options *options) {
 }
 
 int command_export(int argc, char **argv) {
-    export_options export = {.output = NULL};
+    export_options export = {.limits = GSCL_DEFAULT_LIMITS};
     const option_spec options[] = {
         {.name = "output",
          .letter = 'o',
@@ -200,6 +207,7 @@ int command_export(int argc, char **argv) {
          .value = &export.formats[EXPORT_CSV],
          .help = "write a table with a line for each splat"},
         GSCL_FORM_OPTIONS(export.form),
+        GSCL_LIMIT_OPTIONS(export.limits),
     };
     const option_command command = {
         .name = "export",
