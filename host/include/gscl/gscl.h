@@ -406,8 +406,9 @@ typedef struct gscl_decode_settings {
                           false */
     bool partial;      /* whether the file may be cut off: draws the splats that gscl_certain_splats counts.  Damage is
                           then not detected.  Default false: a file that is cut off is refused */
-    gscl_progress_callback progress; /* default NULL.  Called before drawing and after each part of the image, of 16
-                                        rows or of about 5e7 evaluations; the pixels stay equal */
+    gscl_progress_callback progress; /* default NULL.  Called before drawing and after each part of the image; the
+                                        pixels stay equal.  Parts have 16 rows on the device "host" and about 5e7
+                                        evaluations on a CPU, but at least 16 rows; on a GPU more */
     void *progress_opaque;           /* first argument of `progress` */
 } gscl_decode_settings;
 

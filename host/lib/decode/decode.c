@@ -134,7 +134,7 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     gscl_image decoded = shape_of(&f, &coded.file.header, &s);
     gscl_result result = provide_pixels(context, &decoded, image);
     if (result == GSCL_OK) {
-        const gscl_draw_progress progress = gscl_draw_progress_begin(&s, &coded, &f, start_s);
+        const gscl_draw_progress progress = gscl_draw_progress_begin(&s, &coded, start_s);
         result = draw(context, &coded, &f, &decoded, &progress);
     }
     if (result == GSCL_OK)

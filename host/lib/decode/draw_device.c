@@ -1,5 +1,6 @@
 #include "decode/draw_device.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "cl/constants.h"
@@ -10,18 +11,22 @@
 #include "runtime/stage_clock.h"
 
 /* Rows of a band: whole rows of tiles, as many as its samples and, where there is a callback, its work allow. */
-static uint32_t rows_of_band(const gscl_frame *f, const gscl_image *image, const gscl_draw_progress *progress) {
-    double rows = (double)gscl_decode_tunables.band_samples / ((double)f->width * image->channels);
-    if (progress->callback && progress->row_work * rows > gscl_decode_tunables.band_work)
-        rows = gscl_decode_tunables.band_work / progress->row_work;
+static uint32_t rows_of_band(const gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
+                             const gscl_image *image, const gscl_draw_progress *progress) {
+    const struct gscl_decode_tunables *t = &gscl_decode_tunables;
+    double rows = (double)t->band_samples / ((double)f->width * image->channels);
+    if (progress->callback) {
+        const double work = context->gpu_mapping ? t->gpu_band_work : t->band_work;
+        rows = fmin(rows, work * f->height / ((double)gscl_frame_work(coded, f) + 1));
+    }
     return rows < GSCL_TILE ? GSCL_TILE : (uint32_t)rows / GSCL_TILE * GSCL_TILE;
 }
 
 /* Draws the frame band by band, so that no buffer grows with the image. */
-static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_image *image,
-                              const gscl_draw_progress *progress) {
+static gscl_result draw_bands(gscl_renderer *r, const gscl_coded_image *coded, const gscl_frame *f,
+                              const gscl_image *image, const gscl_draw_progress *progress) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
-    const uint32_t rows = rows_of_band(f, image, progress);
+    const uint32_t rows = rows_of_band(r->context, coded, f, image, progress);
     for (uint32_t y = 0; y < f->height; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;
         size_t stride = gscl_image_stride(image);
@@ -71,7 +76,7 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *co
     gscl_stage(context, GSCL_STAGE_DRAW);
     GSCL_TRY(reuse_renderer(context, &options, &renderer));
     GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));
-    return draw_bands(renderer, f, image, progress);
+    return draw_bands(renderer, coded, f, image, progress);
 }
 
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,

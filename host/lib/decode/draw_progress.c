@@ -4,14 +4,13 @@
 #include "runtime/stage_clock.h"
 
 gscl_draw_progress gscl_draw_progress_begin(const gscl_decode_settings *s, const gscl_coded_image *coded,
-                                            const gscl_frame *f, double start_s) {
+                                            double start_s) {
     if (!s->progress)
         return (gscl_draw_progress){.callback = NULL};
     return (gscl_draw_progress){.callback = s->progress,
                                 .opaque = s->progress_opaque,
                                 .start_s = start_s,
-                                .splats = coded->file.header.splat_count,
-                                .row_work = (double)gscl_frame_work(coded, f) / f->height};
+                                .splats = coded->file.header.splat_count};
 }
 
 gscl_result gscl_draw_progress_report(gscl_context *context, const gscl_draw_progress *p, const gscl_frame *f,

@@ -11,11 +11,10 @@ typedef struct gscl_draw_progress {
     void *opaque;
     double start_s; /* of the decode, on the clock of gscl_now */
     uint32_t splats;
-    double row_work; /* evaluations of a row of the frame, on average */
 } gscl_draw_progress;
 
 gscl_draw_progress gscl_draw_progress_begin(const gscl_decode_settings *s, const gscl_coded_image *coded,
-                                            const gscl_frame *f, double start_s);
+                                            double start_s);
 /* Reports that `rows` rows of the frame are drawn.  GSCL_ERROR_CANCELLED when the callback returns false. */
 gscl_result gscl_draw_progress_report(gscl_context *context, const gscl_draw_progress *progress, const gscl_frame *f,
                                       uint32_t rows);
