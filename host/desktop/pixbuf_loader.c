@@ -2,6 +2,7 @@
  *
  * It draws on the processor (the library's device "host"), and refuses what would need more memory or time than a viewer
  * should spend on a file that nobody has checked. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -249,7 +250,7 @@ static gboolean take_tune(const char *value, gscl_encode_settings *settings) {
 static gboolean take_option(const char *key, const char *value, gscl_encode_settings *settings) {
     char *end;
     const double number = g_ascii_strtod(value, &end);
-    const gboolean is_number = end != value && *end == '\0' && number >= 0.0;
+    const gboolean is_number = end != value && *end == '\0' && isfinite(number) && number >= 0.0;
     for (gsize i = 0; i < G_N_ELEMENTS(targets); i++) {
         if (strcmp(key, targets[i].key) == 0) {
             settings->target = targets[i].target;
@@ -258,8 +259,10 @@ static gboolean take_option(const char *key, const char *value, gscl_encode_sett
         }
     }
     if (strcmp(key, "effort") == 0) {
+        if (!is_number || number > GSCL_MAX_EFFORT || number != floor(number))
+            return FALSE;
         settings->effort = (int)number;
-        return is_number && number <= GSCL_MAX_EFFORT;
+        return TRUE;
     }
     return strcmp(key, "tune") == 0 && take_tune(value, settings);
 }
