@@ -145,7 +145,8 @@ class Loader(DesktopTest):
         self.gscl("decode", "out.gscl", "-o", "out.png")
         self.assertEqual(read_png(self.path("out.png").read_bytes()).samples[:3], [0x30, 0x60, 0xC0])
         self.assertRegex(save("bytes=2"), "gscl: a budget of 2 bytes is too small")
-        for option in ("bytes=many", "effort=10", "tune=best", "quality=3"):
+        for option in ("bytes=many", "bytes=inf", "effort=10", "effort=1e300", "effort=inf", "effort=nan", "effort=2.5",
+                       "effort=-1", "tune=best", "quality=3"):
             key, value = option.split("=")
             self.assertRegex(save(option), f"gscl: the option {key} cannot be '{value}'; there are")
 
@@ -172,8 +173,8 @@ class Thumbnails(DesktopTest):
         queue = [*service, "org.freedesktop.thumbnails.Thumbnailer1.Queue", f"['{self.path('in.gscl').as_uri()}']",
                  "['image/x-gscl']", "normal", "default", "0"]
         thumbnails = self.path("cache/thumbnails/normal")
-        # The session ends when its program does: it waits until the thumbnail is there, for 20 s at most.
-        wait = f'"$@" && for i in $(seq 100); do ls "{thumbnails}"/*.png >/dev/null 2>&1 && exit; sleep 0.2; done'
+        # The session ends when its program does: it waits until the thumbnail is whole, for 20 s at most.
+        wait = f'"$@" && for i in $(seq 100); do grep -qs IEND "{thumbnails}"/*.png && exit; sleep 0.2; done'
         done = self.start("--", "sh", "-c", wait, "wait", *queue, program="dbus-run-session", env=self.env)
         files = list(thumbnails.glob("*.png"))
         self.assertEqual(len(files), 1, done.stderr)
@@ -181,6 +182,34 @@ class Thumbnails(DesktopTest):
         self.assertEqual((image.width, image.height), (128, 85))
         opaque = [sample for at, sample in enumerate(image.samples) if image.channels == 3 or at % 4 < 3]
         self.assertGreater(psnr(Image(128, 85, 3, 8, opaque), self.drawn("--size", "128x85")), 50)
+
+
+class Caches(DesktopTest):
+    """host/desktop/update_caches.sh, for an installation in a folder of its own."""
+
+    def update(self, query):
+        (self.folder / "loaders").mkdir(exist_ok=True)
+        shutil.copy(os.environ["PIXBUF_LOADER"], self.folder / "loaders")
+        return self.start(HOST / "desktop/update_caches.sh", query, self.path("loaders"), self.path("no such folder"),
+                          program="sh", env={**self.env, "MESON_INSTALL_PREFIX": str(self.path("prefix"))})
+
+    def setUp(self):
+        super().setUp()
+        (self.path("prefix") / "share/mime/packages").mkdir(parents=True)
+        self.write("loaders.cache", b"old")
+
+    def test_lists_the_loader(self):
+        done = self.update(os.environ["QUERY_LOADERS"])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(b"image/x-gscl", self.path("loaders.cache").read_bytes())
+        self.assertFalse(self.path("loaders.cache.new").exists())
+
+    def test_keeps_the_old_list_when_listing_fails(self):
+        self.write("query", b"#!/bin/sh\necho half of the list\nexit 1\n")
+        self.path("query").chmod(0o755)
+        self.assertNotEqual(self.update(self.path("query")).returncode, 0)
+        self.assertEqual(self.path("loaders.cache").read_bytes(), b"old")
+        self.assertFalse(self.path("loaders.cache.new").exists())
 
 
 class ImageMagick(DesktopTest):

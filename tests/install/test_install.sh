@@ -21,6 +21,7 @@ done
 loader=$(find "$work" -name libpixbufloader-gscl.so)
 if [ -n "$loader" ]; then
     test -f "$prefix/share/thumbnailers/gscl.thumbnailer"
+    test "${loader#"$prefix"/}" != "$loader" # nothing lies outside the prefix
     query=$(pkg-config --variable=gdk_pixbuf_query_loaders gdk-pixbuf-2.0)
     system=$(pkg-config --variable=gdk_pixbuf_moduledir gdk-pixbuf-2.0)
     LD_LIBRARY_PATH=$libdir MESON_INSTALL_PREFIX=$prefix \
