@@ -57,7 +57,7 @@ suite() {
 check "quickstart" sh tests/quickstart.sh
 
 # All tests of a release build.
-check "build" build build-test -Dtool=enabled -Dtests=enabled -Dweb=enabled
+check "build" build build-test -Dtool=enabled -Dtests=enabled -Dweb=enabled -Dopenimageio=enabled -Ddesktop=enabled
 suite build-test
 check "install" sh tests/install/test_install.sh build-test
 check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
