@@ -3,17 +3,17 @@
  * Each call has an instance of the WebAssembly module of its own: its memory goes when the call ends, and a trap ends one call
  * only.  The build joins this file and element.js to gscl.js, without comments and with short names. */
 
-/* Codes and messages by the numbers of gsf_result (format/types.h); the messages are those of gscl_decode. */
-export const OUT_OF_MEMORY = 7;
-const failures = [
-  ,
-  ['not-a-gscl-file', 'not a gscl file'],
-  ['newer-version', bytes => `written in format version ${bytes[4] & 15}; this program reads up to version 2`],
-  ['truncated', bytes => `the file is incomplete: ${bytes.length} bytes are there and more are needed`],
-  ['damaged', 'the file is damaged or cut off: the check at its end does not match'],
-  ['corrupt', 'the file breaks a rule of the format'],
-  ['unknown-block', 'the file has a block that must be understood and is unknown to this program'],
-  ['out-of-memory', 'out of memory'],
+/* Messages and codes by the numbers of gsf_result (format/types.h); the messages are those of gscl_decode. */
+const OUT_OF_MEMORY = 7;
+const failuresOf = bytes => [
+  [],
+  ['not a gscl file', 'not-a-gscl-file'],
+  [`written in format version ${bytes[4] & 15}; this program reads up to version 2`, 'newer-version'],
+  [`the file is incomplete: ${bytes.length} bytes are there and more are needed`, 'truncated'],
+  ['the file is damaged or cut off: the check at its end does not match', 'damaged'],
+  ['the file breaks a rule of the format', 'corrupt'],
+  ['the file has a block that must be understood and is unknown to this program', 'unknown-block'],
+  ['out of memory', 'out-of-memory'],
 ];
 const MAX_DIMENSION = 16384;
 const MAX_ZOOMED = 2 ** 24; /* where a float still has whole pixels */
@@ -27,22 +27,28 @@ const refuse = (isRefused, message, code = 'invalid-argument') => {
     throw Object.assign(new GsclError(message), {code});
 };
 
-let module;
-export const load = source => module = Promise.resolve(source).then(it => it instanceof WebAssembly.Module ? it : WebAssembly.compile(it));
-const fetchModule = async () => (await fetch(new URL('gscl.wasm', import.meta.url))).arrayBuffer();
+const fetchFile = async (url, options, code) => {
+  const answer = await fetch(url, options);
+  refuse(!answer.ok, `${answer.url}: status ${answer.status}`, code);
+  return answer;
+};
+
+const compile = async source => (source = await source) instanceof WebAssembly.Module ? source : WebAssembly.compile(source);
+const fetchModule = async () => (await fetchFile(new URL('gscl.wasm', import.meta.url), {}, 'failed')).arrayBuffer();
+let given, fetched; /* promises of the module */
+export const load = source => given = compile(source);
+const moduleOf = () => given || (fetched ||= compile(fetchModule()).catch(error => {
+  fetched = 0; /* the next call tries again */
+  throw error;
+}));
 
 /* Calls use(wasm, header, check) with an instance that has read the header of the file.  header() is the list of
  * decoder.c; check(result) throws unless the result is 0. */
 export const open = async (source, {bare}, use) => {
   try {
-    const bytes = ArrayBuffer.isView(source) ? new Uint8Array(source.buffer, source.byteOffset, source.byteLength) : new Uint8Array(source);
-    const wasm = (await WebAssembly.instantiate(await (module || load(fetchModule())), {Math})).exports;
-    const check = result => {
-      if (result) {
-        const [code, message] = failures[result];
-        refuse(1, message.at ? message : message(bytes), code);
-      }
-    };
+    const bytes = new Uint8Array(source?.buffer || source, source?.byteOffset, source?.byteLength); /* a view has a buffer */
+    const wasm = (await WebAssembly.instantiate(await moduleOf(), {Math})).exports;
+    const check = result => refuse(result, ...failuresOf(bytes)[result]);
     const at = wasm.file(bytes.length, !!bare);
     check(at ? 0 : OUT_OF_MEMORY);
     new Uint8Array(wasm.memory.buffer, at).set(bytes);
@@ -59,6 +65,9 @@ export const info = (source, options = {}) => open(source, options, (wasm, heade
   return {width, height, channels: layout + 1, bitDepth: isHigh ? 16 : 8, splats, layers: enhancement + 1};
 });
 
+const limitSize = (width, height, most) =>
+  refuse(Math.max(width, height) > most, `cannot draw ${width}x${height} pixels; at most ${most}x${most}`, 'image-size');
+
 /* The same checks as gscl_decode, in the same order, but that only the returned rectangle is limited to MAX_DIMENSION. */
 export const decode = (source, options = {}) => open(source, options, (wasm, header, check) => {
   const {width = 0, height = 0, crop = {}, maxPixels = 2 ** 26, maxWork = 2 ** 33} = options;
@@ -67,7 +76,8 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   const w = cropWidth || fullWidth - x, h = cropHeight || fullHeight - y;
   refuse(![width, height, x, y, cropWidth, cropHeight].every(number => number >= 0 && number % 1 == 0), 'width, height and crop must be whole numbers from 0 on');
   refuse(!width != !height, 'both width and height must be given, or neither');
-  refuse(Math.max(w, h) > MAX_DIMENSION || Math.max(fullWidth, fullHeight) > MAX_ZOOMED, `cannot draw ${w}x${h} pixels; at most ${MAX_DIMENSION}x${MAX_DIMENSION}`, 'image-size');
+  limitSize(w, h, MAX_DIMENSION);
+  limitSize(fullWidth, fullHeight, MAX_ZOOMED);
   refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
     `crop ${x},${y},${cropWidth},${cropHeight} does not lie inside ${fullWidth}x${fullHeight}`);
   refuse(w * h > maxPixels, `the decoded image has ${w * h} pixels (${w}x${h}); max_pixels is ${maxPixels}`, 'limit');

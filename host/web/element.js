@@ -1,23 +1,25 @@
 /* <gscl-image>: draws a gscl picture in the pixels of the screen, also while its bytes arrive. */
+const failure = error => new ErrorEvent('error', {error, message: error.message});
+
 export class GsclImage extends (globalThis.HTMLElement || Object) {
   static observedAttributes = ['src', 'data', 'bare', 'alt', 'width', 'height'];
+  #style = document.createElement('style');
   #canvas = document.createElement('canvas');
   #bytes; /* of the file that have come */
-  #isWhole; /* all of them have */
-  #isDrawing;
-  #isStale; /* there is more to draw than when the drawing in progress began */
+  #isWhole; /* 1: all of them have; 2: and the page knows */
+  #draws = 0; /* calls of #draw since the drawing in progress began, with the one that began it */
   #loading; /* AbortController of the file */
   #redraw = () => this.#draw();
   #observer = new ResizeObserver(this.#redraw);
 
   constructor() {
     super();
-    this.attachShadow({mode: 'open'}).innerHTML = '<style>:host{display:inline-block;line-height:0}canvas{width:100%;height:100%}</style>';
-    this.shadowRoot.append(this.#canvas);
+    this.attachShadow({mode: 'open'}).append(this.#style, this.#canvas);
     this.#canvas.width = this.#canvas.height = 0;
+    this.#fit({});
   }
   connectedCallback() {
-    this.role ||= 'img';
+    this.hasAttribute('role') || this.setAttribute('role', 'img');
     this.#observer.observe(this);
     addEventListener('resize', this.#redraw); /* the zoom of the page changes the pixels of the screen, not the element */
   }
@@ -27,7 +29,7 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
   }
   attributeChangedCallback(name, _, value) {
     if (name == 'alt')
-      this.ariaLabel = value;
+      this.setAttribute('aria-label', value || '');
     else if (name == 'width' || name == 'height')
       this.style[name] = value && value + 'px';
     else
@@ -40,60 +42,56 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
     this.#bytes = this.#isWhole = 0;
     await 0; /* attributes that are set together load one file */
     try {
+      refuse(signal.aborted);
       const data = this.getAttribute('data'), src = this.getAttribute('src');
-      if (signal.aborted)
-        return;
       if (data)
-        this.#bytes = Uint8Array.from(atob(data), character => character.charCodeAt());
+        this.#take(Uint8Array.from(atob(data), character => character.charCodeAt()), 1);
       else if (src)
         await this.#fetch(src, signal);
-      this.#isWhole = this.#bytes && 1;
-      this.#draw();
     } catch (error) {
-      signal.aborted || this.#fail(error);
+      signal.aborted || this.dispatchEvent(failure(error));
     }
   }
   async #fetch(src, signal) {
-    const answer = await fetch(src, {signal}), parts = [];
-    refuse(!answer.ok, `${answer.url}: ${answer.status}`, 'not-found');
-    for (const reader = answer.body.getReader(); ;) {
+    const reader = (await fetchFile(src, {signal}, 'not-found')).body.getReader(), parts = [];
+    for (let isWhole; !isWhole;) {
       const {value, done} = await reader.read();
-      if (done)
-        break;
-      parts.push(value);
-      this.#bytes = new Uint8Array(await new Blob(parts).arrayBuffer());
-      this.#draw();
+      parts.push(value || '');
+      const bytes = await new Blob(parts).arrayBuffer();
+      refuse(signal.aborted); /* another file may have come meanwhile */
+      this.#take(bytes, isWhole = done);
     }
-    this.#bytes ||= new Uint8Array;
   }
-  #fail(error) {
-    this.dispatchEvent(new ErrorEvent('error', {error, message: error.message}));
+  #take(bytes, isWhole) {
+    this.#bytes = bytes;
+    this.#isWhole = isWhole;
+    this.#draw();
   }
 
   /* Draws the bytes that have come, again and again until no more have come meanwhile. */
   async #draw() {
-    this.#isStale = 1;
-    if (this.#isDrawing)
+    if (this.#draws++)
       return;
-    this.#isDrawing = 1;
-    while (this.#isStale) {
-      this.#isStale = 0;
+    do {
+      this.#draws = 1;
       const bytes = this.#bytes, isWhole = this.#isWhole;
-      const isEnd = () => isWhole == 1 && bytes == this.#bytes && (this.#isWhole = 2);
+      let event = new Event('load');
       try {
         bytes && await this.#drawBytes(bytes, !isWhole);
-        isEnd() && this.dispatchEvent(new Event('load'));
       } catch (error) {
-        isEnd() && this.#fail(error);
+        event = failure(error);
       }
-    }
-    this.#isDrawing = 0;
+      if (isWhole == 1 && bytes == this.#bytes) {
+        this.#isWhole = 2;
+        this.dispatchEvent(event);
+      }
+    } while (--this.#draws);
   }
   async #drawBytes(bytes, partial) {
-    const canvas = this.#canvas, style = this.style, bare = this.hasAttribute('bare'), file = await info(bytes, {bare});
-    style.aspectRatio = file.width + '/' + file.height;
-    this.offsetWidth && this.offsetHeight || (style.width = file.width + 'px', style.maxWidth ||= '100%');
-    const box = this.getBoundingClientRect(), [width, height] = [box.width, box.height].map(side => Math.min(Math.round(side * devicePixelRatio), MAX_DIMENSION));
+    const canvas = this.#canvas, bare = this.hasAttribute('bare');
+    this.#fit(await info(bytes, {bare}));
+    const box = this.getBoundingClientRect(), pixels = side => Math.min(Math.round(side * devicePixelRatio), MAX_DIMENSION);
+    const width = pixels(box.width), height = pixels(box.height);
     if (width * height) {
       const image = await decode(bytes, {width, height, bare, partial});
       if (bytes == this.#bytes) {
@@ -102,6 +100,10 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
         canvas.getContext('2d').putImageData(image, 0, 0);
       }
     }
+  }
+  /* The encoded size is the width of the content, which counts only where neither the attributes nor the page give a size. */
+  #fit({width, height}) {
+    this.#style.textContent = `:host{display:inline-block;line-height:0;aspect-ratio:${width}/${height}}canvas{width:${width}px;min-width:100%;max-width:100%;height:100%}`;
   }
 }
 globalThis.customElements?.define('gscl-image', GsclImage);

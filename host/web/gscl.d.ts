@@ -87,9 +87,9 @@ export function load(source: BufferSource | WebAssembly.Module | PromiseLike<Buf
 /** <gscl-image src="picture.gscl" alt="..." width="300" height="200">
  *
  * Attributes: `src`, a URL, also a data: URL; `data`, a file in base64, in place of src; `bare`, whether the file is bare;
- * `alt`; `width` and `height` in CSS pixels, default the encoded size. The picture is drawn while its bytes arrive, and
- * again whenever its size on the screen changes. Events: `load`, once the whole file is drawn; `error`, an ErrorEvent with
- * a GsclError or a TypeError of fetch. */
+ * `alt`; `width` and `height` in CSS pixels, default the encoded size, at most the width of what is around it. The picture
+ * is drawn while its bytes arrive, and again whenever its size on the screen changes. Events: `load`, once the whole file is
+ * drawn; `error`, an ErrorEvent with a GsclError or a TypeError of fetch. */
 export class GsclImage extends HTMLElement {}
 
 declare global {

@@ -1,6 +1,7 @@
 /* splats: the Gaussians of a file; gscl.d.ts describes it. */
-import {open, OUT_OF_MEMORY} from './gscl.js';
+import {open} from './gscl.js';
 
+const OUT_OF_MEMORY = 7; /* gsf_result (format/types.h) */
 const PARAMS = 14; /* numbers of a splat (cl/constants.h) */
 
 export const splats = (source, options = {}) => open(source, options, (wasm, header, check) => {

@@ -25,6 +25,8 @@ execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/photo
 encode('scene.gscl', '--bytes', '3000');
 encode('progressive.gscl', '--bytes', '3000', '--progressive');
 encode('bare.gscl', '--bytes', '150', '--bare');
+execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/photograph.gscl'), '--size', '160x40', '-o', join(made, 'wide.png')]);
+execFileSync(gscl, ['encode', join(made, 'wide.png'), '-o', join(made, 'wide.gscl'), '--effort', '0', '--quiet', '--bytes', '1000']);
 copyFileSync(join(conformance, 'files/damaged-bit.gscl'), join(made, 'damaged.gscl'));
 
 const decodeBy = (name, ...options) => {
@@ -32,13 +34,16 @@ const decodeBy = (name, ...options) => {
   return readPng(fileOf('out.png'));
 };
 
+let hasModule = true; /* whether gscl.wasm is found */
 let slow; /* the answer to /slow.gscl, which the tests write to */
 const page = body => `<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script>
+  delete String.prototype.at, delete Element.prototype.role, delete Element.prototype.ariaLabel; /* which older browsers lack */
   window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message]), true);
   </script><script type="module" src="/web/gscl.js"></script>${body}`;
 const pages = {};
 const site = await serve({'/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
   '/slow.gscl': (_, response) => slow = response,
+  '/web/gscl.wasm': (_, response) => hasModule ? response.writeHead(200).end(readFileSync(join(folder, 'gscl.wasm'))) : response.writeHead(503).end(),
   '/page': (request, response) => response.writeHead(200, {'content-type': 'text/html'}).end(page(pages[new URL(request.url, 'http://host').searchParams.get('name')])),
 });
 const browser = await Chromium.start();
@@ -143,6 +148,89 @@ test('an element changes its file, and the last one counts', async () => {
   await loaded('a');
   slow?.end(fileOf('scene.gscl')), slow = undefined;
   assertPicture(await browser.pixels(canvasOf('a')), decodeBy('progressive.gscl'), 'last file');
+});
+
+test('an element drops what arrives of a file that it no longer shows', async () => {
+  for (const change of [`a.setAttribute('data', '${fileOf('progressive.gscl').toString('base64')}')`, `a.removeAttribute('src')`]) {
+    await show('<gscl-image id="a"></gscl-image>');
+    /* The first bytes are joined late, after the change. */
+    await browser.evaluate(`customElements.whenDefined('gscl-image').then(() => {
+      const join = Blob.prototype.arrayBuffer;
+      Blob.prototype.arrayBuffer = async function() {
+        const bytes = await join.call(this);
+        window.isJoining = true;
+        await new Promise(resolve => window.finish = resolve);
+        return bytes;
+      };
+      a.setAttribute('src', '/slow.gscl'); })`);
+    for (let i = 0; i < 300 && !slow; i++)
+      await new Promise(resolve => setTimeout(resolve, 20));
+    slow.writeHead(200, {'content-type': 'application/octet-stream'});
+    slow.write(fileOf('scene.gscl').subarray(0, 2200));
+    await browser.until('window.isJoining');
+    await browser.evaluate(change);
+    if (change.includes('data'))
+      await loaded('a');
+    await browser.evaluate('finish(), new Promise(resolve => setTimeout(resolve, 300))');
+    slow.end(), slow = undefined;
+    if (change.includes('data')) {
+      await browser.evaluate(`a.style.width = '160px'`);
+      await browser.until(`${canvasOf('a')}.width == 160`);
+      assertPicture(await browser.pixels(canvasOf('a')), decodeBy('progressive.gscl', '--size', '160x120'), 'data');
+    } else {
+      assert.equal(await browser.evaluate(`${canvasOf('a')}.width`), 0);
+    }
+  }
+});
+
+test('the encoded size is the default of the element, whatever it was before', async () => {
+  const sizeOf = id => browser.evaluate(`[${id}.getBoundingClientRect(), ${canvasOf(id)}.getBoundingClientRect()].map(({width, height}) => [width, height].map(Math.round).join('x')).join(' ')`);
+  const drawnAt = (id, width, height) => browser.until(`${canvasOf(id)}.width == ${width} && ${canvasOf(id)}.height == ${height}`);
+  const scene = 'src="/files/scene.gscl"'; /* of 320x240 pixels */
+  const sizes = {none: '320x240', width: '200x150', height: '200x150', both: '100x200', css: '160x120', narrow: '80x60', flex: '320x240', row: '80x60'};
+  await show(`<style>#css{height:120px}</style><div id="all" style="display:none"><gscl-image id="none" ${scene}></gscl-image>
+    <gscl-image id="width" width="200" ${scene}></gscl-image><gscl-image id="height" height="150" ${scene}></gscl-image>
+    <gscl-image id="both" width="100" height="200" ${scene}></gscl-image><gscl-image id="css" ${scene}></gscl-image>
+    <div style="width:80px"><gscl-image id="narrow" ${scene}></gscl-image></div>
+    <div style="display:flex;align-items:flex-start"><gscl-image id="flex" ${scene}></gscl-image></div>
+    <div style="display:flex;align-items:flex-start;width:80px"><gscl-image id="row" ${scene}></gscl-image></div></div>`);
+  for (const id in sizes)
+    await loaded(id);
+  await browser.evaluate(`all.style.display = ''`);
+  for (const [id, size] of Object.entries(sizes)) {
+    await drawnAt(id, ...size.split('x'));
+    assert.equal(await sizeOf(id), `${size} ${size}`, id);
+  }
+  await browser.evaluate(`for (const id of ['none', 'width', 'height', 'css']) document.getElementById(id).setAttribute('src', '/files/wide.gscl')`);
+  for (const [id, size] of Object.entries({none: '160x40', width: '200x50', height: '600x150', css: '480x120'})) {
+    await drawnAt(id, ...size.split('x'));
+    assert.equal(await sizeOf(id), `${size} ${size}`, id);
+  }
+  await browser.evaluate(`document.getElementById('width').removeAttribute('width')`);
+  await drawnAt('width', 160, 40);
+});
+
+test('names of elements for assistive programs are attributes', async () => {
+  await show('<gscl-image id="a" alt="A scene"></gscl-image><gscl-image id="b" role="button" alt="B"></gscl-image>');
+  await browser.until('a.shadowRoot');
+  const named = id => browser.evaluate(`['role', 'aria-label'].map(name => ${id}.getAttribute(name))`);
+  assert.deepEqual(await named('a'), ['img', 'A scene']);
+  assert.deepEqual(await named('b'), ['button', 'B']);
+  await browser.evaluate(`a.removeAttribute('alt')`);
+  assert(!(await named('a'))[1]);
+});
+
+test('a call loads the module again after a failure', async () => {
+  await show('');
+  hasModule = false;
+  const call = `import('/web/gscl.js').then(async ({decode}) => decode(await (await fetch('/files/scene.gscl')).arrayBuffer())).then(image => image.width, ({code, message}) => [code, message])`;
+  try {
+    const answer = await browser.evaluate(call);
+    assert.deepEqual(answer, ['failed', `${site.url}/web/gscl.wasm: status 503`]);
+  } finally {
+    hasModule = true;
+  }
+  assert.equal(await browser.evaluate(call), 320);
 });
 
 /* ---- The demonstration page ---- */

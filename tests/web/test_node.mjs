@@ -123,7 +123,7 @@ test('sizes, crops and limits as gscl_decode', async () => {
   };
   await refused({width: 10}, 'invalid-argument', /^both width and height must be given, or neither$/);
   await refused({width: 16385, height: 1}, 'image-size', /^cannot draw 16385x1 pixels; at most 16384x16384$/);
-  await refused({width: 2 ** 25, height: 1, crop: {width: 5, height: 1}}, 'image-size', /^cannot draw 5x1/);
+  await refused({width: 2 ** 25, height: 1, crop: {width: 5, height: 1}}, 'image-size', /^cannot draw 33554432x1 pixels; at most 16777216x16777216$/);
   await refused({width: 1.5, height: 2}, 'invalid-argument', /whole numbers/);
   await refused({width: -1, height: -1}, 'invalid-argument', /whole numbers/);
   await refused({width: NaN, height: 1}, 'invalid-argument', /whole numbers/);
@@ -134,6 +134,16 @@ test('sizes, crops and limits as gscl_decode', async () => {
   await refused({maxWork: 1000}, 'limit', /^drawing the image takes [0-9]+ evaluations; max_work is 1000$/);
   assert.equal(await codeOf(decode('text')), 'not-a-gscl-file');
   assert.equal(await codeOf(decode(undefined)), 'not-a-gscl-file');
+});
+
+test('messages need no more than the engines that the page names', async () => {
+  const at = String.prototype.at;
+  delete String.prototype.at;
+  try {
+    assert.equal(await codeOf(decode(fileOf('damaged-bit'))), 'damaged');
+  } finally {
+    String.prototype.at = at;
+  }
 });
 
 test('messages name figures', async () => {
