@@ -20,7 +20,8 @@ constexpr size_t max_file_bytes = size_t(256) << 20;
 constexpr uint64_t default_max_work = 100000000000;
 // Rows are decoded in bands of about so many pixels, so that a part of a huge picture needs little memory.
 constexpr uint64_t band_pixels = uint64_t(1) << 23;
-constexpr int thumbnail_side = 256; // longest side of a thumbnail, pixels
+constexpr int thumbnail_side = 256;  // longest side of a thumbnail, pixels
+constexpr size_t min_exif_bytes = 8; // the header of TIFF, which OpenImageIO reads unchecked
 
 class GsclInput final : public OIIO::ImageInput {
   public:
@@ -52,9 +53,11 @@ class GsclInput final : public OIIO::ImageInput {
     void reset();
     bool read_file(const std::string &name);
     bool choose_sample(const std::string &name);
+    bool settle_limit(const OIIO::ImageSpec &config, const char *name, uint64_t otherwise, uint64_t &limit);
     bool settle_hints(const OIIO::ImageSpec &config);
     bool make_spec(const OIIO::ImageSpec &config);
     bool check_size();
+    bool check_work();
     void add_blocks();
     bool decode(const gscl_decode_settings &settings, gscl_image &image);
     bool decode_band(int y);
@@ -109,6 +112,18 @@ bool GsclInput::choose_sample(const std::string &name) {
     return false;
 }
 
+// Takes a limit of the caller, at least 1; one that is larger than any picture needs is none.
+bool GsclInput::settle_limit(const OIIO::ImageSpec &config, const char *name, uint64_t otherwise, uint64_t &limit) {
+    const OIIO::ParamValue *given = config.find_attribute(name);
+    const double value = given ? gscl_plugin::number_of(config, name, -1) : double(otherwise);
+    if (given && !(value >= 1)) {
+        errorfmt("{} cannot be {}; it takes a number from 1", name, given->get_string());
+        return false;
+    }
+    limit = value < 1e18 ? uint64_t(value) : 0;
+    return true;
+}
+
 // Takes the hints of the caller about size, samples and limits.
 bool GsclInput::settle_hints(const OIIO::ImageSpec &config) {
     const int width = config.get_int_attribute("gscl:width"), height = config.get_int_attribute("gscl:height");
@@ -122,10 +137,8 @@ bool GsclInput::settle_hints(const OIIO::ImageSpec &config) {
         return false;
     settings_.partial = config.get_int_attribute("gscl:partial") != 0;
     settings_.premultiplied = config.get_int_attribute("oiio:UnassociatedAlpha") == 0;
-    const double max_work = gscl_plugin::number_of(config, "gscl:max_work", double(default_max_work));
-    settings_.max_pixels = uint64_t(std::max(config.get_int_attribute("gscl:max_pixels"), 0));
-    settings_.max_work = max_work >= 1 && max_work < 1e18 ? uint64_t(max_work) : 0;
-    return true;
+    return settle_limit(config, "gscl:max_pixels", 0, settings_.max_pixels) &&
+           settle_limit(config, "gscl:max_work", default_max_work, settings_.max_work);
 }
 
 // Refuses a picture above the limits of the caller and of OpenImageIO, before anything is allocated.
@@ -143,6 +156,25 @@ bool GsclInput::check_size() {
         return false;
     }
     return true;
+}
+
+// Refuses a picture whose bands together take more work than the caller allows.  Files that pass by the bound of the
+// header, as photographs do, are not read for it.
+bool GsclInput::check_work() {
+    const double scale = double(settings_.width) * settings_.height / (double(info_.width) * info_.height);
+    const double limit = double(settings_.max_work);
+    if (!settings_.max_work || settings_.partial || info_.work * scale <= limit)
+        return true;
+    gscl_info whole = {};
+    whole.struct_size = sizeof whole;
+    const gscl_result result = gscl_inspect(bytes_.data(), bytes_.size(), nullptr, &whole);
+    if (result != GSCL_OK)
+        return fail(result);
+    const double work = std::max(whole.work * scale, double(whole.splats)); // at least 1 for each splat
+    if (work <= limit)
+        return true;
+    errorfmt("drawing the picture takes about {} evaluations; gscl:max_work is {}", uint64_t(work), settings_.max_work);
+    return false;
 }
 
 bool GsclInput::make_spec(const OIIO::ImageSpec &config) {
@@ -169,7 +201,7 @@ bool GsclInput::make_spec(const OIIO::ImageSpec &config) {
     m_spec.attribute("thumbnail_width", std::max(1, int(settings_.width * scale + 0.5)));
     m_spec.attribute("thumbnail_height", std::max(1, int(settings_.height * scale + 0.5)));
     m_spec.attribute("thumbnail_nchannels", int(info_.channels));
-    return check_size();
+    return check_size() && check_work();
 }
 
 // Adds what the file holds beside the picture.
@@ -185,7 +217,7 @@ void GsclInput::add_blocks() {
     }
     const auto &exif = blocks[GSCL_BLOCK_EXIF], &xmp = blocks[GSCL_BLOCK_XMP], &icc = blocks[GSCL_BLOCK_ICC],
                &cicp = blocks[GSCL_BLOCK_COLOUR_SPACE];
-    if (exif.data)
+    if (exif.size >= min_exif_bytes)
         OIIO::decode_exif(OIIO::cspan<uint8_t>(exif.data, OIIO::cspan<uint8_t>::size_type(exif.size)), m_spec);
     if (xmp.data)
         OIIO::decode_xmp(OIIO::string_view(reinterpret_cast<const char *>(xmp.data), xmp.size), m_spec);
@@ -240,6 +272,9 @@ bool GsclInput::decode_band(int y) {
     settings.crop_y = uint32_t(y) / rows * rows;
     settings.crop_width = settings.width;
     settings.crop_height = std::min(rows, settings.height - settings.crop_y);
+    if (settings.partial && settings.max_work) // check_work knows that of a whole file only
+        settings.max_work =
+            std::max<uint64_t>(uint64_t(double(settings.max_work) * settings.crop_height / settings.height), 1);
     gscl_image image = {
         settings.width, settings.crop_height, info_.channels, settings.sample, 0, settings.premultiplied, nullptr};
     band_rows_ = 0;

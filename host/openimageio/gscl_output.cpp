@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <vector>
 
@@ -17,6 +19,7 @@
 namespace {
 
 using OIIO::Strutil::iequals;
+namespace fs = std::filesystem;
 
 // Bits per pixel for the quality of programs that have one slider for all formats: 0.125, the default, at 50; doubled every
 // 12.5.
@@ -24,6 +27,46 @@ double bpp_of_quality(int quality) {
     return 0.125 * std::exp2((std::clamp(quality, 1, 100) - 50) / 12.5);
 }
 constexpr double min_quality_bytes = 256; // of the picture, at any quality
+
+// Names of profiles of sRGB.  Other names begin with them but mean something else: "sRGB-elle-V2-g10.icc" is linear.
+const char *const srgb_names[] = {
+    "sRGB",     "sRGB IEC61966-2.1",        "sRGB IEC61966-2-1 black scaled", "sRGB Profile",      "sRGB built-in",
+    "sRGB2014", "sRGB-elle-V2-srgbtrc.icc", "sRGB-elle-V4-srgbtrc.icc",       "GIMP built-in sRGB"};
+
+bool is_srgb(const std::string &profile) {
+    return std::find(std::begin(srgb_names), std::end(srgb_names), profile) != std::end(srgb_names);
+}
+
+constexpr int max_links = 40; // one after the other, as Linux follows them
+
+// The file that is to be replaced or made, behind all symbolic links.
+fs::path behind_links(fs::path name, std::error_code &error) {
+    for (int links = 0; fs::is_symlink(fs::symlink_status(name, error)); links++) {
+        if (links == max_links) {
+            error = std::make_error_code(std::errc::too_many_symbolic_link_levels);
+            return {};
+        }
+        name = name.parent_path() / fs::read_symlink(name, error);
+        if (error)
+            return {};
+    }
+    error.clear(); // there need be no such file
+    return name;
+}
+
+// Makes an empty file with the permissions of the one that it is to replace, before it has content.
+bool make_beside(const std::string &beside, const fs::path &target) {
+    std::error_code error;
+    const fs::file_status status = fs::status(target, error);
+    // One that may not be written is not replaced, either.
+    if (fs::exists(status) && !std::ofstream(target, std::ios::app))
+        return false;
+    if (!std::ofstream(beside))
+        return false;
+    if (fs::exists(status))
+        fs::permissions(beside, status.permissions() & fs::perms(0777), error);
+    return true;
+}
 
 class GsclOutput final : public OIIO::ImageOutput {
   public:
@@ -48,12 +91,14 @@ class GsclOutput final : public OIIO::ImageOutput {
     bool choose_target();
     bool choose_settings();
     bool wants_metadata(const char *name) const;
+    bool take_code_points(const OIIO::ParamValue &cicp);
     void add_block(gscl_block_type type, const void *data, size_t size);
     bool collect_blocks();
     void make_srgb();
     void turn_upright(gscl_image &image, OIIO::ImageBuf &upright);
     bool encode();
     bool write_file(const uint8_t *bytes, size_t size);
+    bool replace_file(const fs::path &target, OIIO::cspan<uint8_t> bytes);
     template <typename... Arguments> bool fail(const char *format, const Arguments &...arguments) {
         errorfmt(format, arguments...);
         return false;
@@ -122,11 +167,15 @@ bool GsclOutput::choose_quality() {
     const std::string compression(m_spec.get_string_attribute("Compression"));
     if (!compression.empty() && !OIIO::Strutil::istarts_with(compression, "gscl"))
         return true;
-    const int quality = m_spec.decode_compression_metadata("gscl", -1).second;
-    if (settings_.target != GSCL_TARGET_AUTO || quality < 1)
+    const size_t colon = compression.find(':');
+    const std::string given =
+        colon != std::string::npos ? compression.substr(colon + 1) : std::string(m_spec["CompressionQuality"].get());
+    const bool is_given = colon != std::string::npos || m_spec.find_attribute("CompressionQuality");
+    if (settings_.target != GSCL_TARGET_AUTO || !is_given)
         return true;
-    if (quality > 100)
-        return fail("a compression quality cannot be {}; it takes 1 to 100", quality);
+    const int quality = OIIO::Strutil::string_is_int(given) ? OIIO::Strutil::stoi(given) : 0;
+    if (quality < 1 || quality > 100)
+        return fail("a compression quality cannot be '{}'; it takes 1 to 100", given);
     const double pixels = double(m_spec.width) * m_spec.height;
     settings_.target = GSCL_TARGET_BPP;
     settings_.target_value = std::max(bpp_of_quality(quality), 8.0 * min_quality_bytes / pixels);
@@ -199,22 +248,35 @@ void GsclOutput::add_block(gscl_block_type type, const void *data, size_t size) 
     settings_.blocks = blocks_;
 }
 
+// Takes colours by their code points: those of the pixels, which are RGB of the full range.
+bool GsclOutput::take_code_points(const OIIO::ParamValue &cicp) {
+    const size_t count = cicp.type().basetype == OIIO::TypeDesc::INT ? cicp.type().basevalues() : 0;
+    const int *points = static_cast<const int *>(cicp.data());
+    bool right = count == 2 || (count == 4 && points[2] == 0 && points[3] == 1);
+    for (int i = 0; right && i < 2; i++) {
+        right = points[i] >= 0 && points[i] <= 255;
+        cicp_[i] = uint8_t(points[i]);
+    }
+    if (!right)
+        return fail(
+            "CICP cannot be {}; it takes primaries and transfer from 0 to 255, matrix 0 (RGB) and range 1 (full)",
+            cicp.get_string());
+    add_block(GSCL_BLOCK_COLOUR_SPACE, cicp_, sizeof cicp_);
+    return true;
+}
+
 // Lists the blocks to store.  A profile of sRGB is left out: a file without one has these colours.
 bool GsclOutput::collect_blocks() {
     const std::string description(m_spec.get_string_attribute("ICCProfile:profile_description"));
     const OIIO::ParamValue *icc = m_spec.find_attribute("ICCProfile");
     const OIIO::ParamValue *cicp = m_spec.find_attribute("CICP");
     block_count_ = 0;
-    if (cicp && cicp->type().basetype == OIIO::TypeDesc::INT && cicp->type().numelements() >= 2) {
-        const int *points = static_cast<const int *>(cicp->data());
-        cicp_[0] = uint8_t(points[0]);
-        cicp_[1] = uint8_t(points[1]);
-        add_block(GSCL_BLOCK_COLOUR_SPACE, cicp_, sizeof cicp_);
-    }
+    if (cicp && !take_code_points(*cicp))
+        return false;
     if (icc && icc->type().size() > GSCL_MAX_BLOCK_SIZE)
         return fail("the colour profile has {} bytes; a gscl file holds at most {}", icc->type().size(),
                     GSCL_MAX_BLOCK_SIZE);
-    if (icc && icc->type().basetype == OIIO::TypeDesc::UINT8 && !OIIO::Strutil::istarts_with(description, "sRGB"))
+    if (icc && icc->type().basetype == OIIO::TypeDesc::UINT8 && !is_srgb(description))
         add_block(GSCL_BLOCK_ICC, icc->data(), icc->type().size());
     OIIO::ImageSpec spec = m_spec; // of the upright picture
     spec.attribute("Orientation", 1);
@@ -262,20 +324,32 @@ void GsclOutput::turn_upright(gscl_image &image, OIIO::ImageBuf &upright) {
     image.pixels = upright.localpixels();
 }
 
-// Writes the whole file or nothing: to the caller's proxy, or beside the name, which it then takes.
-bool GsclOutput::write_file(const uint8_t *bytes, size_t size) {
-    if (ioproxy())
-        return ioproxy()->write(bytes, size) == size || fail("cannot be written");
-    const std::string beside = OIIO::Filesystem::unique_path(name_ + ".%%%%%%%%");
+// Writes the whole file or nothing: beside the target, whose name it then takes.
+bool GsclOutput::replace_file(const fs::path &target, OIIO::cspan<uint8_t> bytes) {
+    const std::string beside = OIIO::Filesystem::unique_path(target.string() + ".%%%%%%%%");
     std::string reason;
-    if (!OIIO::Filesystem::write_binary_file(beside, OIIO::cspan<uint8_t>(bytes, ptrdiff_t(size)))) {
-        OIIO::Filesystem::remove(beside);
-        return fail("\"{}\" cannot be written: {}", name_, std::strerror(errno));
-    }
-    if (OIIO::Filesystem::rename(beside, name_, reason))
+    if (!make_beside(beside, target) || !OIIO::Filesystem::write_binary_file(beside, bytes))
+        reason = std::strerror(errno);
+    else if (OIIO::Filesystem::rename(beside, target.string(), reason))
         return true;
     OIIO::Filesystem::remove(beside);
     return fail("\"{}\" cannot be written: {}", name_, reason);
+}
+
+// Writes to the caller's proxy, or to the file; what is no regular file, as a pipe, is written as it is.
+bool GsclOutput::write_file(const uint8_t *bytes, size_t size) {
+    if (ioproxy())
+        return ioproxy()->write(bytes, size) == size || fail("cannot be written");
+    std::error_code error;
+    const fs::path target = behind_links(name_, error);
+    if (error)
+        return fail("\"{}\" cannot be written: {}", name_, error.message());
+    const OIIO::cspan<uint8_t> content(bytes, ptrdiff_t(size));
+    const fs::file_status status = fs::status(target, error);
+    if (!fs::exists(status) || fs::is_regular_file(status))
+        return replace_file(target, content);
+    return OIIO::Filesystem::write_binary_file(target.string(), content) ||
+           fail("\"{}\" cannot be written: {}", name_, std::strerror(errno));
 }
 
 bool GsclOutput::encode() {

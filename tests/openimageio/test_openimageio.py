@@ -10,6 +10,7 @@ import re
 import subprocess
 import unittest
 
+from gscl_file import contained, header
 from images import (Image, jpeg_bytes, jpeg_exif, max_difference, png_bytes, png_icc, png_xmp, psnr, read_png,
                     scene)
 from profiles import DISPLAY_P3, exif_bytes, icc_rgb
@@ -80,6 +81,30 @@ class Reading(PluginTest):
             self.fails(message, "--iconfig", hint, 20, "in.gscl", "-o", "x.png")
         self.fails("16000 x 12000 pixels, which take 549 MiB, and limits:imagesize_MB is 100", "--oiioattrib",
                    "limits:imagesize_MB", 100, "--iconfig", "gscl:width", 16000, "in.gscl", "-o", "x.png")
+        for hint in ("gscl:max_pixels", "gscl:max_work"):
+            for value in (0, -5, 0.5, "many"):
+                self.fails(f"{hint} cannot be {value}; it takes a number from 1", "--iconfig", hint, value, "in.gscl", "-o",
+                           "x.png")
+
+    def test_work_of_all_bands(self):
+        """The limit of work is one of the whole picture, although rows are drawn in bands of 8 megapixels."""
+        self.encode(scene(64, 48))
+        size = ("--iconfig", "gscl:width", 6000) # four bands, of which each takes less than half of all
+        work = self.gscl_json("info", "in.gscl")["work"] * (6000 / 64) ** 2
+        self.facts("in.gscl", *size, "--iconfig", "gscl:max_work", f"{2 * work:e}")
+        self.fails("drawing the picture takes about [0-9]+ evaluations; gscl:max_work is [0-9]+", *size, "--iconfig",
+                   "gscl:max_work", f"{0.6 * work:e}", "--info", "in.gscl")
+        # The work of a file that may be cut off is unknown: each band has its part of the limit.
+        self.fails("max_work", *size, "--iconfig", "gscl:max_work", f"{0.1 * work:e}", "--iconfig", "gscl:partial", 1,
+                   "in.gscl", "-o", "x.png")
+
+    def test_short_exif(self):
+        picture = header(16, 16, 0)
+        for colour in (10, 20, 30):
+            picture.raw(colour, 8)
+        for exif in (b"", b"I", b"II*\0\x08\0\0"):
+            self.write("in.gscl", contained(picture.finish(), after=bytes([0x80 | 32, len(exif)]) + exif))
+            self.assertIn("16 x   16", self.facts("in.gscl"))
 
     def test_bad_and_partial_files(self):
         data = self.encode(scene(64, 48))
@@ -135,6 +160,14 @@ class Writing(PluginTest):
         self.assertGreater(sizes[1], sizes[0])
         self.assertLess(sizes[2], sizes[0])
         self.assertEqual(sizes[3], sizes[0])
+        for quality, value in ((("--compression", "gscl:0"), "0"), (("--compression", "gscl:abc"), "abc"),
+                               (("--compression", "gscl:"), ""), (("--compression", "gscl:101"), "101"),
+                               (("--attrib:type=int", "CompressionQuality", 0), "0"),
+                               (("--attrib:type=int", "CompressionQuality", -3), "-3"),
+                               (("--attrib:type=int", "CompressionQuality", 101), "101")):
+            with self.subTest(quality=quality):
+                self.fails(f"a compression quality cannot be '{value}'; it takes 1 to 100", "in.png", *QUICK, *quality, "-o",
+                           "x.gscl")
 
     def test_alpha_and_linear_light(self):
         image = scene(48, 32, 4)
@@ -163,9 +196,20 @@ class Writing(PluginTest):
         self.oiiotool("in.png", *QUICK, "--attrib", "gscl:metadata", "all", "-o", "in.gscl")
         self.assertIn("ICCProfile:", self.facts("in.gscl"))
         self.assertRegex(self.gscl("info", "in.gscl").decode(), r"blocks: icc \(\d+ bytes\), exif \(\d+ bytes\)")
-        self.write("srgb.png", png_bytes(scene(40, 30), [png_icc(icc_rgb(DISPLAY_P3, name="sRGB built-in"))]))
-        self.oiiotool("srgb.png", *QUICK, "-o", "srgb.gscl")
-        self.assertNotIn("blocks:", self.gscl("info", "srgb.gscl").decode())
+        for name, stored in (("sRGB built-in", False), ("sRGB-elle-V2-g10.icc", True)):
+            self.write("srgb.png", png_bytes(scene(40, 30), [png_icc(icc_rgb(DISPLAY_P3, name=name))]))
+            self.oiiotool("srgb.png", *QUICK, "-o", "srgb.gscl")
+            self.assertEqual("blocks: icc" in self.gscl("info", "srgb.gscl").decode(), stored)
+
+    def test_code_points(self):
+        self.write_png("in.png", scene(32, 24))
+        attribute = ("in.png", *QUICK, "--attrib:type=int[4]", "CICP")
+        self.oiiotool(*attribute, "9,16,0,1", "-o", "in.gscl")
+        self.assertIn("CICP: 9, 16, 0, 1", self.facts("in.gscl"))
+        for points in ("256,13,0,1", "1,-1,0,1", "9,16,9,1", "9,16,0,0"):
+            with self.subTest(points=points):
+                self.fails(f"CICP cannot be {points.replace(',', ', ')}; it takes primaries and transfer from 0 to 255, "
+                           "matrix 0 .RGB. and range 1 .full.", *attribute, points, "-o", "x.gscl")
 
     def test_refused(self):
         self.write_png("in.png", scene(32, 24))
@@ -180,6 +224,28 @@ class Writing(PluginTest):
             with self.subTest(attributes=attributes):
                 self.fails(message, "in.png", *QUICK, "--attrib", *attributes, "-o", "x.gscl")
         self.fails("cannot be written: No such file", "in.png", *QUICK, "-o", "missing/x.gscl")
+
+    def test_links_and_modes(self):
+        """A file behind symbolic links is replaced, not the link, and keeps its mode."""
+        (self.folder / "folder").mkdir()
+        self.write("folder/old.gscl", b"old")
+        self.path("folder/old.gscl").chmod(0o640)
+        for link, target in (("folder/second.gscl", "old.gscl"), ("first.gscl", "folder/second.gscl"),
+                             ("dangling.gscl", "folder/new.gscl"), ("circle.gscl", "circle.gscl")):
+            self.path(link).symlink_to(target)
+        done = self.start("write", "first.gscl", "dangling.gscl", program=os.environ["USE_PLUGIN"])
+        self.assertEqual(done.returncode, 0, done.stdout)
+        for name in ("first.gscl", "folder/second.gscl", "dangling.gscl"):
+            self.assertTrue(self.path(name).is_symlink(), name)
+        self.assertEqual(self.path("folder/old.gscl").read_bytes()[:4], b"\xC7gsc")
+        self.assertEqual(self.path("folder/old.gscl").stat().st_mode & 0o777, 0o640)
+        self.assertEqual(self.path("folder/new.gscl").read_bytes(), self.path("folder/old.gscl").read_bytes())
+        before = self.files()
+        done = self.start("write", "circle.gscl", program=os.environ["USE_PLUGIN"])
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(b'"circle.gscl" cannot be written: Too many levels of symbolic links', done.stdout)
+        self.assertEqual(self.files(), before)
+        self.assertTrue(self.path("circle.gscl").is_symlink())
 
 
 class Tool(ToolTest):

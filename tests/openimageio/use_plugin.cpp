@@ -2,6 +2,7 @@
 //     use_plugin IN.gscl           reads a picture of more than 256 pixels in many ways
 //     use_plugin FOLDER IN.gscl... decodes each file: writes its samples to FOLDER/N.raw and prints "WIDTH HEIGHT CHANNELS
 //                                  BITS", or prints "refused"
+//     use_plugin write OUT.gscl... writes a grey picture by each name (oiiotool writes by another, which it then renames)
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -133,9 +134,26 @@ void decode_one(const std::string &name, const std::string &raw) {
     std::printf("%d %d %d %d\n", spec.width, spec.height, spec.nchannels, int(spec.format.size()) * 8);
 }
 
+bool write_grey(const std::string &name) {
+    const std::vector<unsigned char> grey(32 * 16, 128);
+    auto output = ImageOutput::create(name);
+    ImageSpec spec(32, 16, 1, TypeDesc::UINT8);
+    spec["gscl:effort"] = 0;
+    const bool ok = output && output->open(name, spec) && output->write_image(TypeDesc::UINT8, grey.data());
+    if (ok && output->close())
+        return true;
+    std::puts(output ? output->geterror().c_str() : OIIO::geterror().c_str());
+    return false;
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
+    if (argc > 2 && std::strcmp(argv[1], "write") == 0) {
+        for (int i = 2; i < argc; i++)
+            failures += !write_grey(argv[i]);
+        return failures != 0;
+    }
     for (int i = 2; i < argc; i++)
         decode_one(argv[i], std::string(argv[1]) + "/" + std::to_string(i - 2) + ".raw");
     if (argc != 2)
