@@ -208,8 +208,8 @@ class Files(ToolTest):
         for name, picture in cases.items():
             with self.subTest(name=name):
                 self.write("bad.gscl", contained(picture.finish()))
-                for command in (("info", "bad.gscl"), ("decode", "bad.gscl", "-o", "out.png")):
-                    self.refused("bad.gscl", "breaks a rule", *command)
+                for command in (("info",), ("decode", "-o", "out.png", "--max-pixels", 1 << 28, "--max-work", 1 << 60)):
+                    self.refused("bad.gscl", "breaks a rule", *command, "bad.gscl")
 
     def test_blocks(self):
         data = self.encode(scene(20, 20))

@@ -151,14 +151,14 @@ bool check_spec(const OIIO::ImageSpec &spec, char *message) {
     return true;
 }
 
-// The number of floating-point samples that the encoder clamps, beyond the errors of conversions.
+// The number of floating-point samples that the encoder clamps, beyond the errors of conversions.  It refuses infinite ones.
 uint64_t count_clamped(const gscl_image &image) {
     const float tolerance = 1.0f / 512;
     const float *samples = static_cast<const float *>(image.pixels);
     if (image.sample != GSCL_SAMPLE_F32)
         return 0;
     return uint64_t(std::count_if(samples, samples + size_t(image.width) * image.height * image.channels,
-                                  [=](float v) { return v < -tolerance || v > 1 + tolerance; }));
+                                  [=](float v) { return std::isfinite(v) && (v < -tolerance || v > 1 + tolerance); }));
 }
 
 // Whether the file has frames or pages beside the first.  Moves on to the second.
