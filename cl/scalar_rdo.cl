@@ -247,7 +247,8 @@ __kernel void rdo_evaluate(gscl_rdo_pass pass, __global const gscl_rdo_task *res
             quadratic q = error_of_colour(&a, rendering, weights, target, pass.width, pass.height,
                                           (ulong)pass.width * (ulong)pass.height);
             outcome.cost = colour_descend(&q, &now, bits, pass.settings);
-            outcome.cost += pass.settings.elongation_price * elongation(s) * q.error;
+            float gain = pass.settings.lambda * colour_bits(&now, bits) - outcome.cost; /* of squared error */
+            outcome.cost += pass.settings.elongation_price * elongation(s) * fmax(q.error - gain, 0.0f);
             if (OPACITY) other_bits += bits[GSCL_BITS_OPACITY + now.code[GSCL_CODE_OPACITY]];
             outcome.cost += pass.settings.lambda *
                             (pass.bits_per_splat + other_bits + tables->majors[now.code[GSCL_CODE_MAJOR]].bits +

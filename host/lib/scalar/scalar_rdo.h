@@ -25,8 +25,8 @@ typedef struct gscl_scalar_rdo_settings {
     double lambda_scale; /* price of a bit: lambda = lambda_scale * error / (2 * bits of the file) */
     bool keep_all;       /* no splat is dropped */
     bool scan_textures;  /* with has_texture: all waves are tried, else only those near a splat's own */
-    /* What an elongated splat costs besides, in units of the squared error under it, from 0 at an aspect ratio of 4 to
-     * all of it at 16.  A thin splat that leaves most of that error is seen as a needle. */
+    /* What an elongated splat costs besides, in units of the squared error under it that it does not remove, from 0 at
+     * an aspect ratio of 4 to all of it at 16.  A thin splat that leaves most of that error is seen as a needle. */
     double elongation_price;
     /* The smallest part of the squared error under a splat that its wave must explain, 0..1.  A wave that explains less
      * is seen as a grating that is not in the image. */

@@ -63,8 +63,8 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .model_interval = 5,
     .curvature_of_passes = 0.6f,
 
-    .elongation_price = 0.1,
-    .min_explained = 0.1,
+    .elongation_price = 0.5,
+    .min_explained = 0.05,
 
     .texture_effort = 1,
     .scan_interval = 3,

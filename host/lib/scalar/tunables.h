@@ -80,11 +80,10 @@ struct gscl_scalar_tunables {
     int model_interval;        /* steps from model to model: 10 costs 1 to 3 points; 3 takes a fifth more time */
     float curvature_of_passes; /* of the model in rate-distortion passes; 0.3 to 1 tried, 1 costs a point */
 
-    /* Artefacts (gscl_scalar_rdo_settings).  dB and points of SSIMULACRA 2 are means of the Kodak set at 0.042 and 0.183
-     * bits a pixel. */
-    double elongation_price; /* 0.05 costs 0.00 dB, 0.1 0.01, 0.4 0.1, and in the tune visual 0.3 costs 2 points; at 0
-                                needles cross textured areas */
-    double min_explained;    /* 0.1 costs 0.03 dB, 0.25 0.10; at 0 small files show false gratings */
+    /* Artefacts (gscl_scalar_rdo_settings).  dB are means of the Kodak set at 0.042 and 0.183 bits a pixel, of both. */
+    double elongation_price; /* 0.1, 0.3 and 0.5 cost 0.00 to 0.02 dB; at 0 needles cross textured areas */
+    double min_explained; /* 0.05 costs 0.02 dB, 0.1 0.03, 0.25 0.10 (and 0.1 0.4 on noise in the blend sum); at 0 files
+                                below 0.05 bits show false gratings */
 
     /* Textures. */
     int texture_effort;        /* from this effort on textures are tried */
