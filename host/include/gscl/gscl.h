@@ -155,8 +155,13 @@ typedef struct gscl_context_settings {
                               GPU, else the first accelerator, else the first CPU */
     gscl_mapping mapping; /* default AUTO */
     bool timing;          /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
-    gscl_log_callback log; /* default NULL: no log */
-    void *log_opaque;      /* first argument of `log` */
+    gscl_log_callback log;    /* default NULL: no log */
+    void *log_opaque;         /* first argument of `log` */
+    const char *cache_folder; /* where kernels that were built are kept for later contexts, made when it is missing;
+                                 default NULL: nowhere.  Any number of processes may use a folder at a time; only those
+                                 who may run programs as this user should be able to write to it.  It takes at most
+                                 64 MiB.  OpenCL implementations that keep kernels themselves (PoCL, NVIDIA) are left to
+                                 it.  A folder that cannot be read or written costs time and is no error */
 } gscl_context_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_context_settings_default. */

@@ -39,6 +39,7 @@ struct gscl_context {
     bool gpu_mapping;              /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
     struct gscl_program *programs; /* built so far, a list */
     bool own_builtins;             /* programs declare built-in functions with cl/builtins.h (programs.c) */
+    char *cache_folder;            /* where built programs are kept (program_cache.h), or NULL */
     gscl_stage_clock clock;
     struct gscl_timings *timings;                 /* NULL unless the caller asked for timings */
     void (*settle)(struct gscl_context *context); /* waits for the device and adds its times up; NULL where is_host */

@@ -2,6 +2,7 @@
 
 #include "runtime/device.h"
 #include "runtime/opencl.h"
+#include "runtime/program_cache.h"
 #include "runtime/programs.h"
 #include "runtime/timing.h"
 
@@ -32,6 +33,7 @@ gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings 
     context->gpu_mapping =
         settings->mapping == GSCL_MAPPING_AUTO ? !context->is_cpu : settings->mapping == GSCL_MAPPING_GPU;
     context->settle = gscl_timing_settle;
+    GSCL_TRY(gscl_program_cache_open(context, settings->cache_folder));
     if (settings->timing)
         GSCL_TRY(gscl_timing_create(context)); /* before the queue, which then measures */
     return create_queue(context);
@@ -45,4 +47,5 @@ void gscl_device_close(gscl_context *context) {
         clReleaseCommandQueue(context->queue);
     if (context->cl)
         clReleaseContext(context->cl);
+    gscl_program_cache_close(context);
 }

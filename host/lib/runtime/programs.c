@@ -8,6 +8,7 @@
 #include "runtime/cl_names.h"
 #include "runtime/kernel_sources.h"
 #include "runtime/opencl.h"
+#include "runtime/program_cache.h"
 #include "runtime/timing.h"
 
 #define MAX_FILES 12   /* source files of a program */
@@ -78,50 +79,71 @@ static gscl_result program_build_fail(gscl_context *context, const struct gscl_p
     return result;
 }
 
-/* Creates the program from its source files, in place of one that was created before. */
-static gscl_result program_create(gscl_context *context, struct gscl_program *program) {
+/* The source files of a program. */
+typedef struct program_sources {
+    size_t count;
     const char *texts[MAX_FILES];
     size_t lengths[MAX_FILES];
-    cl_uint count = 0;
-    for (; count < MAX_FILES && program_files[program->kind][count]; count++) {
-        const struct gscl_kernel_source *source = find_source(program_files[program->kind][count]);
+} program_sources;
+
+static gscl_result program_find_sources(gscl_context *context, gscl_program_kind kind, program_sources *sources) {
+    const char *const *names = program_files[kind];
+    for (sources->count = 0; sources->count < MAX_FILES && names[sources->count]; sources->count++) {
+        const struct gscl_kernel_source *source = find_source(names[sources->count]);
         if (!source)
             return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "kernel source %s is not in this build",
-                             program_files[program->kind][count]);
-        texts[count] = source->text;
-        lengths[count] = source->length;
+                             names[sources->count]);
+        sources->texts[sources->count] = source->text;
+        sources->lengths[sources->count] = source->length;
     }
-    cl_int error;
-    if (program->program)
-        clReleaseProgram(program->program);
-    program->program = clCreateProgramWithSource(context->cl, count, texts, lengths, &error);
-    return error == CL_SUCCESS ? GSCL_OK : gscl_cl_fail(context, error, "clCreateProgramWithSource");
+    return GSCL_OK;
 }
 
-/* Creates and builds the program.  `extra`: options beyond its own. */
-static gscl_result program_try_build(gscl_context *context, struct gscl_program *program, const char *extra,
-                                     cl_int *error) {
+/* Creates and builds the program, in place of one that was created before.  `extra`: options beyond its own. */
+static gscl_result program_try_build(gscl_context *context, struct gscl_program *program, program_sources *sources,
+                                     const char *extra, cl_int *error) {
     char options[GSCL_MAX_BUILD_OPTIONS + sizeof OWN_BUILTINS];
     snprintf(options, sizeof options, "%s%s", program->options, extra); /* always fits */
-    GSCL_TRY(program_create(context, program));
+    if (program->program)
+        clReleaseProgram(program->program);
+    program->program =
+        clCreateProgramWithSource(context->cl, (cl_uint)sources->count, sources->texts, sources->lengths, error);
+    if (*error != CL_SUCCESS)
+        return gscl_cl_fail(context, *error, "clCreateProgramWithSource");
     *error = clBuildProgram(program->program, 1, &context->device, options, NULL, NULL);
     return GSCL_OK;
 }
 
 /* Builds with cl/builtins.h where it is of use; that file has no double precision. */
-static gscl_result program_build(gscl_context *context, struct gscl_program *program) {
-    const double start = gscl_now();
+static gscl_result program_build(gscl_context *context, struct gscl_program *program, program_sources *sources) {
     cl_int error = CL_BUILD_PROGRAM_FAILURE;
     if (context->own_builtins && program->kind != GSCL_PROGRAM_ACCURACY) {
-        GSCL_TRY(program_try_build(context, program, OWN_BUILTINS, &error));
+        GSCL_TRY(program_try_build(context, program, sources, OWN_BUILTINS, &error));
         context->own_builtins = error == CL_SUCCESS;
         if (error != CL_SUCCESS)
             gscl_log(context, GSCL_LOG_DEBUG, "cl/builtins.h is not enough for %s", program->options);
     }
     if (error != CL_SUCCESS)
-        GSCL_TRY(program_try_build(context, program, "", &error));
-    gscl_log(context, GSCL_LOG_DEBUG, "loaded a program in %.0f ms: %s", 1e3 * (gscl_now() - start), program->options);
+        GSCL_TRY(program_try_build(context, program, sources, "", &error));
     return error == CL_SUCCESS ? GSCL_OK : program_build_fail(context, program, error);
+}
+
+/* Takes the program from the cache, or builds it. */
+static gscl_result program_make(gscl_context *context, struct gscl_program *program) {
+    const double start = gscl_now();
+    program_sources sources;
+    char key[GSCL_PROGRAM_KEY_SIZE];
+    GSCL_TRY(program_find_sources(context, program->kind, &sources));
+    const bool has_key =
+        gscl_program_key(context, program->options, sources.texts, sources.lengths, sources.count, key);
+    program->program = has_key ? gscl_program_load(context, key, program->options) : NULL;
+    const bool found = program->program != NULL;
+    gscl_result result = found ? GSCL_OK : program_build(context, program, &sources);
+    if (result == GSCL_OK && has_key && !found)
+        gscl_program_save(context, key, program->program);
+    gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built",
+             1e3 * (gscl_now() - start), program->options);
+    return result;
 }
 
 static void program_free(struct gscl_program *program) {
@@ -146,7 +168,7 @@ static gscl_result program_get(gscl_context *context, gscl_program_kind kind, co
         return gscl_fail_memory(context);
     program->kind = kind;
     memcpy(program->options, text, sizeof text);
-    gscl_result result = program_build(context, program);
+    gscl_result result = program_make(context, program);
     if (result != GSCL_OK) {
         program_free(program);
         return result;

@@ -12,6 +12,7 @@
  *   device_list.h, device.h: listing and choosing devices
  *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for
  *   programs.h, kernel_sources.h: building kernels and looking them up
+ *   binary_store.h, binary_store_trim.h, program_cache.h: programs that are kept from process to process
  *   tunables.h: the numbers that were found by trying
  *   struct_size.h: structs of programs that were compiled with an older header
  *   open_device.h: opening the OpenCL device of a context

@@ -7,4 +7,5 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .cpu_splat_lanes = 16,
     .gpu_lanes = 4,
     .gpu_rows = 1,
+    .cache_bytes = UINT64_C(64) << 20,
 };

@@ -2,14 +2,18 @@
 #ifndef GSCL_LIB_RUNTIME_TUNABLES_H
 #define GSCL_LIB_RUNTIME_TUNABLES_H
 
+#include <stdint.h>
+
 struct gscl_runtime_tunables {
-    int cpu_lanes;       /* pixels: neighbours of a row in one vector, CPU mapping; 4 or 16 */
-    int cpu_rows;        /* rows: height of the part of a tile that a work-item draws, CPU mapping; divides 16 */
-    int cpu_cached_rows; /* pixel vectors: Gaussians that a work-item of fit_tiles caches for its backward pass, CPU
+    int cpu_lanes;        /* pixels: neighbours of a row in one vector, CPU mapping; 4 or 16 */
+    int cpu_rows;         /* rows: height of the part of a tile that a work-item draws, CPU mapping; divides 16 */
+    int cpu_cached_rows;  /* pixel vectors: Gaussians that a work-item of fit_tiles caches for its backward pass, CPU
                             mapping; 512 take 32 KB */
-    int cpu_splat_lanes; /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
-    int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 4 or 16 */
-    int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
+    int cpu_splat_lanes;  /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
+    int gpu_lanes;        /* pixels: neighbours of a row in one vector, GPU mapping; 4 or 16 */
+    int gpu_rows;         /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
+    uint64_t cache_bytes; /* bytes: all built programs in the folder of a cache; those of an encode take 0.6 MB with
+                             Intel's runtime, and each combination of effects and blends has its own */
 };
 
 extern const struct gscl_runtime_tunables gscl_runtime_tunables;

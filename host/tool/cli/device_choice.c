@@ -10,6 +10,8 @@
 #include "cli/interrupt.h"
 #include "cli/message.h"
 
+#define MAX_PATH 1024 /* bytes, the NUL included */
+
 static void log_message(void *opaque, gscl_log_level level, const char *message) {
     (void)opaque;
     /* Errors also come back as results; report_result reports them, once. */
@@ -48,12 +50,29 @@ int report_result(const gscl_context *context, const char *subject, gscl_result 
     return result == GSCL_ERROR_CONFLICT ? EXIT_USAGE : EXIT_FAILURE;
 }
 
+/* Writes the folder of built kernels; an empty text where the environment names none. */
+static void cache_folder(char folder[MAX_PATH]) {
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length = MAX_PATH;
+    if (cache && cache[0] == '/') /* by the rule of XDG relative names do not count */
+        length = snprintf(folder, MAX_PATH, "%s/gscl", cache);
+    else if (home && home[0] == '/')
+        length = snprintf(folder, MAX_PATH, "%s/.cache/gscl", home);
+    if (length >= MAX_PATH)
+        folder[0] = '\0';
+}
+
 int open_device(const device_choice *choice, gscl_context **context) {
+    char folder[MAX_PATH];
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
     settings.device = choice->device;
     settings.mapping = (gscl_mapping)choice->mapping;
     settings.timing = choice->timing;
+    if (!choice->no_cache) {
+        cache_folder(folder);
+        settings.cache_folder = folder;
+    }
     if (choice->verbose)
         settings.log = log_message;
     const gscl_result result = gscl_context_create(context, &settings);
@@ -73,7 +92,7 @@ static bool has_opencl(void) {
 
 /* Whether `parts` joined name a folder; false when the first part is NULL. */
 static bool is_folder(const char *first, const char *second) {
-    char path[1024];
+    char path[MAX_PATH];
     struct stat status;
     return first && *first && snprintf(path, sizeof path, "%s%s", first, second) < (int)sizeof path &&
            stat(path, &status) == 0 && S_ISDIR(status.st_mode);

@@ -15,17 +15,24 @@ typedef struct device_choice {
     int mapping;        /* index into mapping_words, which is a gscl_mapping */
     bool verbose;       /* the library's messages on stderr */
     bool timing;        /* as in gscl_context_settings */
+    bool no_cache;      /* neither read nor keep built kernels */
 } device_choice;
 
-#define DEVICE_OPTIONS(choice)                                                                                       \
-    {.name = "device",                                                                                               \
-     .kind = OPTION_TEXT,                                                                                            \
-     .value = &(choice).device,                                                                                      \
-     .argument = "D",                                                                                                \
-     .help = "device: its number P.D, part of its name, or host (default: see 'gscl devices')"},                     \
-    {                                                                                                                \
-        .name = "mapping", .kind = OPTION_WORD, .value = &(choice).mapping, .words = mapping_words, .argument = "M", \
-        .help = "kernels for a CPU or for a GPU (default: auto, by the device)"                                      \
+#define DEVICE_OPTIONS(choice)                                                                                         \
+    {.name = "device",                                                                                                 \
+     .kind = OPTION_TEXT,                                                                                              \
+     .value = &(choice).device,                                                                                        \
+     .argument = "D",                                                                                                  \
+     .help = "device: its number P.D, part of its name, or host (default: see 'gscl devices')"},                       \
+        {.name = "no-cache",                                                                                           \
+         .kind = OPTION_FLAG,                                                                                          \
+         .value = &(choice).no_cache,                                                                                  \
+         .help =                                                                                                       \
+             "build kernels anew and do not keep them (default: kept in $XDG_CACHE_HOME/gscl or ~/.cache/gscl, where " \
+             "OpenCL does not keep them itself, as PoCL does)"},                                                       \
+    {                                                                                                                  \
+        .name = "mapping", .kind = OPTION_WORD, .value = &(choice).mapping, .words = mapping_words, .argument = "M",   \
+        .help = "kernels for a CPU or for a GPU (default: auto, by the device)"                                        \
     }
 
 /* Opens the device; reports errors.  Returns the program's exit code; *context is NULL unless that is 0. */
