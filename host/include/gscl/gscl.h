@@ -412,8 +412,8 @@ typedef struct gscl_decode_settings {
     bool partial;      /* whether the file may be cut off: draws the splats that gscl_certain_splats counts.  Damage is
                           then not detected.  Default false: a file that is cut off is refused */
     gscl_progress_callback progress; /* default NULL.  Called before drawing and after each part of the image; the
-                                        pixels stay equal.  Parts have 16 rows on the device "host" and about 5e7
-                                        evaluations on a CPU, but at least 16 rows; on a GPU more */
+                                        pixels stay equal.  Parts have 16 rows on the device "host", on others about
+                                        5e7 evaluations, but at least 16 rows */
     void *progress_opaque;           /* first argument of `progress` */
 } gscl_decode_settings;
 

@@ -11,14 +11,12 @@
 #include "runtime/stage_clock.h"
 
 /* Rows of a band: whole rows of tiles, as many as its samples and, where there is a callback, its work allow. */
-static uint32_t rows_of_band(const gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                             const gscl_image *image, const gscl_draw_progress *progress) {
+static uint32_t rows_of_band(const gscl_coded_image *coded, const gscl_frame *f, const gscl_image *image,
+                             const gscl_draw_progress *progress) {
     const struct gscl_decode_tunables *t = &gscl_decode_tunables;
     double rows = (double)t->band_samples / ((double)f->width * image->channels);
-    if (progress->callback) {
-        const double work = context->gpu_mapping ? t->gpu_band_work : t->band_work;
-        rows = fmin(rows, work * f->height / ((double)gscl_frame_work(coded, f) + 1));
-    }
+    if (progress->callback)
+        rows = fmin(rows, t->band_work * f->height / ((double)gscl_frame_work(coded, f) + 1));
     return rows < GSCL_TILE ? GSCL_TILE : (uint32_t)rows / GSCL_TILE * GSCL_TILE;
 }
 
@@ -26,7 +24,7 @@ static uint32_t rows_of_band(const gscl_context *context, const gscl_coded_image
 static gscl_result draw_bands(gscl_renderer *r, const gscl_coded_image *coded, const gscl_frame *f,
                               const gscl_image *image, const gscl_draw_progress *progress) {
     gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
-    const uint32_t rows = rows_of_band(r->context, coded, f, image, progress);
+    const uint32_t rows = rows_of_band(coded, f, image, progress);
     for (uint32_t y = 0; y < f->height; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;
         size_t stride = gscl_image_stride(image);

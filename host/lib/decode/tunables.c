@@ -3,7 +3,6 @@
 const struct gscl_decode_tunables gscl_decode_tunables = {
     .band_samples = 16 << 20,
     .band_work = 5e7,
-    .gpu_band_work = 5e9,
 
     .first_entries = 1024,
     .spare_part = 4,

@@ -8,8 +8,6 @@ struct gscl_decode_tunables {
     int band_samples;
     /* Evaluations of a band where the caller has a callback: a tenth of a second of a core. */
     double band_work;
-    /* Likewise with the mapping for GPUs, where short bands would cost more in launches than in drawing.  An estimate. */
-    double gpu_band_work;
 
     /* Entries that a row of tiles has room for at first, in addition to one for each splat. */
     int first_entries;
