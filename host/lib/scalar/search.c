@@ -1,5 +1,6 @@
 #include "scalar/search.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "fit/random.h"
@@ -58,7 +59,8 @@ static double cost(const gscl_search *q, double error, size_t size) {
     return error + q->lambda * 8 * (double)size;
 }
 
-/* The price of all later rounds follows the size, too: the candidates have the size of the budget in the mean. */
+/* The price of all later rounds follows the size, too: the candidates have the size of the budget in the mean.  Below
+ * the lowest price of a pass it would have no effect any more. */
 static gscl_result search_round(gscl_search *q) {
     gscl_scalar_state *s = q->s;
     double error;
@@ -70,6 +72,7 @@ static gscl_result search_round(gscl_search *q) {
         GSCL_TRY(gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps));
     }
     q->lambda *= (double)s->size / (double)s->bytes;
+    q->lambda = fmax(q->lambda, tunables->min_lambda_scale * q->best.error / (2 * 8 * (double)s->bytes));
     return GSCL_OK;
 }
 

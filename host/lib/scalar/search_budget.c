@@ -20,14 +20,15 @@ static gscl_result keep_within_budget(gscl_search *q) {
 
 gscl_result gscl_search_to_budget(gscl_search *q, const gscl_kept_codes *from, bool scan_textures) {
     gscl_scalar_state *s = q->s;
-    double low = 1 / tunables->search_price_range, high = tunables->search_price_range, factor = 1;
+    double low = 0, high = INFINITY, factor = 1, step = tunables->search_price_step;
     for (int trial = 0; trial < tunables->search_trials; trial++) {
         GSCL_TRY(gscl_kept_codes_restore(from, s));
         s->coded->file.header.has_texture = s->textures;
         GSCL_TRY(gscl_search_pass(q, from->error, factor, scan_textures));
         GSCL_TRY(keep_within_budget(q));
         *(s->size > s->bytes ? &low : &high) = factor;
-        factor = sqrt(low * high);
+        factor = low == 0 ? high / step : high == INFINITY ? low * step : sqrt(low * high);
+        step *= step; /* used again only while one of the bounds is open */
     }
     return GSCL_OK;
 }
@@ -59,6 +60,7 @@ static gscl_result use_bytes_left(gscl_search *q) {
         GSCL_TRY(continue_within_budget(q));
         if (q->within.count == 0 || q->within.size + 1 >= q->s->bytes || q->within.count >= q->s->max_splats)
             return GSCL_OK;
+        q->elongation_is_free = trial > 0;
         GSCL_TRY(add_splats(q));
         GSCL_TRY(gscl_search_to_budget(q, &q->best, false));
     }

@@ -38,6 +38,8 @@ gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool s
     gscl_scalar_state *s = q->s;
     gscl_scalar_rdo_settings settings = gscl_scalar_rdo_default_settings(lambda_scale(q, error, factor));
     settings.scan_textures = scan_textures;
+    if (q->elongation_is_free)
+        settings.elongation_price = 0;
     GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
     return gscl_scalar_update_size(s);
 }

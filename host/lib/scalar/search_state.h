@@ -7,9 +7,10 @@
 
 typedef struct gscl_search {
     gscl_scalar_state *s;
-    gscl_kept_codes best;   /* of the lowest cost so far; the next candidates are made of it */
-    gscl_kept_codes within; /* of the lowest error within the budget so far; its count is 0 while there is none */
-    double lambda;          /* price of a bit, as squared error added over the current level */
+    gscl_kept_codes best;    /* of the lowest cost so far; the next candidates are made of it */
+    gscl_kept_codes within;  /* of the lowest error within the budget so far; its count is 0 while there is none */
+    double lambda;           /* price of a bit, as squared error added over the current level */
+    bool elongation_is_free; /* no price for artefacts of shape: where it leaves no use for the last bytes */
 } gscl_search;
 
 /* Squared error of the coded image, added over the current level; it has at least one splat. */
@@ -19,8 +20,8 @@ gscl_result gscl_search_set_level(gscl_search *q, int level);
 /* One rate-distortion pass at the price q->lambda * factor.  `error`: of the coded image. */
 gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool scan_textures);
 
-/* Passes over the codes in `from` at different prices, by bisection for the lowest one at which the file is within the
- * budget.  q->within has the result. */
+/* Passes over the codes in `from` at different prices: brackets and then bisects the lowest one at which the file is
+ * within the budget.  q->within has the result. */
 gscl_result gscl_search_to_budget(gscl_search *q, const gscl_kept_codes *from, bool scan_textures);
 /* The last part: brings the image to the size of the budget.  q->best is the result. */
 gscl_result gscl_search_meet_budget(gscl_search *q);

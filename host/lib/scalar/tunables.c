@@ -55,7 +55,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_final_pixels = 360000,
     .search_additions = 4,
     .search_trials = 6,
-    .search_price_range = 4.0,
+    .search_price_step = 1.5,
     .search_fit_share = 0.2,
     .search_passes_share = 0.25,
 

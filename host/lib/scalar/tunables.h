@@ -70,8 +70,9 @@ struct gscl_scalar_tunables {
     double search_first_price; /* lambda in the first round, in units of error / (2 * bits of the budget) */
     double search_final_pixels; /* of the level of the last part, at least; at 90000 waves cost a picture 0.5 dB */
     int search_additions;       /* trials to use bytes that are left, by more splats */
-    int search_trials;          /* passes in each bisection */
-    double search_price_range;  /* factor by which the price in a bisection is raised or lowered at most */
+    int search_trials;          /* prices tried to meet the budget */
+    double search_price_step;   /* from the first to the second of them, then squared; with 1.3 and 2 files end a byte
+                                   or two shorter */
     double search_fit_share;    /* share of the time at the end of the fit, for the progress report */
     double search_passes_share; /* the same at the end of the passes */
 
