@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Builds the decoder for web pages: build.py --out FOLDER --depfile FILE [--include FOLDER...] C_SOURCE... JS_SOURCE...
 
-Writes gscl.wasm, compiled from the C sources, and gscl.js, which joins the JavaScript sources, into the folder.  It needs
-clang and wasm-ld of the same version, wasm-opt and esbuild.
+Writes gscl.wasm, compiled from the C sources, and gscl.js, which joins the JavaScript sources, into the folder, and
+compile_commands.json for clang-tidy and editors.  It needs clang and wasm-ld of the same version, wasm-opt and esbuild.
 """
 import argparse
+import json
 import pathlib
 import subprocess
 import sys
@@ -33,11 +34,20 @@ def run(command):
         sys.exit(done.returncode)
 
 
+def compiler(source, includes):
+    return [*COMPILE, VECTORS if source.name in FAST else SIZE, *(f"-I{include}" for include in includes), "-c", str(source)]
+
+
 def compile_source(source, includes, folder):
     target = folder / (str(source).strip("/").replace("/", "_") + ".o")
-    level = VECTORS if source.name in FAST else SIZE
-    run([*COMPILE, level, *(f"-I{include}" for include in includes), "-MD", "-MF", f"{target}.d", "-c", str(source), "-o", str(target)])
+    run([*compiler(source, includes), "-MD", "-MF", f"{target}.d", "-o", str(target)])
     return target
+
+
+def write_commands(sources, includes, target):
+    folder = pathlib.Path.cwd()
+    commands = [{"directory": str(folder), "file": str(source), "arguments": compiler(source, includes)} for source in sources]
+    target.write_text(json.dumps(commands))
 
 
 def headers(objects):
@@ -70,6 +80,7 @@ def main():
     options = parser.parse_args()
     c_sources = [path for path in options.sources if path.suffix == ".c"]
     included = build_module(c_sources, options.include, options.out / "gscl.wasm")
+    write_commands(c_sources, options.include, options.out / "compile_commands.json")
     build_script([path for path in options.sources if path.suffix == ".js"], options.out / "gscl.js")
     options.depfile.write_text(f"gscl.wasm gscl.js: {' '.join(included)}\n")
 
