@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
+#include "cli/pocl_cache.h"
 
 #define MAX_PATH 1024 /* bytes, the NUL included */
 
@@ -36,12 +36,22 @@ static const char *advice_on_limit(const char *detail) {
     return strstr(detail, "max_pixels") ? "; --max-pixels raises this limit" : "; --max-work raises this limit";
 }
 
+/* Whether the cause may be that PoCL cannot write to its cache. */
+static bool may_be_pocl_cache(const gscl_context *context, gscl_result result) {
+    if (result == GSCL_ERROR_NO_PLATFORM)
+        return true;
+    return (result == GSCL_ERROR_KERNEL_BUILD || result == GSCL_ERROR_DEVICE_FAILED) && context &&
+           strcmp(gscl_context_device(context)->platform_name, "Portable Computing Language") == 0;
+}
+
 int report_result(const gscl_context *context, const char *subject, gscl_result result) {
     /* A signal decides whatever the result is: kernel compilers react to signals too, and fail with errors of their own. */
     if (interrupt_pending()) {
         report_error(subject, "interrupted; its output was not written");
         return EXIT_SIGNAL + interrupt_pending();
     }
+    if (may_be_pocl_cache(context, result) && pocl_cache_report(subject))
+        return EXIT_FAILURE;
     const char *detail = context ? gscl_context_message(context) : "";
     if (*detail)
         report_error(subject, "%s%s", detail, result == GSCL_ERROR_LIMIT ? advice_on_limit(detail) : "");
@@ -90,27 +100,10 @@ static bool has_opencl(void) {
     return found;
 }
 
-/* Whether `parts` joined name a folder; false when the first part is NULL. */
-static bool is_folder(const char *first, const char *second) {
-    char path[MAX_PATH];
-    struct stat status;
-    return first && *first && snprintf(path, sizeof path, "%s%s", first, second) < (int)sizeof path &&
-           stat(path, &status) == 0 && S_ISDIR(status.st_mode);
-}
-
-/* Whether PoCL has the folder in which it keeps built kernels.  It looks for it in this order. */
-static bool has_built_kernels(void) {
-    if (getenv("POCL_CACHE_DIR"))
-        return is_folder(getenv("POCL_CACHE_DIR"), "");
-    if (getenv("XDG_CACHE_HOME"))
-        return is_folder(getenv("XDG_CACHE_HOME"), "/pocl/kcache");
-    return is_folder(getenv("HOME"), "/.cache/pocl/kcache");
-}
-
 static bool host_is_faster(uint64_t pixels) {
     const uint64_t megapixel = 1000000;
     return pixels <= HOST_MEGAPIXELS * megapixel ||
-           (pixels <= HOST_MEGAPIXELS_UNBUILT * megapixel && !has_built_kernels());
+           (pixels <= HOST_MEGAPIXELS_UNBUILT * megapixel && !pocl_cache_exists());
 }
 
 int open_decoder(const device_choice *choice, uint64_t pixels, gscl_context **context) {

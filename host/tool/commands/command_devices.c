@@ -8,6 +8,7 @@
 #include "cli/device_choice.h"
 #include "cli/json.h"
 #include "cli/options.h"
+#include "cli/pocl_cache.h"
 #include "commands/command.h"
 
 #define GIB (1024.0 * 1024.0 * 1024.0)
@@ -67,6 +68,8 @@ static int list_devices(bool as_json) {
     if (result != GSCL_OK && result != GSCL_ERROR_NO_PLATFORM && result != GSCL_ERROR_NO_OPENCL)
         return report_result(NULL, "OpenCL", result);
     const int status = open_device(&(device_choice){.device = GSCL_HOST_DEVICE}, &host);
+    if (result == GSCL_ERROR_NO_PLATFORM)
+        pocl_cache_report("devices");
     if (status == EXIT_SUCCESS)
         print_devices(devices, gscl_context_device(host), as_json);
     gscl_context_free(&host);

@@ -1,0 +1,83 @@
+#define _POSIX_C_SOURCE 200809L
+#include "cli/pocl_cache.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli/message.h"
+
+/* PoCL looks for its folder in this order.  Returns false for a name that is too long. */
+static bool cache_folder(char folder[POCL_CACHE_MAX_PATH]) {
+    const char *own = getenv("POCL_CACHE_DIR"), *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length;
+    if (own)
+        length = snprintf(folder, POCL_CACHE_MAX_PATH, "%s", own);
+    else if (cache && *cache)
+        length = snprintf(folder, POCL_CACHE_MAX_PATH, "%s/pocl/kcache", cache);
+    else if (home)
+        length = snprintf(folder, POCL_CACHE_MAX_PATH, "%s/.cache/pocl/kcache", home);
+    else
+        length = snprintf(folder, POCL_CACHE_MAX_PATH, "/tmp/pocl/kcache");
+    return length < POCL_CACHE_MAX_PATH;
+}
+
+bool pocl_cache_exists(void) {
+    char folder[POCL_CACHE_MAX_PATH];
+    struct stat status;
+    return cache_folder(folder) && stat(folder, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/* Writes a file to a folder, which shows a full disk too, and removes it.  Returns 0 or an errno. */
+static int try_to_write(const char *folder) {
+    char name[POCL_CACHE_MAX_PATH + 16];
+    static const char block[4096];
+    snprintf(name, sizeof name, "%s/gscl-XXXXXX", folder);
+    const int file = mkstemp(name);
+    if (file < 0)
+        return errno;
+    const int error = write(file, block, sizeof block) == (ssize_t)sizeof block ? 0 : errno ? errno : ENOSPC;
+    close(file);
+    unlink(name);
+    return error;
+}
+
+/* Replaces a path by that of the nearest folder above it. */
+static void path_ascend(char *path) {
+    char *slash = strrchr(path, '/');
+    if (!slash)
+        strcpy(path, ".");
+    else if (slash == path)
+        path[1] = '\0';
+    else
+        *slash = '\0';
+}
+
+int pocl_cache_error(char folder[POCL_CACHE_MAX_PATH]) {
+    char existing[POCL_CACHE_MAX_PATH];
+    struct stat status;
+    errno = 0;
+    if (!cache_folder(folder))
+        return 0;
+    snprintf(existing, sizeof existing, "%s", *folder ? folder : ".");
+    while (stat(existing, &status) != 0) {
+        if (errno != ENOENT || strcmp(existing, "/") == 0 || strcmp(existing, ".") == 0)
+            return errno;
+        path_ascend(existing);
+    }
+    return S_ISDIR(status.st_mode) ? try_to_write(existing) : ENOTDIR;
+}
+
+bool pocl_cache_report(const char *subject) {
+    char folder[POCL_CACHE_MAX_PATH];
+    const int error = pocl_cache_error(folder);
+    if (error != 0)
+        report_error(subject,
+                     "PoCL cannot write to %s, where it keeps built kernels (%s), and does not work without; set the "
+                     "variable POCL_CACHE_DIR to another folder",
+                     folder, strerror(error));
+    return error != 0;
+}

@@ -1,0 +1,66 @@
+"""Caches of built kernels: that of PoCL when it cannot be written to, and that of gscl for other implementations."""
+import json
+import os
+import re
+import subprocess
+import unittest
+
+from images import scene
+from tool import GSCL, ToolTest, main
+
+NOBODY = 65534
+POCL = "Portable Computing Language"
+
+
+def platforms(**variables):
+    """The ids of devices by platform."""
+    done = subprocess.run([GSCL, "devices", "--json"], capture_output=True, check=True, env={**os.environ, **variables})
+    return {device["platform"]: device["id"] for device in json.loads(done.stdout)}
+
+
+def runs_for_nobody():
+    return os.geteuid() != 0 or subprocess.run(["setpriv", f"--reuid={NOBODY}", "--clear-groups", GSCL, "--version"],
+                                               capture_output=True, check=False).returncode == 0
+
+
+@unittest.skipUnless(set(platforms()) - {"gscl"} == {POCL}, "needs PoCL alone")
+class PoclCache(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.write_png("in.png", scene(20, 20))
+        self.write("file", b"")
+
+    def refused_for_folder(self, folder, reason, *arguments, subject, **options):
+        message = (f"PoCL cannot write to {re.escape(str(folder))}, where it keeps built kernels \\({reason}\\), and does not "
+                   "work without; set the variable POCL_CACHE_DIR to another folder\n")
+        self.refused(subject, f": {message}", *arguments, **options)
+
+    def test_folder_that_cannot_be_made(self):
+        for variables, folder in (({"POCL_CACHE_DIR": "file/x/y"}, "file/x/y"),
+                                  ({"XDG_CACHE_HOME": "/dev/null"}, "/dev/null/pocl/kcache"),
+                                  ({"HOME": "/dev/null", "XDG_CACHE_HOME": ""}, "/dev/null/.cache/pocl/kcache")):
+            with self.subTest(**variables):
+                prefix = () if "POCL_CACHE_DIR" in variables else ("env", "-u", "POCL_CACHE_DIR")
+                self.refused_for_folder(folder, "Not a directory", "encode", "in.png", "-o", "out.gscl", subject="OpenCL",
+                                        env=variables, prefix=prefix)
+
+    def test_devices_says_so(self):
+        done = self.start("devices", env={"POCL_CACHE_DIR": "file/x"})
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr.decode(), r"\Agscl: devices: PoCL cannot write to file/x, .*POCL_CACHE_DIR[^\n]*\n\Z")
+
+    @unittest.skipUnless(runs_for_nobody(), "the program runs for root only")
+    def test_read_only_folder(self):
+        user = ("setpriv", f"--reuid={NOBODY}", "--clear-groups") if os.geteuid() == 0 else ()
+        self.path("kernels").mkdir()
+        self.folder.chmod(0o755)
+        self.path("kernels").chmod(0o555)
+        out = self.path("out")
+        out.mkdir()
+        out.chmod(0o777)
+        self.refused_for_folder(self.path("kernels"), "Permission denied", "encode", "in.png", "-o", "out/out.gscl",
+                                subject="in.png", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
+
+
+if __name__ == "__main__":
+    main()
