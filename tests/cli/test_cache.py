@@ -6,7 +6,7 @@ import subprocess
 import unittest
 
 from images import scene
-from tool import GSCL, ToolTest, main
+from tool import BUILD_NOTICE, FAST, GSCL, ToolTest, main
 
 NOBODY = 65534
 POCL = "Portable Computing Language"
@@ -60,6 +60,21 @@ class PoclCache(ToolTest):
         out.chmod(0o777)
         self.refused_for_folder(self.path("kernels"), "Permission denied", "encode", "in.png", "-o", "out/out.gscl",
                                 subject="in.png", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
+
+
+class BuildNotice(ToolTest):
+    def errors(self, *arguments):
+        self.write_png("in.png", scene(20, 20))
+        done = self.start("encode", "in.png", "-o", "out.gscl", *FAST, *arguments, keep_notice=True,
+                          env={"LD_PRELOAD": os.environ["SLOW_BUILD"]})
+        self.assertEqual(done.returncode, 0)
+        return done.stderr
+
+    def test_long_builds_are_told_once(self):
+        self.assertRegex(self.errors(), rb"\A%sout.gscl: [^\n]*\n\Z" % BUILD_NOTICE)
+
+    def test_not_when_quiet(self):
+        self.assertEqual(self.errors("-q"), b"")
 
 
 if __name__ == "__main__":

@@ -35,6 +35,7 @@ static bool is_pocl;       /* the platform has its own name */
 static bool refuse_binary; /* clCreateProgramWithBinary fails */
 static const char *driver; /* the version of the platform; NULL: its own */
 static unsigned from_sources, from_binaries;
+static int begun, ended; /* phases of building */
 
 static char top[] = "/tmp/gscl-cache-XXXXXX";
 static char folder[64];
@@ -111,6 +112,12 @@ cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info parameter, si
     return CL_SUCCESS;
 }
 
+static void count_build(void *opaque, bool begins) {
+    assert_ptr_equal(opaque, folder);
+    assert_int_equal(begun, ended + !begins);
+    begins ? begun++ : ended++;
+}
+
 static gscl_context *open_context(const char *cache, gscl_mapping mapping) {
     gscl_context *context;
     gscl_context_settings settings;
@@ -118,8 +125,11 @@ static gscl_context *open_context(const char *cache, gscl_mapping mapping) {
     assert_null(settings.cache_folder);
     settings.cache_folder = cache;
     settings.mapping = mapping;
+    settings.build = count_build;
+    settings.build_opaque = folder;
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
     from_sources = from_binaries = 0;
+    begun = ended = 0;
     return context;
 }
 
@@ -178,9 +188,11 @@ static void test_second_context_builds_nothing(void **state) {
     const uint32_t pixels = decode(folder, GSCL_MAPPING_AUTO);
     assert_true(from_sources > 0 && from_binaries == 0);
     const unsigned programs = from_sources;
+    assert_true(begun >= (int)programs && ended == begun); /* more where launches build, too */
     assert_int_equal(decode(folder, GSCL_MAPPING_AUTO), pixels);
     assert_int_equal(from_sources, 0);
     assert_int_equal(from_binaries, programs);
+    assert_int_equal(begun, 0);
 }
 
 static void test_without_a_folder_nothing_is_kept(void **state) {

@@ -149,19 +149,25 @@ typedef enum gscl_log_level {
 /* Receives one line of text without a newline, valid during the call. */
 typedef void (*gscl_log_callback)(void *opaque, gscl_log_level level, const char *message);
 
+/* Called by the thread of a call when it begins (true) and ends (false) to wait for kernels that are being built.  Kernels
+ * that are found built are not reported.  It must not call the library with this context. */
+typedef void (*gscl_build_callback)(void *opaque, bool begins);
+
 typedef struct gscl_context_settings {
     size_t struct_size;   /* set by gscl_context_settings_default */
     const char *device;   /* "P.D", or a part of a device or platform name, or GSCL_HOST_DEVICE; default NULL: the first
                               GPU, else the first accelerator, else the first CPU */
     gscl_mapping mapping; /* default AUTO */
     bool timing;          /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
-    gscl_log_callback log;    /* default NULL: no log */
-    void *log_opaque;         /* first argument of `log` */
-    const char *cache_folder; /* where kernels that were built are kept for later contexts, made when it is missing;
+    gscl_log_callback log;     /* default NULL: no log */
+    void *log_opaque;          /* first argument of `log` */
+    const char *cache_folder;  /* where kernels that were built are kept for later contexts, made when it is missing;
                                  default NULL: nowhere.  Any number of processes may use a folder at a time; only those
                                  who may run programs as this user should be able to write to it.  It takes at most
                                  64 MiB.  OpenCL implementations that keep kernels themselves (PoCL, NVIDIA) are left to
                                  it.  A folder that cannot be read or written costs time and is no error */
+    gscl_build_callback build; /* default NULL */
+    void *build_opaque;        /* first argument of `build` */
 } gscl_context_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_context_settings_default. */

@@ -39,6 +39,11 @@ gscl_result gscl_complete_message(gscl_context *context, gscl_result result) {
     return result;
 }
 
+void gscl_report_build(const gscl_context *context, bool begins) {
+    if (context->build)
+        context->build(context->build_opaque, begins);
+}
+
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...) {
     if (!context->log)
         return;

@@ -28,6 +28,8 @@ typedef struct gscl_stage_clock {
     gscl_stage_time_sum sums[GSCL_STAGE_COUNT];
 } gscl_stage_clock;
 
+#define GSCL_MAX_UNLAUNCHED 64
+
 struct gscl_context {
     struct _cl_platform_id *platform; /* these four are NULL where is_host */
     struct _cl_device_id *device;
@@ -40,6 +42,10 @@ struct gscl_context {
     struct gscl_program *programs; /* built so far, a list */
     bool own_builtins;             /* programs declare built-in functions with cl/builtins.h (programs.c) */
     char *cache_folder;            /* where built programs are kept (program_cache.h), or NULL */
+    gscl_build_callback build;     /* may be NULL */
+    void *build_opaque;
+    size_t unlaunched_count; /* kernels that the first launch may yet build */
+    struct _cl_kernel *unlaunched[GSCL_MAX_UNLAUNCHED];
     gscl_stage_clock clock;
     struct gscl_timings *timings;                 /* NULL unless the caller asked for timings */
     void (*settle)(struct gscl_context *context); /* waits for the device and adds its times up; NULL where is_host */
@@ -80,6 +86,9 @@ gscl_result gscl_complete_message(gscl_context *context, gscl_result result);
 __attribute__((format(printf, 3, 4)))
 #endif
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...);
+
+/* Calls the caller's `build`, if there is one. */
+void gscl_report_build(const gscl_context *context, bool begins);
 
 /* Returns from the function when the call fails. */
 #define GSCL_TRY(call)                    \

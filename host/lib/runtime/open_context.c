@@ -41,6 +41,8 @@ gscl_result gscl_context_create(gscl_context **context, const gscl_context_setti
     GSCL_TRY(GSCL_STRUCT_READ(c, gscl_context_settings, log, settings, &s));
     c->log = s.log;
     c->log_opaque = s.log_opaque;
+    c->build = s.build;
+    c->build_opaque = s.build_opaque;
     if ((int)s.mapping < GSCL_MAPPING_AUTO || s.mapping > GSCL_MAPPING_GPU)
         return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu", (int)s.mapping);
     GSCL_TRY(open_device(c, &s));

@@ -211,6 +211,24 @@ static gscl_result launch_check_count(gscl_context *context, cl_kernel kernel, s
 }
 #endif
 
+/* Whether this is the first launch of a kernel that some implementations build only now; counts as a launch. */
+static bool launch_may_build(gscl_context *context, cl_kernel kernel) {
+    for (size_t i = 0; i < context->unlaunched_count; i++)
+        if (context->unlaunched[i] == kernel) {
+            context->unlaunched[i] = context->unlaunched[--context->unlaunched_count];
+            return true;
+        }
+    return false;
+}
+
+/* Waits for a launch that may build its kernel. */
+static cl_int launch_wait(gscl_context *context, cl_int error) {
+    if (error == CL_SUCCESS)
+        error = clFinish(context->queue);
+    gscl_report_build(context, false);
+    return error;
+}
+
 gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups, size_t group_size,
                          const gscl_argument *arguments, size_t count) {
     const size_t global_size = groups * group_size;
@@ -224,7 +242,12 @@ gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups,
         return launch_fail(context, kernel, error, "clSetKernelArg");
     if (groups == 0)
         return GSCL_OK;
+    const bool may_build = context->build && launch_may_build(context, kernel);
+    if (may_build)
+        gscl_report_build(context, true);
     error = clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global_size, &group_size, 0, NULL,
                                    gscl_timing_event(context, kernel));
+    if (may_build)
+        error = launch_wait(context, error);
     return error == CL_SUCCESS ? GSCL_OK : launch_fail(context, kernel, error, "clEnqueueNDRangeKernel");
 }

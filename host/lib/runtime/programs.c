@@ -10,6 +10,7 @@
 #include "runtime/opencl.h"
 #include "runtime/program_cache.h"
 #include "runtime/timing.h"
+#include "runtime/tunables.h"
 
 #define MAX_FILES 12   /* source files of a program */
 #define MAX_KERNELS 16 /* of a program */
@@ -21,6 +22,7 @@ struct gscl_program {
     gscl_program_kind kind;
     char options[GSCL_MAX_BUILD_OPTIONS];
     cl_program program;
+    bool is_new; /* it was built from its sources rather than found built */
     size_t kernel_count;
     struct {
         const char *name;
@@ -128,6 +130,15 @@ static gscl_result program_build(gscl_context *context, struct gscl_program *pro
     return error == CL_SUCCESS ? GSCL_OK : program_build_fail(context, program, error);
 }
 
+/* Builds the program, and tells the caller of it. */
+static gscl_result program_build_reported(gscl_context *context, struct gscl_program *program,
+                                          program_sources *sources) {
+    gscl_report_build(context, true);
+    const gscl_result result = program_build(context, program, sources);
+    gscl_report_build(context, false);
+    return result;
+}
+
 /* Takes the program from the cache, or builds it. */
 static gscl_result program_make(gscl_context *context, struct gscl_program *program) {
     const double start = gscl_now();
@@ -138,7 +149,8 @@ static gscl_result program_make(gscl_context *context, struct gscl_program *prog
         gscl_program_key(context, program->options, sources.texts, sources.lengths, sources.count, key);
     program->program = has_key ? gscl_program_load(context, key, program->options) : NULL;
     const bool found = program->program != NULL;
-    gscl_result result = found ? GSCL_OK : program_build(context, program, &sources);
+    gscl_result result = found ? GSCL_OK : program_build_reported(context, program, &sources);
+    program->is_new = !found && gscl_now() - start > gscl_runtime_tunables.found_build_s;
     if (result == GSCL_OK && has_key && !found)
         gscl_program_save(context, key, program->program);
     gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built",
@@ -194,6 +206,8 @@ gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gsc
     *kernel = clCreateKernel(program->program, name, &error);
     if (error != CL_SUCCESS)
         return gscl_cl_fail(context, error, "clCreateKernel");
+    if (program->is_new && context->unlaunched_count < GSCL_MAX_UNLAUNCHED)
+        context->unlaunched[context->unlaunched_count++] = *kernel;
     program->kernels[program->kernel_count].name = name;
     program->kernels[program->kernel_count++].kernel = *kernel;
     return GSCL_OK;

@@ -7,5 +7,6 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .cpu_splat_lanes = 16,
     .gpu_lanes = 4,
     .gpu_rows = 1,
+    .found_build_s = 0.05,
     .cache_bytes = UINT64_C(64) << 20,
 };

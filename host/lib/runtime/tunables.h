@@ -12,6 +12,8 @@ struct gscl_runtime_tunables {
     int cpu_splat_lanes;  /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
     int gpu_lanes;        /* pixels: neighbours of a row in one vector, GPU mapping; 4 or 16 */
     int gpu_rows;         /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
+    double found_build_s; /* seconds: a build that takes less found the program built, in a cache of the OpenCL
+                             implementation.  PoCL takes 0.001 to 0.01 s for those and 0.1 to 0.7 s for others */
     uint64_t cache_bytes; /* bytes: all built programs in the folder of a cache; those of an encode take 0.6 MB with
                              Intel's runtime, and each combination of effects and blends has its own */
 };

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/build_notice.h"
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
@@ -83,6 +84,8 @@ int open_device(const device_choice *choice, gscl_context **context) {
         cache_folder(folder);
         settings.cache_folder = folder;
     }
+    if (!choice->quiet)
+        settings.build = build_notice;
     if (choice->verbose)
         settings.log = log_message;
     const gscl_result result = gscl_context_create(context, &settings);

@@ -15,6 +15,7 @@ typedef struct device_choice {
     int mapping;        /* index into mapping_words, which is a gscl_mapping */
     bool verbose;       /* the library's messages on stderr */
     bool timing;        /* as in gscl_context_settings */
+    bool quiet;         /* no note while kernels are built */
     bool no_cache;      /* neither read nor keep built kernels */
 } device_choice;
 

@@ -225,6 +225,7 @@ static int check_options(encode_options *encode) {
 }
 
 static void fill_settings(encode_options *encode) {
+    encode->batch.choice.quiet = encode->batch.quiet;
     gscl_encode_settings *settings = &encode->batch.settings;
     settings->profile = (gscl_profile)encode->profile;
     settings->blend = (gscl_blend)encode->blend;
