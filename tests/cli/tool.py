@@ -19,6 +19,11 @@ FAST = ("--effort", "0")
 BUILD_NOTICE = b"building kernels for the OpenCL device, which takes a while\n"
 
 
+def odd_opencl(way):
+    """The environment of an OpenCL that is broken in one way (odd_opencl.c)."""
+    return {"LD_PRELOAD": os.environ["ODD_OPENCL_MODULE"], "ODD_OPENCL": way}
+
+
 class ToolTest(unittest.TestCase):
     """Each test has an empty folder, self.folder, in which gscl runs."""
 

@@ -73,7 +73,7 @@ static void cache_folder(char folder[MAX_PATH]) {
         folder[0] = '\0';
 }
 
-int open_device(const device_choice *choice, gscl_context **context) {
+gscl_result create_context(const device_choice *choice, gscl_context **context) {
     char folder[MAX_PATH];
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
@@ -88,7 +88,11 @@ int open_device(const device_choice *choice, gscl_context **context) {
         settings.build = build_notice;
     if (choice->verbose)
         settings.log = log_message;
-    const gscl_result result = gscl_context_create(context, &settings);
+    return gscl_context_create(context, &settings);
+}
+
+int open_device(const device_choice *choice, gscl_context **context) {
+    const gscl_result result = create_context(choice, context);
     if (result == GSCL_OK)
         return EXIT_SUCCESS;
     const int status = report_result(*context, choice->device ? choice->device : "OpenCL", result);

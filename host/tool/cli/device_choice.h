@@ -19,12 +19,10 @@ typedef struct device_choice {
     bool no_cache;      /* neither read nor keep built kernels */
 } device_choice;
 
-#define DEVICE_OPTIONS(choice)                                                                                         \
-    {.name = "device",                                                                                                 \
-     .kind = OPTION_TEXT,                                                                                              \
-     .value = &(choice).device,                                                                                        \
-     .argument = "D",                                                                                                  \
-     .help = "device: its number P.D, part of its name, or host (default: see 'gscl devices')"},                       \
+#define DEVICE_HELP "device: its number P.D, part of its name, or host (default: see 'gscl devices')"
+#define DEVICE_OPTIONS(choice) DEVICE_OPTIONS_AS(choice, DEVICE_HELP)
+#define DEVICE_OPTIONS_AS(choice, device_help)                                                                         \
+    {.name = "device", .kind = OPTION_TEXT, .value = &(choice).device, .argument = "D", .help = device_help},          \
         {.name = "no-cache",                                                                                           \
          .kind = OPTION_FLAG,                                                                                          \
          .value = &(choice).no_cache,                                                                                  \
@@ -35,6 +33,9 @@ typedef struct device_choice {
         .name = "mapping", .kind = OPTION_WORD, .value = &(choice).mapping, .words = mapping_words, .argument = "M",   \
         .help = "kernels for a CPU or for a GPU (default: auto, by the device)"                                        \
     }
+
+/* Opens the device as gscl_context_create does: on failure *context has the message, or is NULL. */
+gscl_result create_context(const device_choice *choice, gscl_context **context);
 
 /* Opens the device; reports errors.  Returns the program's exit code; *context is NULL unless that is 0. */
 int open_device(const device_choice *choice, gscl_context **context);

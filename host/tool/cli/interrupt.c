@@ -11,7 +11,7 @@
 
 #include "cli/exit_code.h"
 
-#define MAX_GUARDED 16
+#define MAX_GUARDED 256
 
 /* Signals are blocked in every thread and received by a thread for signals.  Compilers inside OpenCL drivers install
  * signal handlers while they work, which would otherwise end the program without removing its files. */

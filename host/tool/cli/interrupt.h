@@ -9,7 +9,7 @@
  * the write.  Must be called before any other thread starts. */
 void interrupt_install(void);
 
-/* Makes and opens a temporary file as mkstemp() does.  A signal removes it from then on.  At most 16 at a time. */
+/* Makes and opens a temporary file as mkstemp() does.  A signal removes it from then on.  At most 256 at a time. */
 int interrupt_make_guarded(char *pattern);
 
 /* Ends the guard of a file that is finished or removed. */

@@ -152,7 +152,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "M",
          .words = metadata_words,
          .help = "metadata to store: EXIF, or all, which is EXIF and XMP (default none)"},
-        DEVICE_OPTIONS(batch->choice),
+        DEVICE_OPTIONS_AS(batch->choice,
+                          "device: its number P.D, part of its name, or all, which spreads the images over all devices "
+                          "(default: see 'gscl devices')"),
         {.name = "json",
          .kind = OPTION_FLAG,
          .value = &batch->json,

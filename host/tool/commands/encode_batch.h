@@ -1,4 +1,4 @@
-/* Encoding one image or many on one device. */
+/* Encoding one image or many, on one device or on all. */
 #ifndef GSCL_TOOL_ENCODE_BATCH_H
 #define GSCL_TOOL_ENCODE_BATCH_H
 

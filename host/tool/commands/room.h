@@ -6,7 +6,7 @@
  *   command.h: the list of commands
  *   command_info.c, command_compare.c, command_devices.c: the short ones
  *   command_decode.c: a gscl file into an image
- *   command_encode.c, effect_list.h, encode_batch.h, output_names.h: images into gscl files, two at a time
+ *   command_encode.c, effect_list.h, encode_batch.h, batch_devices.h, output_names.h: images into gscl files
  *   command_draw.c, ellipse_outline.h: splats as ellipses
  *   command_export.c, export_svg.h: splats for other programs
  *   command_bench.c, bench_codec.h: the speed of a device

@@ -1,0 +1,67 @@
+/* The devices of a batch: one that the user chose, or all of the machine.  Each has workers, which encode an image at a
+ * time.  Functions are for the main thread, unless they say otherwise. */
+#ifndef GSCL_TOOL_BATCH_DEVICES_H
+#define GSCL_TOOL_BATCH_DEVICES_H
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <gscl/gscl.h>
+
+#include "cli/device_choice.h"
+
+/* Images that a device encodes at a time: while one occupies the host, the device runs the kernels of the other. */
+#define BATCH_WORKERS 2
+
+/* The word for all devices, in place of the name of one. */
+#define BATCH_ALL "all"
+
+typedef struct batch_worker {
+    struct batch_devices *batch;
+    struct batch_device *device;
+    gscl_context *context; /* NULL until the first image */
+    bool is_busy;
+    bool is_left_out; /* it has no context */
+} batch_worker;
+
+typedef struct batch_device {
+    char id[sizeof((gscl_device_info *)0)->id];
+    int running, finished; /* images */
+    bool has_large;        /* the image that began last is so large that it is encoded alone */
+    batch_worker workers[BATCH_WORKERS];
+} batch_device;
+
+typedef struct batch_devices {
+    device_choice choice; /* of the user */
+    bool is_all;
+    size_t count;
+    batch_device *devices;
+    pthread_mutex_t lock; /* guards is_busy, running, finished, endings and the flags that threads of workers set */
+    pthread_cond_t changed;
+    uint64_t endings; /* threads of workers that ended */
+} batch_devices;
+
+/* Finds the devices.  Reports errors and returns the exit code of the program; the caller frees in either case. */
+int batch_devices_create(batch_devices *devices, const device_choice *choice);
+void batch_devices_free(batch_devices *devices);
+
+/* A worker that can begin an image now, or NULL.  With all devices, warns about those that cannot be used. */
+batch_worker *batch_devices_idle(batch_devices *devices);
+
+/* Opens the worker's context; reports errors and returns the exit code of the program. */
+int batch_worker_open(batch_worker *worker);
+
+/* Begins and ends an image.  Any thread may end it. */
+void batch_worker_begin(batch_worker *worker, const gscl_image *image);
+void batch_worker_end(batch_worker *worker);
+
+/* For the thread of a worker: sets *flag and wakes the main thread. */
+void batch_devices_signal(batch_devices *devices, bool *flag);
+/* Waits for a thread that signals, but not for one that `endings` counts already. */
+void batch_devices_wait(batch_devices *devices, uint64_t endings);
+/* The number of threads that signalled; reads a flag, too, unless `flag` is NULL. */
+uint64_t batch_devices_endings(batch_devices *devices, const bool *flag, bool *value);
+
+#endif

@@ -1,0 +1,92 @@
+/* Loaded into the tool (LD_PRELOAD), it stands for OpenCL implementations that are broken in one way, which ODD_OPENCL
+ * names:
+ *   slow-build  the first program takes longer to build than the tool stays silent
+ *   refuse      no device but the first one gets a context
+ *   crash       the first launch of a kernel ends the process
+ *   hang        the first launch of a kernel never returns
+ *   wrong       what is read from the device has changed samples
+ *   no-memory   kernels cannot be launched */
+#define _GNU_SOURCE
+#include <CL/cl.h>
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef cl_int build_function(cl_program, cl_uint, const cl_device_id *, const char *,
+                              void(CL_CALLBACK *)(cl_program, void *), void *);
+typedef cl_context context_function(const cl_context_properties *, cl_uint, const cl_device_id *,
+                                    void(CL_CALLBACK *)(const char *, const void *, size_t, void *), void *, cl_int *);
+typedef cl_int device_ids_function(cl_platform_id, cl_device_type, cl_uint, cl_device_id *, cl_uint *);
+typedef cl_int launch_function(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *, const size_t *,
+                               cl_uint, const cl_event *, cl_event *);
+typedef cl_int read_function(cl_command_queue, cl_mem, cl_bool, const size_t *, const size_t *, const size_t *, size_t,
+                             size_t, size_t, size_t, void *, cl_uint, const cl_event *, cl_event *);
+
+static int is_odd(const char *way) {
+    const char *chosen = getenv("ODD_OPENCL");
+    return chosen && strcmp(chosen, way) == 0;
+}
+
+cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
+                      void(CL_CALLBACK *notify)(cl_program, void *), void *data) {
+    static int was_slow;
+    build_function *build;
+    *(void **)&build = dlsym(RTLD_NEXT, "clBuildProgram");
+    if (is_odd("slow-build") && !was_slow++)
+        usleep(1200000);
+    return build(program, count, devices, options, notify, data);
+}
+
+static cl_device_id first_device;
+
+cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *devices,
+                      cl_uint *count) {
+    device_ids_function *get;
+    *(void **)&get = dlsym(RTLD_NEXT, "clGetDeviceIDs");
+    const cl_int error = get(platform, type, capacity, devices, count);
+    if (error == CL_SUCCESS && devices && !first_device)
+        first_device = devices[0];
+    return error;
+}
+
+cl_context clCreateContext(const cl_context_properties *properties, cl_uint count, const cl_device_id *devices,
+                           void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *data,
+                           cl_int *error) {
+    context_function *create;
+    *(void **)&create = dlsym(RTLD_NEXT, "clCreateContext");
+    if (is_odd("refuse") && devices[0] != first_device) {
+        *error = CL_OUT_OF_RESOURCES;
+        return NULL;
+    }
+    return create(properties, count, devices, notify, data, error);
+}
+
+cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
+                              const size_t *global_size, const size_t *group_size, cl_uint wait_count,
+                              const cl_event *waits, cl_event *event) {
+    launch_function *launch;
+    *(void **)&launch = dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
+    if (is_odd("crash"))
+        abort();
+    while (is_odd("hang"))
+        pause();
+    if (is_odd("no-memory"))
+        return CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    return launch(queue, kernel, dimensions, offset, global_size, group_size, wait_count, waits, event);
+}
+
+/* Reads of images. */
+cl_int clEnqueueReadBufferRect(cl_command_queue queue, cl_mem buffer, cl_bool blocking, const size_t *from,
+                               const size_t *to, const size_t *region, size_t from_row, size_t from_slice,
+                               size_t to_row, size_t to_slice, void *data, cl_uint wait_count, const cl_event *waits,
+                               cl_event *event) {
+    read_function *read;
+    *(void **)&read = dlsym(RTLD_NEXT, "clEnqueueReadBufferRect");
+    const cl_int error = read(queue, buffer, CL_TRUE, from, to, region, from_row, from_slice, to_row, to_slice, data,
+                              wait_count, waits, event);
+    (void)blocking;
+    if (is_odd("wrong") && error == CL_SUCCESS)
+        memset((char *)data + to[0], 0x3F, region[0] < 8 ? region[0] : 8);
+    return error;
+}
