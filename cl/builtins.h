@@ -6,9 +6,11 @@
  * option this file is empty. */
 #ifdef GSCL_BUILTINS
 #define MAXFLOAT 0x1.fffffep127f
+#define as_int(x) __builtin_astype((x), int)
 #define as_int4(x) __builtin_astype((x), int4)
 #define as_int8(x) __builtin_astype((x), int8)
 #define as_int16(x) __builtin_astype((x), int16)
+#define as_float(x) __builtin_astype((x), float)
 #define as_float4(x) __builtin_astype((x), float4)
 #define as_float16(x) __builtin_astype((x), float16)
 

@@ -16,8 +16,8 @@ inline void integers_within(pix from, pix to, int count, pix_mask *first, pix_ma
     from = LESSER(LARGER(from, (pix)(0.0f)), (pix)((float)count));
     to = LESSER(LARGER(to, (pix)(-1.0f)), (pix)((float)(count - 1)));
     pix_mask low = PIX_INT(from), high = PIX_INT(to);
-    *first = low - (PIX_FLOAT(low) < from);
-    *last = high + (PIX_FLOAT(high) > to);
+    *first = low - PIX_MASK(PIX_FLOAT(low) < from);
+    *last = high + PIX_MASK(PIX_FLOAT(high) > to);
 }
 
 inline outline outline_of(const projected_splat *a, int width, int height) {
@@ -31,7 +31,7 @@ inline outline outline_of(const projected_splat *a, int width, int height) {
     o.width = width;
     pix_mask first, last;
     integers_within((pix)(o.y - o.half_height - 0.5f), (pix)(o.y + o.half_height - 0.5f), height, &first, &last);
-    o.rows = (int2)(first.s0, last.s0);
+    o.rows = (int2)(PIX_FIRST(first), PIX_FIRST(last));
     return o;
 }
 

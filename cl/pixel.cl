@@ -1,6 +1,6 @@
 /* The pixel vector: a work-item handles LANES neighbouring pixels of a row at once, in ROWS rows.  CPU mapping: LANES
  * 16, ROWS 16; a work-item draws a whole tile with explicit vectors.  GPU mapping: LANES 4, ROWS 1; a work-group of
- * 256 / LANES work-items draws a tile.
+ * 256 / LANES work-items draws a tile.  Some implementations get other values of both (host/lib/runtime/quirks.c).
  *
  * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED
  * (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl).  The options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT
@@ -45,6 +45,10 @@ typedef MASKS(16) pix_mask;
 #define PIX_STORE(v, p) vstore16(v, 0, p)
 #define PIX_INT(v) convert_int16(v)
 #define PIX_FLOAT(v) convert_float16(v)
+#define PIX_FIRST(v) ((v).s0)
+#define PIX_BITS(v) as_int16(v)
+#define PIX_OF_BITS(v) as_float16(v)
+#define PIX_MASK(comparison) (comparison)
 inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
 inline real pix_sum(pix v) {
     REALS(8) a = v.lo + v.hi;
@@ -59,13 +63,30 @@ typedef MASKS(4) pix_mask;
 #define PIX_STORE(v, p) vstore4(v, 0, p)
 #define PIX_INT(v) convert_int4(v)
 #define PIX_FLOAT(v) convert_float4(v)
+#define PIX_FIRST(v) ((v).s0)
+#define PIX_BITS(v) as_int4(v)
+#define PIX_OF_BITS(v) as_float4(v)
+#define PIX_MASK(comparison) (comparison)
 inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3); }
 inline real pix_sum(pix v) {
     REALS(2) c = v.lo + v.hi;
     return c.x + c.y;
 }
+#elif LANES == 1
+typedef real pix;
+typedef MASKS() pix_mask;
+#define PIX_LOAD(p) (*(p))
+#define PIX_STORE(v, p) (*(p) = (v))
+#define PIX_INT(v) convert_int(v)
+#define PIX_FLOAT(v) convert_float(v)
+#define PIX_FIRST(v) (v)
+#define PIX_BITS(v) as_int(v)
+#define PIX_OF_BITS(v) as_float(v)
+#define PIX_MASK(comparison) ((pix_mask)(-(comparison)))
+inline pix pix_offsets(void) { return 0.0f; }
+inline real pix_sum(pix v) { return v; }
 #else
-#error "LANES must be 16 or 4"
+#error "LANES must be 16, 4 or 1"
 #endif
 
 /* The part of luma that a colour channel has. */
@@ -91,7 +112,9 @@ inline pix pix_load_clipped(__global const real *row, int count) {
 }
 
 /* 1 in the lanes that lie inside the image, else 0. */
-inline pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), pix_offsets() < (pix)((float)count)); }
+inline pix pix_inside(int count) {
+    return select((pix)(0.0f), (pix)(1.0f), PIX_MASK(pix_offsets() < (pix)((float)count)));
+}
 
 /* The cut of Gaussians, as u^2 + v^2. */
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
@@ -113,11 +136,7 @@ inline pix pix_exp2(pix y) {
     p = fma(p, r, (pix)(2.4022120e-1f));
     p = fma(p, r, (pix)(6.9314694e-1f));
     p = fma(p, r, (pix)(1.0000001f));
-#if LANES == 16
-    return as_float16(as_int16(p) + (as_int16(shifted) << 23));
-#else
-    return as_float4(as_int4(p) + (as_int4(shifted) << 23));
-#endif
+    return PIX_OF_BITS(PIX_BITS(p) + (PIX_BITS(shifted) << 23));
 }
 #endif
 

@@ -58,11 +58,7 @@ inline pix linear_slope(pix s) {
 
 /* Cube root of 0.003..1.1: a guess from the bits, then two steps of Halley's method.  Relative error below 3e-7. */
 inline pix cube_root(pix x) {
-#if LANES == 16
-    pix r = as_float16(PIX_INT(fma(PIX_FLOAT(as_int16(x)), (pix)(1.0f / 3.0f), (pix)(709958130.0f))));
-#else
-    pix r = as_float4(PIX_INT(fma(PIX_FLOAT(as_int4(x)), (pix)(1.0f / 3.0f), (pix)(709958130.0f))));
-#endif
+    pix r = PIX_OF_BITS(PIX_INT(fma(PIX_FLOAT(PIX_BITS(x)), (pix)(1.0f / 3.0f), (pix)(709958130.0f))));
     for (int i = 0; i < 2; i++) {
         pix cube = r * r * r;
         r *= (cube + 2.0f * x) / (2.0f * cube + x);

@@ -4,6 +4,7 @@
 
 #include "cl/constants.h"
 #include "runtime/mapping.h"
+#include "runtime/quirks.h"
 #include "runtime/text.h"
 
 /* Appends the options that only the room `measure` sets.  Constants of the double kernels are doubles. */
@@ -33,6 +34,8 @@ static void append_specialisation(gscl_text *text, const gscl_context *context, 
         gscl_text_append(text, " -DWEIGHTED=%d", options->weighted);
     if (fits)
         gscl_text_append(text, " -DLOSS=%d -DCACHED_ROWS=%d", options->loss, gscl_mapping_cached_rows(context));
+    if (context->quirks->one_blend)
+        gscl_text_append(text, " -DONE_BLEND");
     append_measured_precision(text, options);
 }
 

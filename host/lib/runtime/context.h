@@ -12,6 +12,7 @@
 struct gscl_program; /* programs.c */
 struct gscl_timings; /* timing.c */
 struct gscl_parked;  /* opencl.c */
+struct gscl_quirks;  /* quirks.h */
 
 /* Wall-clock time and number of runs of one stage. */
 typedef struct gscl_stage_time_sum {
@@ -36,13 +37,14 @@ struct gscl_context {
     struct _cl_context *cl;
     struct _cl_command_queue *queue;
     gscl_device_info info;
-    bool is_host;                  /* the device "host": decodes without OpenCL */
-    bool is_cpu;                   /* the device is a CPU */
-    bool gpu_mapping;              /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
-    struct gscl_program *programs; /* built so far, a list */
-    bool own_builtins;             /* programs declare built-in functions with cl/builtins.h (programs.c) */
-    char *cache_folder;            /* where built programs are kept (program_cache.h), or NULL */
-    gscl_build_callback build;     /* may be NULL */
+    const struct gscl_quirks *quirks; /* of the OpenCL implementation; NULL where is_host */
+    bool is_host;                     /* the device "host": decodes without OpenCL */
+    bool is_cpu;                      /* the device is a CPU */
+    bool gpu_mapping;                 /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
+    struct gscl_program *programs;    /* built so far, a list */
+    bool own_builtins;                /* programs declare built-in functions with cl/builtins.h (programs.c) */
+    char *cache_folder;               /* where built programs are kept (program_cache.h), or NULL */
+    gscl_build_callback build;        /* may be NULL */
     void *build_opaque;
     size_t unlaunched_count; /* kernels that the first launch may yet build */
     struct _cl_kernel *unlaunched[GSCL_MAX_UNLAUNCHED];

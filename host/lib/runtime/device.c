@@ -108,7 +108,8 @@ static gscl_result device_choose(gscl_context *context, const gscl_device_list *
     context->device = chosen->device;
     context->info = chosen->info;
     context->is_cpu = (chosen->type & CL_DEVICE_TYPE_CPU) != 0;
-    context->own_builtins = chosen->is_pocl_3;
+    context->quirks = chosen->quirks;
+    context->own_builtins = chosen->quirks->own_builtins;
     return GSCL_OK;
 }
 

@@ -49,13 +49,15 @@ static cl_int device_query_short_text(const gscl_listed_device *d, device_query 
 
 static cl_int device_describe_platform(gscl_listed_device *d) {
     char *version;
-    const cl_int error = device_query_text(d, (device_query){true, CL_PLATFORM_VERSION}, &version);
+    cl_int error = device_query_text(d, (device_query){true, CL_PLATFORM_VERSION}, &version);
     if (error != CL_SUCCESS)
         return error;
-    d->is_pocl_3 = strstr(version, "PoCL 3.") != NULL;
+    error = device_query_short_text(d, (device_query){true, CL_PLATFORM_NAME}, sizeof d->info.platform_name,
+                                    d->info.platform_name);
+    if (error == CL_SUCCESS)
+        d->quirks = gscl_quirks_find(d->info.platform_name, version);
     free(version);
-    return device_query_short_text(d, (device_query){true, CL_PLATFORM_NAME}, sizeof d->info.platform_name,
-                                   d->info.platform_name);
+    return error;
 }
 
 static cl_int device_describe_texts(gscl_listed_device *d) {

@@ -5,13 +5,15 @@
 #include <CL/cl.h>
 #include <gscl/gscl.h>
 
+#include "runtime/quirks.h"
+
 typedef struct gscl_listed_device {
     cl_platform_id platform;
     cl_device_id device;
     cl_device_type type;
     gscl_device_info info;
-    bool is_pocl_3;    /* the platform is PoCL 3 */
-    char unusable[96]; /* why kernels cannot run on it: "is not available"; empty when they can */
+    const gscl_quirks *quirks; /* of its platform; NULL where that cannot be queried */
+    char unusable[96];         /* why kernels cannot run on it: "is not available"; empty when they can */
 } gscl_listed_device;
 
 typedef struct gscl_device_list {

@@ -1,14 +1,22 @@
 #include "runtime/mapping.h"
 
 #include "cl/constants.h"
+#include "runtime/quirks.h"
 #include "runtime/tunables.h"
 
+/* What the implementation's quirks change; 0: nothing. */
+static const gscl_work_shape *mapping_quirks(const gscl_context *context) {
+    return context->gpu_mapping ? &context->quirks->gpu : &context->quirks->cpu;
+}
+
 int gscl_mapping_lanes(const gscl_context *context) {
-    return context->gpu_mapping ? gscl_runtime_tunables.gpu_lanes : gscl_runtime_tunables.cpu_lanes;
+    const int lanes = mapping_quirks(context)->lanes;
+    return lanes ? lanes : context->gpu_mapping ? gscl_runtime_tunables.gpu_lanes : gscl_runtime_tunables.cpu_lanes;
 }
 
 int gscl_mapping_rows(const gscl_context *context) {
-    return context->gpu_mapping ? gscl_runtime_tunables.gpu_rows : gscl_runtime_tunables.cpu_rows;
+    const int rows = mapping_quirks(context)->rows;
+    return rows ? rows : context->gpu_mapping ? gscl_runtime_tunables.gpu_rows : gscl_runtime_tunables.cpu_rows;
 }
 
 int gscl_mapping_cached_rows(const gscl_context *context) {
@@ -17,7 +25,10 @@ int gscl_mapping_cached_rows(const gscl_context *context) {
 
 /* Explicit vectors take longer to build.  Only a fit runs its kernels often enough to make up for it. */
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind) {
-    return kind == GSCL_PROGRAM_FIT && !context->gpu_mapping ? gscl_runtime_tunables.cpu_splat_lanes : 1;
+    const int lanes = mapping_quirks(context)->splat_lanes;
+    if (kind != GSCL_PROGRAM_FIT || context->gpu_mapping)
+        return 1;
+    return lanes ? lanes : gscl_runtime_tunables.cpu_splat_lanes;
 }
 
 size_t gscl_tile_group_size(const gscl_context *context) {

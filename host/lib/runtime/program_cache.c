@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "runtime/binary_store.h"
+#include "runtime/quirks.h"
 #include "runtime/text.h"
 #include "runtime/tunables.h"
 
@@ -14,17 +15,8 @@
 
 #define MAX_INFO 256 /* bytes of a text that describes a device, the NUL included */
 
-/* Platforms that keep programs themselves.  PoCL would even build slow generic variants for CL_PROGRAM_BINARIES. */
-static bool platform_has_cache(const gscl_context *context) {
-    static const char *const names[] = {"Portable Computing Language", "NVIDIA CUDA"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcmp(context->info.platform_name, names[i]) == 0)
-            return true;
-    return false;
-}
-
 gscl_result gscl_program_cache_open(gscl_context *context, const char *folder) {
-    if (!folder || !*folder || platform_has_cache(context))
+    if (!folder || !*folder || context->quirks->own_cache)
         return GSCL_OK;
     const size_t size = strlen(folder) + 1;
     context->cache_folder = malloc(size);

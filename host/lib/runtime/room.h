@@ -9,6 +9,7 @@
  *   stage_clock.h: times of stages
  *   timing.h: times of kernels
  *   opencl.h: checked calls, buffers, launches
+ *   quirks.h: what some OpenCL implementations need otherwise
  *   device_list.h, device.h: listing and choosing devices
  *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for
  *   programs.h, kernel_sources.h: building kernels and looking them up

@@ -1,0 +1,55 @@
+/* The quirks of OpenCL implementations: whose, of which version, what fails, and why. */
+#include "runtime/quirks.h"
+
+#include <stddef.h>
+#include <string.h>
+
+static const gscl_quirks quirks[] = {
+    /* PoCL 3.1 reads a megabyte of declarations before each program, even if its cache has the kernels: 0.2 s for each of
+     * the six programs of an encode.  cl/builtins.h declares what the kernels use.
+     * Any PoCL builds slow generic kernels for CL_PROGRAM_BINARIES, and has a cache. */
+    {.platform = "Portable Computing Language", .version = "PoCL 3.", .own_builtins = true, .own_cache = true},
+    {.platform = "Portable Computing Language", .own_cache = true},
+
+    /* NVIDIA's driver has a cache. */
+    {.platform = "NVIDIA CUDA", .own_cache = true},
+
+    /* Mesa 22.3.6, rusticl on llvmpipe: with vectors of 16 pixels or splats the kernels of an encode compile for more than
+     * 10 minutes and take gigabytes; with vectors of 4 fit_tiles compiles for 4 to 13 s.  llvmpipe runs 8 work-items side
+     * by side, one in each lane of the processor's vectors, and splits explicit vectors into as many instructions as they
+     * have elements, so that they bring nothing.  All functions are inlined, and each launch translates its kernel anew, for
+     * up to 50 ms, with the machine code taken from Mesa's own cache on disk; where that cache is off
+     * (MESA_SHADER_CACHE_DISABLE) each launch takes as long as the first. */
+    {.platform = "rusticl",
+     .one_blend = true,
+     .cpu = {.lanes = 1, .rows = 4, .splat_lanes = 1},
+     .gpu = {.lanes = 1, .rows = 1, .splat_lanes = 1}},
+
+    /* Intel's CPU runtime 2026.22 compiles gather_gradients and adam_step with vectors of 16 splats for longer than all
+     * other kernels of a fit together, and it has no cache: an encode of one picture would not make up for it. */
+    {.platform = "Intel(R) OpenCL", .cpu = {.splat_lanes = 1}},
+
+    {.platform = NULL},
+};
+
+/* Rules that all kernels keep to for all implementations, because breaking them costs one of these much:
+ *   - Mesa 22.3 (rusticl) dereferences NULL at the launch of a kernel that indexes an array inside a struct argument at
+ *     run time: such an array is copied to private variables first (colour_descend in cl/scalar_rdo.cl).
+ *   - Oclgrind 21.10 does not know llvm.experimental.noalias.scope.decl, which inlining makes of `restrict` parameters:
+ *     ALWAYS_INLINE functions have none, and it runs with -cl-opt-disable.
+ *   - Oclgrind 21.10 evaluates clamp, min and max of a vector and a scalar wrongly: bounds are vectors (cl/splat_lanes.cl).
+ *   - PoCL 3.1 hangs or fails on barriers in loops whose number of iterations differs between work-items, and on returns
+ *     before a barrier: both are uniform (fit_tiles in cl/fit.cl).
+ *   - PoCL 3.1 does not report failed allocations: sizes are checked first (buffer_create in opencl.c). */
+
+static bool text_contains(const char *text, const char *part) {
+    return !part || strstr(text, part) != NULL;
+}
+
+const gscl_quirks *gscl_quirks_find(const char *platform_name, const char *platform_version) {
+    const gscl_quirks *found = quirks;
+    while (found->platform &&
+           !(text_contains(platform_name, found->platform) && text_contains(platform_version, found->version)))
+        found++;
+    return found;
+}

@@ -1,0 +1,24 @@
+/* What the library does otherwise for some OpenCL implementations: one table, quirks.c. */
+#ifndef GSCL_LIB_QUIRKS_H
+#define GSCL_LIB_QUIRKS_H
+
+#include <stdbool.h>
+
+/* The work of a work-item in one mapping, as in gscl_runtime_tunables.  0: the value of gscl_runtime_tunables. */
+typedef struct gscl_work_shape {
+    int lanes, rows, splat_lanes;
+} gscl_work_shape;
+
+typedef struct gscl_quirks {
+    const char *platform; /* part of the platform's name; NULL: any platform */
+    const char *version;  /* part of the platform's version; NULL: any version */
+    bool own_builtins;    /* programs declare built-in functions with cl/builtins.h (programs.c) */
+    bool own_cache;       /* it keeps programs from one process to the next itself (program_cache.h) */
+    bool one_blend;       /* kernels contain the loop over a tile's splats once (cl/raster.cl) */
+    gscl_work_shape cpu, gpu;
+} gscl_quirks;
+
+/* The quirks of an implementation, which live for ever.  Never NULL. */
+const gscl_quirks *gscl_quirks_find(const char *platform_name, const char *platform_version);
+
+#endif
