@@ -88,6 +88,7 @@ check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
 check "install of the library" sh tests/install/test_install.sh build-library
 check "library without OpenCL" sh tests/install/test_without_opencl.sh
+check "reproducible and hardened build" sh tests/install/test_reproducible.sh
 check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
 
 for compiler in gcc:g++ clang:clang++; do
