@@ -2,6 +2,7 @@
 
 PoCL offers as many devices as POCL_DEVICES names.  Its device "basic" fails when two threads use it.
 """
+import json
 import os
 import unittest
 
@@ -14,7 +15,7 @@ TWO = {"POCL_DEVICES": "pthread pthread"}
 
 @unittest.skipUnless(platforms(**TWO).get(POCL) == "0.1", "needs two devices of PoCL and no other")
 class AllDevices(ToolTest):
-    names = [f"{i}.png" for i in range(6)]
+    names = [f"{i}.png" for i in range(4)]
 
     def setUp(self):
         super().setUp()
@@ -63,7 +64,7 @@ class AllDevices(ToolTest):
         done = self.start("encode", "bad.png", *self.names, "--out-dir", "all", "--device", "all", *FAST, "-q", env=TWO)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr.decode(), r"\Agscl: bad.png: [^\n]*\ngscl: all/3.gscl: cannot be written: [^\n]*\n\Z")
-        self.assertEqual(len(self.files()), 6 + 1 + 1 + 6)
+        self.assertEqual(len(self.files()), 4 + 1 + 1 + 4)
 
     def test_no_device_at_all(self):
         self.write("file", b"")
@@ -72,6 +73,56 @@ class AllDevices(ToolTest):
     def test_other_commands_know_no_all(self):
         self.gscl("encode", "0.png", "-q", *FAST)
         self.refused("all", 'no OpenCL device matches "all"', "decode", "0.gscl", "-o", "out.png", "--device", "all")
+
+
+class Check(ToolTest):
+    def check(self, way=None, arguments=(), **variables):
+        """The exit code and the rows of the report, with a device that is broken in one way."""
+        done = self.start("devices", "--check", "--json", *arguments,
+                          env={**(odd_opencl(way) if way else {}), **variables})
+        return done.returncode, json.loads(done.stdout)
+
+    def test_sound_devices_pass(self):
+        code, rows = self.check()
+        self.assertEqual(code, 0)
+        ids = [device["id"] for device in self.gscl_json("devices") if device["id"] != "host"]
+        self.assertEqual([(row["id"], row["mapping"]) for row in rows], [(i, m) for i in ids for m in ("cpu", "gpu")])
+        for row in rows:
+            self.assertTrue(row["passed"])
+            self.assertTrue(0 < row["largest_difference"] < 0.01 and row["psnr"] > 28, row)
+
+    def test_broken_devices_fail(self):
+        for way, arguments, failure in (
+                ("crash", (), r"encoding ended with signal 6 \("),
+                ("hang", ("--limit", "2"), r"encoding was not done after 2 s\Z"),
+                ("no-memory", (), r"clEnqueueNDRangeKernel of kernel \w+ on .*CL_MEM_OBJECT_ALLOCATION_FAILURE"),
+                ("wrong", (), r"decoded samples differ by [12]\d\d/255 from double precision, at most 1/255 would be right\Z")):
+            with self.subTest(way=way):
+                code, rows = self.check(way, arguments)
+                self.assertEqual((code, len(rows)), (1, 2))
+                for row in rows:
+                    self.assertFalse(row["passed"])
+                    self.assertRegex(row["failure"], failure)
+
+    @unittest.skipUnless(platforms(**TWO).get(POCL) == "0.1", "needs two devices of PoCL and no other")
+    def test_sound_device_beside_one_without_context(self):
+        code, rows = self.check("refuse", **TWO)
+        self.assertEqual((code, [row["passed"] for row in rows]), (1, [True, True, False, False]))
+        self.assertIn("clCreateContext", rows[2]["failure"])
+
+    def test_text(self):
+        lines = self.start("devices", "--check", env=odd_opencl("no-memory")).stdout.decode().splitlines()
+        self.assertRegex(lines[0], r"\A0.0 +.*, mapping cpu: FAILED: clEnqueueNDRangeKernel of kernel ")
+        self.assertEqual(len(lines), 2)
+        self.assertRegex(self.gscl("devices", "--check").decode().splitlines()[1],
+                         r"\A0.0 +.*, mapping gpu: pass: [\d.]+ dB, largest difference [\d.e-]+/255, [\d.]+ s\Z")
+
+    def test_no_device(self):
+        self.write("file", b"")
+        self.refused("OpenCL", "POCL_CACHE_DIR", "devices", "--check", env={"POCL_CACHE_DIR": "file/x"})
+
+    def test_limit_needs_check(self):
+        self.refused("devices", "--limit applies to --check only; add --check", "devices", "--limit", "9", code=2)
 
 
 if __name__ == "__main__":

@@ -306,6 +306,54 @@ static void test_gradients(void **state) {
         }
 }
 
+/* ---- Decoding ---- */
+
+/* A file whose colours and whose alpha vary. */
+static file encode_transparent(void) {
+    file f;
+    uint8_t pixels[HEIGHT][WIDTH][4];
+    const gscl_image transparent = {WIDTH, HEIGHT, 4, GSCL_SAMPLE_U8, 0, false, pixels};
+    gscl_encode_settings settings;
+    gscl_encode_settings_default(&settings);
+    settings.effort = 0;
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++)
+            memcpy(pixels[y][x], (uint8_t[4]){(uint8_t)(2 * x), (uint8_t)(3 * y), 99, (uint8_t)(2 * y + x)}, 4);
+    assert_int_equal(gscl_encode(contexts[0], &transparent, &settings, &f.bytes, &f.size, NULL), GSCL_OK);
+    return f;
+}
+
+static void check_decoding(gscl_context *context, const file *f) {
+    double error = -1;
+    assert_int_equal(gscl_measure_decoding(context, f->bytes, f->size, &error), GSCL_OK);
+    if (!(error > 0 && error < 0.01)) /* in single precision, rounded */
+        fail_msg("%s: %g/255", gscl_context_device(context)->id, error);
+}
+
+static void test_decoding(void **state) {
+    (void)state;
+    gscl_context *host;
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = GSCL_HOST_DEVICE;
+    assert_int_equal(gscl_context_create(&host, &settings), GSCL_OK);
+    file transparent = encode_transparent();
+    gscl_context *const all[] = {contexts[0], contexts[1], host};
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < BLENDS; k++)
+            check_decoding(all[i], &files[k]);
+        check_decoding(all[i], &transparent);
+    }
+    double error = -1;
+    assert_int_equal(gscl_measure_decoding(host, transparent.bytes, transparent.size - 9, &error),
+                     GSCL_ERROR_TRUNCATED);
+    assert_true(gscl_context_message(host)[0] && error == -1);
+    assert_int_equal(gscl_measure_decoding(NULL, transparent.bytes, transparent.size, &error),
+                     GSCL_ERROR_INVALID_ARGUMENT);
+    gscl_free(transparent.bytes);
+    gscl_context_free(&host);
+}
+
 /* ---- Refusals ---- */
 
 static void never(void *opaque, const gscl_accuracy *accuracy) {
@@ -350,6 +398,7 @@ int main(void) {
         cmocka_unit_test(test_choices),
         cmocka_unit_test(test_step_factor),
         cmocka_unit_test(test_gradients),
+        cmocka_unit_test(test_decoding),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);

@@ -170,6 +170,12 @@ GSCL_API GSCL_CHECKED gscl_result gscl_measure_gradients(gscl_context *context, 
                                                          const gscl_accuracy_settings *settings,
                                                          gscl_gradient_callback callback, void *opaque);
 
+/* Decodes a file and draws it by the format's definition in double precision, which takes as long as on the device "host".
+ * *largest_error is the largest difference of their samples, clamped to 0..1, with colours multiplied by alpha, in units of
+ * 1/255.  The context needs no `timing` and may be that of the device "host".  Errors: as gscl_decode. */
+GSCL_API GSCL_CHECKED gscl_result gscl_measure_decoding(gscl_context *context, const uint8_t *bytes, size_t size,
+                                                        double *largest_error);
+
 #ifdef __cplusplus
 }
 #endif

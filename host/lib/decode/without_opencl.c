@@ -60,3 +60,8 @@ gscl_result gscl_measure_gradients(gscl_context *context, const gscl_image *imag
     (void)image, (void)bytes, (void)size, (void)settings, (void)callback, (void)opaque;
     return refuse(context, "measuring accuracy");
 }
+
+gscl_result gscl_measure_decoding(gscl_context *context, const uint8_t *bytes, size_t size, double *largest_error) {
+    (void)bytes, (void)size, (void)largest_error;
+    return refuse(context, "measuring accuracy");
+}

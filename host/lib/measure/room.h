@@ -8,6 +8,7 @@
  *   subject.h: a file and its image, which the measurements of accuracy share
  *   reference.h: rendering in double precision
  *   accuracy.c: errors and times of the ways of drawing
+ *   decode_error.c: the difference of a decode from double precision
  *   accuracy_quantiser.h: errors and sizes of quantiser steps
  *   accuracy_gradient.c: errors of the fit's derivatives
  *   effect_cost.c: what each effect costs and gains

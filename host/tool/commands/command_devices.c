@@ -7,9 +7,11 @@
 
 #include "cli/device_choice.h"
 #include "cli/json.h"
+#include "cli/message.h"
 #include "cli/options.h"
 #include "cli/pocl_cache.h"
 #include "commands/command.h"
+#include "commands/device_check.h"
 
 #define GIB (1024.0 * 1024.0 * 1024.0)
 
@@ -78,15 +80,31 @@ static int list_devices(bool as_json) {
 }
 
 int command_devices(int argc, char **argv) {
-    bool as_json = false;
+    bool as_json = false, check = false, has_limit = false;
+    uint64_t limit_s = 120;
     const option_spec options[] = {
+        {.name = "check",
+         .kind = OPTION_FLAG,
+         .value = &check,
+         .help = "encode and decode a small picture on each device, with the kernels for CPUs and for GPUs"},
+        {.name = "limit",
+         .kind = OPTION_INTEGER,
+         .value = &limit_s,
+         .given = &has_limit,
+         .argument = "S",
+         .min_integer = 1,
+         .max_integer = 86400,
+         .help = "seconds after which a single check has failed (default 120)"},
         {.name = "json", .kind = OPTION_FLAG, .value = &as_json, .help = "write JSON"},
     };
     const option_command command = {
         .name = "devices",
-        .usage = "[--json]",
-        .about = "Lists the OpenCL devices that gscl can use; * marks the default.  The first column is the\n"
-                 "number for --device.  The last one, host, decodes without OpenCL.",
+        .usage = "[--check [--limit S]] [--json]",
+        .about =
+            "Lists the OpenCL devices that gscl can use; * marks the default.  The first column is the\n"
+            "number for --device.  The last one, host, decodes without OpenCL.\n"
+            "With --check it encodes and decodes a small picture on each device and prints the PSNR and the largest\n"
+            "difference from a drawing in double precision, or what failed, which makes the exit code 1.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };
@@ -94,5 +112,7 @@ int command_devices(int argc, char **argv) {
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
-    return list_devices(as_json);
+    if (has_limit && !check)
+        return report_usage("devices", "--limit applies to --check only; add --check");
+    return check ? device_check_run(limit_s, as_json) : list_devices(as_json);
 }

@@ -5,6 +5,7 @@
  * In the order in which to read them:
  *   command.h: the list of commands
  *   command_info.c, command_compare.c, command_devices.c: the short ones
+ *   device_check.h, check_process.h: the check of devices
  *   command_decode.c: a gscl file into an image
  *   command_encode.c, effect_list.h, encode_batch.h, batch_devices.h, output_names.h: images into gscl files
  *   command_draw.c, ellipse_outline.h: splats as ellipses
