@@ -44,12 +44,16 @@ add_counts() {
     failed=$((failed + ${counts#* }))
 }
 
+# The kernels are the same in all builds.
+kernels=$PWD/build-test/kernels
+with_cache="python3 $PWD/tests/with_cache.py $kernels"
+
 # suite FOLDER [MESON TEST ARGUMENTS]
 suite() {
     folder=$1
     shift
     rm -f "$folder/meson-logs/testlog.json"
-    meson test -C "$folder" --no-rebuild --print-errorlogs "$@"
+    meson test -C "$folder" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
     add_counts "$folder/meson-logs/testlog.json"
 }
 
@@ -70,14 +74,12 @@ check "rooms are checked" python3 tests/structure/test_check_rooms.py
 # The Python package, in a virtual environment.
 rm -f build-test/python/results.xml
 check "python wheel" sh tests/python/install.sh build-test/python
-sh tests/python/test.sh build-test/python build-test/tests/pocl
+POCL_CACHE_DIR=$PWD/build-test/python/pocl $with_cache sh tests/python/test.sh build-test/python
 add_counts build-test/python/results.xml
 
 # Host code under ASan and UBSan, with small hard cases; check_leaks.sh checks for leaks.
 check "build with sanitizers" build build-sanitize \
     --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled
-# The kernels are the same, so the sanitized build uses the cache of the release build.
-[ -d build-sanitize/tests/pocl ] || cp -R build-test/tests/pocl build-sanitize/tests/
 export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export STABILITY_SMALL=1
 suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
