@@ -1,6 +1,7 @@
 """Caches of built kernels: that of PoCL when it cannot be written to, and that of gscl for other implementations."""
 import json
 import os
+import pathlib
 import re
 import subprocess
 import unittest
@@ -9,6 +10,7 @@ from images import scene
 from tool import BUILD_NOTICE, FAST, GSCL, ToolTest, main, odd_opencl
 
 NOBODY = 65534
+CONFORMANCE = pathlib.Path(__file__).resolve().parents[1] / "conformance/files/all-sizes.gscl"
 POCL = "Portable Computing Language"
 
 
@@ -60,6 +62,45 @@ class PoclCache(ToolTest):
         out.chmod(0o777)
         self.refused_for_folder(self.path("kernels"), "Permission denied", "encode", "in.png", "-o", "out/out.gscl",
                                 subject="in.png", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
+
+
+def others():
+    """Devices of implementations that keep no kernels themselves."""
+    return [device for platform, device in platforms().items() if platform not in (POCL, "gscl", "NVIDIA CUDA")]
+
+
+@unittest.skipUnless(others(), "needs an OpenCL implementation beside PoCL, such as Intel's")
+class OtherImplementations(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.write("in.gscl", CONFORMANCE.read_bytes())
+
+    def decode_on_other(self, *arguments, cache="cache"):
+        """Decodes, and returns the picture and whether each program was "built" or "loaded"."""
+        done = self.start("decode", "in.gscl", "-o", "out.png", "--device", others()[0], "-v", *arguments,
+                          env={"XDG_CACHE_HOME": str(self.path(cache))})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return self.path("out.png").read_bytes(), set(re.findall(r"^(\w+) a program in", done.stderr.decode(), flags=re.M))
+
+    def entries(self):
+        return sorted(self.path("cache/gscl").glob("*"))
+
+    def test_built_once(self):
+        picture, how = self.decode_on_other()
+        self.assertEqual(how, {"built"})
+        self.assertTrue(self.entries())
+        self.assertEqual(self.decode_on_other(), (picture, {"loaded"}))
+        self.assertEqual(self.decode_on_other("--no-cache"), (picture, {"built"}))
+        for path in self.entries():
+            path.write_bytes(path.read_bytes()[:-1])
+        self.assertEqual(self.decode_on_other(), (picture, {"built"}))
+        self.assertEqual(self.decode_on_other(), (picture, {"loaded"}))
+
+    def test_unusable_folder(self):
+        self.write("file", b"")
+        picture, _ = self.decode_on_other("--no-cache")
+        self.assertFalse(self.path("cache").exists())
+        self.assertEqual(self.decode_on_other(cache="file"), (picture, {"built"}))
 
 
 class BuildNotice(ToolTest):

@@ -242,7 +242,7 @@ static int encode_files(batch_state *state, char *const *names) {
         encode_job *oldest = finished < started ? &state->jobs[finished % state->job_count] : NULL;
         bool is_done = false;
         const uint64_t endings = batch_devices_endings(&state->devices, oldest ? &oldest->is_done : NULL, &is_done);
-        if (is_done) {
+        if (oldest && is_done) {
             const int job_status = finish_job(state, oldest, started == finished + 1);
             finished++;
             status = job_status != EXIT_SUCCESS ? job_status : status;
