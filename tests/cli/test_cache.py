@@ -62,6 +62,9 @@ class PoclCache(ToolTest):
         out.chmod(0o777)
         self.refused_for_folder(self.path("kernels"), "Permission denied", "encode", "in.png", "-o", "out/out.gscl",
                                 subject="in.png", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
+        done = self.start("devices", "--check", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stdout.decode().count(f"FAILED: PoCL cannot write to {self.path('kernels')}, "), 2)
 
 
 def others():

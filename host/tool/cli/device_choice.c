@@ -45,19 +45,25 @@ static bool may_be_pocl_cache(const gscl_context *context, gscl_result result) {
            strcmp(gscl_context_device(context)->platform_name, "Portable Computing Language") == 0;
 }
 
+void explain_result(const gscl_context *context, gscl_result result, char text[EXPLANATION_SIZE]) {
+    const char *detail = context ? gscl_context_message(context) : "";
+    if (may_be_pocl_cache(context, result) && pocl_cache_explain(text, EXPLANATION_SIZE))
+        return;
+    if (*detail)
+        snprintf(text, EXPLANATION_SIZE, "%s%s", detail, result == GSCL_ERROR_LIMIT ? advice_on_limit(detail) : "");
+    else
+        snprintf(text, EXPLANATION_SIZE, "%s%s", gscl_result_text(result), advice(result));
+}
+
 int report_result(const gscl_context *context, const char *subject, gscl_result result) {
     /* A signal decides whatever the result is: kernel compilers react to signals too, and fail with errors of their own. */
     if (interrupt_pending()) {
         report_error(subject, "interrupted; its output was not written");
         return EXIT_SIGNAL + interrupt_pending();
     }
-    if (may_be_pocl_cache(context, result) && pocl_cache_report(subject))
-        return EXIT_FAILURE;
-    const char *detail = context ? gscl_context_message(context) : "";
-    if (*detail)
-        report_error(subject, "%s%s", detail, result == GSCL_ERROR_LIMIT ? advice_on_limit(detail) : "");
-    else
-        report_error(subject, "%s%s", gscl_result_text(result), advice(result));
+    char text[EXPLANATION_SIZE];
+    explain_result(context, result, text);
+    report_error(subject, "%s", text);
     return result == GSCL_ERROR_CONFLICT ? EXIT_USAGE : EXIT_FAILURE;
 }
 

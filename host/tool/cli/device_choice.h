@@ -55,6 +55,10 @@ int open_decoder(const device_choice *choice, uint64_t pixels, gscl_context **co
     "kernels, are drawn by the device 'host', which needs no OpenCL and is then the faster one; larger ones by the\n" \
     "default of 'gscl devices'; all where there is no OpenCL device by 'host'."
 
+/* Writes what failed in a call of the library, with advice (`context` may be NULL). */
+#define EXPLANATION_SIZE 2048 /* bytes, the NUL included */
+void explain_result(const gscl_context *context, gscl_result result, char text[EXPLANATION_SIZE]);
+
 /* Reports a failed call of the library about `subject` (`context` may be NULL) and returns the program's exit
  * code for it. */
 int report_result(const gscl_context *context, const char *subject, gscl_result result);

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/message.h"
+#define POCL_CACHE_MAX_PATH 1024 /* bytes, the NUL included */
 
 /* PoCL looks for its folder in this order.  Returns false for a name that is too long. */
 static bool cache_folder(char folder[POCL_CACHE_MAX_PATH]) {
@@ -56,7 +56,9 @@ static void path_ascend(char *path) {
         *slash = '\0';
 }
 
-int pocl_cache_error(char folder[POCL_CACHE_MAX_PATH]) {
+/* Returns 0 when PoCL can write to its folder, and when its name is too long to tell.  Otherwise returns the errno of a
+ * trial and the folder's name. */
+static int pocl_cache_error(char folder[POCL_CACHE_MAX_PATH]) {
     char existing[POCL_CACHE_MAX_PATH];
     struct stat status;
     errno = 0;
@@ -71,13 +73,13 @@ int pocl_cache_error(char folder[POCL_CACHE_MAX_PATH]) {
     return S_ISDIR(status.st_mode) ? try_to_write(existing) : ENOTDIR;
 }
 
-bool pocl_cache_report(const char *subject) {
+bool pocl_cache_explain(char *text, size_t size) {
     char folder[POCL_CACHE_MAX_PATH];
     const int error = pocl_cache_error(folder);
     if (error != 0)
-        report_error(subject,
-                     "PoCL cannot write to %s, where it keeps built kernels (%s), and does not work without; set the "
-                     "variable POCL_CACHE_DIR to another folder",
-                     folder, strerror(error));
+        snprintf(text, size,
+                 "PoCL cannot write to %s, where it keeps built kernels (%s), and does not work without; set the "
+                 "variable POCL_CACHE_DIR to another folder",
+                 folder, strerror(error));
     return error != 0;
 }

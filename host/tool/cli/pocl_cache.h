@@ -4,17 +4,12 @@
 #define GSCL_TOOL_POCL_CACHE_H
 
 #include <stdbool.h>
-
-#define POCL_CACHE_MAX_PATH 1024 /* bytes, the NUL included */
+#include <stddef.h>
 
 /* Whether the folder exists. */
 bool pocl_cache_exists(void);
 
-/* Returns 0 when PoCL can write to its folder, and when its name is too long to tell.  Otherwise returns the errno of a
- * trial and the folder's name. */
-int pocl_cache_error(char folder[POCL_CACHE_MAX_PATH]);
-
-/* Prints about `subject` that PoCL cannot write to its folder, and returns true; returns false where it can. */
-bool pocl_cache_report(const char *subject);
+/* Writes that PoCL cannot write to its folder, and returns true; returns false where it can. */
+bool pocl_cache_explain(char *text, size_t size);
 
 #endif

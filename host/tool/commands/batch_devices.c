@@ -70,8 +70,9 @@ static bool worker_try_to_open(batch_worker *worker) {
         return true;
     worker->is_left_out = true;
     if (worker == worker->device->workers) { /* the first one: no worker of this device has a context */
-        const char *detail = gscl_context_message(worker->context);
-        report_warning(worker->device->id, "this device is left out: %s", *detail ? detail : gscl_result_text(result));
+        char text[EXPLANATION_SIZE];
+        explain_result(worker->context, result, text);
+        report_warning(worker->device->id, "this device is left out: %s", text);
         for (int k = 0; k < BATCH_WORKERS; k++)
             worker->device->workers[k].is_left_out = true;
     }

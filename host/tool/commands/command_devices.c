@@ -70,8 +70,9 @@ static int list_devices(bool as_json) {
     if (result != GSCL_OK && result != GSCL_ERROR_NO_PLATFORM && result != GSCL_ERROR_NO_OPENCL)
         return report_result(NULL, "OpenCL", result);
     const int status = open_device(&(device_choice){.device = GSCL_HOST_DEVICE}, &host);
-    if (result == GSCL_ERROR_NO_PLATFORM)
-        pocl_cache_report("devices");
+    char text[EXPLANATION_SIZE];
+    if (result == GSCL_ERROR_NO_PLATFORM && pocl_cache_explain(text, sizeof text))
+        report_error("devices", "%s", text);
     if (status == EXIT_SUCCESS)
         print_devices(devices, gscl_context_device(host), as_json);
     gscl_context_free(&host);

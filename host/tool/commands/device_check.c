@@ -54,9 +54,10 @@ static void send_stage(check_task *task, check_stage stage) {
 }
 
 static bool task_fail(check_task *task, const gscl_context *context, gscl_result result) {
-    const char *detail = gscl_context_message(context);
+    char text[EXPLANATION_SIZE];
+    explain_result(context, result, text);
     task->record.has_failed = true;
-    snprintf(task->record.message, sizeof task->record.message, "%s", *detail ? detail : gscl_result_text(result));
+    snprintf(task->record.message, sizeof task->record.message, "%.*s", (int)sizeof task->record.message - 1, text);
     return false;
 }
 
