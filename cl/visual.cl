@@ -236,11 +236,14 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
  * to *loss.  One work-item. */
 __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s, gscl_visual_weights weights,
                             float unit, __global float *restrict shares, __global float *restrict loss) {
+    /* Copied, because Mesa's compiler fails on a run-time index into a struct that was passed by value. */
+    const float by_sum[GSCL_VISUAL_SUMS] = {weights.weight[0], weights.weight[1], weights.weight[2],
+                                            weights.weight[3], weights.weight[4], weights.weight[5]};
     float pixels = (float)s.width * (float)s.height, total = 0.0f;
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) {
         float sum = 0.0f;
         for (int y = 0; y < s.height; y++) sum += row_sums[y * GSCL_VISUAL_SUMS + j];
-        float mean = sum / pixels, norm = j % 2 ? sqrt(sqrt(mean)) : mean, weight = weights.weight[j];
+        float mean = sum / pixels, norm = j % 2 ? sqrt(sqrt(mean)) : mean, weight = by_sum[j];
         total = fma(weight, norm, total);
         shares[j] = unit * weight / pixels / (j % 2 ? fmax(norm * norm * norm, 1e-12f) : 1.0f);
     }

@@ -33,8 +33,9 @@ static const gscl_quirks quirks[] = {
 };
 
 /* Rules that all kernels keep to for all implementations, because breaking them costs one of these much:
- *   - Mesa 22.3 (rusticl) dereferences NULL at the launch of a kernel that indexes an array inside a struct argument at
- *     run time: such an array is copied to private variables first (colour_descend in cl/scalar_rdo.cl).
+ *   - Mesa 22.3 (rusticl) reads 0 where a kernel indexes an array inside a struct argument at run time, or dereferences
+ *     NULL at its launch: such an array is copied to private variables first (colour_descend in cl/scalar_rdo.cl,
+ *     visual_shares in cl/visual.cl).
  *   - Oclgrind 21.10 does not know llvm.experimental.noalias.scope.decl, which inlining makes of `restrict` parameters:
  *     ALWAYS_INLINE functions have none, and it runs with -cl-opt-disable.
  *   - Oclgrind 21.10 evaluates clamp, min and max of a vector and a scalar wrongly: bounds are vectors (cl/splat_lanes.cl).
