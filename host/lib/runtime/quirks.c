@@ -32,7 +32,7 @@ static const gscl_quirks quirks[] = {
     {.platform = NULL},
 };
 
-/* Rules that all kernels keep to for all implementations, because breaking them costs one of these much:
+/* What holds for all kernels and all implementations, because of one of them:
  *   - Mesa 22.3 (rusticl) reads 0 where a kernel indexes an array inside a struct argument at run time, or dereferences
  *     NULL at its launch: such an array is copied to private variables first (colour_descend in cl/scalar_rdo.cl,
  *     visual_shares in cl/visual.cl).
@@ -41,6 +41,8 @@ static const gscl_quirks quirks[] = {
  *   - Oclgrind 21.10 evaluates clamp, min and max of a vector and a scalar wrongly: bounds are vectors (cl/splat_lanes.cl).
  *   - PoCL 3.1 hangs or fails on barriers in loops whose number of iterations differs between work-items, and on returns
  *     before a barrier: both are uniform (fit_tiles in cl/fit.cl).
+ *   - Intel's runtime 2026 has no device in a process that has loaded an older libtbb before, as OpenImageIO of Debian 12
+ *     does: gscl encode finds it for PNG and JPEG, which need no OpenImageIO.
  *   - PoCL 3.1 does not report failed allocations: sizes are checked first (buffer_create in opencl.c). */
 
 static bool text_contains(const char *text, const char *part) {

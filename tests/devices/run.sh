@@ -1,0 +1,123 @@
+#!/bin/sh
+# Tests gscl on OpenCL implementations other than PoCL, where they exist:
+# run.sh [--quick] BUILD
+#   rusticl   of Mesa, on llvmpipe: the Debian package mesa-opencl-icd
+#   intel     Intel's runtime for CPUs: from PyPI, installed in BUILD/devices
+# For each of them and for both mappings, decodes files of the conformance set, which may differ from gscl's decoder in C
+# (device "host") by 1 of 255, and encodes a small picture, whose PSNR may be 1 dB below PoCL's.  Without --quick also runs
+# the unit tests of kernels, the hard cases of tests/stability and the tests of the command line on each: an hour or more.
+# Without any implementation it does nothing and succeeds.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+conformance=$here/../conformance/files
+quick=
+[ "${1:-}" != --quick ] || { quick=yes; shift; }
+build=$(cd "$1" && pwd) || exit 1
+work=$build/devices
+gscl=$build/gscl
+mkdir -p "$work"
+failed=0
+
+# Mesa's own cache and gscl's, apart from the user's.
+export RUSTICL_ENABLE=llvmpipe MESA_SHADER_CACHE_DIR="$work/mesa" XDG_CACHE_HOME="$work/cache" POCL_CACHE_DIR="$work/pocl"
+
+# install NAME LIBRARY: the folder of the one .icd file that the OpenCL loader shall read.
+install() {
+    mkdir -p "$work/$1"
+    echo "$2" >"$work/$1/$1.icd"
+}
+
+find_implementations() {
+    names=
+    if [ -f /etc/OpenCL/vendors/rusticl.icd ]; then
+        install rusticl "$(cat /etc/OpenCL/vendors/rusticl.icd)"
+        names=rusticl
+    fi
+    venv=$work/venv
+    if [ "$(uname -m)" = x86_64 ]; then
+        [ -f "$venv/lib/libintelocl.so" ] || {
+            python3 -m venv "$venv" &&
+                "$venv/bin/pip" --disable-pip-version-check --quiet install --no-deps -r "$here/requirements.txt"
+        } >"$work/pip.log" 2>&1
+        if [ -f "$venv/lib/libintelocl.so" ]; then
+            install intel "$venv/lib/libintelocl.so"
+            names="$names intel"
+        fi
+    fi
+}
+
+# report NAME RESULT: one line; RESULT 0 is success.
+report() {
+    if [ "$2" = 0 ]; then
+        echo "ok - $1"
+    else
+        echo "not ok - $1"
+        failed=$((failed + 1))
+    fi
+}
+
+# field FILE NAME: a number that gscl compare wrote.
+field() {
+    sed -n "s/^$2  *\([0-9.]*\).*/\1/p" "$1"
+}
+
+# A PNG: gscl reads other formats through OpenImageIO, whose libtbb Intel's runtime cannot use.
+make_picture() {
+    "$gscl" decode "$conformance/photograph.gscl" -o "$work/picture.png" --device host
+}
+
+encode() {
+    timeout -k 10 300 "$gscl" encode "$work/picture.png" -o "$work/$1.gscl" --splats 12 --effort 0 --quiet --mapping "$2" &&
+        "$gscl" decode "$work/$1.gscl" -o "$work/$1.png" --device host &&
+        "$gscl" compare "$work/picture.png" "$work/$1.png" >"$work/$1.txt"
+}
+
+# decodes IMPLEMENTATION MAPPING FILE: like device host, but for 1 of 255.
+decodes() {
+    "$gscl" decode "$conformance/$3.gscl" -o "$work/host.png" --device host &&
+        timeout -k 10 100 "$gscl" decode "$conformance/$3.gscl" -o "$work/device.png" --mapping "$2" &&
+        "$gscl" compare "$work/host.png" "$work/device.png" >"$work/decode.txt" &&
+        awk "BEGIN { exit !($(field "$work/decode.txt" 'max difference') <= 1) }"
+}
+
+# Of the conformance set: each has another combination of blend, channels and effects.
+files="waves codebook-alpha-rgb-alpha scalar-sum-grey"
+
+# quick_tests IMPLEMENTATION
+quick_tests() {
+    for mapping in cpu gpu; do
+        for file in $files; do
+            decodes "$1" $mapping "$file" 2>>"$work/$1.log"
+            report "$1, $mapping mapping: decode of $file" $?
+        done
+        encode "$1" $mapping 2>>"$work/$1.log" &&
+            awk "BEGIN { exit !($(field "$work/$1.txt" PSNR) > $(field "$work/pocl.txt" PSNR) - 1) }"
+        report "$1, $mapping mapping: encode, $(field "$work/$1.txt" PSNR) dB; PoCL: $(field "$work/pocl.txt" PSNR) dB" $?
+    done
+}
+
+# Both mappings are in each of these tests.  The names are those of `meson test --list`.
+full_tests="render quantise gradients conformance scalar_rdo codebook visual_loss level_residual fit_state psnr_search
+    scenes random adam flat_ssim far_needles quantiser coding encodes decode encode effects colours"
+full_suite() {
+    STABILITY_SMALL=1 OCL_ICD_VENDORS=$work/$1 meson test -C "$build" --no-rebuild --num-processes 1 \
+        --timeout-multiplier 20 --logbase "$1" $full_tests
+    report "$1: unit tests, hard cases and command line (meson-logs/$1.txt)" $?
+}
+
+find_implementations
+[ -n "$names" ] || { echo "# no other OpenCL implementation"; exit 0; }
+make_picture
+pocl=/etc/OpenCL/vendors/pocl.icd
+OCL_ICD_VENDORS=$pocl encode pocl cpu || { echo "not ok - encode with PoCL"; exit 1; }
+for name in $names; do
+    : >"$work/$name.log"
+    export OCL_ICD_VENDORS="$work/$name"
+    quick_tests "$name"
+    [ -n "$quick" ] || full_suite "$name"
+done
+if [ -z "$quick" ]; then
+    OCL_ICD_VENDORS=$pocl meson test -C "$build" --no-rebuild --timeout-multiplier 5 oclgrind "hard cases in oclgrind"
+    report "whole small encodes in oclgrind" $?
+fi
+[ "$failed" = 0 ]
