@@ -26,14 +26,17 @@ static void check_picture(const gscl_image *image) {
         }
 }
 
-static void check_refusals(void) {
+static void check_refusals(const uint8_t *bytes, size_t size) {
     gscl_context *context = NULL;
+    gscl_image image = {0};
     gscl_context_settings settings;
     gscl_device_info *devices;
     gscl_context_settings_default(&settings);
     settings.device = "0.0";
     expect(gscl_context_create(&context, &settings) == GSCL_ERROR_NO_OPENCL, "another device is refused");
     expect(strstr(gscl_context_message(context), "built without OpenCL") != NULL, "the message says why");
+    expect(gscl_decode(context, bytes, size, NULL, &image) == GSCL_ERROR_NO_OPENCL, "its context does not decode");
+    expect(image.pixels == NULL, "there are no pixels");
     expect(gscl_list_devices(&devices) == GSCL_ERROR_NO_OPENCL, "there is no list of devices");
     gscl_context_free(&context);
 }
@@ -42,6 +45,7 @@ int main(int count, char **words) {
     uint8_t bytes[1024], *encoded = NULL;
     FILE *file = count > 1 ? fopen(words[1], "rb") : NULL;
     size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
+    const size_t file_size = size;
     gscl_context *context = NULL;
     gscl_image image = {0};
     gscl_info info = {.struct_size = sizeof info};
@@ -55,7 +59,7 @@ int main(int count, char **words) {
     expect(gscl_encode(context, &image, NULL, &encoded, &size, NULL) == GSCL_ERROR_NO_OPENCL, "encoding is refused");
     expect(strstr(gscl_context_message(context), "encoding needs") != NULL,
            "the message says that encoding needs OpenCL");
-    check_refusals();
+    check_refusals(bytes, file_size);
     gscl_free(image.pixels);
     gscl_context_free(&context);
     if (file)
