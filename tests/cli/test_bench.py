@@ -45,6 +45,8 @@ class Bench(ToolTest):
             self.assertTrue(0.7 * run["median_s"] < seconds < 1.02 * run["median_s"], run)
             for stage in run["stages"]:
                 self.assertTrue(0 <= stage["kernel_seconds"] <= stage["seconds"], stage)
+            for kernel in run["kernels"]:
+                self.assertGreaterEqual(kernel["build_seconds"], 0, kernel)
 
     def test_refuses_a_file_that_is_no_image(self):
         self.write("text.png", b"no image")

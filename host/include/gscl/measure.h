@@ -41,6 +41,8 @@ typedef struct gscl_timing {
     uint64_t count;                 /* stages that began; kernels that were launched */
     double seconds;                 /* stage: wall clock with the device's work; kernel: the device's clock */
     double kernel_seconds;          /* of a stage: the device's clock over all of its kernels; of a kernel: 0 */
+    double build_seconds; /* kernel: wall clock of its first launches, in which some OpenCL implementations build
+                                       it, unless it came from a cache; resetting keeps it; of a stage: 0 */
 } gscl_timing;
 
 /* Returns the first row of a list, first stages, then kernels in the order of their first launch.  NULL for a context that

@@ -222,9 +222,10 @@ static bool launch_may_build(gscl_context *context, cl_kernel kernel) {
 }
 
 /* Waits for a launch that may build its kernel. */
-static cl_int launch_wait(gscl_context *context, cl_int error) {
+static cl_int launch_wait(gscl_context *context, cl_kernel kernel, double start_s, cl_int error) {
     if (error == CL_SUCCESS)
         error = clFinish(context->queue);
+    gscl_timing_add_build(context, kernel, gscl_now() - start_s);
     gscl_report_build(context, false);
     return error;
 }
@@ -242,12 +243,13 @@ gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups,
         return launch_fail(context, kernel, error, "clSetKernelArg");
     if (groups == 0)
         return GSCL_OK;
-    const bool may_build = context->build && launch_may_build(context, kernel);
+    const bool may_build = (context->build || context->timings) && launch_may_build(context, kernel);
+    const double start_s = may_build ? gscl_now() : 0;
     if (may_build)
         gscl_report_build(context, true);
     error = clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global_size, &group_size, 0, NULL,
                                    gscl_timing_event(context, kernel));
     if (may_build)
-        error = launch_wait(context, error);
+        error = launch_wait(context, kernel, start_s, error);
     return error == CL_SUCCESS ? GSCL_OK : launch_fail(context, kernel, error, "clEnqueueNDRangeKernel");
 }

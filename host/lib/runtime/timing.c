@@ -113,6 +113,12 @@ cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
     return &t->pending[t->pending_count++];
 }
 
+void gscl_timing_add_build(gscl_context *context, cl_kernel kernel, double seconds) {
+    gscl_timing *row = context->timings ? timing_row_of_kernel(context->timings, kernel) : NULL;
+    if (row)
+        row->build_seconds += seconds;
+}
+
 const gscl_timing *gscl_context_timings(const gscl_context *context) {
     if (!context || !context->timings)
         return NULL;
@@ -156,6 +162,6 @@ void gscl_context_reset_timings(gscl_context *context) {
     memset(context->clock.sums, 0, sizeof context->clock.sums);
     for (size_t i = 0; i < context->timings->kernel_count; i++) {
         gscl_timing *row = &context->timings->kernel_rows[i];
-        *row = (gscl_timing){.name = row->name, .is_kernel = true};
+        *row = (gscl_timing){.name = row->name, .is_kernel = true, .build_seconds = row->build_seconds};
     }
 }

@@ -16,6 +16,9 @@ void gscl_timing_settle(gscl_context *context);
 /* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
 
+/* Adds the time of a launch that may have built its kernel, where kernels are measured. */
+void gscl_timing_add_build(gscl_context *context, cl_kernel kernel, double seconds);
+
 /* Time of all kernels since the timings were reset, seconds. */
 double gscl_kernel_seconds(const gscl_context *context);
 /* Sorts samples, the smallest first. */

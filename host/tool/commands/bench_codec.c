@@ -17,6 +17,8 @@ static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, do
                100 * seconds / whole);
         if (!kernels)
             printf("%10.3f ms outside kernels", 1e3 * (seconds - row->kernel_seconds / runs));
+        else
+            printf("%10.0f ms first launches", 1e3 * row->build_seconds);
         printf("\n");
     }
 }
@@ -40,6 +42,8 @@ static void write_rows(const bench_codec *codec, bool kernels, unsigned runs) {
         json_real(codec->json, "seconds", row->seconds / runs);
         if (!kernels)
             json_real(codec->json, "kernel_seconds", row->kernel_seconds / runs);
+        else
+            json_real(codec->json, "build_seconds", row->build_seconds);
         json_close_object(codec->json);
     }
     json_close_array(codec->json);
