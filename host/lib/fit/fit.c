@@ -1,6 +1,7 @@
 #include "fit/fit.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cl/constants.h"
@@ -42,7 +43,10 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     f->limits = first_limits(width, height, options->blend);
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
     gscl_renderer_set_options(&f->renderer, GSCL_PROGRAM_FIT, options);
-    GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof(cl_float)));
+    GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof *f->read_loss));
+    f->read_loss = malloc(sizeof *f->read_loss);
+    if (!f->read_loss)
+        return gscl_fail_memory(context);
     GSCL_TRY(gscl_pyramid_create(&f->pyramid, context, width, height, first_level, f->renderer.channels,
                                  options->weighted, planes));
     if (options->weighted == GSCL_WEIGHTED_PIXELS)
@@ -65,6 +69,8 @@ void gscl_fit_free(gscl_fit *f) {
                               &f->derivative,     &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
+    gscl_release_after_copies(f->context, f->read_loss); /* after an error the device may still write it */
+    f->read_loss = NULL;
 }
 
 gscl_result gscl_fit_set_flat_background(gscl_fit *f, const gscl_flat_background *flat) {

@@ -34,6 +34,7 @@ typedef struct gscl_fit {
     gscl_flat_background flat; /* of the image, if it has one; `background` is then its colour, else the mean colour */
 
     gscl_buffer tile_loss, loss; /* of the last step: of each tile, and their sum */
+    float *read_loss;            /* the sum, as gscl_fit_begin_loss reads it */
     gscl_buffer error;           /* scratch: a plane of squared errors */
 
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
@@ -111,6 +112,9 @@ gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
 
 /* Mean loss per sample of the last step; with weights it is no MSE. */
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
+/* The same without waiting: gscl_fit_read_loss returns it after the queue has been finished. */
+gscl_result gscl_fit_begin_loss(gscl_fit *fit);
+double gscl_fit_read_loss(const gscl_fit *fit);
 /* Renders the current splats (through the quantiser) and reads the squared error of each pixel of the level, added over
  * channels and weighted. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);

@@ -4,15 +4,23 @@
 #include "fit/fit.h"
 #include "fit/tunables.h"
 
-gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
+gscl_result gscl_fit_begin_loss(gscl_fit *f) {
     cl_kernel kernel;
     cl_int tiles = (cl_int)gscl_renderer_tiles(&f->renderer);
-    cl_float sum = 0;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &f->renderer.options, "sum_loss", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, 1, 1, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
                          GSCL_ARG_BUFFER(f->loss)));
-    GSCL_TRY(gscl_buffer_read(f->context, &f->loss, 0, &sum, sizeof sum));
-    *loss = (double)sum / ((double)gscl_fit_level_pixels(f) * f->renderer.channels);
+    return gscl_buffer_read_async(f->context, &f->loss, f->read_loss, sizeof *f->read_loss);
+}
+
+double gscl_fit_read_loss(const gscl_fit *f) {
+    return (double)*f->read_loss / ((double)gscl_fit_level_pixels(f) * f->renderer.channels);
+}
+
+gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
+    GSCL_TRY(gscl_fit_begin_loss(f));
+    GSCL_TRY(gscl_finish(f->context));
+    *loss = gscl_fit_read_loss(f);
     return GSCL_OK;
 }
 

@@ -69,16 +69,17 @@ static double max_occupancy(const gscl_fit *f) {
     return non_flat_tiles(f) * limit + gscl_fit_tunables.tiles_of_small_splat * r->count / tiles;
 }
 
-/* After an exact binning: bounds the tile occupancy, and sets the threshold of skipped tiles from the losses of the
- * last step, which an external loss does not have. */
-static gscl_result check_tiles(gscl_fit *f) {
+/* Bins exactly and bounds the tile occupancy; sets the threshold of skipped tiles from the losses of the last step, which
+ * an external loss does not have.  Both wait for the device at once. */
+static gscl_result bin_and_check(gscl_fit *f) {
+    const bool has_loss = f->skip.step > 0 && f->renderer.options.loss != GSCL_LOSS_KIND_EXTERNAL;
+    if (has_loss)
+        GSCL_TRY(gscl_fit_begin_loss(f));
+    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
     if (f->renderer.occupancy > max_occupancy(f))
         f->limits.log_max = fmaxf(f->limits.log_max - gscl_fit_tunables.axis_reduction, f->limits.log_min);
-    if (f->skip.step == 0 || f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL)
-        return GSCL_OK;
-    double loss;
-    GSCL_TRY(gscl_fit_loss(f, &loss));
-    gscl_tile_skip_set_threshold(&f->skip, loss, f->renderer.channels, non_flat_tiles(f));
+    if (has_loss)
+        gscl_tile_skip_set_threshold(&f->skip, gscl_fit_read_loss(f), f->renderer.channels, non_flat_tiles(f));
     return GSCL_OK;
 }
 
@@ -93,10 +94,8 @@ static gscl_result differentiate_loss(gscl_fit *f) {
 gscl_result gscl_fit_differentiate(gscl_fit *f) {
     bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
     bool check = f->steps_since_check >= gscl_fit_tunables.check_interval;
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, check));
+    GSCL_TRY(check ? bin_and_check(f) : gscl_renderer_bin(&f->renderer, false));
     f->steps_since_check = check ? 1 : f->steps_since_check + 1;
-    if (check)
-        GSCL_TRY(check_tiles(f));
     if (is_external)
         GSCL_TRY(differentiate_loss(f));
     GSCL_TRY(launch_tiles(f, is_external ? &f->derivative : gscl_fit_weighted_target(f)));
