@@ -128,6 +128,29 @@ static gscl_result try_device(const char *device) {
     return result;
 }
 
+/* Calls on a context whose creation failed are refused. */
+static void test_context_without_a_device(void **state) {
+    (void)state;
+    gscl_image image = synthetic_image(SYNTHETIC_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8), decoded = {0};
+    const file f = encode_some(SYNTHETIC_SHAPES, 16, 16, 3, 4);
+    gscl_context_settings settings;
+    gscl_context *none = NULL;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    gscl_context_settings_default(&settings);
+    settings.device = "no such device";
+    assert_int_equal(gscl_context_create(&none, &settings), GSCL_ERROR_UNKNOWN_DEVICE);
+    assert_int_equal(gscl_encode(none, &image, NULL, &bytes, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_non_null(strstr(gscl_context_message(none), "gscl_context_create failed"));
+    assert_null(bytes);
+    assert_int_equal(gscl_decode(none, f.bytes, f.size, NULL, &decoded), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_non_null(strstr(gscl_context_message(none), "gscl_context_create failed"));
+    assert_null(decoded.pixels);
+    gscl_context_free(&none);
+    gscl_free(f.bytes);
+    synthetic_image_free(&image);
+}
+
 static void test_devices(void **state) {
     (void)state;
     gscl_device_info *devices = NULL;
@@ -845,6 +868,7 @@ int main(void) {
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_texts),
         cmocka_unit_test(test_devices),
+        cmocka_unit_test(test_context_without_a_device),
         cmocka_unit_test(test_bad_images),
         cmocka_unit_test(test_null_arguments),
         cmocka_unit_test(test_bad_settings),

@@ -180,7 +180,7 @@ static inline void gscl_context_settings_default(gscl_context_settings *settings
 typedef struct gscl_context gscl_context;
 
 /* Opens a device.  `settings` may be NULL for the defaults.  When this fails, *context is a context for
- * gscl_context_message, or NULL if memory does not allow one; the caller frees it in either case.
+ * gscl_context_message alone, or NULL if memory does not allow one; the caller frees it in either case.
  * Errors: GSCL_ERROR_NO_PLATFORM, _UNKNOWN_DEVICE, _AMBIGUOUS_DEVICE, _DEVICE_FAILED, _INVALID_ARGUMENT. */
 GSCL_API GSCL_CHECKED gscl_result gscl_context_create(gscl_context **context, const gscl_context_settings *settings);
 /* Frees a context and sets *context to NULL. */

@@ -122,6 +122,7 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     if (!context || !bytes || !image)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_forget_message(context);
+    GSCL_TRY(gscl_require_open(context));
     const double start_s = gscl_now();
     gscl_decode_settings s;
     gscl_decode_settings_default(&s);

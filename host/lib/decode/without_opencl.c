@@ -10,11 +10,11 @@ static gscl_result refuse(gscl_context *context, const char *activity) {
     return context ? gscl_require_opencl(context, activity) : GSCL_ERROR_INVALID_ARGUMENT;
 }
 
-/* Only a context whose creation failed gets here: it has no device. */
+/* Every context that is open is that of the device "host", which draws in software. */
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
                                 const gscl_image *image, const gscl_draw_progress *progress) {
     (void)coded, (void)f, (void)image, (void)progress;
-    return gscl_fail(context, GSCL_ERROR_NO_OPENCL, "the context has no device, because gscl_context_create failed");
+    return gscl_require_opencl(context, "drawing");
 }
 
 gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison) {

@@ -21,7 +21,15 @@ gscl_result(gscl_fail_memory)(gscl_context *context) {
     return gscl_fail(context, GSCL_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+gscl_result gscl_require_open(gscl_context *context) {
+    if (context->is_open)
+        return GSCL_OK;
+    return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                     "the context has no device, because gscl_context_create failed");
+}
+
 gscl_result gscl_require_opencl(gscl_context *context, const char *activity) {
+    GSCL_TRY(gscl_require_open(context));
     if (!context->is_host)
         return GSCL_OK;
     return gscl_fail(context, GSCL_ERROR_NO_OPENCL, "%s needs an OpenCL device; the device \"host\" only decodes",

@@ -38,6 +38,7 @@ struct gscl_context {
     struct _cl_command_queue *queue;
     gscl_device_info info;
     const struct gscl_quirks *quirks; /* of the OpenCL implementation; NULL where is_host */
+    bool is_open;                     /* gscl_context_create succeeded */
     bool is_host;                     /* the device "host": decodes without OpenCL */
     bool is_cpu;                      /* the device is a CPU */
     bool gpu_mapping;                 /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
@@ -70,7 +71,9 @@ gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
 /* Stores "out of memory" and returns GSCL_ERROR_OUT_OF_MEMORY: the host has no memory left. */
 gscl_result gscl_fail_memory(gscl_context *context);
 
-/* Fails with GSCL_ERROR_NO_OPENCL and a message that names the activity ("encoding") where the context is without OpenCL. */
+/* Fails with GSCL_ERROR_INVALID_ARGUMENT where gscl_context_create failed: such a context only has a message. */
+gscl_result gscl_require_open(gscl_context *context);
+/* Fails likewise, and with GSCL_ERROR_NO_OPENCL and a message that names the activity ("encoding") where the context is without OpenCL. */
 gscl_result gscl_require_opencl(gscl_context *context, const char *activity);
 
 /* Static analysers read one source file at a time; these macros state that a failure is never GSCL_OK. */

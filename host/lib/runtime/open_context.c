@@ -46,6 +46,7 @@ gscl_result gscl_context_create(gscl_context **context, const gscl_context_setti
     if ((int)s.mapping < GSCL_MAPPING_AUTO || s.mapping > GSCL_MAPPING_GPU)
         return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu", (int)s.mapping);
     GSCL_TRY(open_device(c, &s));
+    c->is_open = true;
     gscl_log(c, GSCL_LOG_INFO, "device %s: %s%s", c->info.id, c->info.device_name,
              c->is_host       ? ""
              : c->gpu_mapping ? " (GPU mapping)"
