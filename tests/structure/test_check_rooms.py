@@ -65,7 +65,7 @@ FAULTS = {
 
 def copy_tree(root):
     for top in ("format", "cl", "host"):
-        shutil.copytree(os.path.join(ROOT, top), os.path.join(root, top))
+        shutil.copytree(os.path.join(ROOT, top), os.path.join(root, top), symlinks=True)
 
 
 def compile_objects(root, sources):
