@@ -49,15 +49,16 @@ add_counts() {
 
 # The kernels are the same in all builds.
 kernels=$PWD/build-test/kernels
-with_cache="python3 $PWD/tests/with_cache.py $kernels"
+with_cache="$PWD/tests/with_cache.py $kernels"
 
 # suite FOLDER [MESON TEST ARGUMENTS]
 suite() {
     folder=$1
     shift
-    rm -f "$folder/meson-logs/testlog.json"
+    results=$folder/meson-logs/testlog-with_cache.py.json # meson names it after the wrapper
+    rm -f "$results"
     meson test -C "$folder" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
-    add_counts "$folder/meson-logs/testlog.json"
+    add_counts "$results"
 }
 
 # The quick start of the README, in build/ and out/.
