@@ -9,30 +9,11 @@
 #include "format/order.h"
 #include "format/payload.h"
 
-/* Rows of the list of points: splats, or the words of a codebook. */
-static size_t point_rows(const gsf_header *header) {
-    return header->splat_count > GSF_MAX_CODEBOOK ? header->splat_count : GSF_MAX_CODEBOOK;
-}
-
-/* Bytes behind the workspace.  Sorting and coding use them one after the other. */
-static size_t lists_size(const gsf_header *header) {
-    const size_t splats = header->splat_count;
-    const size_t priors = splats < GSF_MAX_PRIORS ? splats : GSF_MAX_PRIORS;
-    const size_t coding = point_rows(header) * sizeof(gsf_point) + priors * sizeof(gsf_prior);
-    const size_t sorting = gsf_order_size(header);
-    return coding > sorting ? coding : sorting;
-}
-
+/* Sorting and coding use the memory one after the other. */
 size_t gsf_scratch_size(const gsf_header *header) {
-    return sizeof(gsf_workspace) + lists_size(header);
-}
-
-/* The workspace at the start of the scratch memory, with its lists behind it. */
-static gsf_workspace *workspace_in(const gsf_header *header, void *scratch) {
-    gsf_workspace *workspace = scratch;
-    workspace->points = (gsf_point *)(workspace + 1);
-    workspace->priors = (gsf_prior *)(workspace->points + point_rows(header));
-    return workspace;
+    const size_t coding = gsf_workspace_size(header);
+    const size_t sorting = sizeof(gsf_workspace) + gsf_order_size(header);
+    return coding > sorting ? coding : sorting;
 }
 
 /* The picture of a file of either form.  Without a container there is no check, which is taken to match. */
@@ -86,7 +67,7 @@ static gsf_result read_picture(gsf_coded_image *image, gsf_bytes picture, void *
     gsf_coder_read_from(&coder, picture.data, picture.size, image->stream_bits256);
     gsf_code_header(&coder, image);
     const bool valid =
-        !gsf_coder_overrun(&coder) && gsf_code_payload(&coder, image, workspace_in(&image->header, scratch));
+        !gsf_coder_overrun(&coder) && gsf_code_payload(&coder, image, gsf_workspace_in(&image->header, scratch));
     if (gsf_coder_overrun(&coder))
         return GSF_TRUNCATED;
     return valid && is_at_end(&coder) ? GSF_OK : GSF_CORRUPT;
@@ -132,7 +113,7 @@ gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *i
     const bool has_header = gsf_coder_is_certain(&coder);
     if (gsf_coder_overrun(&coder) || (!has_header && !image->bare))
         return GSF_TRUNCATED;
-    gsf_workspace *workspace = workspace_in(&image->header, scratch);
+    gsf_workspace *workspace = gsf_workspace_in(&image->header, scratch);
     const bool valid = gsf_code_payload(&coder, image, workspace);
     *total = image->header.splat_count;
     if (image->bare && valid && is_at_end(&coder)) /* a bare file has no check: that it is whole shows here */
@@ -181,7 +162,7 @@ static gsf_result write_picture(gsf_coded_image *image, uint8_t *bytes, size_t c
     gsf_coder coder;
     gsf_coder_write_to(&coder, bytes, capacity, capacity > 0 ? image->stream_bits256 : NULL);
     gsf_code_header(&coder, image);
-    if (!gsf_code_payload(&coder, image, workspace_in(&image->header, scratch)))
+    if (!gsf_code_payload(&coder, image, gsf_workspace_in(&image->header, scratch)))
         return GSF_INVALID;
     gsf_range_encoder_finish(&coder.encoder);
     *size = coder.encoder.size;

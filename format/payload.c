@@ -116,6 +116,23 @@ static void code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspa
     gsf_complete_shape_words(&image->header, &image->codebooks);
 }
 
+/* Rows of the list of points: splats, or the words of a codebook. */
+static size_t point_rows(const gsf_header *header) {
+    return header->splat_count > GSF_MAX_CODEBOOK ? header->splat_count : GSF_MAX_CODEBOOK;
+}
+
+size_t gsf_workspace_size(const gsf_header *header) {
+    const size_t priors = header->splat_count < GSF_MAX_PRIORS ? header->splat_count : GSF_MAX_PRIORS;
+    return sizeof(gsf_workspace) + point_rows(header) * sizeof(gsf_point) + priors * sizeof(gsf_prior);
+}
+
+gsf_workspace *gsf_workspace_in(const gsf_header *header, void *memory) {
+    gsf_workspace *workspace = memory;
+    workspace->points = (gsf_point *)(workspace + 1);
+    workspace->priors = (gsf_prior *)(workspace->points + point_rows(header));
+    return workspace;
+}
+
 bool gsf_code_payload(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *workspace) {
     workspace->certain = 0;
     if (image->header.splat_count == 0)

@@ -9,7 +9,7 @@
 #include "format/set.h"
 #include "format/types.h"
 
-/* Working memory of gsf_code_payload. */
+/* Working memory of gsf_code_payload, with the lists behind it. */
 typedef struct gsf_workspace {
     uint32_t counts[GSF_MAX_CLASSES]; /* splats, by class */
     gsf_grid grids[GSF_MAX_CLASSES];
@@ -20,6 +20,12 @@ typedef struct gsf_workspace {
     gsf_point *points; /* one for every splat, at least GSF_MAX_CODEBOOK */
     gsf_prior *priors; /* one for every splat, at most GSF_MAX_PRIORS */
 } gsf_workspace;
+
+/* Bytes of a workspace and its lists, for a file with this header. */
+size_t gsf_workspace_size(const gsf_header *header);
+
+/* The workspace at the start of so much memory, aligned as malloc does; its lists are set, and all else is as it was. */
+gsf_workspace *gsf_workspace_in(const gsf_header *header, void *memory);
 
 /* Codes the payload in the direction of the coder.  Returns false when the input ran out or the splats cover
  * too many pixels (FORMAT.md, "Limits"). */
