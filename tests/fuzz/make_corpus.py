@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the inputs of the fuzz targets into tests/fuzz/corpus: make_corpus.py [--gscl PROGRAM]
+"""Writes the inputs of the fuzz targets into tests/fuzz/corpus/reader: make_corpus.py [--gscl PROGRAM]
 
 Each is a small file of a kind of its own.  Run it after a change of the format.
 """
@@ -47,8 +47,8 @@ def main():
     files["bare"] = picture
     files["blocks"] = contained(picture, before=b"\x00\x02\x01\x0d\x01\x04abcd\x9e\x00", after=b"\x20\x03II*\xa1\x02xm")
     files["huge"] = contained(header(16384, 16384, 1 << 20).finish())
-    folder = HERE / "corpus"
-    folder.mkdir(exist_ok=True)
+    folder = HERE / "corpus/reader"
+    folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.gsc*"):
         old.unlink()
     for name, data in files.items():

@@ -1,0 +1,176 @@
+#include "reader_mutator.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "coded_memory.h"
+#include "format/coder.h"
+#include "format/payload.h"
+
+#define FIXED_SIZE 5u /* magic and version */
+#define CHECK_SIZE 2u
+#define ROOM (1u << 16) /* bytes of a picture or of a list of blocks that is put together here */
+
+static const uint8_t START[FIXED_SIZE] = {0xC7, 'g', 's', 'c', GSF_VERSION};
+
+static uint32_t random_state;
+
+/* xorshift, below n. */
+static uint32_t pick(uint32_t n) {
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 17;
+    random_state ^= random_state << 5;
+    return random_state % n;
+}
+
+static bool is_whole(const uint8_t *data, size_t size) {
+    return size >= FIXED_SIZE + CHECK_SIZE && memcmp(data, START, 4) == 0;
+}
+
+/* Makes the check match. */
+static void seal(uint8_t *data, size_t size) {
+    const uint16_t crc = gsf_crc16(data, size - CHECK_SIZE);
+    data[size - 2] = (uint8_t)(crc >> 8);
+    data[size - 1] = (uint8_t)crc;
+}
+
+/* The size of the picture that a decoder of these bytes reads, if it is smaller. */
+static size_t picture_end(const uint8_t *picture, size_t size) {
+    static fuzz_memory memory;
+    gsf_header header;
+    gsf_coded_image image;
+    gsf_coder coder;
+    if (gsf_read_header(picture, size, true, &header) != GSF_OK || !fuzz_create(&image, &memory, &header))
+        return size;
+    gsf_workspace *workspace = gsf_workspace_in(&header, fuzz_scratch(&header));
+    gsf_coder_read_from(&coder, picture, size, NULL);
+    gsf_code_header(&coder, &image);
+    if (!gsf_code_payload(&coder, &image, workspace) || coder.decoder.position < GSF_IMPLIED_BYTES)
+        return size;
+    const size_t end = coder.decoder.position - GSF_IMPLIED_BYTES;
+    return end < size ? end : size;
+}
+
+static size_t mutate_picture(uint8_t *picture, size_t size, size_t max_size) {
+    return picture_end(picture, LLVMFuzzerMutate(picture, size, max_size));
+}
+
+/* Changes the picture of a whole file, whose blocks stay. */
+static size_t mutate_inside(uint8_t *data, size_t size, size_t max_size) {
+    static uint8_t picture[ROOM], after[ROOM];
+    gsf_container container;
+    if (size > ROOM || size >= max_size || gsf_open_container(data, size, &container) != GSF_OK)
+        return size;
+    const size_t start = (size_t)(container.picture.data - data), old = container.picture.size;
+    const size_t after_size = size - start - old, room = max_size - start - after_size;
+    memcpy(picture, data + start, old);
+    memcpy(after, data + start + old, after_size);
+    const size_t now = mutate_picture(picture, old, room < ROOM ? room : ROOM);
+    if (now > room)
+        return size;
+    memcpy(data + start, picture, now);
+    memcpy(data + start + now, after, after_size);
+    return start + now + after_size;
+}
+
+/* Changes one code of one splat a little. */
+static void change_splat(gsf_coded_image *image) {
+    const uint32_t i = pick(image->header.splat_count);
+    const int step = (int)pick(9) - 4;
+    gsf_splat *s = &image->splats[i];
+    uint16_t *codes[] = {&s->major,          &s->aspect,           &s->angle,
+                         &s->opacity,        (uint16_t *)&s->luma, (uint16_t *)&s->co,
+                         (uint16_t *)&s->cg, (uint16_t *)&s->alpha};
+    const uint32_t which = pick(10);
+    if (image->header.coding == GSF_CODING_CODEBOOK)
+        image->indexed[i].x = (uint16_t)(image->indexed[i].x + step);
+    else if (which < 8)
+        *codes[which] = (uint16_t)(*codes[which] + step);
+    else if (which == 8)
+        s->x += (uint32_t)step;
+    else
+        s->texture = (gsf_texture){(uint8_t)pick(16), (uint8_t)pick(16), (uint8_t)pick(8), (uint8_t)pick(17)};
+}
+
+/* Changes codes and writes them again. */
+static size_t mutate_codes(uint8_t *data, size_t size, size_t max_size) {
+    static fuzz_memory memory;
+    static uint8_t file[FUZZ_MAX_FILE];
+    const bool bare = !is_whole(data, size);
+    gsf_header header;
+    gsf_coded_image image;
+    size_t written = 0;
+    if (gsf_read_header(data, size, bare, &header) != GSF_OK || header.splat_count == 0 ||
+        !fuzz_create(&image, &memory, &header))
+        return size;
+    image.bare = bare;
+    if (gsf_read(data, size, &image, fuzz_scratch(&header)) != GSF_OK)
+        return size;
+    change_splat(&image);
+    if (gsf_write(&image, file, FUZZ_MAX_FILE, &written, fuzz_scratch(&header)) != GSF_OK || written > max_size)
+        return size;
+    memcpy(data, file, written);
+    return written;
+}
+
+/* Writes a block with some bytes of content. */
+static size_t put_block(uint8_t *at, unsigned type, bool last) {
+    const uint32_t size = type == 0 && pick(8) > 0 ? 2 : pick(20);
+    *at++ = (uint8_t)(type | (pick(8) == 0 ? 0x40 : 0) | (last ? 0x80 : 0));
+    *at++ = (uint8_t)size;
+    for (uint32_t i = 0; i < size; i++)
+        *at++ = (uint8_t)pick(256);
+    return size + 2;
+}
+
+static size_t put_blocks(uint8_t *at, unsigned first) {
+    size_t size = 0;
+    const bool two = pick(2);
+    if (two)
+        size = put_block(at, first + pick(2), false);
+    return size + put_block(at + size, first + 1 + pick(pick(4) == 0 ? 30 : 2), true);
+}
+
+/* Puts new blocks around the picture, or takes all away; sometimes the container, too. */
+static size_t change_form(uint8_t *data, size_t size, size_t max_size) {
+    static uint8_t file[2 * ROOM];
+    gsf_container container = {.picture = {data, size}};
+    if (size > ROOM || (is_whole(data, size) && gsf_open_container(data, size, &container) != GSF_OK))
+        return size;
+    const bool before = pick(2), after = pick(2), bare = pick(8) == 0;
+    size_t at = bare ? 0 : FIXED_SIZE, list = 0;
+    memcpy(file, START, FIXED_SIZE);
+    file[4] = (uint8_t)(file[4] | (before ? 0x10 : 0) | (after ? 0x20 : 0));
+    at += before && !bare ? put_blocks(file + at, 0) : 0;
+    memcpy(file + at, container.picture.data, container.picture.size);
+    at += container.picture.size;
+    if (after && !bare) {
+        memset(file + at, 0, 3);
+        list = put_blocks(file + at + 3, 32);
+        at += 3 + list;
+        for (unsigned i = 0; i < 4; i++)
+            file[at++] = (uint8_t)(list >> (8 * i));
+    }
+    at += bare ? 0 : CHECK_SIZE;
+    if (at > max_size)
+        return size;
+    memcpy(data, file, at);
+    return at;
+}
+
+static size_t mutate(uint8_t *data, size_t size, size_t max_size) {
+    const uint32_t kind = pick(8);
+    if (kind < 3)
+        return LLVMFuzzerMutate(data, size, max_size);
+    if (kind < 6)
+        return is_whole(data, size) ? mutate_inside(data, size, max_size) : mutate_picture(data, size, max_size);
+    return kind == 6 ? mutate_codes(data, size, max_size) : change_form(data, size, max_size);
+}
+
+size_t fuzz_mutate_file(uint8_t *data, size_t size, size_t max_size, unsigned seed) {
+    random_state = seed | 1;
+    size = mutate(data, size, max_size);
+    if (is_whole(data, size) && pick(16) > 0)
+        seal(data, size);
+    return size;
+}
