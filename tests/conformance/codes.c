@@ -4,9 +4,10 @@
  *     codes read whole|bare FILE...          prints for each file: file NAME RESULT, then the codes of a valid one
  *     codes prefixes whole|bare FILE...      prints for each valid file: file NAME, then of each prefix:
  *                                            prefix SIZE RESULT CERTAIN TOTAL
- *     codes decode|decode-host whole|bare FOLDER FILE...
- *                                            decodes on the default device, or on the device "host": writes the samples of the Nth file to FOLDER/N.raw, numbers from 0, and
- *                                            prints: file NAME RESULT WIDTH HEIGHT CHANNELS BITS
+ *     codes decode|decode-cpu|decode-gpu|decode-host whole|bare FOLDER FILE...
+ *                                            decodes on the default device, in its own mapping or in that of CPUs or GPUs,
+ *                                            or on the device "host": writes the samples of the Nth file to FOLDER/N.raw,
+ *                                            numbers from 0, and prints: file NAME RESULT WIDTH HEIGHT CHANNELS BITS
  *
  * README.md describes the text.  RESULT is `valid` or a result of FORMAT.md, with `-` for spaces.  `unchecked` writes
  * files that break the limit of the work, too. */
@@ -487,11 +488,24 @@ static void decode_file(gscl_context *context, const char *path, bool bare, cons
     free(bytes);
 }
 
-static void decode_files(const char *device, bool bare, const char *folder, char **paths, int count) {
-    gscl_context *context;
+/* Sets device and mapping by a word: `decode`, `decode-cpu`, `decode-gpu` or `decode-host`. */
+static gscl_context_settings decode_settings(const char *word) {
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
-    settings.device = device;
+    if (strcmp(word, "decode-host") == 0)
+        settings.device = GSCL_HOST_DEVICE;
+    else if (strcmp(word, "decode-cpu") == 0)
+        settings.mapping = GSCL_MAPPING_CPU;
+    else if (strcmp(word, "decode-gpu") == 0)
+        settings.mapping = GSCL_MAPPING_GPU;
+    else if (strcmp(word, "decode") != 0)
+        fail("%s: not known", word);
+    return settings;
+}
+
+static void decode_files(const char *word, bool bare, const char *folder, char **paths, int count) {
+    gscl_context *context;
+    const gscl_context_settings settings = decode_settings(word);
     if (gscl_context_create(&context, &settings) != GSCL_OK)
         fail("%s", gscl_context_message(context));
     for (int i = 0; i < count; i++)
@@ -522,7 +536,6 @@ int main(int count, char **words) {
         for (int i = 3; i < count; i++)
             read_prefixes(words[i], bare);
     else
-        decode_files(strcmp(words[1], "decode-host") == 0 ? GSCL_HOST_DEVICE : NULL, bare, words[3], words + 4,
-                     count - 4);
+        decode_files(words[1], bare, words[3], words + 4, count - 4);
     return 0;
 }

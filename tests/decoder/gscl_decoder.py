@@ -592,17 +592,20 @@ class Picture:
 
     def draw(self, window=None):
         """Rows of the coded channels' values, before they are clamped, of the pixels in the window (x, y, width, height)."""
+        return [[values for values, _ in row] for row in self.draw_with_scale(window)]
+
+    def draw_with_scale(self, window=None):
+        """Likewise, each with S of the section "Precision", less what splats contribute where q is at least 7."""
         x0, y0, width, height = window or (0, 0, self.width, self.height)
         gaussians = self.gaussians()
         background = self.drawn_background([gaussian[6] for gaussian in gaussians])
-        # Sums of the channels of each pixel, then the sum of weights of the blend `normalized`.
-        start = [b / 1024 for b in background] + [1 / 1024] if self.blend == NORMALIZED else background + [1.0]
+        # Sums of the channels of each pixel, then the numerator of S and the denominator of all.
+        e = 1 / 1024
+        start = [b * e for b in background] + [e, e] if self.blend == NORMALIZED else background + [1.0, 1.0]
         sums = [[list(start) for _ in range(width)] for _ in range(height)]
         for gaussian in gaussians:
             self.add_gaussian(sums, x0, y0, gaussian)
-        if self.blend == NORMALIZED:
-            return [[[value / pixel[-1] for value in pixel[:-1]] for pixel in row] for row in sums]
-        return [[pixel[:-1] for pixel in row] for row in sums]
+        return [[([value / pixel[-1] for value in pixel[:-2]], pixel[-2] / pixel[-1]) for pixel in row] for row in sums]
 
     def drawn_background(self, colours):
         """The background as it is drawn; None stands for the mean of the splats' colours."""
@@ -630,15 +633,17 @@ class Picture:
                 q = 0.5 * (((dx * cos + dy * sin) / s1) ** 2 + ((dy * cos - dx * sin) / s2) ** 2)
                 if q >= 7:
                     continue
-                weight = opacity * (math.exp(-q) - cutoff)
+                full = math.exp(-q)
+                weight = opacity * (full - cutoff)
                 wave = amplitude * math.cos(dx * wx + dy * wy - phase) if amplitude else 0.0
                 pixel = row[i - x0]
                 if self.blend == ALPHA:
                     weight = min(weight, 0.999)
-                    for k in range(len(colour)):
+                    for k in range(len(colour) + 1):
                         pixel[k] *= 1 - weight
                 for k, c in enumerate(colour):
                     pixel[k] += weight * (c + wave if k < colours else c)
+                pixel[-2] += opacity * full
                 if self.blend == NORMALIZED:
                     pixel[-1] += weight
 

@@ -1,0 +1,36 @@
+"""Compares all decoders on 200 random files, and on some of them damaged; differential.py compares more.
+
+The environment variable GSCL_CODES names the program of codes.c, GSCL_WEB the folder of the decoder for web pages.
+"""
+import os
+import pathlib
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "cli")]
+
+from differential import CPU, EXACT, GPU, HOST, WEB, Comparison
+from tool import main
+
+FILES = 200
+KINDS = 20  # of files, because kernels are compiled for each
+
+
+class Differential(unittest.TestCase):
+    def test_decoders_agree(self):
+        web = os.environ.get("GSCL_WEB")
+        comparison = Comparison(os.environ["GSCL_CODES"], web, KINDS)
+        comparison.add(range(FILES))
+        for line in comparison.report():
+            print("#", line)
+        self.assertEqual([file.problems for file in comparison.failed], [])
+        self.assertEqual(comparison.valid, FILES)
+        self.assertGreater(comparison.drawn, FILES - 1)
+        decoders = {HOST, CPU, GPU} | ({WEB} if web else set())
+        self.assertEqual({b for a, b in comparison.largest if a == EXACT}, decoders)
+        self.assertTrue({"corrupt", "truncated", "damaged", "valid"} <= set(comparison.results))
+
+
+if __name__ == "__main__":
+    main()
