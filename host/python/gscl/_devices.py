@@ -65,10 +65,9 @@ class _Pool:
     A context is used by one thread at a time, and keeps compiled kernels and buffers for the next call.
     """
 
-    LIMIT = 4  # contexts kept for each name
-
     def __init__(self) -> None:
         self.lock = threading.Lock()
+        self.limit = 4  # contexts kept for each name
         self.idle: dict[str | None, list[Any]] = {}
         self.opencl_process = 0  # in which a context on an OpenCL device was opened; 0: none yet
 
@@ -92,7 +91,7 @@ class _Pool:
     def give(self, device: str | None, context: Any) -> None:
         with self.lock:
             idle = self.idle.setdefault(device, [])
-            if len(idle) < self.LIMIT:
+            if len(idle) < self.limit:
                 idle.append(context)
                 return
         _close(context)
@@ -147,3 +146,8 @@ def context_on(device: str | None) -> Iterator[Any]:
 def release_devices() -> None:
     """Closes the contexts that are kept for further calls, and so releases memory of the devices."""
     _pool.clear()
+
+
+def keep_contexts(count: int) -> None:
+    """Keeps at least so many contexts on each device, for as many threads that encode again and again."""
+    _pool.limit = max(_pool.limit, count)
