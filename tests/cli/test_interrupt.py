@@ -8,17 +8,7 @@ import time
 import unittest
 
 from images import scene
-from tool import GSCL, TIMEOUT, ToolTest, main
-
-
-HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGALRM, signal.SIGXCPU, signal.SIGUSR1,
-           signal.SIGUSR2)
-
-
-def restore_signals():
-    """Restores the default handlers, because the parent may ignore signals, as nohup does."""
-    for number in HANDLED:
-        signal.signal(number, signal.SIG_DFL)
+from tool import GSCL, HANDLED_SIGNALS, TIMEOUT, ToolTest, main, restore_signals
 
 
 class Interrupt(ToolTest):
@@ -46,7 +36,7 @@ class Interrupt(ToolTest):
         return error
 
     def test_signals_leave_nothing(self):
-        for number in HANDLED:
+        for number in HANDLED_SIGNALS:
             with self.subTest(number=number):
                 process = self.start_encoding()
                 process.send_signal(number)

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,14 @@ GSCL = os.path.abspath(os.environ.get("GSCL", "build/gscl"))
 TIMEOUT = 240  # seconds for one command, which may have to compile kernels on a loaded machine
 FAST = ("--effort", "0")
 BUILD_NOTICE = b"building kernels for the OpenCL device, which takes a while\n"
+HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGALRM, signal.SIGXCPU,
+                   signal.SIGUSR1, signal.SIGUSR2)
+
+
+def restore_signals():
+    """Restores the default handlers, because the parent may ignore signals, as nohup does."""
+    for number in HANDLED_SIGNALS:
+        signal.signal(number, signal.SIG_DFL)
 
 
 def odd_opencl(way):
