@@ -1,4 +1,5 @@
-/* gscl: the command-line tool.  Exit codes: 0 success, 1 failure, 2 wrong usage, 128 + n ended by signal n. */
+/* gscl: the command-line tool.  Exit codes: 0 success, 1 failure, 2 wrong usage, 3 some of several images failed, 128 + n
+ * ended by signal n. */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,7 +37,8 @@ static const command commands[] = {
     "In place of a file, - reads standard input or\nwrites standard output.  An output appears whole or not at all; " \
     "a "                                                                                                              \
     "symbolic link stays, and the file\nthat it names is written."
-#define ABOUT_EXIT_CODE "Exit code: 0 success, 1 failure, 2 wrong usage, 128 + n signal n."
+#define ABOUT_EXIT_CODE \
+    "Exit code: 0 success, 1 failure, 2 wrong usage, 3 some of several images failed, 128 + n signal n."
 
 static void print_usage(FILE *stream) {
     fprintf(stream, "gscl %s: " ABOUT "\n\nusage: gscl COMMAND ...\n\n", gscl_version());

@@ -111,7 +111,8 @@ class Outputs(ToolTest):
                           ("draw", "in.gscl", "-o", "missing/out.png"), ("decode", "in.gscl", "-o", "missing/out.tif")):
             with self.subTest(arguments=arguments):
                 self.refused(arguments[-1], "cannot be written: No such file", *arguments)
-        self.refused("missing/in.gscl", "cannot be written: No such file", "encode", "in.png", "--out-dir", "missing")
+        self.write("file", b"")
+        self.refused("file", "cannot be made a folder: Not a directory", "encode", "in.png", "--out-dir", "file/sub")
 
     def test_output_is_a_folder(self):
         os.mkdir(self.path("out.png"))

@@ -62,7 +62,7 @@ class AllDevices(ToolTest):
         self.path("all").mkdir()
         self.path("all/3.gscl").mkdir()
         done = self.start("encode", "bad.png", *self.names, "--out-dir", "all", "--device", "all", *FAST, "-q", env=TWO)
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 3)
         self.assertRegex(done.stderr.decode(), r"\Agscl: bad.png: [^\n]*\ngscl: all/3.gscl: cannot be written: [^\n]*\n\Z")
         self.assertEqual(len(self.files()), 4 + 1 + 1 + 4)
 

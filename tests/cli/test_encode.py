@@ -287,7 +287,7 @@ class Batch(ToolTest):
     def test_continues_after_a_bad_input(self):
         self.write("b.png", b"no image")
         done = self.start("encode", "a.png", "b.png", "missing.png", "c.png", "--out-dir", "out", "-q", *FAST)
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 3)
         errors = done.stderr.decode().splitlines()
         self.assertEqual(len(errors), 2)
         self.assertRegex(errors[0], "^gscl: b.png: is not an image")

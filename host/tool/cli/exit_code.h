@@ -3,6 +3,7 @@
 #define GSCL_TOOL_EXIT_CODE_H
 
 #define EXIT_USAGE 2    /* wrong command line */
+#define EXIT_SOME 3     /* some of several images failed; the others are done */
 #define EXIT_SIGNAL 128 /* plus the number of the signal that ended the program */
 
 #endif

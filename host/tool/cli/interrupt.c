@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE /* sigaction, mkstemp, PATH_MAX */
+#define _DEFAULT_SOURCE /* sigaction, PATH_MAX */
 #include "cli/interrupt.h"
 
 #include <limits.h>
@@ -11,18 +11,16 @@
 
 #include "cli/exit_code.h"
 
-#define MAX_GUARDED 256
-
 /* Signals are blocked in every thread and received by a thread for signals.  Compilers inside OpenCL drivers install
  * signal handlers while they work, which would otherwise end the program without removing its files. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* guards all variables below */
 static sigset_t handled_signals;
-static char guarded_paths[MAX_GUARDED][PATH_MAX]; /* empty: none */
+static char guarded_paths[MAX_GUARDED_FILES][PATH_MAX]; /* empty: none */
 static bool is_deferring;
 static int pending_signal; /* 0: none */
 
 static void end_program(int number) {
-    for (int i = 0; i < MAX_GUARDED; i++)
+    for (int i = 0; i < MAX_GUARDED_FILES; i++)
         if (guarded_paths[i][0])
             unlink(guarded_paths[i]);
     _exit(EXIT_SIGNAL + number);
@@ -64,12 +62,12 @@ void interrupt_install(void) {
     signal(SIGXFSZ, SIG_IGN);
 }
 
-int interrupt_make_guarded(char *pattern) {
+int interrupt_make_guarded(char *pattern, int (*make)(char *pattern)) {
     pthread_mutex_lock(&lock);
     int i = 0;
-    while (i + 1 < MAX_GUARDED && guarded_paths[i][0])
+    while (i + 1 < MAX_GUARDED_FILES && guarded_paths[i][0])
         i++;
-    const int file = mkstemp(pattern);
+    const int file = make(pattern);
     if (file >= 0)
         snprintf(guarded_paths[i], sizeof guarded_paths[i], "%s", pattern);
     pthread_mutex_unlock(&lock);
@@ -78,7 +76,7 @@ int interrupt_make_guarded(char *pattern) {
 
 void interrupt_release_guarded(const char *path) {
     pthread_mutex_lock(&lock);
-    for (int i = 0; i < MAX_GUARDED; i++)
+    for (int i = 0; i < MAX_GUARDED_FILES; i++)
         if (strcmp(guarded_paths[i], path) == 0)
             guarded_paths[i][0] = '\0';
     pthread_mutex_unlock(&lock);

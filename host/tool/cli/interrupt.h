@@ -9,8 +9,10 @@
  * the write.  Must be called before any other thread starts. */
 void interrupt_install(void);
 
-/* Makes and opens a temporary file as mkstemp() does.  A signal removes it from then on.  At most 256 at a time. */
-int interrupt_make_guarded(char *pattern);
+/* Makes and opens a temporary file with `make`, which is mkstemp() or takes and returns the same.  A signal removes the
+ * file from then on.  At most 256 at a time. */
+#define MAX_GUARDED_FILES 256
+int interrupt_make_guarded(char *pattern, int (*make)(char *pattern));
 
 /* Ends the guard of a file that is finished or removed. */
 void interrupt_release_guarded(const char *path);

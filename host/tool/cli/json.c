@@ -41,7 +41,8 @@ static void write_string(FILE *stream, const char *value) {
 }
 
 static void new_line(json_writer *json) {
-    fprintf(json->stream, "\n%*s", 2 * json->depth, "");
+    if (!json->is_line)
+        fprintf(json->stream, "\n%*s", 2 * json->depth, "");
 }
 
 /* Writes the comma after the previous value, and the key. */
@@ -52,7 +53,7 @@ static void begin_value(json_writer *json, const char *key) {
         new_line(json);
     if (key) {
         write_string(json->stream, key);
-        fputs(": ", json->stream);
+        fputs(json->is_line ? ":" : ": ", json->stream);
     }
     json->has_member = true;
 }
@@ -76,6 +77,10 @@ static void close_group(json_writer *json, char bracket) {
 
 void json_start(json_writer *json, FILE *stream) {
     *json = (json_writer){.stream = stream};
+}
+
+void json_start_line(json_writer *json, FILE *stream) {
+    *json = (json_writer){.stream = stream, .is_line = true};
 }
 
 void json_open_object(json_writer *json, const char *key) {
@@ -115,4 +120,9 @@ void json_real(json_writer *json, const char *key, double value) {
 void json_bool(json_writer *json, const char *key, bool value) {
     begin_value(json, key);
     fputs(value ? "true" : "false", json->stream);
+}
+
+void json_null(json_writer *json, const char *key) {
+    begin_value(json, key);
+    fputs("null", json->stream);
 }

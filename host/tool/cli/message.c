@@ -12,6 +12,9 @@
 
 #define MAX_LINE 2048 /* bytes; a longer message is cut */
 
+static char *kept_error; /* of message_keep_errors; NULL: none */
+static size_t kept_size;
+
 /* Replaces line breaks and other control characters by blanks, so that a message stays on its line and a file name
  * sends no escape sequences to the terminal. */
 static void make_one_line(char *text) {
@@ -33,7 +36,14 @@ static void print_line(const char *subject, const char *kind, const char *format
         used = snprintf(line, sizeof line, "gscl: %.1024s: %s", *subject ? subject : "''", kind);
     vsnprintf(line + used, sizeof line - (size_t)used, format, arguments);
     make_one_line(line);
+    if (subject && !*kind && kept_error && !*kept_error)
+        snprintf(kept_error, kept_size, "%s", line + used);
     fprintf(stderr, "%s%s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", line);
+}
+
+void message_keep_errors(char *text, size_t size) {
+    kept_error = text;
+    kept_size = size;
 }
 
 bool report_error(const char *subject, const char *format, ...) {

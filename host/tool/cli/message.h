@@ -3,6 +3,7 @@
 #define GSCL_TOOL_MESSAGE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #if defined(__GNUC__)
 #define MESSAGE_FORMAT(string, first) __attribute__((format(printf, string, first)))
@@ -15,6 +16,10 @@ bool report_error(const char *subject, const char *format, ...) MESSAGE_FORMAT(2
 
 /* Prints the same for a wrong command line.  Returns EXIT_USAGE. */
 int report_usage(const char *command, const char *format, ...) MESSAGE_FORMAT(2, 3);
+
+/* Copies the text of the next error that is printed, without program and subject, while `text` is empty; NULL ends this.
+ * For a program whose errors come from one thread. */
+void message_keep_errors(char *text, size_t size);
 
 /* Prints "gscl: SUBJECT: warning: text". */
 void report_warning(const char *subject, const char *format, ...) MESSAGE_FORMAT(2, 3);

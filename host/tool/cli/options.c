@@ -11,7 +11,7 @@
 #include "cli/exit_code.h"
 #include "cli/message.h"
 
-#define MAX_OPTIONS 32
+#define MAX_OPTIONS 48
 #define HELP_COLUMN 26 /* where descriptions start */
 #define FIRST_LONG 256 /* getopt values of options without a letter; above all characters */
 
@@ -81,6 +81,14 @@ static bool parse_rectangle(const option_spec *spec, const char *text, option_re
     return true;
 }
 
+static bool parse_share(const option_spec *spec, const char *text, option_share *share) {
+    uint32_t values[2];
+    if (!parse_list(text, '/', spec->max_integer, values, 2) || values[0] == 0 || values[0] > values[1])
+        return false;
+    *share = (option_share){values[0], values[1]};
+    return true;
+}
+
 static bool parse_value(const option_spec *spec, const char *text) {
     uint64_t integer;
     double real;
@@ -107,6 +115,8 @@ static bool parse_value(const option_spec *spec, const char *text) {
         return parse_size(spec, text, spec->value);
     case OPTION_RECTANGLE:
         return parse_rectangle(spec, text, spec->value);
+    case OPTION_SHARE:
+        return parse_share(spec, text, spec->value);
     }
     return false;
 }
@@ -139,6 +149,9 @@ static void describe_range(const option_spec *spec, char *text, size_t capacity)
     case OPTION_RECTANGLE:
         snprintf(text, capacity, "pixels, up to %" PRIu64, spec->max_integer);
         break;
+    case OPTION_SHARE:
+        snprintf(text, capacity, "1/1 to %" PRIu64 "/%" PRIu64, spec->max_integer, spec->max_integer);
+        break;
     case OPTION_FLAG:
     case OPTION_TEXT:
         break;
@@ -154,6 +167,7 @@ static int report_wrong_value(const char *command, const option_spec *spec, cons
         [OPTION_WORD] = "one of ",
         [OPTION_SIZE] = "WIDTHxHEIGHT from ",
         [OPTION_RECTANGLE] = "X,Y,WIDTH,HEIGHT in ",
+        [OPTION_SHARE] = "I/N with I up to N, from ",
     };
     char range[256];
     describe_range(spec, range, sizeof range);

@@ -14,15 +14,20 @@ typedef struct option_rectangle {
     uint32_t x, y, width, height;
 } option_rectangle;
 
+typedef struct option_share {
+    uint32_t index, count; /* 1 <= index <= count; 0 when the option is not given */
+} option_share;
+
 /* The kind of value of an option, and the type that `value` points to. */
 typedef enum option_kind {
-    OPTION_FLAG,     /* bool; no value */
-    OPTION_TEXT,     /* const char * into argv */
-    OPTION_INTEGER,  /* uint64_t in min_integer..max_integer */
-    OPTION_REAL,     /* double in min_real..max_real */
-    OPTION_WORD,     /* int, an index into `words` */
-    OPTION_SIZE,     /* option_size, WIDTHxHEIGHT, each 1..max_integer */
-    OPTION_RECTANGLE /* option_rectangle, X,Y,WIDTH,HEIGHT, each at most max_integer */
+    OPTION_FLAG,      /* bool; no value */
+    OPTION_TEXT,      /* const char * into argv */
+    OPTION_INTEGER,   /* uint64_t in min_integer..max_integer */
+    OPTION_REAL,      /* double in min_real..max_real */
+    OPTION_WORD,      /* int, an index into `words` */
+    OPTION_SIZE,      /* option_size, WIDTHxHEIGHT, each 1..max_integer */
+    OPTION_RECTANGLE, /* option_rectangle, X,Y,WIDTH,HEIGHT, each at most max_integer */
+    OPTION_SHARE      /* option_share, I/N, N at most max_integer */
 } option_kind;
 
 typedef struct option_spec {

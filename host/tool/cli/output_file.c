@@ -6,11 +6,13 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "cli/interrupt.h"
 #include "cli/message.h"
+#include "cli/name_hash.h"
 
 #define MAX_LINKS 40 /* one after the other, as Linux follows them */
 
@@ -31,17 +33,41 @@ bool output_is_separate(const char *command, const char *input, const char *outp
     return false;
 }
 
-/* "DIR/.gscl-XXXXXX" for DIR/NAME; NULL when out of memory. */
+#define TEMPORARY_PATTERN ".gscl-XXXXXX"
+#define TEMPORARY_SIZE (sizeof ".gscl-" + 16) /* bytes, the NUL included; the pattern is shorter */
+
+/* "DIR/.gscl-HASH" for DIR/NAME, with the hash of NAME; NULL when out of memory. */
 static char *temporary_name(const char *target) {
-    static const char pattern[] = ".gscl-XXXXXX";
     const char *slash = strrchr(target, '/');
     const size_t folder = slash ? (size_t)(slash + 1 - target) : 0;
-    char *name = malloc(folder + sizeof pattern);
+    char *name = malloc(folder + TEMPORARY_SIZE);
     if (name) {
         memcpy(name, target, folder);
-        memcpy(name + folder, pattern, sizeof pattern);
+        snprintf(name + folder, TEMPORARY_SIZE, ".gscl-%016llx",
+                 (unsigned long long)name_hash(target + folder, strlen(target + folder), 0));
     }
     return name;
+}
+
+/* Whether this process holds a temporary file alone: it is locked, still has its name, and is nobody else's. */
+static bool lock_temporary(int file, const char *name) {
+    struct stat opened, named;
+    return flock(file, LOCK_EX | LOCK_NB) == 0 && fstat(file, &opened) == 0 && lstat(name, &named) == 0 &&
+           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino && S_ISREG(opened.st_mode) &&
+           opened.st_nlink == 1 && opened.st_uid == geteuid();
+}
+
+/* Opens a temporary file, new or left by a killed process; where another process is writing it, or the file system has no
+ * locks, one with a new name. */
+static int make_temporary(char *name) {
+    const int file = open(name, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
+    if (file >= 0 && lock_temporary(file, name) && ftruncate(file, 0) == 0)
+        return file;
+    if (file >= 0)
+        close(file);
+    char *slash = strrchr(name, '/');
+    strcpy(slash ? slash + 1 : name, TEMPORARY_PATTERN);
+    return mkstemp(name);
 }
 
 /* The permissions of the file that is replaced, or those that open() would give a new file. */
@@ -57,12 +83,14 @@ static bool open_temporary(output_file *output, const struct stat *existing) {
     output->temporary = temporary_name(output->target);
     if (!output->temporary)
         return false;
-    const int file = interrupt_make_guarded(output->temporary);
+    const int file = interrupt_make_guarded(output->temporary, make_temporary);
     if (file < 0) {
         free(output->temporary);
         output->temporary = NULL;
         return false;
     }
+    const int lock = fcntl(file, F_DUPFD_CLOEXEC, 0);
+    output->lock = lock > 0 ? lock : 0;
     fchmod(file, target_mode(existing));
     output->stream = fdopen(file, "wb");
     if (!output->stream)
@@ -159,9 +187,12 @@ static void close_stream(output_file *output) {
 static void release_names(output_file *output) {
     if (output->temporary)
         interrupt_release_guarded(output->temporary);
+    if (output->lock)
+        close(output->lock);
     free(output->temporary);
     free(output->target);
     output->temporary = output->target = NULL;
+    output->lock = 0;
 }
 
 bool output_commit(output_file *output) {
@@ -182,4 +213,40 @@ void output_discard(output_file *output) {
     if (output->temporary)
         unlink(output->temporary);
     release_names(output);
+}
+
+bool output_exists(const char *name, uint64_t *size) {
+    struct stat status;
+    const bool exists = stat(name, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0;
+    *size = exists ? (uint64_t)status.st_size : 0;
+    return exists;
+}
+
+void output_remove_leftover(const char *name) {
+    char *target = resolve_target(name);
+    char *temporary = target ? temporary_name(target) : NULL;
+    const int file = temporary ? open(temporary, O_RDWR | O_NOFOLLOW | O_CLOEXEC) : -1;
+    if (file >= 0) {
+        if (lock_temporary(file, temporary))
+            unlink(temporary);
+        close(file);
+    }
+    free(temporary);
+    free(target);
+}
+
+bool output_make_folders(const char *name) {
+    char *path = strdup(name);
+    struct stat status;
+    bool ok = path || report_error(name, "%s", strerror(ENOMEM));
+    for (char *slash = path && *path ? strchr(path + 1, '/') : NULL; ok && slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        ok = stat(path, &status) == 0 ? S_ISDIR(status.st_mode) || (errno = ENOTDIR, false)
+                                      : mkdir(path, 0777) == 0 || errno == EEXIST;
+        if (!ok)
+            report_error(path, "cannot be made a folder: %s", strerror(errno));
+        *slash = '/';
+    }
+    free(path);
+    return ok;
 }

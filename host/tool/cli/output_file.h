@@ -1,11 +1,13 @@
 /* An output that appears complete or not at all: it is written under a temporary name beside the target and renamed when
- * it is finished.  Standard output ("-"), devices and pipes are written directly.  A symbolic link stays: the file that it
- * names is replaced or, where there is none, made. */
+ * it is finished.  The temporary name follows from that of the target, so that what a killed process leaves is used again
+ * by the next one that writes the target.  Standard output ("-"), devices and pipes are written directly.  A symbolic link
+ * stays: the file that it names is replaced or, where there is none, made. */
 #ifndef GSCL_TOOL_OUTPUT_FILE_H
 #define GSCL_TOOL_OUTPUT_FILE_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 typedef struct output_file {
@@ -13,6 +15,7 @@ typedef struct output_file {
     char *target;      /* symbolic links resolved; NULL for standard output */
     char *temporary;   /* NULL when written directly */
     FILE *stream;
+    int lock;  /* keeps the lock of the temporary file until it is renamed; 0: none */
     int error; /* errno of the first failed write; reported by output_commit */
 } output_file;
 
@@ -32,6 +35,15 @@ bool output_commit(output_file *output);
 
 /* Removes an unfinished output.  Does nothing after output_commit. */
 void output_discard(output_file *output);
+
+/* Whether `name` is a file that is not empty.  *size is that of the file. */
+bool output_exists(const char *name, uint64_t *size);
+
+/* Removes what a killed process left of an output, unless another process is writing it. */
+void output_remove_leftover(const char *name);
+
+/* Makes the folders of a name that do not exist.  Reports errors. */
+bool output_make_folders(const char *name);
 
 /* The suffix of a file name (".png"), or the end of the name if it has none. */
 const char *name_suffix(const char *name);

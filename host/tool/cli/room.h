@@ -10,7 +10,7 @@
  *   interrupt.h, progress.h: signals and the progress line of a long computation
  *   device_choice.h, pocl_cache.h, build_notice.h: the OpenCL device of a command
  *   json.h, report_json.h: JSON output
- *   names.h, rate.h, module.h, stopwatch.h: words for enums, bits per pixel, loaded modules, measured times */
+ *   names.h, name_hash.h, rate.h, module.h, stopwatch.h: words for enums, bits per pixel, loaded modules, measured times */
 #ifndef GSCL_ROOM_TOOL_CLI_H
 #define GSCL_ROOM_TOOL_CLI_H
 #endif

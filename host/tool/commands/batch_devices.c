@@ -32,8 +32,22 @@ static int list_ids(batch_devices *devices) {
     return EXIT_SUCCESS;
 }
 
-int batch_devices_create(batch_devices *devices, const device_choice *choice) {
+/* Makes the workers of all devices.  Returns false when out of memory. */
+static bool make_workers(batch_devices *devices) {
+    for (size_t i = 0; i < devices->count; i++) {
+        batch_device *device = &devices->devices[i];
+        device->workers = calloc((size_t)devices->worker_count, sizeof *device->workers);
+        for (int k = 0; device->workers && k < devices->worker_count; k++)
+            device->workers[k] = (batch_worker){.batch = devices, .device = device};
+        if (!device->workers)
+            return false;
+    }
+    return true;
+}
+
+int batch_devices_create(batch_devices *devices, const device_choice *choice, int worker_count) {
     *devices = (batch_devices){.choice = *choice,
+                               .worker_count = worker_count,
                                .is_all = choice->device && strcmp(choice->device, BATCH_ALL) == 0,
                                .lock = PTHREAD_MUTEX_INITIALIZER,
                                .changed = PTHREAD_COND_INITIALIZER};
@@ -42,20 +56,19 @@ int batch_devices_create(batch_devices *devices, const device_choice *choice) {
         status = list_ids(devices);
     else
         devices->devices = calloc(devices->count = 1, sizeof *devices->devices);
-    if (status == EXIT_SUCCESS && !devices->devices) {
+    if (status == EXIT_SUCCESS && !(devices->devices && make_workers(devices))) {
         report_error("OpenCL", "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
         status = EXIT_FAILURE;
     }
-    for (size_t i = 0; devices->devices && i < devices->count; i++)
-        for (int k = 0; k < BATCH_WORKERS; k++)
-            devices->devices[i].workers[k] = (batch_worker){.batch = devices, .device = &devices->devices[i]};
     return status;
 }
 
 void batch_devices_free(batch_devices *devices) {
-    for (size_t i = 0; devices->devices && i < devices->count; i++)
-        for (int k = 0; k < BATCH_WORKERS; k++)
+    for (size_t i = 0; devices->devices && i < devices->count; i++) {
+        for (int k = 0; devices->devices[i].workers && k < devices->worker_count; k++)
             gscl_context_free(&devices->devices[i].workers[k].context);
+        free(devices->devices[i].workers);
+    }
     free(devices->devices);
     devices->devices = NULL;
 }
@@ -73,7 +86,7 @@ static bool worker_try_to_open(batch_worker *worker) {
         char text[EXPLANATION_SIZE];
         explain_result(worker->context, result, text);
         report_warning(worker->device->id, "this device is left out: %s", text);
-        for (int k = 0; k < BATCH_WORKERS; k++)
+        for (int k = 0; k < worker->batch->worker_count; k++)
             worker->device->workers[k].is_left_out = true;
     }
     gscl_context_free(&worker->context);
@@ -81,14 +94,14 @@ static bool worker_try_to_open(batch_worker *worker) {
 }
 
 /* The first image of a device is encoded alone and compiles the kernels of the others. */
-static bool device_has_room(const batch_device *device) {
-    return device->running < (device->finished == 0 || device->has_large ? 1 : BATCH_WORKERS);
+static bool device_has_room(const batch_devices *devices, const batch_device *device) {
+    return device->running < (device->finished == 0 || device->has_large ? 1 : devices->worker_count);
 }
 
 static batch_worker *device_idle_worker(batch_devices *devices, batch_device *device) {
     batch_worker *found = NULL;
     pthread_mutex_lock(&devices->lock);
-    for (int k = 0; k < BATCH_WORKERS && !found && device_has_room(device); k++)
+    for (int k = 0; k < devices->worker_count && !found && device_has_room(devices, device); k++)
         if (!device->workers[k].is_busy && !device->workers[k].is_left_out)
             found = &device->workers[k];
     pthread_mutex_unlock(&devices->lock);

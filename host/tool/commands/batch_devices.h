@@ -13,7 +13,8 @@
 #include "cli/device_choice.h"
 
 /* Images that a device encodes at a time: while one occupies the host, the device runs the kernels of the other. */
-#define BATCH_WORKERS 2
+#define BATCH_WORKERS 2 /* by default */
+#define BATCH_MAX_WORKERS 64
 
 /* The word for all devices, in place of the name of one. */
 #define BATCH_ALL "all"
@@ -30,12 +31,13 @@ typedef struct batch_device {
     char id[sizeof((gscl_device_info *)0)->id];
     int running, finished; /* images */
     bool has_large;        /* the image that began last is so large that it is encoded alone */
-    batch_worker workers[BATCH_WORKERS];
+    batch_worker *workers; /* as many as the batch has for each device */
 } batch_device;
 
 typedef struct batch_devices {
     device_choice choice; /* of the user */
     bool is_all;
+    int worker_count; /* of each device */
     size_t count;
     batch_device *devices;
     pthread_mutex_t lock; /* guards is_busy, running, finished, endings and the flags that threads of workers set */
@@ -43,8 +45,8 @@ typedef struct batch_devices {
     uint64_t endings; /* threads of workers that ended */
 } batch_devices;
 
-/* Finds the devices.  Reports errors and returns the exit code of the program; the caller frees in either case. */
-int batch_devices_create(batch_devices *devices, const device_choice *choice);
+/* Finds the devices.  Each can encode `worker_count` images at a time, 1..BATCH_MAX_WORKERS.  Reports errors and returns the exit code of the program; the caller frees in either case. */
+int batch_devices_create(batch_devices *devices, const device_choice *choice, int worker_count);
 void batch_devices_free(batch_devices *devices);
 
 /* A worker that can begin an image now, or NULL.  With all devices, warns about those that cannot be used. */

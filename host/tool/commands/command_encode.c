@@ -8,6 +8,7 @@
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
+#include "commands/batch_devices.h"
 #include "commands/command.h"
 #include "commands/effect_list.h"
 #include "commands/encode_batch.h"
@@ -26,9 +27,40 @@ typedef struct encode_options {
 enum { METADATA_NONE, METADATA_EXIF, METADATA_ALL };
 static const char *const metadata_words[] = {"none", "exif", "all", NULL};
 
+#define ABOUT_RUNS                                                                                                     \
+    "A run over many images:\n"                                                                                        \
+    "\n"                                                                                                               \
+    "  find photos -name '*.jpg' -print0 |\n"                                                                          \
+    "      gscl encode -0 --files-from - --out-dir coded --keep-tree --skip-existing --jsonl coded.jsonl\n"            \
+    "\n"                                                                                                               \
+    "encodes the images of the command line first, then those of the list.  A bad image prints one line, and the run " \
+    "goes\n"                                                                                                           \
+    "on; the last line is a summary, and the exit code is 3 when some failed.  An output appears whole or not at "     \
+    "all, so\n"                                                                                                        \
+    "after a kill the same command goes on: it encodes what has no output, tries again what failed, and repeats "      \
+    "nothing.\n"                                                                                                       \
+    "Empty lines of a list count for nothing.  With --keep-tree a leading / is left out, and .. is refused; without "  \
+    "it\n"                                                                                                             \
+    "only the first of two images with the same output is encoded.  A shard depends on the output's name below "       \
+    "--out-dir\n"                                                                                                      \
+    "alone, not on the list; give each shard a report of its own, which can be joined with cat.  Memory does not "     \
+    "grow with\n"                                                                                                      \
+    "the number of images: what is done is kept in a file in $TMPDIR, 64 bytes for each image.\n"                      \
+    "\n"                                                                                                               \
+    "Members of a line of the report, null where unknown: id (of output and input), status (ok, skipped or failed), "  \
+    "input,\n"                                                                                                         \
+    "output, code (0, the gscl_result of gscl.h, or 100: no output for this name, 101: the input cannot be read, "     \
+    "102: the\n"                                                                                                       \
+    "output cannot be written, 103: another input has this output), message, bytes, width, height, splats, psnr, "     \
+    "seconds,\n"                                                                                                       \
+    "device.  Lines are in the order in which images end; the last line of an image counts, and its older ones are "   \
+    "removed\n"                                                                                                        \
+    "when a run ends."
+
 #define MAX_FILE_BYTES UINT32_MAX
 #define MIN_CODEBOOK 2
 #define MAX_CODEBOOK 1024
+#define MAX_SHARDS 1000000
 
 static option_outcome parse_encode(encode_options *encode, int argc, char **argv) {
     encode_batch *batch = &encode->batch;
@@ -43,7 +75,44 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .kind = OPTION_TEXT,
          .value = &batch->out_dir,
          .argument = "DIR",
-         .help = "existing folder for the outputs of one or more inputs (default: beside each input)"},
+         .help = "folder for the outputs, which is made (default: beside each input)"},
+        {.name = "keep-tree",
+         .kind = OPTION_FLAG,
+         .value = &batch->keep_tree,
+         .help = "make the folders of each input's name in --out-dir, too (default: all outputs side by side)"},
+        {.name = "files-from",
+         .kind = OPTION_TEXT,
+         .value = &batch->files_from,
+         .argument = "FILE",
+         .help = "encode the images named in FILE, too, one on each line; - is standard input"},
+        {.name = "null",
+         .letter = '0',
+         .kind = OPTION_FLAG,
+         .value = &batch->null,
+         .help = "the names in --files-from end with NUL, as find -print0 writes them"},
+        {.name = "jobs",
+         .kind = OPTION_INTEGER,
+         .value = &batch->jobs,
+         .argument = "N",
+         .min_integer = 1,
+         .max_integer = BATCH_MAX_WORKERS,
+         .help = "images to encode at a time on each device (default 2)"},
+        {.name = "skip-existing",
+         .kind = OPTION_FLAG,
+         .value = &batch->skip_existing,
+         .help = "leave out images whose output exists: with it the same command goes on where a run was stopped or "
+                 "killed"},
+        {.name = "jsonl",
+         .kind = OPTION_TEXT,
+         .value = &batch->jsonl,
+         .argument = "FILE",
+         .help = "keep a report in FILE, a line of JSON for each image; - is standard output"},
+        {.name = "shard",
+         .kind = OPTION_SHARE,
+         .value = &batch->shard,
+         .argument = "I/N",
+         .max_integer = MAX_SHARDS,
+         .help = "encode only the Ith of N shares of the images, so that N runs encode each of them once"},
         {.name = "bytes",
          .kind = OPTION_INTEGER,
          .value = &encode->bytes,
@@ -172,15 +241,17 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     };
     const option_command command = {
         .name = "encode",
-        .usage = "IN... [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] [options]",
+        .usage =
+            "IN... [--files-from FILE] [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] "
+            "[options]",
         .about =
             "Encodes images as gscl files.  Reads PNG, JPEG, TIFF, OpenEXR, PNM and the other formats of OpenImageIO,\n"
             "grey or RGB, with or without alpha.  IN may be -, standard input.  Images are turned upright by their "
             "EXIF, and\n"
-            "colours are converted to sRGB by their profile, CMYK included.",
+            "colours are converted to sRGB by their profile, CMYK included.\n\n" ABOUT_RUNS,
         .options = options,
         .option_count = sizeof options / sizeof *options,
-        .min_operands = 1,
+        .min_operands = 0, /* with --files-from; else see check_run */
         .max_operands = argc,
     };
     int first = 0;
@@ -196,6 +267,30 @@ static bool reads_standard_input(const encode_batch *batch) {
             return true;
     }
     return false;
+}
+
+/* Refuses options of runs over many images that contradict others.  Returns 0 or EXIT_USAGE. */
+static int check_run(const encode_batch *batch) {
+    const bool is_run = encode_batch_is_run(batch);
+    if (batch->count == 0 && !batch->files_from)
+        return report_usage(
+            "encode", "an input is missing; usage: gscl encode IN... [options], or a list of images with --files-from");
+    if (batch->null && !batch->files_from)
+        return report_usage("encode", "--null is about a list of images; add --files-from");
+    if (batch->keep_tree && !batch->out_dir)
+        return report_usage("encode", "--keep-tree makes folders in --out-dir; add it");
+    if (batch->files_from && batch->output)
+        return report_usage("encode", "-o names one file but --files-from lists many images; use --out-dir");
+    if (batch->files_from && strcmp(batch->files_from, "-") == 0 && reads_standard_input(batch))
+        return report_usage("encode", "the list and an image both come from standard input; put one into a file");
+    if (is_run && encode_batch_is_piped(batch))
+        return report_usage("encode",
+                            "--files-from, --jsonl, --skip-existing and --shard need output files; add --out-dir");
+    if (is_run && batch->json)
+        return report_usage("encode",
+                            "--json holds no results of --files-from, --jsonl, --skip-existing and --shard; use "
+                            "--jsonl FILE");
+    return 0;
 }
 
 /* Refuses options that contradict each other.  Returns 0 or EXIT_USAGE. */
@@ -223,7 +318,7 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "--json and -o - both write to standard output; name a file with -o");
     if (batch->json && batch->base64 && !batch->output && !batch->out_dir)
         return report_usage("encode", "--json and --base64 both write to standard output; name a file with -o");
-    return 0;
+    return check_run(batch);
 }
 
 static void fill_settings(encode_options *encode) {
@@ -256,7 +351,7 @@ static void fill_settings(encode_options *encode) {
 }
 
 int command_encode(int argc, char **argv) {
-    encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT};
+    encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT, .batch.jobs = BATCH_WORKERS};
     gscl_encode_settings_default(&encode.batch.settings);
     const option_outcome outcome = parse_encode(&encode, argc, argv);
     if (outcome != OPTIONS_RUN)

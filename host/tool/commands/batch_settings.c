@@ -1,0 +1,11 @@
+#include "commands/batch_settings.h"
+
+#include <string.h>
+
+bool encode_batch_is_run(const encode_batch *batch) {
+    return batch->files_from || batch->jsonl || batch->skip_existing || batch->shard.count > 0;
+}
+
+bool encode_batch_is_piped(const encode_batch *batch) {
+    return batch->output ? strcmp(batch->output, "-") == 0 : batch->base64 && !batch->out_dir;
+}

@@ -1,0 +1,207 @@
+"""Runs over many images: lists, trees, reports, shards, and going on after a kill."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+from images import scene
+from tool import FAST, GSCL, TIMEOUT, ToolTest, main, restore_signals
+
+SOME_FAILED = 3
+RUN = ("--out-dir", "out", "-q", *FAST)
+
+
+class BatchTest(ToolTest):
+    """The folders x and y hold three images each, with the same names, and x a file that is no image."""
+
+    def setUp(self):
+        super().setUp()
+        self.names = [f"{folder}/{i}.png" for folder in ("x", "y") for i in range(3)]
+        for folder in ("x", "y"):
+            self.path(folder).mkdir()
+        for i, name in enumerate(self.names):
+            self.write_png(name, scene(24 + i, 16))
+        self.write("x/bad.png", b"no image")
+
+    def write_list(self, *names, end="\n"):
+        return self.write("list", "".join(name + end for name in names).encode())
+
+    def outputs(self):
+        return [name[4:] for name in self.files() if name.startswith("out/") and name.endswith(".gscl")]
+
+    def report(self, name="report"):
+        return [json.loads(line) for line in self.path(name).read_text().splitlines()]
+
+    def states(self, name="report"):
+        """The status of each input; each has one line."""
+        states = {line["input"]: line["status"] for line in self.report(name)}
+        self.assertEqual(len(states), len(self.report(name)))
+        return states
+
+    def run_batch(self, *arguments, code=0, **options):
+        done = self.start("encode", *arguments, *RUN, **options)
+        self.assertEqual(done.returncode, code, done.stderr.decode())
+        return [line for line in done.stderr.decode().splitlines() if line.startswith("gscl: ")]
+
+
+class Lists(BatchTest):
+    def test_names_of_a_list_and_of_the_command_line(self):
+        self.write_list("x/1.png", "", "x/2.png")
+        self.run_batch("x/0.png", "--files-from", "list")
+        self.assertEqual(self.outputs(), ["0.gscl", "1.gscl", "2.gscl"])
+
+    def test_names_that_end_with_nul(self):
+        self.write_png("x/new\nline.png", scene(8, 8))
+        self.write_list("x/0.png", "x/new\nline.png", end="\0")
+        self.run_batch("--files-from", "list", "-0")
+        self.assertEqual(self.outputs(), ["0.gscl", "new\nline.gscl"])
+
+    def test_list_from_standard_input(self):
+        self.run_batch("--files-from", "-", input=b"x/0.png\nx/1.png")
+        self.assertEqual(self.outputs(), ["0.gscl", "1.gscl"])
+
+    def test_list_of_nothing(self):
+        self.write_list()
+        self.run_batch("--files-from", "list", "--jsonl", "report")
+        self.assertEqual(self.report(), [])
+
+    def test_tree(self):
+        self.write_list(*self.names, str(self.path("x/0.png")), "x/../y/0.png")
+        errors = self.run_batch("--files-from", "list", "--keep-tree", "--jsonl", "report", code=SOME_FAILED)
+        self.assertEqual(len(errors), 1)
+        self.assertIn("x/../y/0.png", errors[0])
+        absolute = str(self.path("x/0.gscl"))[1:]
+        self.assertEqual(sorted(self.outputs()), sorted([name[:-4] + ".gscl" for name in self.names] + [absolute]))
+        self.assertEqual([line["code"] for line in self.report() if line["status"] == "failed"], [100])
+
+    def test_output_of_another_input(self):
+        self.write_list(*self.names)
+        errors = self.run_batch("--files-from", "list", "--jsonl", "report", code=SOME_FAILED)
+        self.assertEqual(self.outputs(), ["0.gscl", "1.gscl", "2.gscl"])
+        self.assertEqual(len(errors), 3)
+        self.assertEqual([line["code"] for line in self.report()].count(103), 3)
+
+    def test_misuse(self):
+        for message, arguments in (
+                ("usage", ()), ("--files-from", ("x/0.png", "-0")), ("--out-dir", ("x/0.png", "--keep-tree")),
+                ("use --out-dir", ("--files-from", "list", "-o", "a.gscl")), ("1/1 to", ("x/0.png", "--shard", "0/3")),
+                ("1/1 to", ("x/0.png", "--shard", "4/3")), ("1/1 to", ("x/0.png", "--shard", "1")),
+                ("from 1 to 64", ("x/0.png", "--jobs", "0")), ("--jsonl", ("x/0.png", "--json", "--skip-existing"))):
+            with self.subTest(arguments=arguments):
+                self.refused("encode", message, "encode", *arguments, code=2)
+        for name, message, arguments in (("missing", "No such file", ("--files-from", "missing")),
+                                         ("x", "Is a directory", ("x/0.png", "--jsonl", "x"))):
+            with self.subTest(arguments=arguments):
+                self.refused(name, message, "encode", *arguments, "--out-dir", "out")
+
+
+class Reports(BatchTest):
+    def test_each_image_has_a_line(self):
+        self.write_list("x/0.png", "x/bad.png", "x/missing.png")
+        errors = self.run_batch("--files-from", "list", "--jsonl", "report", code=SOME_FAILED)
+        self.assertEqual(len(errors), 2)
+        self.assertEqual(self.states(), {"x/0.png": "ok", "x/bad.png": "failed", "x/missing.png": "failed"})
+        for line in self.report():
+            if line["status"] == "ok":
+                self.assertEqual((line["code"], line["message"], line["width"], line["height"]), (0, None, 24, 16))
+                self.assertEqual(line["bytes"], self.path(line["output"]).stat().st_size)
+                self.assertGreater(line["psnr"], 10)
+            else:
+                self.assertEqual((line["code"], line["bytes"], line["psnr"]), (101, None, None))
+                self.assertTrue(line["message"])
+
+    def test_summary(self):
+        self.write_list("x/0.png", "x/bad.png")
+        self.write_png("x/1.png", scene(16, 16))
+        self.gscl("encode", "x/1.png", "--out-dir", "out", "-q", *FAST)
+        done = self.start("encode", "--files-from", "list", "x/1.png", "--skip-existing", "--out-dir", "out", *FAST)
+        last = (done.stdout + done.stderr).decode().splitlines()
+        self.assertTrue(any("1 encoded" in line and "1 skipped" in line and "1 failed" in line for line in last), last)
+
+    def test_second_run_repeats_nothing_but_failures(self):
+        self.write_list("x/0.png", "x/1.png", "x/bad.png")
+        arguments = ("--files-from", "list", "--jsonl", "report", "--skip-existing")
+        self.run_batch(*arguments, code=SOME_FAILED)
+        times = {name: os.stat(self.path("out") / name).st_mtime_ns for name in self.outputs()}
+        self.write_png("x/bad.png", scene(8, 8))
+        self.run_batch(*arguments)
+        self.assertEqual(self.states(), {"x/0.png": "ok", "x/1.png": "ok", "x/bad.png": "ok"})
+        for name, old in times.items():
+            self.assertEqual(os.stat(self.path("out") / name).st_mtime_ns, old)
+
+    def test_cut_line_is_removed(self):
+        self.write_list("x/0.png", "x/1.png")
+        arguments = ("--files-from", "list", "--jsonl", "report", "--skip-existing")
+        self.run_batch(*arguments)
+        whole = self.path("report").read_bytes()
+        self.write("report", whole[:-20])
+        self.run_batch(*arguments)
+        self.assertEqual(set(self.states()), {"x/0.png", "x/1.png"})
+
+    def test_file_that_is_no_report_is_kept(self):
+        self.write("report", b"something else\n")
+        self.refused("encode", "report is no report", "encode", "x/0.png", "--jsonl", "report", "--out-dir", "out", code=2)
+        self.assertEqual(self.path("report").read_bytes(), b"something else\n")
+
+    def test_shards_are_all_of_it_once(self):
+        self.write_list(*self.names)
+        seen = []
+        for i in range(1, 4):
+            self.run_batch("--files-from", "list", "--keep-tree", "--shard", f"{i}/3", "--jsonl", f"report{i}")
+            seen += [line["input"] for line in self.report(f"report{i}")]
+        self.assertEqual(sorted(seen), self.names)
+        self.assertEqual(len(self.outputs()), len(self.names))
+
+    def test_jobs_do_not_change_files(self):
+        self.write_list(*self.names)
+        bytes_of = {}
+        for jobs in ("1", "3"):
+            self.run_batch("--files-from", "list", "--keep-tree", "--jobs", jobs)
+            bytes_of[jobs] = [self.path("out").joinpath(name).read_bytes() for name in self.outputs()]
+        self.assertEqual(bytes_of["1"], bytes_of["3"])
+
+
+class Kills(BatchTest):
+    def start_run(self, count):
+        for i in range(count):
+            self.write_png(f"{i}.png", scene(48, 32))
+        self.write_list(*[f"{i}.png" for i in range(count)])
+        return [GSCL, "encode", "--files-from", "list", "--jsonl", "report", "--skip-existing", *RUN]
+
+    def interrupt(self, command, number):
+        """Ends a run when it has written a few lines."""
+        process = subprocess.Popen(command, cwd=self.folder, stderr=subprocess.PIPE, preexec_fn=restore_signals)
+        deadline = time.monotonic() + TIMEOUT
+        while not self.path("report").exists() or self.path("report").read_bytes().count(b"\n") < 3:
+            self.assertLess(time.monotonic(), deadline)
+            self.assertIsNone(process.poll(), "ended before it could be interrupted")
+            time.sleep(0.005)
+        process.send_signal(number)
+        process.communicate(timeout=TIMEOUT)
+        return process.returncode
+
+    def test_killed_run_goes_on(self):
+        command = self.start_run(40)
+        self.assertEqual(self.interrupt(command, signal.SIGKILL), -signal.SIGKILL)
+        before = {name: os.stat(self.path("out") / name).st_mtime_ns for name in self.outputs()}
+        self.assertLess(len(before), 40)
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, timeout=TIMEOUT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(set(self.states()), {f"{i}.png" for i in range(40)})
+        self.assertEqual(len(self.outputs()), 40)
+        for name, old in before.items():
+            self.assertEqual(os.stat(self.path("out") / name).st_mtime_ns, old)
+        self.assertEqual([path for path in self.files() if pathlib.Path(path).name.startswith(".gscl-")], [])
+
+    def test_interrupted_run_leaves_no_partial_output(self):
+        command = self.start_run(40)
+        self.assertEqual(self.interrupt(command, signal.SIGTERM), 128 + signal.SIGTERM)
+        self.assertEqual([path for path in self.files() if pathlib.Path(path).name.startswith(".gscl-")], [])
+        for name in self.outputs():
+            self.gscl("info", f"out/{name}")
+
+
+if __name__ == "__main__":
+    main()
