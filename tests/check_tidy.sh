@@ -11,15 +11,5 @@ case $("$tidy" --version) in
 esac
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT INT TERM
-# The library is compiled twice, shared and static, and parts of it for web pages, too: one command a file is enough.
-python3 - "$build" >"$work/compile_commands.json" <<'END'
-import json, pathlib, sys
-build = pathlib.Path(sys.argv[1])
-commands = {}
-for name in ("host/web/compile_commands.json", "compile_commands.json"):
-    if (build / name).exists():
-        for command in json.loads((build / name).read_text()):
-            commands[(pathlib.Path(command["directory"]) / command["file"]).resolve()] = command
-print(json.dumps(list(commands.values())))
-END
+python3 tests/compile_commands.py "$build" >"$work/compile_commands.json"
 find host format -name '*.c' | sort | xargs -P "$(nproc)" -n 8 "$tidy" --quiet -p "$work" 2>/dev/null

@@ -5,9 +5,6 @@
 
 static gscl_result book_create(gscl_book *book, gscl_context *context) {
     gscl_buffer *buffers[] = {&book->learnt, &book->stored, &book->first_moment, &book->second_moment};
-    book->words = calloc(1, GSCL_BOOK_BYTES);
-    if (!book->words)
-        return gscl_fail_memory(context);
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
         GSCL_TRY(gscl_buffer_reserve(context, buffers[i], GSCL_BOOK_BYTES));
     return GSCL_OK;
@@ -17,18 +14,20 @@ static void book_free(gscl_book *book) {
     gscl_buffer *buffers[] = {&book->learnt, &book->stored, &book->first_moment, &book->second_moment};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
         gscl_buffer_free(buffers[i]);
-    free(book->words);
 }
 
 static gscl_result allocate_host_copies(gscl_codebook *c) {
-    const size_t count = gscl_codebook_splats(c) + 1;
+    const size_t count = gscl_codebook_splats(c) + 1, book_size = GSCL_BOOK_BYTES / sizeof *c->words;
+    c->words = calloc(GSCL_BOOKS, GSCL_BOOK_BYTES);
     c->params = malloc(count * GSCL_PARAMS * sizeof *c->params);
     c->pairs = calloc(count, sizeof *c->pairs);
     c->sorted_params = malloc(count * GSCL_PARAMS * sizeof *c->sorted_params);
     c->sorted_pairs = malloc(count * sizeof *c->sorted_pairs);
     c->order = malloc(count * sizeof *c->order);
-    if (!c->params || !c->pairs || !c->sorted_params || !c->sorted_pairs || !c->order)
+    if (!c->words || !c->params || !c->pairs || !c->sorted_params || !c->sorted_pairs || !c->order)
         return gscl_fail_memory(c->fit->context);
+    for (int b = 0; b < GSCL_BOOKS; b++)
+        c->books[b].words = c->words + (size_t)b * book_size;
     return GSCL_OK;
 }
 
@@ -53,6 +52,7 @@ void gscl_codebook_free(gscl_codebook *c) {
         book_free(&c->books[b]);
     gscl_buffer_free(&c->learnt);
     gscl_buffer_free(&c->indices);
+    free(c->words);
     free(c->params);
     free(c->pairs);
     free(c->sorted_params);

@@ -30,11 +30,12 @@ static gscl_image shape_of(const gscl_frame *f, const gsf_header *header, const 
                         .premultiplied = s->premultiplied};
 }
 
-/* Takes the caller's pixels when they fit, or allocates. */
-static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, const gscl_image *caller) {
+/* Takes the caller's pixels when they fit, or allocates some. */
+static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, const gscl_image *caller,
+                                  void **allocated) {
     if (!caller->pixels) {
         shape->stride = 0;
-        shape->pixels = malloc(gscl_image_stride(shape) * shape->height);
+        shape->pixels = *allocated = malloc(gscl_image_stride(shape) * shape->height);
         return shape->pixels ? GSCL_OK : gscl_fail_memory(context);
     }
     if (caller->width != shape->width || caller->height != shape->height || caller->channels != shape->channels ||
@@ -133,15 +134,16 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     gscl_frame f;
     GSCL_TRY(read_within_limits(context, bytes, size, &s, &coded, &f));
     gscl_image decoded = shape_of(&f, &coded.file.header, &s);
-    gscl_result result = provide_pixels(context, &decoded, image);
+    void *allocated = NULL;
+    gscl_result result = provide_pixels(context, &decoded, image, &allocated);
     if (result == GSCL_OK) {
         const gscl_draw_progress progress = gscl_draw_progress_begin(&s, &coded, start_s);
         result = draw(context, &coded, &f, &decoded, &progress);
     }
     if (result == GSCL_OK)
         *image = decoded;
-    else if (!image->pixels)
-        free(decoded.pixels);
+    else
+        free(allocated);
     gscl_coded_image_free(&coded);
     gscl_stage(context, GSCL_STAGE_NONE);
     return gscl_complete_message(context, result);

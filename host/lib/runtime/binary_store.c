@@ -62,8 +62,9 @@ static uint64_t file_size(int file) {
     return status.st_uid == geteuid() || status.st_uid == 0 ? (uint64_t)status.st_size : 0;
 }
 
+/* `size` is not 0. */
 static bool read_all(int file, char *bytes, size_t size) {
-    while (size > 0) {
+    do {
         const ssize_t count = read(file, bytes, size);
         if (count == 0 || (count < 0 && errno != EINTR))
             return false;
@@ -71,7 +72,7 @@ static bool read_all(int file, char *bytes, size_t size) {
             bytes += count;
             size -= (size_t)count;
         }
-    }
+    } while (size > 0);
     return true;
 }
 

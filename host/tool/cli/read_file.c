@@ -13,18 +13,11 @@ const char *input_label(const char *name) {
     return strcmp(name, "-") ? name : "standard input";
 }
 
-static FILE *open_input(const char *name) {
-    if (strcmp(name, "-") == 0)
-        return stdin;
+static FILE *open_file(const char *name) {
     FILE *stream = fopen(name, "rb");
     if (!stream)
         report_error(name, "cannot be opened: %s", strerror(errno));
     return stream;
-}
-
-static void close_input(FILE *stream) {
-    if (stream && stream != stdin)
-        fclose(stream);
 }
 
 /* Doubles the buffer up to one byte more than the limit, so that a larger file is detected. */
@@ -57,9 +50,11 @@ static bool read_stream(FILE *stream, const char *label, uint64_t limit, uint8_t
 bool read_file(const char *name, uint64_t limit, uint8_t **bytes, size_t *size) {
     uint8_t *buffer = NULL;
     size_t used = 0;
-    FILE *stream = open_input(name);
+    const bool is_file = strcmp(name, "-") != 0;
+    FILE *stream = is_file ? open_file(name) : stdin;
     const bool ok = stream && read_stream(stream, input_label(name), limit, &buffer, &used);
-    close_input(stream);
+    if (is_file && stream)
+        fclose(stream);
     if (!ok) {
         free(buffer);
         return false;
@@ -70,11 +65,11 @@ bool read_file(const char *name, uint64_t limit, uint8_t **bytes, size_t *size) 
 }
 
 bool read_file_start(const char *name, uint8_t *bytes, size_t capacity, size_t *count) {
-    FILE *stream = open_input(name);
+    FILE *stream = open_file(name);
     if (!stream)
         return false;
     *count = fread(bytes, 1, capacity, stream);
     const int error = ferror(stream) ? errno : 0;
-    close_input(stream);
+    fclose(stream);
     return error == 0 || report_error(name, "cannot be read: %s", strerror(error));
 }

@@ -16,7 +16,7 @@ const char *input_label(const char *name);
 /* Reads `name` ("-": standard input) into *bytes, to be released with free.  Reports errors. */
 bool read_file(const char *name, uint64_t limit, uint8_t **bytes, size_t *size);
 
-/* Reads up to `capacity` bytes from the start of a file; *count may be less.  Reports errors. */
+/* Reads up to `capacity` bytes from the start of a file, not of standard input; *count may be less.  Reports errors. */
 bool read_file_start(const char *name, uint8_t *bytes, size_t capacity, size_t *count);
 
 #endif

@@ -34,13 +34,15 @@ static int list_ids(batch_devices *devices) {
 
 /* Makes the workers of all devices.  Returns false when out of memory. */
 static bool make_workers(batch_devices *devices) {
-    for (size_t i = 0; i < devices->count; i++) {
-        batch_device *device = &devices->devices[i];
-        device->workers = calloc((size_t)devices->worker_count, sizeof *device->workers);
-        for (int k = 0; device->workers && k < devices->worker_count; k++)
-            device->workers[k] = (batch_worker){.batch = devices, .device = device};
-        if (!device->workers)
-            return false;
+    const size_t each = (size_t)devices->worker_count;
+    devices->workers = calloc(devices->count * each, sizeof *devices->workers);
+    if (!devices->workers)
+        return false;
+    for (size_t i = 0; i < devices->count * each; i++) {
+        batch_device *device = &devices->devices[i / each];
+        devices->workers[i] = (batch_worker){.batch = devices, .device = device};
+        if (i % each == 0)
+            device->workers = &devices->workers[i];
     }
     return true;
 }
@@ -64,12 +66,11 @@ int batch_devices_create(batch_devices *devices, const device_choice *choice, in
 }
 
 void batch_devices_free(batch_devices *devices) {
-    for (size_t i = 0; devices->devices && i < devices->count; i++) {
-        for (int k = 0; devices->devices[i].workers && k < devices->worker_count; k++)
-            gscl_context_free(&devices->devices[i].workers[k].context);
-        free(devices->devices[i].workers);
-    }
+    for (size_t i = 0; devices->workers && i < devices->count * (size_t)devices->worker_count; i++)
+        gscl_context_free(&devices->workers[i].context);
+    free(devices->workers);
     free(devices->devices);
+    devices->workers = NULL;
     devices->devices = NULL;
 }
 

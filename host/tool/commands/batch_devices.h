@@ -31,7 +31,7 @@ typedef struct batch_device {
     char id[sizeof((gscl_device_info *)0)->id];
     int running, finished; /* images */
     bool has_large;        /* the image that began last is so large that it is encoded alone */
-    batch_worker *workers; /* as many as the batch has for each device */
+    batch_worker *workers; /* its part of those of the batch */
 } batch_device;
 
 typedef struct batch_devices {
@@ -40,7 +40,8 @@ typedef struct batch_devices {
     int worker_count; /* of each device */
     size_t count;
     batch_device *devices;
-    pthread_mutex_t lock; /* guards is_busy, running, finished, endings and the flags that threads of workers set */
+    batch_worker *workers; /* of all devices */
+    pthread_mutex_t lock;  /* guards is_busy, running, finished, endings and the flags that threads of workers set */
     pthread_cond_t changed;
     uint64_t endings; /* threads of workers that ended */
 } batch_devices;

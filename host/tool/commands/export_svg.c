@@ -296,7 +296,7 @@ static int by_width(const void *a, const void *b) {
 bool export_svg(output_file *output, const gscl_info *info, gscl_splat *splats, size_t count,
                 const gscl_image *decoded) {
     painter p = {.output = output, .blend = info->blend, .width = decoded->width, .height = decoded->height};
-    double background[3];
+    double background[3] = {0.0, 0.0, 0.0};
     p.scale_x = (double)decoded->width / info->width;
     p.scale_y = (double)decoded->height / info->height;
     p.cells = calloc((size_t)p.width * p.height, sizeof *p.cells);
