@@ -73,6 +73,7 @@ check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
 check "public headers" sh tests/install/check_headers.sh host/include
 check "format of sources" sh tests/check_format.sh
 check "clang-tidy" sh tests/check_tidy.sh build-test
+check "analyzer of gcc" sh tests/check_analyzer.sh build-test
 check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
 check "rooms are checked" python3 tests/structure/test_check_rooms.py
 
