@@ -161,7 +161,7 @@ static double pixels_inside(const gscl_benchmark_settings *s, const float *param
         double half =
             gscl_ellipse_half_size(params[GSCL_LOG_S1], params[GSCL_LOG_S2], params[GSCL_THETA], 0, reach).height;
         double x = params[GSCL_X], y = params[GSCL_Y], to = fmin(y + half, s->height);
-        for (double row = fmax(ceil(y - half - 0.5), 0); row + 0.5 < to; row++) {
+        for (int row = (int)fmax(ceil(y - half - 0.5), 0); row + 0.5 < to; row++) {
             /* the chord of the ellipse at this row */
             double dy = row + 0.5 - y, a = c * c / (s1 * s1) + n * n / (s2 * s2),
                    b = c * n * (1 / (s1 * s1) - 1 / (s2 * s2)) * dy,

@@ -66,7 +66,7 @@ static int make_temporary(char *name) {
     if (file >= 0)
         close(file);
     char *slash = strrchr(name, '/');
-    strcpy(slash ? slash + 1 : name, TEMPORARY_PATTERN);
+    memcpy(slash ? slash + 1 : name, TEMPORARY_PATTERN, sizeof TEMPORARY_PATTERN);
     return mkstemp(name);
 }
 

@@ -49,7 +49,7 @@ static int try_to_write(const char *folder) {
 static void path_ascend(char *path) {
     char *slash = strrchr(path, '/');
     if (!slash)
-        strcpy(path, ".");
+        memcpy(path, ".", sizeof ".");
     else if (slash == path)
         path[1] = '\0';
     else

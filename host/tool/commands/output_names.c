@@ -57,17 +57,18 @@ static char *join_name(const output_naming *naming, const char *input) {
     const char *out_dir = naming->out_dir, *slash = strrchr(input, '/'), *end = name_suffix(input);
     const char *start = out_dir && slash && !naming->keep_tree ? slash + 1 : input;
     const size_t folder = out_dir ? strlen(out_dir) + 1 : 0, most = (size_t)(end - start);
-    char *name = malloc(folder + most + strlen(naming->suffix) + 1);
+    const size_t suffix = strlen(naming->suffix) + 1;
+    char *name = malloc(folder + most + suffix);
     if (!name)
         return NULL;
     if (out_dir)
-        sprintf(name, "%s/", out_dir);
+        snprintf(name, folder + 1, "%s/", out_dir);
     size_t length = most;
     if (out_dir && naming->keep_tree)
         length = copy_below(name + folder, start, end);
     else
         memcpy(name + folder, start, most);
-    strcpy(name + folder + length, naming->suffix);
+    memcpy(name + folder + length, naming->suffix, suffix);
     return name;
 }
 

@@ -61,11 +61,9 @@ static void write_value(char text[24], double value) {
         snprintf(text, 24, "%g", value);
         return;
     }
-    snprintf(text, 24, "10%s", power < 0 ? "⁻" : "");
     const int size = power < 0 ? -power : power;
-    if (size >= 10)
-        strcat(text, superscripts[size / 10]);
-    strcat(text, superscripts[size % 10]);
+    snprintf(text, 24, "10%s%s%s", power < 0 ? "⁻" : "", size < 10 ? "" : superscripts[size / 10],
+             superscripts[size % 10]);
 }
 
 static void add_tick(axis_scale *axis, double value) {
@@ -82,8 +80,9 @@ static void add_tick(axis_scale *axis, double value) {
 static void add_linear_ticks(axis_scale *axis) {
     const double rough = (axis->high - axis->low) / LINEAR_TICKS, power = pow(10, floor(log10(rough)));
     const double step = rough / power < 1.5 ? power : rough / power < 3.5 ? 2 * power : 5 * power;
-    for (double k = ceil(axis->low / step - 1e-9); k * step <= axis->high * (1 + 1e-9); k++)
-        add_tick(axis, k * step);
+    const double first = ceil(axis->low / step - 1e-9);
+    for (int i = 0; (first + i) * step <= axis->high * (1 + 1e-9); i++)
+        add_tick(axis, (first + i) * step);
 }
 
 static void add_log_ticks(axis_scale *axis) {

@@ -18,8 +18,10 @@ void labels_add(label_map *map, label_box box, double weight) {
 
 void labels_add_line(label_map *map, double x0, double y0, double x1, double y1, double weight) {
     const double length = hypot(x1 - x0, y1 - y0);
-    for (double at = LINE_STEP / 2; at < length; at += LINE_STEP)
-        labels_add(map, (label_box){x0 + (x1 - x0) * at / length - 1, y0 + (y1 - y0) * at / length - 1, 2, 2}, weight);
+    for (int i = 0; (i + 0.5) * LINE_STEP < length; i++) {
+        const double at = (i + 0.5) * LINE_STEP / length;
+        labels_add(map, (label_box){x0 + (x1 - x0) * at - 1, y0 + (y1 - y0) * at - 1, 2, 2}, weight);
+    }
 }
 
 static double overlap(double a, double a_size, double b, double b_size) {
