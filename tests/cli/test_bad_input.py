@@ -159,12 +159,12 @@ class Outputs(ToolTest):
 
     def test_closed_pipe(self):
         self.encode(scene(200, 150))
-        process = subprocess.Popen([GSCL, "decode", "in.gscl", "-o", "-"], cwd=self.folder, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE)
-        process.stdout.close()
-        error = process.stderr.read()
-        process.stderr.close()
-        self.assertEqual((process.wait(), error), (128 + 13, b""))
+        reader, writer = os.pipe()
+        os.close(reader)  # before the tool starts, whose output would fit into the pipe
+        result = subprocess.run([GSCL, "decode", "in.gscl", "-o", "-"], cwd=self.folder, stdout=writer,
+                                stderr=subprocess.PIPE)
+        os.close(writer)
+        self.assertEqual((result.returncode, result.stderr), (128 + 13, b""))
 
 
 class Files(ToolTest):
