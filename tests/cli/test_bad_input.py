@@ -6,7 +6,7 @@ import unittest
 
 from gscl_file import contained, header
 from images import (PNG_SIGNATURE, Image, exr_bytes, png_bytes, png_chunk, png_header, pnm_bytes, scene, tiff_bytes)
-from tool import FAST, GSCL, ToolTest, main
+from tool import FAST, ToolTest, main
 
 NO_OPENCL = {"OCL_ICD_VENDORS": "/nonexistent"}
 
@@ -161,10 +161,9 @@ class Outputs(ToolTest):
         self.encode(scene(200, 150))
         reader, writer = os.pipe()
         os.close(reader)  # before the tool starts, whose output would fit into the pipe
-        result = subprocess.run([GSCL, "decode", "in.gscl", "-o", "-"], cwd=self.folder, stdout=writer,
-                                stderr=subprocess.PIPE)
+        done = self.start("decode", "in.gscl", "-o", "-", stdout=writer, stderr=subprocess.PIPE)
         os.close(writer)
-        self.assertEqual((result.returncode, result.stderr), (128 + 13, b""))
+        self.assertEqual((done.returncode, done.stderr), (128 + 13, b""))
 
 
 class Files(ToolTest):
