@@ -35,8 +35,20 @@ static gscl_result drawing_make(gscl_context *context, const gscl_coded_image *c
     return result;
 }
 
-static double clamped(double sample) {
-    return fmin(fmax(sample, 0), 1);
+static double clamped(double sample, double limit) {
+    return fmin(fmax(sample, 0), limit);
+}
+
+/* Sample `k` of a pixel (FORMAT.md, "Rendering"): premultiplied colours do not exceed alpha. */
+static double drawing_sample(const exact_drawing *drawing, size_t pixel, uint32_t k, uint32_t channels) {
+    const double *at = drawing->planes + pixel;
+    const int colours = drawing->options.colours;
+    const bool has_alpha = channels == 2 || channels == 4;
+    const double alpha =
+        drawing->options.alpha_channel ? clamped(at[(size_t)colours * drawing->pixels], 1) : 1;
+    if (has_alpha && k == channels - 1)
+        return alpha;
+    return clamped(at[colours == 1 ? 0 : k * drawing->pixels], has_alpha ? alpha : 1);
 }
 
 /* The largest difference in units of 1/255.  A sample that is no number differs by 255. */
@@ -46,7 +58,7 @@ static double drawing_compare(const exact_drawing *drawing, const gscl_image *im
     for (size_t i = 0; i < drawing->pixels; i++)
         for (uint32_t k = 0; k < image->channels; k++) {
             const double sample = samples[i * image->channels + k];
-            const double error = fabs(sample - clamped(drawing->planes[k * drawing->pixels + i]));
+            const double error = fabs(sample - drawing_sample(drawing, i, k, image->channels));
             largest = fmax(largest, isfinite(sample) ? 255 * error : 255);
         }
     return largest;
