@@ -1,11 +1,37 @@
 /* Binning: for every tile the ascending list of the splats whose outline touches it.
  *
- * One work-item per row of tiles goes over the splats in their order, so the lists come out sorted without
- * atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity`
- * entries.  Further entries are left out; the host reads their number from row_totals and grows the lists. */
+ * Each row of tiles is filled by one work-group, which goes over the splats in their order, so the lists come out sorted
+ * without atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity` entries.
+ * Further entries are left out; the host reads their number from row_totals and grows the lists.
+ *
+ * Build option BIN_ITEMS, the work-items of a group.  1 on CPUs: the only one takes splat after splat and appends it to
+ * the lists of its tiles.  On GPUs each takes one splat of a block to find its tiles, then one tile to append to it those
+ * splats of the block that touch it. */
 
-/* Tiles of a row that are processed together. */
+/* Tiles of a row whose rows of pixels are found together. */
 #define BIN_LANES 4
+
+/* First and last tile of row `ty` of its box that the outline touches, widened by a margin for rounding. */
+ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const float *bounds, int4 box, int ty) {
+    float half_width = bounds[GSCL_BOUNDS_HALF_WIDTH], half_height = bounds[GSCL_BOUNDS_HALF_HEIGHT];
+    float x = projected[GSCL_PROJECTED_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_Y];
+    float low = LARGER(y0, -half_height), high = LESSER(y0 + (float)(GSCL_TILE - 1), half_height);
+    high = LARGER(high, low); /* the row is touched at its edge, or missed by a rounding error */
+    /* dy of the leftmost and of the rightmost point, within the row */
+    float right_dy = bounds[GSCL_BOUNDS_SLOPE] * half_width, slope = bounds[GSCL_BOUNDS_SLOPE_X];
+    float width2 = bounds[GSCL_BOUNDS_WIDTH2], curve = bounds[GSCL_BOUNDS_CURVE_X];
+    float dy0 = LESSER(LARGER(-right_dy, low), high), dy1 = LESSER(LARGER(right_dy, low), high);
+    float arc0 = width2 - curve * dy0 * dy0, arc1 = width2 - curve * dy1 * dy1;
+    float left = slope * dy0 - sqrt(LARGER(arc0, 0.0f)), right = slope * dy1 + sqrt(LARGER(arc1, 0.0f));
+    float margin = 1e-3f * (1.0f + half_width) + 1e-6f * fabs(x);
+    left = (x + LARGER(left, -half_width) - margin) * (1.0f / GSCL_TILE);
+    right = (x + LESSER(right, half_width) + margin) * (1.0f / GSCL_TILE);
+    /* Clamped as floats, since those of a very large splat do not fit an int.  The box has no negative tiles. */
+    float first = (float)box.x, last = (float)box.y;
+    left = LESSER(LARGER(left, first), last + 1.0f);
+    right = LESSER(LARGER(right, first - 1.0f), last);
+    return (int2)(min((int)left, box.y), max((int)right, box.x));
+}
 
 /* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last; none where first > last. */
 inline void rows_touched(__global const float *restrict projected, __global const float *restrict bounds, int tx,
@@ -34,43 +60,58 @@ inline void rows_touched(__global const float *restrict projected, __global cons
     vstore4(convert_int4(to) - 1, 0, last);
 }
 
-/* Lists the splats whose box touches the rows of tiles from `first` to `last`; returns their number. */
-inline int list_splats(__global const int4 *restrict boxes, int count, int first, int last,
-                       __global int *restrict list) {
-    int n = 0;
-    for (int i = 0; i < count; i++) {
-        int4 box = boxes[i];
-        if (box.z <= last && box.w >= first && box.x <= box.y) list[n++] = i;
-    }
-    return n;
+inline bool box_touches_rows(int4 box, int first, int last) {
+    return box.z <= last && box.w >= first && box.x <= box.y;
 }
 
+/* The splats among which a row of tiles finds its own. */
+typedef struct {
+    __global const int *list; /* NULL: all of them */
+    int count;
+} splat_source;
+
+inline splat_source source_of_row(__global const int *restrict listed, __global const int *restrict listed_counts,
+                                  gscl_bin_settings t, int ty) {
+    splat_source all = {NULL, t.splats};
+    int band = t.band_rows > 0 ? ty / t.band_rows : 0;
+    splat_source banded = {listed + (size_t)band * t.splats, t.band_rows > 0 ? listed_counts[band] : 0};
+    return t.band_rows > 0 ? banded : all;
+}
+
+inline size_t source_splat(splat_source source, int j) { return (size_t)(source.list ? source.list[j] : j); }
+
+/* The tiles of row `ty` that a splat touches; none where first > last. */
+inline int2 tiles_of_row(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                         __global const int4 *restrict boxes, size_t i, int ty) {
+    int4 box = boxes[i];
+    if (!box_touches_rows(box, ty, ty)) return (int2)(0, -1);
+    return tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty);
+}
+
+#if BIN_ITEMS == 1
 /* Lists the splats of each band of `band_rows` rows of tiles, so that not every row goes over all splats.  One
- * work-item per band; a list has room for `count` splats. */
-__kernel void bin_bands(__global const int4 *restrict boxes, int count, int bands, int band_rows,
-                        __global int *restrict listed, __global int *restrict listed_counts) {
-    int band = (int)get_global_id(0), first = band * band_rows;
-    if (band >= bands) return;
-    listed_counts[band] = list_splats(boxes, count, first, first + band_rows - 1, listed + (size_t)band * count);
+ * work-group per band; a list has room for `count` splats. */
+__kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
+                        __global int *restrict listed_counts) {
+    int band = (int)get_group_id(0), first = band * band_rows, n = 0;
+    listed += (size_t)band * count;
+    for (int i = 0; i < count; i++)
+        if (box_touches_rows(boxes[i], first, first + band_rows - 1)) listed[n++] = i;
+    listed_counts[band] = n;
 }
 
 /* Fills the lists of one row of tiles. */
 __kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                  __global const int4 *restrict boxes, __global int *restrict listed,
+                  __global const int4 *restrict boxes, __global const int *restrict listed,
                   __global const int *restrict listed_counts, gscl_bin_settings t, __global uint *restrict entries,
                   __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
-    const int tiles_x = t.tiles_x;
-    int ty = (int)get_global_id(0), band = t.band_rows > 0 ? ty / t.band_rows : ty;
-    if (ty >= t.tiles_y) return;
+    const int tiles_x = t.tiles_x, ty = (int)get_group_id(0);
     __global int2 *ranges = tile_ranges + (size_t)ty * tiles_x;
-    __global int *list = listed + (size_t)band * t.splats;
-    int listed_count = t.band_rows > 0 ? listed_counts[band] : list_splats(boxes, t.splats, ty, ty, list);
+    splat_source source = source_of_row(listed, listed_counts, t, ty);
     for (int tx = 0; tx < tiles_x; tx++) ranges[tx] = (int2)(0, 0);
-    for (int j = 0; j < listed_count; j++) {
-        size_t i = (size_t)list[j];
-        int4 box = boxes[i];
-        if (ty < box.z || ty > box.w) continue;
-        int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 1.0f);
+    for (int j = 0; j < source.count; j++) {
+        int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, source_splat(source, j), ty);
+        if (tiles.x > tiles.y) continue;
         ranges[tiles.x].x++; /* splats that begin at this tile */
         ranges[tiles.y].y++; /* splats that end at this tile */
     }
@@ -84,18 +125,110 @@ __kernel void bin(__global const float *restrict projected, __global const float
         open -= change.y;
     }
     row_totals[ty] = total;
-    for (int j = 0; j < listed_count; j++) {
-        size_t i = (size_t)list[j];
-        int4 box = boxes[i];
-        if (ty < box.z || ty > box.w) continue;
-        __global const float *record = projected + i * GSCL_PROJECTED, *bounds = ellipse_bounds + i * GSCL_BOUNDS;
-        int2 tiles = tiles_touched(record, bounds, box, ty, 1.0f);
+    for (int j = 0; j < source.count; j++) {
+        size_t i = source_splat(source, j);
+        int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, i, ty);
         for (int tx = tiles.x; tx <= tiles.y; tx += BIN_LANES) {
             int first[BIN_LANES], last[BIN_LANES];
-            rows_touched(record, bounds, tx, ty, first, last);
+            rows_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, tx, ty, first, last);
             for (int k = 0; k < BIN_LANES && tx + k <= tiles.y; k++)
                 if (first[k] <= last[k] && ranges[tx + k].y < end)
                     entries[ranges[tx + k].y++] = GSCL_ENTRY((uint)i, (uint)first[k], (uint)last[k]);
         }
     }
 }
+#else
+/* Adds to each work-item's number those of the work-items before it, its own included. */
+inline int scan_items(int number, __local int *restrict sums) {
+    int item = (int)get_local_id(0);
+    sums[item] = number;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int distance = 1; distance < BIN_ITEMS; distance *= 2) {
+        int other = item >= distance ? sums[item - distance] : 0;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        sums[item] += other;
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    return sums[item];
+}
+
+__kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
+                        __global int *restrict listed_counts) {
+    __local int sums[BIN_ITEMS];
+    int item = (int)get_local_id(0), band = (int)get_group_id(0), first = band * band_rows, n = 0;
+    listed += (size_t)band * count;
+    for (int base = 0; base < count; base += BIN_ITEMS) {
+        int i = base + item;
+        bool touches = i < count && box_touches_rows(boxes[min(i, count - 1)], first, first + band_rows - 1);
+        int number = scan_items(touches, sums);
+        if (touches) listed[n + number - 1] = i;
+        n += sums[BIN_ITEMS - 1];
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    if (item == 0) listed_counts[band] = n;
+}
+
+/* A row of tiles, as its work-items fill it. */
+typedef struct {
+    __global const float *projected, *ellipse_bounds;
+    __global const int4 *boxes;
+    __global int2 *ranges; /* of its tiles: the first entry and, behind the entries so far, the next one */
+    int tiles_x, ty;
+    int end; /* of the entries of the row */
+} tile_row;
+
+/* Goes over the splats of a row, block by block.  `entries`: where they are entered; NULL: they are counted. */
+inline void row_pass(tile_row row, splat_source source, __global uint *entries, __local int *splats,
+                     __local int2 *block) {
+    int item = (int)get_local_id(0);
+    for (int start = 0; start < source.count; start += BIN_ITEMS) {
+        size_t own = source_splat(source, min(start + item, source.count - 1));
+        splats[item] = (int)own;
+        block[item] = tiles_of_row(row.projected, row.ellipse_bounds, row.boxes, own, row.ty);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        int count = min(source.count - start, BIN_ITEMS);
+        for (int tx = item; tx < row.tiles_x; tx += BIN_ITEMS) {
+            int next = row.ranges[tx].y;
+            for (int k = 0; k < count; k++) {
+                int2 tiles = block[k];
+                if (tx < tiles.x || tx > tiles.y) continue;
+                size_t i = (size_t)splats[k];
+                int first[BIN_LANES] = {0}, last[BIN_LANES] = {0};
+                if (entries) /* else all are counted, which may be too many */
+                    rows_touched(row.projected + i * GSCL_PROJECTED, row.ellipse_bounds + i * GSCL_BOUNDS, tx, row.ty,
+                                 first, last);
+                if (first[0] > last[0] || (entries && next >= row.end)) continue;
+                if (entries) entries[next] = GSCL_ENTRY((uint)i, (uint)first[0], (uint)last[0]);
+                next++;
+            }
+            row.ranges[tx].y = next;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+
+__kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                  __global const int4 *restrict boxes, __global const int *restrict listed,
+                  __global const int *restrict listed_counts, gscl_bin_settings t, __global uint *restrict entries,
+                  __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
+    __local int sums[BIN_ITEMS], splats[BIN_ITEMS];
+    __local int2 block[BIN_ITEMS]; /* tiles of each splat of a block */
+    const int ty = (int)get_group_id(0), item = (int)get_local_id(0), base = ty * t.row_capacity;
+    tile_row row = {projected, ellipse_bounds,       boxes, tile_ranges + (size_t)ty * t.tiles_x, t.tiles_x,
+                    ty,        base + t.row_capacity};
+    splat_source source = source_of_row(listed, listed_counts, t, ty);
+    for (int tx = item; tx < t.tiles_x; tx += BIN_ITEMS) row.ranges[tx] = (int2)(0, 0);
+    row_pass(row, source, NULL, splats, block);
+    /* Counts become the first entry of each tile; lists that would not fit are cut short. */
+    int total = 0;
+    for (int start = 0; start < t.tiles_x; start += BIN_ITEMS) {
+        int tx = start + item, count = tx < t.tiles_x ? row.ranges[tx].y : 0;
+        int before = total + scan_items(count, sums) - count;
+        if (tx < t.tiles_x) row.ranges[tx] = (int2)(min(base + before, row.end));
+        total += sums[BIN_ITEMS - 1];
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    if (item == 0) row_totals[ty] = total;
+    row_pass(row, source, entries, splats, block);
+}
+#endif

@@ -3,9 +3,9 @@
  *
  * In the order in which to read them:
  *   constants.h, structs.h: what the host reads as well
- *   builtins.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
+ *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
- *   fit.cl, update.cl, image.cl, ssim.cl: from an image to gradients, and a step of the optimiser
+ *   slots.cl, fit.cl, update.cl, image.cl, ssim.cl, visual.cl: from an image to gradients, and a step of the optimiser
  *   outline.cl, scalar_codes.cl, texture.cl, scalar_rdo.cl: rate-distortion optimisation of scalar codes
  *   codebook.cl, codebook_rdo.cl: codebooks of the paper profile
  *   accuracy.cl, benchmark.cl: measurements

@@ -1,17 +1,7 @@
 /* Gradients of one step of the fit over a tile: a forward pass that renders it, the loss, and a backward pass from the
- * loss to every splat of the tile.
- *
- * Each entry of a tile's list has its own gradient slot for its sums over the tile's pixels, so no two work-groups
- * write to the same place and no float atomics are needed (update.cl adds a splat's slots in a fixed order).
- * With h = dL/dweight and t = h * opacity * gauss, a slot holds
- *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, and [w dL/dwave times the wave a
- *     quarter of a turn on, whose phase moves with the splat].
- * A circle has one sum instead of t u^2 and t v^2. */
-#define SLOT_VV GSCL_SLOT_VV(SHAPE)
-#define SLOT_OPACITY GSCL_SLOT_OPACITY(SHAPE)
-#define SLOT_COLOUR GSCL_SLOT_COLOUR(SHAPE, OPACITY)
-#define SLOT_WAVE GSCL_SLOT_WAVE(SHAPE, OPACITY, CHANNELS)
-#define SLOT GSCL_SLOT_SIZE(SHAPE, OPACITY, CHANNELS, TEXTURE)
+ * loss to every splat of the tile.  Where a single work-item draws the tile, it takes one splat after another.  Where
+ * many do, they share the splats: each adds up a splat of its own over all pixels, so that no sum crosses work-items.
+ * In `alpha` a splat depends on those behind it, and all work-items add up the same splat. */
 
 /* Per-pixel state of the backward pass. */
 typedef struct {
@@ -79,7 +69,8 @@ inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global 
     return loss;
 }
 
-/* SLOT_STORE adds the sums of the work-items of the tile and stores them in a slot. */
+#define SHARES_SPLATS (ITEMS > 1 && BLEND != GSCL_ALPHA) /* each work-item takes other splats */
+
 #if ITEMS == 1
 /* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
 inline float8 pix_sum_8(const pix *restrict s) {
@@ -93,30 +84,23 @@ inline float8 pix_sum_8(const pix *restrict s) {
     float16 c = (float16)(b[0].even, b[1].even) + (float16)(b[0].odd, b[1].odd);
     return c.even + c.odd;
 }
+#define SUMS LARGER(SLOT, 8) /* no fewer than pix_sum_8 reads */
+#else
+#define SUMS SLOT
+#endif
+
+/* Stores the sums of one work-item. */
 inline void slot_store(__global float *restrict slot, const pix *restrict sums) {
+#if ITEMS == 1
     float first[8];
     vstore8(pix_sum_8(sums), 0, first);
     UNROLL
     for (int k = 0; k < SLOT; k++) slot[k] = k < 8 ? first[k] : pix_sum(sums[k]);
-}
-#define SUMS LARGER(SLOT, 8) /* no fewer than pix_sum_8 reads */
-#define SLOT_STORE(slot, sums) slot_store(slot, sums)
 #else
-#define SUMS SLOT
-#define SLOT_STORE(slot, sums)                                                        \
-    do {                                                                              \
-        int item = (int)get_local_id(0);                                              \
-        UNROLL                                                                        \
-        for (int k = 0; k < SLOT; k++) shared[k * ITEMS + item] = pix_sum((sums)[k]); \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                 \
-        if (item < SLOT) {                                                            \
-            float total = 0.0f;                                                       \
-            for (int j = 0; j < ITEMS; j++) total += shared[item * ITEMS + j];        \
-            (slot)[item] = total;                                                     \
-        }                                                                             \
-        barrier(CLK_LOCAL_MEM_FENCE);                                                 \
-    } while (0)
+    UNROLL
+    for (int k = 0; k < SLOT; k++) slot[k] = pix_sum(sums[k]);
 #endif
+}
 
 /* Adds one row of one splat to its sums. */
 ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, pix dx, float dy,
@@ -181,6 +165,119 @@ inline int skip_until_step(float loss, int pixels, float threshold, int step) {
     return loss < threshold * (float)pixels ? step + 1 + GSCL_SKIP_STEPS : 0;
 }
 
+/* The slots of a tile are 0 while it is skipped. */
+inline void clear_slots_of_tile(__global const uint *restrict entries, int2 range, int2 tile,
+                                __global const gscl_slot_grid *restrict grids, __global float *restrict slots) {
+    for (int i = range.x; i < range.y; i++) {
+        gscl_slot_grid grid = grids[GSCL_ENTRY_SPLAT(entries[i])];
+        __global float *slot = slots + (size_t)slot_of_tile(grid, tile) * SLOT;
+        for (int k = (int)get_local_id(0); k < SLOT && grid.count > 0; k += ITEMS) slot[k] = 0.0f;
+    }
+}
+
+/* Where the splats of a tile and their slots are. */
+typedef struct {
+    __global const float *splats;
+    __global const uint *entries;
+    __global const gscl_slot_grid *grids;
+    __global float *slots;
+    int2 range; /* of the entries */
+    int2 tile;
+} tile_splats;
+
+#if SHARES_SPLATS
+/* The backward pass's state of a tile, for all its work-items. */
+typedef struct {
+    float slope[CHANNELS][GSCL_TILE * GSCL_TILE], dot[GSCL_TILE * GSCL_TILE];
+} shared_backward;
+
+/* Shares a work-item's state.  Pixels outside the image have slopes of 0. */
+inline void backward_share(__local shared_backward *shared, const backward *b, int x0, int row0) {
+    for (int r = 0; r < ROWS; r++) {
+        int at = (row0 + r) * GSCL_TILE + x0;
+        PIX_STORE(b->dot[r], shared->dot + at);
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) PIX_STORE(b->slope[k][r], shared->slope[k] + at);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+/* Writes the slots of the splats of this work-item; (px, py): the first pixel vector of the tile. */
+inline void backward_splats(const tile_splats *t, __local const shared_backward *shared, pix px, float py) {
+    for (int i = t->range.x + (int)get_local_id(0); i < t->range.y; i += ITEMS) {
+        uint entry = t->entries[i];
+        gscl_slot_grid grid = t->grids[GSCL_ENTRY_SPLAT(entry)];
+        __global const float *projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
+        int first = (int)GSCL_ENTRY_FIRST_ROW(entry), last = (int)GSCL_ENTRY_LAST_ROW(entry);
+        pix sums[SUMS];
+        UNROLL
+        for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
+        for (int x = 0; x < GSCL_TILE; x += LANES) {
+            pix dx = px + ((float)x - projected[GSCL_PROJECTED_X]), part[SUMS];
+            float dy = py - projected[GSCL_PROJECTED_Y];
+            splat_weight s;
+            UNROLL
+            for (int k = 0; k < SUMS; k++) part[k] = (pix)(0.0f);
+            weight_begin(&s, dx, dy + (float)first, projected);
+            for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
+                backward b;
+                b.dot[0] = PIX_LOAD(shared->dot + r * GSCL_TILE + x);
+                UNROLL
+                for (int k = 0; k < CHANNELS; k++) b.slope[k][0] = PIX_LOAD(shared->slope[k] + r * GSCL_TILE + x);
+                weight_evaluate(&s);
+                slot_add_row(part, &b, 0, s, dx, dy + (float)r, projected);
+            }
+            slot_end(part, s);
+            UNROLL
+            for (int k = 0; k < SUMS; k++) sums[k] += part[k];
+        }
+        if (grid.count > 0) slot_store(t->slots + (size_t)slot_of_tile(grid, t->tile) * SLOT, sums);
+    }
+}
+#else
+/* Writes the slots of all splats; (px, py): the first pixel vector of this work-item.  `cached`: the Gaussians of the
+ * forward pass, CACHED_ROWS of them.  `shared`: where work-items add their sums, SLOT * ITEMS floats. */
+inline void backward_splats(const tile_splats *t, backward *b, pix px, float py, int row0, const pix *restrict cached,
+                            __local float *restrict shared) {
+    int row = 0, count = t->range.y - t->range.x;
+    for (int i = 0; i < count; i++) {
+        uint entry = t->entries[t->range.x + (BLEND == GSCL_ALPHA ? count - 1 - i : i)];
+        gscl_slot_grid grid = t->grids[GSCL_ENTRY_SPLAT(entry)];
+        __global float *slot = t->slots + (size_t)slot_of_tile(grid, t->tile) * SLOT;
+        __global const float *restrict projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
+        int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
+        int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
+        pix dx = px - projected[GSCL_PROJECTED_X];
+        float dy = py - projected[GSCL_PROJECTED_Y];
+        pix sums[SUMS];
+        UNROLL
+        for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
+        splat_weight s;
+        weight_begin(&s, dx, dy + (float)first, projected);
+        for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
+            if (row < CACHED_ROWS) weight_from_gauss(&s, cached[row++]);
+            else weight_evaluate(&s);
+            slot_add_row(sums, b, r, s, dx, dy + (float)r, projected);
+        }
+        slot_end(sums, s);
+#if ITEMS == 1
+        if (grid.count > 0) slot_store(slot, sums);
+#else
+        int item = (int)get_local_id(0);
+        UNROLL
+        for (int k = 0; k < SLOT; k++) shared[k * ITEMS + item] = pix_sum(sums[k]);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (item < SLOT && grid.count > 0) {
+            float total = 0.0f;
+            for (int j = 0; j < ITEMS; j++) total += shared[item * ITEMS + j];
+            slot[item] = total;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+#endif
+    }
+}
+#endif
+
 /* Writes a gradient slot for each entry and the loss of each tile.  `target`: CHANNELS planes and those of
  * WEIGHTED; where the loss is EXTERNAL, planes of its derivative by the rendering.
  * A tile whose loss per pixel is below the threshold is skipped for the next GSCL_SKIP_STEPS steps, in which its slots
@@ -188,22 +285,28 @@ inline int skip_until_step(float loss, int pixels, float threshold, int step) {
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict target, gscl_fit_settings settings,
-                        __global float *restrict slots, __global float *restrict tile_loss,
-                        __global int *restrict skip_until) {
+                        __global const gscl_slot_grid *restrict grids, __global float *restrict slots,
+                        __global float *restrict tile_loss, __global int *restrict skip_until) {
+#if SHARES_SPLATS
+    __local shared_backward shared_state;
+#endif
 #if ITEMS > 1
-    __local float shared[(SLOT > 1 ? SLOT : 1) * ITEMS];
+    __local float shared[SLOT * ITEMS];
+#else
+    __local float *shared = NULL;
 #endif
     const int width = settings.shape.width, height = settings.shape.height, step = settings.step;
     pixel_block p = pixel_block_of(settings.shape);
     int2 range = tile_ranges[p.tile];
+    int2 tile = (int2)((int)p.tile % settings.shape.tiles_x, (int)p.tile / settings.shape.tiles_x);
     bool is_skipped = skip_until[p.tile] > step;
     int pixels = min(GSCL_TILE, width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, height - (p.y & -GSCL_TILE));
     if (is_skipped) {
-        for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
+        clear_slots_of_tile(entries, range, tile, grids, slots);
 #if ITEMS == 1
         return;
 #else
-        range.y = range.x;  /* no return, because of the barriers below */
+        range.y = range.x; /* no return, because of the barriers below */
 #endif
     }
     pix px = pix_offsets() + ((float)p.x + 0.5f);
@@ -215,34 +318,18 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #else
     pix *cached = NULL;
 #endif
-    int row = 0;
     canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, cached);
     canvas_end(&c, background);
     backward b;
     pix loss = backward_begin(&b, &c, p, target, width, plane_size(settings.shape), settings.derivative_scale);
-
-    for (int i = range.x; i < range.y; i++) {
-        int j = BLEND == GSCL_ALPHA ? range.y - 1 - (i - range.x) : i;
-        uint entry = entries[j];
-        __global const float *restrict projected = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
-        int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - p.row0, 0);
-        int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - p.row0, ROWS - 1);
-        pix dx = px - projected[GSCL_PROJECTED_X];
-        float dy = py - projected[GSCL_PROJECTED_Y];
-        pix sums[SUMS];
-        UNROLL
-        for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
-        splat_weight s;
-        weight_begin(&s, dx, dy + (float)first, projected);
-        for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
-            if (row < CACHED_ROWS) weight_from_gauss(&s, cached[row++]);
-            else weight_evaluate(&s);
-            slot_add_row(sums, &b, r, s, dx, dy + (float)r, projected);
-        }
-        slot_end(sums, s);
-        __global float *slot = slots + (size_t)j * SLOT;
-        SLOT_STORE(slot, sums);
-    }
+    tile_splats t = {splats, entries, grids, slots, range, tile};
+#if SHARES_SPLATS
+    backward_share(&shared_state, &b, p.x & (GSCL_TILE - 1), p.row0);
+    backward_splats(&t, &shared_state, pix_offsets() + ((float)(tile.x * GSCL_TILE) + 0.5f),
+                    (float)(tile.y * GSCL_TILE) + 0.5f);
+#else
+    backward_splats(&t, &b, px, py, p.row0, cached, shared);
+#endif
 #if ITEMS == 1
     float total = pix_sum(loss);
     tile_loss[p.tile] = total;

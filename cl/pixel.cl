@@ -2,15 +2,10 @@
  * 16, ROWS 16; a work-item draws a whole tile with explicit vectors.  GPU mapping: LANES 4, ROWS 1; a work-group of
  * 256 / LANES work-items draws a tile.  Some implementations get other values of both (host/lib/runtime/quirks.c).
  *
- * Build options: LANES, ROWS, BLEND, COLOURS (1 or 3), ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE; for fits WEIGHTED
- * (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl).  The options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT
- * serve measurements of accuracy only (host/lib/measure/accuracy.c). */
-#pragma OPENCL FP_CONTRACT OFF
-#ifdef __clang__
-/* How vectors longer than the device's are passed depends on the device, which does not matter within a program. */
-#pragma clang diagnostic ignored "-Wpsabi"
-#endif
-
+ * Build options, each where the kernels depend on it (host/lib/runtime/build_options.c): LANES, ROWS, COLOURS (1 or 3),
+ * ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE, BLEND, WEIGHTED (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl).  The
+ * options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT serve measurements of accuracy only
+ * (host/lib/measure/accuracy.c). */
 #ifdef DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef double real;
@@ -32,11 +27,6 @@ typedef float real;
 #define ITEMS (ITEMS_X * ITEMS_Y)
 #define ROTATION (SHAPE == GSCL_SHAPE_ROTATED)
 #define ANISOTROPY (SHAPE != GSCL_SHAPE_ISOTROPIC)
-/* For functions that run for each row of each splat: a call would pass their values through memory.  Their parameters
- * are not `restrict`, because Oclgrind does not support what inlining makes of that. */
-#define ALWAYS_INLINE __attribute__((always_inline)) inline
-/* For loops over channels and sums: their arrays stay in registers only if the loop is unrolled. */
-#define UNROLL _Pragma("unroll")
 
 #if LANES == 16
 typedef REALS(16) pix;

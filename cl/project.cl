@@ -114,34 +114,6 @@ inline tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
     return b;
 }
 
-/* For values that are never NaN; fmin and fmax take three instructions each. */
-#define LESSER(a, b) ((a) < (b) ? (a) : (b))
-#define LARGER(a, b) ((a) > (b) ? (a) : (b))
-
-/* First and last tile of row `ty` of its box that the outline touches, widened by a margin for rounding (`slack` times
- * the least that is needed). */
-ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const float *bounds, int4 box, int ty,
-                                 float slack) {
-    float half_width = bounds[GSCL_BOUNDS_HALF_WIDTH], half_height = bounds[GSCL_BOUNDS_HALF_HEIGHT];
-    float x = projected[GSCL_PROJECTED_X], y0 = (float)(ty * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_Y];
-    float low = LARGER(y0, -half_height), high = LESSER(y0 + (float)(GSCL_TILE - 1), half_height);
-    high = LARGER(high, low); /* the row is touched at its edge, or missed by a rounding error */
-    /* dy of the leftmost and of the rightmost point, within the row */
-    float right_dy = bounds[GSCL_BOUNDS_SLOPE] * half_width, slope = bounds[GSCL_BOUNDS_SLOPE_X];
-    float width2 = bounds[GSCL_BOUNDS_WIDTH2], curve = bounds[GSCL_BOUNDS_CURVE_X];
-    float dy0 = LESSER(LARGER(-right_dy, low), high), dy1 = LESSER(LARGER(right_dy, low), high);
-    float arc0 = width2 - curve * dy0 * dy0, arc1 = width2 - curve * dy1 * dy1;
-    float left = slope * dy0 - sqrt(LARGER(arc0, 0.0f)), right = slope * dy1 + sqrt(LARGER(arc1, 0.0f));
-    float margin = slack * (1e-3f * (1.0f + half_width) + 1e-6f * fabs(x));
-    left = (x + LARGER(left, -half_width) - margin) * (1.0f / GSCL_TILE);
-    right = (x + LESSER(right, half_width) + margin) * (1.0f / GSCL_TILE);
-    /* Clamped as floats, since those of a very large splat do not fit an int.  The box has no negative tiles. */
-    float first = (float)box.x, last = (float)box.y;
-    left = LESSER(LARGER(left, first), last + 1.0f);
-    right = LESSER(LARGER(right, first - 1.0f), last);
-    return (int2)(min((int)left, box.y), max((int)right, box.x));
-}
-
 /* Stores the projection of the splats from `i` on, and their boxes of tiles. */
 inline void splat_store_projected(splat s, gscl_view view, size_t i, __global float *restrict projected,
                                   __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {

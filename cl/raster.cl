@@ -47,9 +47,10 @@ inline void weight_evaluate(splat_weight *s) {
 #endif
 }
 
-/* A fit evaluates each row of each splat twice, forward and backward in the same order: CACHED_ROWS Gaussians of a tile
- * are cached from the first time to the second.  0: none. */
-#ifndef CACHED_ROWS
+/* A fit evaluates each row of each splat twice.  Where one work-item does so, forward and backward in the same order,
+ * CACHED_ROWS Gaussians of a tile are cached from the first time to the second.  0: none. */
+#if !defined(CACHED_ROWS) || ITEMS > 1
+#undef CACHED_ROWS
 #define CACHED_ROWS 0
 #endif
 

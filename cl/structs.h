@@ -65,6 +65,13 @@ typedef struct gscl_fit_settings {
     cl_int step;               /* since the last reset of skipped tiles */
 } gscl_fit_settings;
 
+/* The gradient slots of a splat, which lie one after another (cl/slots.cl): one for each tile of its box, row by row.
+ * That of the tile (x, y) is slot origin + y * stride + x. */
+typedef struct gscl_slot_grid {
+    cl_int first, count; /* 0 slots where no more fit in the buffer */
+    cl_int origin, stride;
+} gscl_slot_grid;
+
 /* The fitted splats, as gradients are summed for them (cl/update.cl). */
 typedef struct gscl_gather_settings {
     cl_int splats;

@@ -1,79 +1,37 @@
 /* From gradient slots to parameters: gradients, Adam, and the projection for the next step. */
 
-#if LANES == 16
-#define LINEAR_SEARCH 32 /* entries that are compared all at once, without a branch that could be mispredicted */
-#else
-#define LINEAR_SEARCH 1
-#endif
-
-/* The slot of splat `i` in a tile's sorted list, or -1.  May load up to 7 entries behind the list. */
-inline int slot_find(__global const uint *restrict entries, int2 range, uint i) {
-    int low = range.x, n = range.y - range.x;
-    while (n > LINEAR_SEARCH) {
-        int step = n >> 1;
-        if (GSCL_ENTRY_SPLAT(entries[low + step]) <= i) low += step;
-        n -= step;
-    }
-#if LINEAR_SEARCH > 1
-    int8 before = (int8)(0); /* entries before splat i, as negative numbers */
-    for (int k = 0; k < n; k += 8) {
-        int8 splats = as_int8(GSCL_ENTRY_SPLAT(vload8(0, entries + low + k)));
-        before += (splats < (int)i) & ((int8)(0, 1, 2, 3, 4, 5, 6, 7) < n - k);
-    }
-    int4 four = before.lo + before.hi;
-    low -= four.x + four.y + four.z + four.w;
-#endif
-    return low < range.y && GSCL_ENTRY_SPLAT(entries[low]) == i ? low : -1;
-}
-
-/* Slots are first found and then added: the loads of what other cores have written then overlap. */
-#if SPLAT_LANES > 1
-#define MAX_FOUND 128
-#else
-#define MAX_FOUND 1
-#endif
-typedef struct {
-    int slot[MAX_FOUND], owner[MAX_FOUND];
-    int count;
-} found_slots;
-
-/* Adds the slots that were found to `sums`, SLOT floats for each splat, and empties the list. */
-inline void slots_add(float *restrict sums, found_slots *found, __global const float *restrict slots) {
-    for (int j = 0; j < found->count; j++) {
-        float *sum = sums + found->owner[j] * SLOT;
-        __global const float *slot = slots + (size_t)found->slot[j] * SLOT;
-        UNROLL
-        for (int k = 0; k < SLOT; k++) sum[k] += slot[k];
-    }
-    found->count = 0;
-}
-
-/* Adds the slots of splats `first` to `first + lanes_used` over the tiles of their boxes, row by row and so always in
- * the same order. */
-inline void slots_gather(float *restrict sums, size_t first, int lanes_used, __global const int4 *restrict boxes,
-                         int tiles_x, __global const float *restrict projected,
-                         __global const float *restrict ellipse_bounds, __global const uint *restrict entries,
-                         __global const int2 *restrict tile_ranges, __global const float *restrict slots) {
-    found_slots found;
-    found.count = 0;
+#if SLOT_ITEMS == 1
+/* Sums the slots of splats `first` to `first + lanes_used`, SLOT floats each, in their order. */
+inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_slot_grid *restrict grids,
+                      __global const float *restrict slots) {
     for (int k = 0; k < SPLAT_LANES * SLOT; k++) sums[k] = 0.0f;
-    for (int owner = 0; owner < lanes_used; owner++) {
-        size_t i = first + (size_t)owner;
-        int4 box = boxes[i];
-        for (int ty = box.z; ty <= box.w && box.x <= box.y; ty++) {
-            /* a superset of the tiles that list the splat */
-            int2 tiles = tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty, 2.0f);
-            for (int tx = tiles.x; tx <= tiles.y; tx++) {
-                int slot = slot_find(entries, tile_ranges[(size_t)ty * tiles_x + tx], (uint)i);
-                if (slot < 0) continue;
-                found.slot[found.count] = slot;
-                found.owner[found.count++] = owner;
-                if (found.count == MAX_FOUND) slots_add(sums, &found, slots);
-            }
+    for (int lane = 0; lane < lanes_used; lane++) {
+        gscl_slot_grid grid = grids[first + (size_t)lane];
+        __global const float *slot = slots + (size_t)grid.first * SLOT;
+        for (int i = 0; i < grid.count; i++, slot += SLOT) {
+            UNROLL
+            for (int k = 0; k < SLOT; k++) sums[lane * SLOT + k] += slot[k];
         }
     }
-    slots_add(sums, &found, slots);
 }
+#else
+#define SUMMED_AT_ONCE (SLOT_ITEMS / SLOT) /* slots whose floats the work-items of a group read at once */
+/* The same for one splat by all work-items of a group, each of which adds one sum of every SUMMED_AT_ONCE-th slot. */
+inline void slots_sum(float *restrict sums, gscl_slot_grid grid, __global const float *restrict slots,
+                      __local float *restrict shared) {
+    int item = (int)get_local_id(0);
+    float own = 0.0f;
+    slots += (size_t)grid.first * SLOT;
+    if (item < SUMMED_AT_ONCE * SLOT)
+        for (int k = item; k < grid.count * SLOT; k += SUMMED_AT_ONCE * SLOT) own += slots[k];
+    shared[item] = own;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = 0; k < SLOT; k++) {
+        sums[k] = 0.0f;
+        for (int j = 0; j < SUMMED_AT_ONCE; j++) sums[k] += shared[j * SLOT + k];
+    }
+}
+#endif
 
 /* Sum `k` of each splat. */
 #define LANE_SUM(k) LOAD_LANES(sums + (k), SLOT)
@@ -180,21 +138,27 @@ inline void clamp_params(vfloat *restrict p, gscl_limits b) {
 }
 
 /* Writes the gradients of SPLAT_LANES splats, GSCL_PARAMS floats each.  Those of parameters that are not fitted are
- * left as they are. */
+ * left as they are.  Where SLOT_ITEMS > 1, a work-group does so for one splat. */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps,
-                               gscl_gather_settings settings, __global const int4 *restrict boxes,
-                               __global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                               __global const uint *restrict entries, __global const int2 *restrict tile_ranges,
-                               __global const float *restrict slots, __global float *restrict gradients) {
-    size_t i = get_global_id(0) * SPLAT_LANES;
-    if (i >= (size_t)settings.splats) return;
-    const gscl_view view = settings.view;
+                               gscl_gather_settings settings, __global const float *restrict projected,
+                               __global const gscl_slot_grid *restrict grids, __global const float *restrict slots,
+                               __global float *restrict gradients) {
     float sums[SPLAT_LANES * SLOT];
     vfloat gradient[FITTED];
+#if SLOT_ITEMS > 1
+    __local float shared[SLOT_ITEMS];
+    size_t i = get_group_id(0);
+    const int lanes_used = 1;
+    slots_sum(sums, grids[i], slots, shared);
+    if (get_local_id(0) > 0) return;
+#else
+    size_t i = get_global_id(0) * SPLAT_LANES;
+    if (i >= (size_t)settings.splats) return;
     int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);
-    slots_gather(sums, i, lanes_used, boxes, view.tiles_x, projected, ellipse_bounds, entries, tile_ranges, slots);
+    slots_sum(sums, i, lanes_used, grids, slots);
+#endif
     splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps);
-    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, view);
+    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, settings.view);
     UNROLL
     for (int k = 0; k < FITTED; k++) store_lanes(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
 }

@@ -78,7 +78,7 @@ gscl_result gscl_codebook_run_rounds(gscl_codebook_state *s) {
     size_t size;
     gscl_kernel_options options = s->fit.renderer.options;
     options.loss = GSCL_LOSS_KIND_L2; /* lambda is in squared error */
-    gscl_renderer_set_options(&s->fit.renderer, GSCL_PROGRAM_FIT, &options);
+    gscl_renderer_set_options(&s->fit.renderer, &options);
     GSCL_TRY(gscl_codebook_rdo_create(&s->rdo, &s->codebook));
     GSCL_TRY(quantise_and_size(s, &size));
     const double first = (double)size;

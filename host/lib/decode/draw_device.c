@@ -56,7 +56,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
         context->decoder_free = free_renderer;
     }
     r->row_capacity = 0; /* the capacity of another image may be too large for this number of rows */
-    gscl_renderer_set_options(r, GSCL_PROGRAM_RENDER, options);
+    gscl_renderer_set_options(r, options);
     *renderer = r;
     return GSCL_OK;
 }

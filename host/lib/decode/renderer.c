@@ -21,13 +21,12 @@ typedef char sample_kinds_agree[(int)GSCL_SAMPLE_U8 == GSCL_SAMPLE_KIND_U8 &&
 gscl_result gscl_renderer_create(gscl_renderer *r, gscl_context *context, const gscl_kernel_options *options) {
     memset(r, 0, sizeof *r);
     r->context = context;
-    gscl_renderer_set_options(r, GSCL_PROGRAM_RENDER, options);
+    gscl_renderer_set_options(r, options);
     GSCL_TRY(gscl_buffer_reserve(context, &r->background, 4 * sizeof(float)));
     return gscl_renderer_set_steps(r, NULL);
 }
 
-void gscl_renderer_set_options(gscl_renderer *r, gscl_program_kind program, const gscl_kernel_options *options) {
-    r->program = program;
+void gscl_renderer_set_options(gscl_renderer *r, const gscl_kernel_options *options) {
     r->options = *options;
     r->channels = options->colours + options->alpha_channel;
 }
@@ -95,9 +94,9 @@ gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
 
 gscl_result gscl_renderer_project(gscl_renderer *r) {
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "project", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_PROJECT, &r->options, "project", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
-                       gscl_splat_group_size(r->context, r->program), GSCL_ARG_BUFFER(r->params),
+                       gscl_splat_group_size(r->context, GSCL_PROGRAM_PROJECT), GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }
@@ -141,15 +140,16 @@ static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
 static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
     cl_kernel kernel;
     bool few = r->view.tiles_y <= gscl_decode_tunables.max_rows_without_bands;
-    cl_int bands = few ? r->view.tiles_y : gscl_decode_tunables.max_bands;
+    cl_int bands = gscl_decode_tunables.max_bands;
+    size_t lists = few ? 1 : (size_t)bands; /* a kernel's arguments must exist */
     *band_rows = few ? 0 : (r->view.tiles_y + bands - 1) / bands;
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, lists * (size_t)r->count * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, lists * sizeof(cl_int)));
     if (few)
         return GSCL_OK;
-    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin_bands", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, 1, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
-                       GSCL_ARG(bands), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_bin_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG(r->count), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
                        GSCL_ARG_BUFFER(r->listed_counts));
 }
 
@@ -158,11 +158,11 @@ static gscl_result launch_bin(gscl_renderer *r) {
     gscl_bin_settings settings = {
         .splats = r->count, .tiles_x = r->view.tiles_x, .tiles_y = r->view.tiles_y, .row_capacity = r->row_capacity};
     GSCL_TRY(list_bands(r, &settings.band_rows));
-    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "bin", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
-                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
-                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, gscl_bin_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
 }
 
 /* The first capacity: an estimate, or that of the buffer. */
@@ -171,6 +171,14 @@ static cl_int first_row_capacity(const gscl_renderer *r) {
            estimate = (size_t)r->count + (size_t)gscl_decode_tunables.first_entries;
     held = held > PADDING_ENTRIES ? (held - PADDING_ENTRIES) / (size_t)r->view.tiles_y : 0;
     return (cl_int)(held > estimate ? held : estimate);
+}
+
+bool gscl_lists_have_room(size_t needed, size_t capacity) {
+    return needed + needed / (size_t)gscl_decode_tunables.spare_part <= capacity;
+}
+
+size_t gscl_lists_capacity(size_t needed) {
+    return needed + needed / (size_t)gscl_decode_tunables.growth_part;
 }
 
 gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
@@ -183,9 +191,9 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
     GSCL_TRY(read_totals_async(r));
     GSCL_TRY(gscl_finish(r->context));
     cl_int largest = measure_rows(r);
-    if (largest + largest / gscl_decode_tunables.spare_part <= r->row_capacity)
+    if (gscl_lists_have_room((size_t)largest, (size_t)r->row_capacity))
         return GSCL_OK;
-    GSCL_TRY(set_row_capacity(r, largest + largest / gscl_decode_tunables.growth_part));
+    GSCL_TRY(set_row_capacity(r, (cl_int)gscl_lists_capacity((size_t)largest)));
     return launch_bin(r);
 }
 
@@ -194,7 +202,7 @@ gscl_result gscl_renderer_draw(gscl_renderer *r) {
     const gscl_image_shape shape = gscl_renderer_shape(r);
     size_t floats = (size_t)gscl_renderer_plane(r) * (size_t)r->channels;
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, floats * sizeof(float)));
-    GSCL_TRY(gscl_kernel(r->context, r->program, &r->options, "raster_forward", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_forward", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image), GSCL_ARG(shape));

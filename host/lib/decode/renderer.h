@@ -10,8 +10,7 @@
 
 typedef struct gscl_renderer {
     gscl_context *context;
-    gscl_kernel_options options; /* gscl_renderer_set_options sets these three */
-    gscl_program_kind program;   /* its kernels draw: RENDER, or a program that has other kernels as well */
+    gscl_kernel_options options; /* gscl_renderer_set_options sets these two */
     int channels;
     gscl_view view;
     cl_int width, height; /* of the view, pixels */
@@ -25,10 +24,10 @@ typedef struct gscl_renderer {
     gscl_buffer samples;
 } gscl_renderer;
 
-/* A renderer with the kernels of GSCL_PROGRAM_RENDER.  `renderer` may hold anything before. */
+/* `renderer` may hold anything before. */
 gscl_result gscl_renderer_create(gscl_renderer *renderer, gscl_context *context, const gscl_kernel_options *options);
-/* Sets the program whose kernels draw and the options that they are built with.  This alone changes them. */
-void gscl_renderer_set_options(gscl_renderer *renderer, gscl_program_kind program, const gscl_kernel_options *options);
+/* Sets the options that kernels are built with.  This alone changes them. */
+void gscl_renderer_set_options(gscl_renderer *renderer, const gscl_kernel_options *options);
 /* Accepts a renderer that was zeroed and never created. */
 void gscl_renderer_free(gscl_renderer *renderer);
 
@@ -51,6 +50,9 @@ gscl_result gscl_renderer_project(gscl_renderer *renderer);
 /* Fills the tiles' lists.  `exact` waits for the device and enlarges the lists where they are too short; otherwise a
  * list that overflows is cut short. */
 gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
+/* Whether lists of this capacity have room for the entries that are needed and for some more, and such a capacity. */
+bool gscl_lists_have_room(size_t needed, size_t capacity);
+size_t gscl_lists_capacity(size_t needed);
 /* Draws the binned splats into renderer->image: planes of width * height floats. */
 gscl_result gscl_renderer_draw(gscl_renderer *renderer);
 /* Projects, bins and draws. */
@@ -76,7 +78,7 @@ static inline size_t gscl_groups(size_t count, size_t size) {
     return (count + size - 1) / size;
 }
 #define GSCL_SPLATS_PER_GROUP 32
-/* Work-items of a group that handles GSCL_SPLATS_PER_GROUP splats. */
+/* Work-items of a group that handles GSCL_SPLATS_PER_GROUP splats with kernels of this program. */
 static inline size_t gscl_splat_group_size(const gscl_context *context, gscl_program_kind kind) {
     return GSCL_SPLATS_PER_GROUP / (size_t)gscl_splat_lanes(context, kind);
 }

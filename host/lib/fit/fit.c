@@ -42,10 +42,9 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     f->model_level = -1;
     f->limits = first_limits(width, height, options->blend);
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
-    gscl_renderer_set_options(&f->renderer, GSCL_PROGRAM_FIT, options);
-    GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof *f->read_loss));
-    f->read_loss = malloc(sizeof *f->read_loss);
-    if (!f->read_loss)
+    GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof f->reading->loss));
+    f->reading = calloc(1, sizeof *f->reading);
+    if (!f->reading)
         return gscl_fail_memory(context);
     GSCL_TRY(gscl_pyramid_create(&f->pyramid, context, width, height, first_level, f->renderer.channels,
                                  options->weighted, planes));
@@ -64,13 +63,13 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_tile_skip_free(&f->skip);
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
-    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment,   &f->second_moment, &f->ages,
-                              &f->gradient_slots, &f->tile_loss,      &f->loss,          &f->error,
-                              &f->derivative,     &f->adapted_target, &f->model};
+    gscl_buffer *buffers[] = {&f->gradients,  &f->first_moment, &f->second_moment,  &f->ages,      &f->gradient_slots,
+                              &f->slot_grids, &f->slot_totals,  &f->slots_needed,   &f->tile_loss, &f->loss,
+                              &f->error,      &f->derivative,   &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
-    gscl_release_after_copies(f->context, f->read_loss); /* after an error the device may still write it */
-    f->read_loss = NULL;
+    gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */
+    f->reading = NULL;
 }
 
 gscl_result gscl_fit_set_flat_background(gscl_fit *f, const gscl_flat_background *flat) {
@@ -102,52 +101,6 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
     size_t tiles = gscl_renderer_tiles(&f->renderer);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->tile_loss, tiles * sizeof(float)));
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tiles));
-    f->steps_since_check = gscl_fit_tunables.check_interval;
+    f->has_old_lists = true;
     return gscl_renderer_project(&f->renderer);
-}
-
-const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
-    if (f->model_level == f->level)
-        return &f->model;
-    bool is_adapted = f->level == f->pyramid.first_level && f->adapted_target.memory;
-    return is_adapted ? &f->adapted_target : &f->pyramid.levels[f->level];
-}
-
-gscl_result gscl_fit_render(gscl_fit *f) {
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
-    return gscl_renderer_draw(&f->renderer);
-}
-
-gscl_result gscl_fit_adapt_target(gscl_fit *f) {
-    const gscl_pyramid *p = &f->pyramid;
-    if (f->renderer.options.weighted != GSCL_WEIGHTED_PIXELS || f->level != p->first_level ||
-        p->first_level == p->last_level)
-        return GSCL_OK;
-    GSCL_TRY(gscl_fit_render(f));
-    return gscl_weights_adapt(p, &f->ssim, &f->renderer.options, &f->renderer.image, &f->adapted_target);
-}
-
-gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, float curvature) {
-    const gscl_visual_comparison comparison = {.pyramid = &f->pyramid,
-                                               .options = &f->renderer.options,
-                                               .level = f->level,
-                                               .rendering = rendering,
-                                               .share = gscl_fit_tunables.visual_share};
-    if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
-        return GSCL_OK;
-    GSCL_TRY(gscl_visual_model(&f->visual, &comparison, curvature, &f->model));
-    f->model_level = f->level;
-    return GSCL_OK;
-}
-
-gscl_result gscl_fit_renew_model(gscl_fit *f) {
-    if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
-        return GSCL_OK;
-    GSCL_TRY(gscl_fit_render(f));
-    return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
-}
-
-gscl_result gscl_fit_target(gscl_fit *f, float *planes) {
-    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], 0, planes,
-                            gscl_fit_level_pixels(f) * (size_t)f->renderer.channels * sizeof(float));
 }

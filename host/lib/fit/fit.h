@@ -13,6 +13,11 @@
 #include "fit/visual_loss.h"
 #include "image/flat_background.h"
 
+struct gscl_fit_readings {
+    cl_float loss;
+    cl_int slots; /* that the splats need */
+};
+
 typedef struct gscl_fit {
     gscl_context *context;
     gscl_renderer renderer; /* the splats, projected at the current level */
@@ -25,17 +30,21 @@ typedef struct gscl_fit {
     size_t fixed; /* the first splats, which steps do not change */
     gscl_limits limits;
 
-    /* Gradients before they are summed: a slot for each entry of a tile's list (cl/fit.cl). */
-    gscl_buffer gradient_slots;
-    int steps_since_check; /* steps since the lists of the tiles were measured */
+    /* The lists of the tiles, which the renderer holds, and the gradients before they are summed: a slot for each tile
+     * that a splat may touch (cl/slots.cl). */
+    gscl_buffer gradient_slots, slot_grids, slot_totals, slots_needed;
+    size_t slot_capacity;
+    bool has_old_lists;    /* of other splats, or of another level */
+    int steps_since_bin;   /* steps with the present lists */
+    int steps_since_check; /* steps since their lengths were read */
     gscl_tile_skip skip;
 
     float background[4];
     gscl_flat_background flat; /* of the image, if it has one; `background` is then its colour, else the mean colour */
 
-    gscl_buffer tile_loss, loss; /* of the last step: of each tile, and their sum */
-    float *read_loss;            /* the sum, as gscl_fit_begin_loss reads it */
-    gscl_buffer error;           /* scratch: a plane of squared errors */
+    gscl_buffer tile_loss, loss;       /* of the last step: of each tile, and their sum */
+    struct gscl_fit_readings *reading; /* where copies from the device go that are not waited for */
+    gscl_buffer error;                 /* scratch: a plane of squared errors */
 
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
@@ -47,7 +56,7 @@ typedef struct gscl_fit {
     int model_level;   /* of the pyramid, or -1: there is no model */
 } gscl_fit;
 
-/* ---- fit.c: the state, its level and target ---- */
+/* ---- fit.c: the state and its level ---- */
 
 /* Builds the pyramid of `planes` (renderer channels; the image at level `first_level`), with planes of weights where
  * options->weighted.  `fit` may hold anything before. */
@@ -68,6 +77,8 @@ uint32_t gscl_fit_level_height(const gscl_fit *fit);
 size_t gscl_fit_level_pixels(const gscl_fit *fit);
 /* The stage of an encode that fitting at the current level is. */
 gscl_stage_id gscl_fit_stage(const gscl_fit *fit);
+
+/* ---- fit_target.c: what splats are compared with ---- */
 
 /* Draws the projected splats at the current level into renderer.image. */
 gscl_result gscl_fit_render(gscl_fit *fit);
@@ -96,9 +107,14 @@ gscl_result gscl_fit_reorder(gscl_fit *fit, const size_t *order, size_t kept);
 /* Reads all parameters (renderer.count * GSCL_PARAMS floats). */
 gscl_result gscl_fit_read(gscl_fit *fit, float *params);
 
+/* ---- fit_bin.c ---- */
+
+/* Fills the lists of the tiles and makes room for the gradient slots of all splats.  `exact` as in gscl_renderer_bin. */
+gscl_result gscl_fit_bin(gscl_fit *fit, bool exact);
 /* ---- fit_step.c: gradients and the optimiser ---- */
 
-/* One step of Adam.  `rate` multiplies the learning rates. */
+/* One step of Adam.  `rate` multiplies the learning rates.  The lists of the tiles are those of a few steps ago: what a
+ * splat gained since then at its outline is not drawn, and the step is shorter by the time of filling them. */
 gscl_result gscl_fit_step(gscl_fit *fit, float rate);
 /* First part of a step: gradients of the projected splats into fit->gradients. */
 gscl_result gscl_fit_differentiate(gscl_fit *fit);

@@ -10,11 +10,11 @@ gscl_result gscl_fit_begin_loss(gscl_fit *f) {
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &f->renderer.options, "sum_loss", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, 1, 1, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
                          GSCL_ARG_BUFFER(f->loss)));
-    return gscl_buffer_read_async(f->context, &f->loss, f->read_loss, sizeof *f->read_loss);
+    return gscl_buffer_read_async(f->context, &f->loss, &f->reading->loss, sizeof f->reading->loss);
 }
 
 double gscl_fit_read_loss(const gscl_fit *f) {
-    return (double)*f->read_loss / ((double)gscl_fit_level_pixels(f) * f->renderer.channels);
+    return (double)f->reading->loss / ((double)gscl_fit_level_pixels(f) * f->renderer.channels);
 }
 
 gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {

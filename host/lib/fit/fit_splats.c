@@ -3,7 +3,6 @@
 
 #include "cl/constants.h"
 #include "fit/fit.h"
-#include "fit/tunables.h"
 
 #define ROW (GSCL_PARAMS * sizeof(float)) /* bytes of a splat's parameters */
 
@@ -31,7 +30,7 @@ gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
     GSCL_TRY(gscl_buffer_zero(f->context, &f->second_moment, used * ROW, count * ROW));
     GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(cl_int), count * sizeof(cl_int)));
     f->renderer.count += (cl_int)count;
-    f->steps_since_check = gscl_fit_tunables.check_interval;
+    f->has_old_lists = true;
     /* The losses of the tiles were those of other splats. */
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer)));
     return gscl_renderer_project(&f->renderer);
@@ -63,6 +62,7 @@ gscl_result gscl_fit_reorder(gscl_fit *f, const size_t *order, size_t kept) {
     GSCL_TRY(reorder_rows(f, &f->second_moment, ROW, order, kept));
     GSCL_TRY(reorder_rows(f, &f->ages, sizeof(cl_int), order, kept));
     f->renderer.count = (cl_int)kept;
+    f->has_old_lists = true;
     return gscl_renderer_project(&f->renderer);
 }
 

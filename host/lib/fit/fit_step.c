@@ -8,12 +8,8 @@
  * writes the gradient slots. */
 static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     gscl_renderer *r = &f->renderer;
-    const gscl_kernel_options *o = &r->options;
-    size_t slot = (size_t)GSCL_SLOT_SIZE(o->shape, o->opacity, r->channels, o->texture) * sizeof(float);
-    size_t entries = r->entries.size / sizeof(cl_uint);
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot));
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, o, "fit_tiles", &kernel));
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
     const gscl_fit_settings settings = {.shape = gscl_renderer_shape(r),
                                         .derivative_scale =
                                             ldexpf(1.0f, 2 * f->level), /* a level has 4^level fewer pixels to add up */
@@ -22,8 +18,8 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     return GSCL_LAUNCH(f->context, kernel, gscl_renderer_tiles(&f->renderer), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
-                       GSCL_ARG_BUFFER(f->skip.skip_until));
+                       GSCL_ARG_BUFFER(f->slot_grids), GSCL_ARG_BUFFER(f->gradient_slots),
+                       GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG_BUFFER(f->skip.skip_until));
 }
 
 /* Sums the gradient slots of each splat into its gradients. */
@@ -32,12 +28,13 @@ static gscl_result launch_gather(gscl_fit *f) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "gather_gradients", &kernel));
     const gscl_gather_settings settings = {.splats = r->count, .view = r->view};
-    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
-                       gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(r->params),
-                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->boxes),
-                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(f->gradient_slots),
-                       GSCL_ARG_BUFFER(f->gradients));
+    const size_t slot_items = gscl_slot_group_size(f->context);
+    const bool has_groups = slot_items > 1; /* of one splat each */
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, has_groups ? 1 : GSCL_SPLATS_PER_GROUP),
+                       has_groups ? slot_items : gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT),
+                       GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(f->slot_grids),
+                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->gradients));
 }
 
 gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
@@ -75,7 +72,7 @@ static gscl_result bin_and_check(gscl_fit *f) {
     const bool has_loss = f->skip.step > 0 && f->renderer.options.loss != GSCL_LOSS_KIND_EXTERNAL;
     if (has_loss)
         GSCL_TRY(gscl_fit_begin_loss(f));
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, true));
+    GSCL_TRY(gscl_fit_bin(f, true));
     if (f->renderer.occupancy > max_occupancy(f))
         f->limits.log_max = fmaxf(f->limits.log_max - gscl_fit_tunables.axis_reduction, f->limits.log_min);
     if (has_loss)
@@ -91,25 +88,40 @@ static gscl_result differentiate_loss(gscl_fit *f) {
                                 &f->pyramid.levels[f->level], f->ssim_weight, &f->derivative);
 }
 
-gscl_result gscl_fit_differentiate(gscl_fit *f) {
-    bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
-    bool check = f->steps_since_check >= gscl_fit_tunables.check_interval;
-    GSCL_TRY(check ? bin_and_check(f) : gscl_renderer_bin(&f->renderer, false));
-    f->steps_since_check = check ? 1 : f->steps_since_check + 1;
+static gscl_result refresh_lists(gscl_fit *f) {
+    const bool is_check_due = f->has_old_lists || f->steps_since_check >= gscl_fit_tunables.check_interval;
+    GSCL_TRY(is_check_due ? bin_and_check(f) : gscl_fit_bin(f, false));
+    if (is_check_due)
+        f->steps_since_check = 0;
+    return GSCL_OK;
+}
+
+/* Gradients with the present lists of the tiles. */
+static gscl_result differentiate(gscl_fit *f) {
+    const bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
     if (is_external)
         GSCL_TRY(differentiate_loss(f));
     GSCL_TRY(launch_tiles(f, is_external ? &f->derivative : gscl_fit_weighted_target(f)));
     f->skip.step++;
+    f->steps_since_bin++;
+    f->steps_since_check++;
     return launch_gather(f);
 }
 
+gscl_result gscl_fit_differentiate(gscl_fit *f) {
+    GSCL_TRY(refresh_lists(f));
+    return differentiate(f);
+}
+
 gscl_result gscl_fit_step(gscl_fit *f, float rate) {
-    GSCL_TRY(gscl_fit_differentiate(f));
+    if (f->has_old_lists || f->steps_since_bin >= gscl_fit_tunables.bin_interval)
+        GSCL_TRY(refresh_lists(f));
+    GSCL_TRY(differentiate(f));
     return gscl_fit_adam(f, &f->renderer.params, rate);
 }
 
 gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
-    f->steps_since_check = gscl_fit_tunables.check_interval;
+    f->has_old_lists = true;
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer)));
     GSCL_TRY(gscl_fit_differentiate(f));
     return gscl_buffer_read(f->context, &f->gradients, 0, gradients,

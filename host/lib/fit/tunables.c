@@ -4,6 +4,7 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .min_level_side = 32,
     .min_axis = 0.5f,
     .max_aspect = 64.0f,
+    .bin_interval = 4,
     .check_interval = 8,
     .max_occupancy = 24.0,
     .max_occupancy_of_smaller_levels = 48.0,

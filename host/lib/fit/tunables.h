@@ -10,7 +10,10 @@ struct gscl_fit_tunables {
     float min_axis;
     float max_aspect;
 
-    /* Steps from one measurement of the tiles' lists to the next. */
+    /* Steps for which the lists of the tiles stay as they are.  2, 4 and 8 change the mean PSNR of the Kodak set by less
+     * than 0.03 dB, up or down; 4 and 8 save 5 to 7 % of an encode's time. */
+    int bin_interval;
+    /* Steps from one measurement of their lengths to the next. */
     int check_interval;
     /* Mean number of splats a non-flat tile may have at the first level, at smaller levels (which have fewer tiles),
      * and at any level with alpha blending (where splats hide each other and need to be many).  Above it the bound on

@@ -71,7 +71,7 @@ static gscl_result draw_variant(void *opaque, size_t which) {
     variant_set *b = opaque;
     gscl_kernel_options options = b->variants[which].options;
     options.is_double = 0; /* projecting and binning are in single precision */
-    gscl_renderer_set_options(&b->renderer, GSCL_PROGRAM_RENDER, &options);
+    gscl_renderer_set_options(&b->renderer, &options);
     return b->variants[which].options.is_double ? draw_double(b) : gscl_renderer_render(&b->renderer);
 }
 

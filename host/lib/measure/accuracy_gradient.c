@@ -148,7 +148,7 @@ static void differentiate_reference(gradient_check *b) {
 static void set_exponential(gradient_check *b, int exponential) {
     gscl_kernel_options options = b->fit.renderer.options;
     options.exponential = exponential;
-    gscl_renderer_set_options(&b->fit.renderer, GSCL_PROGRAM_FIT, &options);
+    gscl_renderer_set_options(&b->fit.renderer, &options);
 }
 
 static gscl_result run_gradients(void *opaque, size_t exponential) {

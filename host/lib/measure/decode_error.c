@@ -44,8 +44,7 @@ static double drawing_sample(const exact_drawing *drawing, size_t pixel, uint32_
     const double *at = drawing->planes + pixel;
     const int colours = drawing->options.colours;
     const bool has_alpha = channels == 2 || channels == 4;
-    const double alpha =
-        drawing->options.alpha_channel ? clamped(at[(size_t)colours * drawing->pixels], 1) : 1;
+    const double alpha = drawing->options.alpha_channel ? clamped(at[(size_t)colours * drawing->pixels], 1) : 1;
     if (has_alpha && k == channels - 1)
         return alpha;
     return clamped(at[colours == 1 ? 0 : k * drawing->pixels], has_alpha ? alpha : 1);

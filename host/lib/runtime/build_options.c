@@ -22,29 +22,65 @@ static void append_measured_precision(gscl_text *text, const gscl_kernel_options
         gscl_text_append(text, " -DEARLY_STOP=%.9ef", options->early_stop);
 }
 
-static void append_specialisation(gscl_text *text, const gscl_context *context, gscl_program_kind kind,
-                                  const gscl_kernel_options *options) {
-    const bool fits = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_CODEBOOK;
-    gscl_text_append(text, " -DLANES=%d -DROWS=%d -DSPLAT_LANES=%d", gscl_mapping_lanes(context),
-                     gscl_mapping_rows(context), gscl_splat_lanes(context, kind));
-    gscl_text_append(text, " -DBLEND=%d -DCOLOURS=%d -DALPHA_CHANNEL=%d -DOPACITY=%d -DTEXTURE=%d -DSHAPE=%d",
-                     options->blend, options->colours, options->alpha_channel, options->opacity, options->texture,
-                     options->shape);
-    if (fits || kind == GSCL_PROGRAM_SCALAR_RDO)
-        gscl_text_append(text, " -DWEIGHTED=%d", options->weighted);
-    if (fits)
-        gscl_text_append(text, " -DLOSS=%d -DCACHED_ROWS=%d", options->loss, gscl_mapping_cached_rows(context));
-    if (context->quirks->one_blend)
+/* Which options change the kernels of a program. */
+typedef struct program_traits {
+    bool has_channels; /* pixel vectors, and the channels of an image */
+    bool has_splats;   /* what splats may have */
+    bool has_blend, has_weights, has_loss;
+    bool has_precision; /* the options that only the room `measure` sets */
+} program_traits;
+
+static const program_traits traits_of_kinds[GSCL_PROGRAM_KINDS] = {
+    [GSCL_PROGRAM_PROJECT] = {.has_channels = true, .has_splats = true, .has_precision = true},
+    [GSCL_PROGRAM_RENDER] = {.has_channels = true, .has_splats = true, .has_blend = true, .has_precision = true},
+    [GSCL_PROGRAM_FIT] = {true, true, true, true, true, true},
+    [GSCL_PROGRAM_SCALAR_RDO] = {true, true, true, true, false, true},
+    [GSCL_PROGRAM_CODEBOOK] = {true, true, true, true, true, true},
+    [GSCL_PROGRAM_SSIM] = {.has_channels = true},
+    [GSCL_PROGRAM_VISUAL] = {.has_channels = true},
+    [GSCL_PROGRAM_BENCHMARK] = {.has_channels = true},
+    [GSCL_PROGRAM_ACCURACY] = {.has_channels = true, .has_splats = true, .has_blend = true, .has_precision = true},
+};
+
+/* Appends how the context's mapping distributes the work of these kernels. */
+static void append_mapping(gscl_text *text, const gscl_context *context, gscl_program_kind kind) {
+    const program_traits *traits = &traits_of_kinds[kind];
+    if (traits->has_channels)
+        gscl_text_append(text, " -DLANES=%d -DROWS=%d", gscl_mapping_lanes(context), gscl_mapping_rows(context));
+    if (traits->has_splats)
+        gscl_text_append(text, " -DSPLAT_LANES=%d", gscl_splat_lanes(context, kind));
+    if (kind == GSCL_PROGRAM_BIN)
+        gscl_text_append(text, " -DBIN_ITEMS=%zu", gscl_bin_group_size(context));
+    if (traits->has_loss)
+        gscl_text_append(text, " -DCACHED_ROWS=%d -DSCAN_ITEMS=%zu -DSCAN_LENGTH=%d -DSLOT_ITEMS=%zu",
+                         gscl_mapping_cached_rows(context), gscl_scan_group_size(context), gscl_scan_length(context),
+                         gscl_slot_group_size(context));
+    if (traits->has_blend && context->quirks->one_blend)
         gscl_text_append(text, " -DONE_BLEND");
-    append_measured_precision(text, options);
+}
+
+static void append_specialisation(gscl_text *text, const program_traits *traits, const gscl_kernel_options *options) {
+    if (traits->has_channels)
+        gscl_text_append(text, " -DCOLOURS=%d -DALPHA_CHANNEL=%d", options->colours, options->alpha_channel);
+    if (traits->has_splats)
+        gscl_text_append(text, " -DOPACITY=%d -DTEXTURE=%d -DSHAPE=%d", options->opacity, options->texture,
+                         options->shape);
+    if (traits->has_blend)
+        gscl_text_append(text, " -DBLEND=%d", options->blend);
+    if (traits->has_weights)
+        gscl_text_append(text, " -DWEIGHTED=%d", options->weighted);
+    if (traits->has_loss)
+        gscl_text_append(text, " -DLOSS=%d", options->loss);
+    if (traits->has_precision)
+        append_measured_precision(text, options);
 }
 
 gscl_result gscl_build_options(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                                char bytes[GSCL_MAX_BUILD_OPTIONS]) {
     gscl_text text = gscl_text_begin(bytes, GSCL_MAX_BUILD_OPTIONS);
     gscl_text_append(&text, "-cl-std=CL1.2");
-    if (kind != GSCL_PROGRAM_IMAGE)
-        append_specialisation(&text, context, kind, options);
+    append_mapping(&text, context, kind);
+    append_specialisation(&text, &traits_of_kinds[kind], options);
     return text.overflow ? gscl_fail(context, GSCL_ERROR_KERNEL_BUILD,
                                      "the build options of a program take more than %d bytes: %s ...",
                                      GSCL_MAX_BUILD_OPTIONS - 1, bytes)

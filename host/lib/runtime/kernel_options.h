@@ -3,7 +3,7 @@
 #define GSCL_LIB_KERNEL_OPTIONS_H
 
 /* Options that kernels are specialised for: code for features that an image lacks is not compiled.  Each field becomes
- * a macro (build_options.c).  GSCL_PROGRAM_IMAGE ignores all of them. */
+ * a macro of the programs that it changes (build_options.c). */
 typedef struct gscl_kernel_options {
     int blend;         /* GSCL_NORMALIZED, GSCL_ALPHA, GSCL_SUM */
     int colours;       /* colour channels, 1 or 3 */
@@ -24,9 +24,10 @@ typedef struct gscl_kernel_options {
 
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
-    /* The first three also have project, bin_bands, bin and raster_forward. */
-    GSCL_PROGRAM_RENDER,     /* raster_samples, the end of a decode */
-    GSCL_PROGRAM_FIT,        /* fit_tiles, sum_loss, gather_gradients, adam_step */
+    GSCL_PROGRAM_PROJECT, /* project: from parameters to projected splats */
+    GSCL_PROGRAM_BIN,     /* bin_bands, bin: the lists of tiles */
+    GSCL_PROGRAM_RENDER,  /* raster_forward, and raster_samples, the end of a decode */
+    GSCL_PROGRAM_FIT,     /* count_slots, number_slots, clear_slots, fit_tiles, sum_loss, gather_gradients, adam_step */
     GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_remove, rdo_evaluate, rdo_commit */
     GSCL_PROGRAM_CODEBOOK,   /* fitting through codebooks, and choosing their words */
     GSCL_PROGRAM_SSIM,       /* the SSIM loss */

@@ -35,6 +35,22 @@ size_t gscl_tile_group_size(const gscl_context *context) {
     return (size_t)(GSCL_TILE / gscl_mapping_lanes(context)) * (size_t)(GSCL_TILE / gscl_mapping_rows(context));
 }
 
+size_t gscl_bin_group_size(const gscl_context *context) {
+    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_bin_items : 1;
+}
+
+size_t gscl_scan_group_size(const gscl_context *context) {
+    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_scan_items : 1;
+}
+
+int gscl_scan_length(const gscl_context *context) {
+    return context->gpu_mapping ? 1 : gscl_runtime_tunables.cpu_scan_length;
+}
+
+size_t gscl_slot_group_size(const gscl_context *context) {
+    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_slot_items : 1;
+}
+
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {
     const int lanes = gscl_mapping_lanes(context);
     const size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;

@@ -13,11 +13,18 @@ int gscl_mapping_lanes(const gscl_context *context);
 int gscl_mapping_rows(const gscl_context *context);
 /* Gaussians of a tile that a work-item of `fit_tiles` caches for its backward pass (cl/raster.cl). */
 int gscl_mapping_cached_rows(const gscl_context *context);
-/* Splats that a work-item of `project`, `gather_gradients` or `adam_step` handles at once; at most
- * GSCL_MAX_SPLAT_LANES. */
+/* Splats that a work-item of the program's kernels handles at once; at most GSCL_MAX_SPLAT_LANES. */
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind);
 /* Work-items of a group that draws one tile. */
 size_t gscl_tile_group_size(const gscl_context *context);
+/* Work-items of a group that lists the splats of a row of tiles (cl/bin.cl). */
+size_t gscl_bin_group_size(const gscl_context *context);
+/* Work-items of a group that numbers gradient slots, and splats of each (cl/slots.cl). */
+size_t gscl_scan_group_size(const gscl_context *context);
+int gscl_scan_length(const gscl_context *context);
+/* Work-items of a group that sums the slots of a splat (cl/update.cl); 1 where a work-item sums those of gscl_splat_lanes
+ * splats. */
+size_t gscl_slot_group_size(const gscl_context *context);
 /* Groups of `group_size` work-items in which each takes one pixel vector of `rows` rows of `width` pixels. */
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size);
 

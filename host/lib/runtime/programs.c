@@ -12,7 +12,7 @@
 #include "runtime/timing.h"
 #include "runtime/tunables.h"
 
-#define MAX_FILES 12   /* source files of a program */
+#define MAX_FILES 20   /* source files of a program */
 #define MAX_KERNELS 16 /* of a program */
 /* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
 #define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
@@ -30,22 +30,24 @@ struct gscl_program {
     } kernels[MAX_KERNELS];
 };
 
+#define COMMON_FILES "builtins.h", "constants.h", "structs.h", "macros.h"
+
 /* Source files of each kind, in the order in which the compiler reads them. */
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_RENDER] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
-                             "project.cl", "bin.cl", "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
-                          "project.cl", "bin.cl", "fit.cl", "update.cl"},
-    [GSCL_PROGRAM_SCALAR_RDO] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
-                                 "project.cl", "bin.cl", "outline.cl", "scalar_codes.cl", "texture.cl",
-                                 "scalar_rdo.cl"},
-    [GSCL_PROGRAM_CODEBOOK] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "splat_lanes.cl",
-                               "project.cl", "fit.cl", "update.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
-    [GSCL_PROGRAM_SSIM] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "ssim.cl"},
-    [GSCL_PROGRAM_VISUAL] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "visual.cl"},
-    [GSCL_PROGRAM_IMAGE] = {"builtins.h", "constants.h", "structs.h", "image.cl"},
-    [GSCL_PROGRAM_BENCHMARK] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "benchmark.cl"},
-    [GSCL_PROGRAM_ACCURACY] = {"builtins.h", "constants.h", "structs.h", "pixel.cl", "raster.cl", "accuracy.cl"},
+    [GSCL_PROGRAM_PROJECT] = {COMMON_FILES, "pixel.cl", "splat_lanes.cl", "project.cl"},
+    [GSCL_PROGRAM_BIN] = {COMMON_FILES, "bin.cl"},
+    [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "samples.cl"},
+    [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "slots.cl", "fit.cl",
+                          "update.cl"},
+    [GSCL_PROGRAM_SCALAR_RDO] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "outline.cl",
+                                 "scalar_codes.cl", "texture.cl", "scalar_rdo.cl"},
+    [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "slots.cl",
+                               "fit.cl", "update.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
+    [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
+    [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "visual.cl"},
+    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl"},
+    [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
+    [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "accuracy.cl"},
 };
 
 static const struct gscl_kernel_source *find_source(const char *name) {

@@ -5,8 +5,12 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .cpu_rows = 16,
     .cpu_cached_rows = 512,
     .cpu_splat_lanes = 16,
+    .cpu_scan_length = 64,
     .gpu_lanes = 4,
     .gpu_rows = 1,
+    .gpu_bin_items = 64,
+    .gpu_scan_items = 64,
+    .gpu_slot_items = 32,
     .found_build_s = 0.05,
     .cache_bytes = UINT64_C(64) << 20,
 };

@@ -222,7 +222,7 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
 gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps) {
     gscl_kernel_options options = s->fit.renderer.options;
     options.texture = s->coded->file.header.has_texture;
-    gscl_renderer_set_options(&s->fit.renderer, GSCL_PROGRAM_FIT, &options);
+    gscl_renderer_set_options(&s->fit.renderer, &options);
     gscl_stage(s->encoder->context, GSCL_STAGE_REFIT);
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));

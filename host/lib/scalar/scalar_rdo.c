@@ -172,7 +172,7 @@ gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded
     p.shared.settings.elongation_price = (float)settings->elongation_price;
     p.shared.settings.min_explained = (float)settings->min_explained;
     options.texture = coded->file.header.has_texture;
-    gscl_renderer_set_options(r, GSCL_PROGRAM_SCALAR_RDO, &options);
+    gscl_renderer_set_options(r, &options);
     gscl_stage(fit->context, GSCL_STAGE_RDO);
     return rdo_run(&p, settings->lambda_scale);
 }

@@ -7,7 +7,7 @@ static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables
 gscl_result gscl_search_measure(gscl_scalar_state *s, double *error) {
     gscl_kernel_options options = s->fit.renderer.options;
     options.texture = s->coded->file.header.has_texture;
-    gscl_renderer_set_options(&s->fit.renderer, GSCL_PROGRAM_FIT, &options);
+    gscl_renderer_set_options(&s->fit.renderer, &options);
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL)); /* the splats are quantised already */
     GSCL_TRY(gscl_renderer_project(&s->fit.renderer));

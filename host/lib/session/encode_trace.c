@@ -51,7 +51,7 @@ static gscl_result open_preview(gscl_renderer *preview, const gscl_fit *fit, con
                                 size_t count) {
     if (!preview->context)
         GSCL_TRY(gscl_renderer_create(preview, fit->context, options));
-    gscl_renderer_set_options(preview, GSCL_PROGRAM_RENDER, options);
+    gscl_renderer_set_options(preview, options);
     preview->count = 0;
     GSCL_TRY(gscl_renderer_reserve(preview, count));
     preview->count = (cl_int)count;

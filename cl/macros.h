@@ -1,0 +1,16 @@
+/* What all programs of kernels share. */
+#pragma OPENCL FP_CONTRACT OFF
+#ifdef __clang__
+/* How vectors longer than the device's are passed depends on the device, which does not matter within a program. */
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
+/* For functions that run for each row of each splat: a call would pass their values through memory.  Their parameters
+ * are not `restrict`, because Oclgrind does not support what inlining makes of that. */
+#define ALWAYS_INLINE __attribute__((always_inline)) inline
+/* For loops over channels and sums: their arrays stay in registers only if the loop is unrolled. */
+#define UNROLL _Pragma("unroll")
+
+/* For values that are never NaN; fmin and fmax take three instructions each. */
+#define LESSER(a, b) ((a) < (b) ? (a) : (b))
+#define LARGER(a, b) ((a) > (b) ? (a) : (b))

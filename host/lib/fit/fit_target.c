@@ -1,0 +1,50 @@
+#include "cl/constants.h"
+#include "fit/fit.h"
+#include "fit/ssim_weights.h"
+#include "fit/tunables.h"
+
+const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
+    if (f->model_level == f->level)
+        return &f->model;
+    bool is_adapted = f->level == f->pyramid.first_level && f->adapted_target.memory;
+    return is_adapted ? &f->adapted_target : &f->pyramid.levels[f->level];
+}
+
+gscl_result gscl_fit_render(gscl_fit *f) {
+    GSCL_TRY(gscl_fit_bin(f, true));
+    return gscl_renderer_draw(&f->renderer);
+}
+
+gscl_result gscl_fit_adapt_target(gscl_fit *f) {
+    const gscl_pyramid *p = &f->pyramid;
+    if (f->renderer.options.weighted != GSCL_WEIGHTED_PIXELS || f->level != p->first_level ||
+        p->first_level == p->last_level)
+        return GSCL_OK;
+    GSCL_TRY(gscl_fit_render(f));
+    return gscl_weights_adapt(p, &f->ssim, &f->renderer.options, &f->renderer.image, &f->adapted_target);
+}
+
+gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, float curvature) {
+    const gscl_visual_comparison comparison = {.pyramid = &f->pyramid,
+                                               .options = &f->renderer.options,
+                                               .level = f->level,
+                                               .rendering = rendering,
+                                               .share = gscl_fit_tunables.visual_share};
+    if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
+        return GSCL_OK;
+    GSCL_TRY(gscl_visual_model(&f->visual, &comparison, curvature, &f->model));
+    f->model_level = f->level;
+    return GSCL_OK;
+}
+
+gscl_result gscl_fit_renew_model(gscl_fit *f) {
+    if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
+        return GSCL_OK;
+    GSCL_TRY(gscl_fit_render(f));
+    return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
+}
+
+gscl_result gscl_fit_target(gscl_fit *f, float *planes) {
+    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], 0, planes,
+                            gscl_fit_level_pixels(f) * (size_t)f->renderer.channels * sizeof(float));
+}
