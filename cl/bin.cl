@@ -64,21 +64,18 @@ inline bool box_touches_rows(int4 box, int first, int last) {
     return box.z <= last && box.w >= first && box.x <= box.y;
 }
 
-/* The splats among which a row of tiles finds its own. */
+/* The splats of a row's band, among which it finds its own. */
 typedef struct {
-    __global const int *list; /* NULL: all of them */
+    __global const int *list;
     int count;
 } splat_source;
 
 inline splat_source source_of_row(__global const int *restrict listed, __global const int *restrict listed_counts,
                                   gscl_bin_settings t, int ty) {
-    splat_source all = {NULL, t.splats};
-    int band = t.band_rows > 0 ? ty / t.band_rows : 0;
-    splat_source banded = {listed + (size_t)band * t.splats, t.band_rows > 0 ? listed_counts[band] : 0};
-    return t.band_rows > 0 ? banded : all;
+    int band = ty / t.band_rows;
+    splat_source source = {listed + (size_t)band * t.splats, listed_counts[band]};
+    return source;
 }
-
-inline size_t source_splat(splat_source source, int j) { return (size_t)(source.list ? source.list[j] : j); }
 
 /* The tiles of row `ty` that a splat touches; none where first > last. */
 inline int2 tiles_of_row(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
@@ -89,8 +86,8 @@ inline int2 tiles_of_row(__global const float *restrict projected, __global cons
 }
 
 #if BIN_ITEMS == 1
-/* Lists the splats of each band of `band_rows` rows of tiles, so that not every row goes over all splats.  One
- * work-group per band; a list has room for `count` splats. */
+/* Lists the splats of each band of `band_rows` rows of tiles.  One work-group per band; a list has room for `count`
+ * splats. */
 __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
                         __global int *restrict listed_counts) {
     int band = (int)get_group_id(0), first = band * band_rows, n = 0;
@@ -110,7 +107,7 @@ __kernel void bin(__global const float *restrict projected, __global const float
     splat_source source = source_of_row(listed, listed_counts, t, ty);
     for (int tx = 0; tx < tiles_x; tx++) ranges[tx] = (int2)(0, 0);
     for (int j = 0; j < source.count; j++) {
-        int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, source_splat(source, j), ty);
+        int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, (size_t)source.list[j], ty);
         if (tiles.x > tiles.y) continue;
         ranges[tiles.x].x++; /* splats that begin at this tile */
         ranges[tiles.y].y++; /* splats that end at this tile */
@@ -126,7 +123,7 @@ __kernel void bin(__global const float *restrict projected, __global const float
     }
     row_totals[ty] = total;
     for (int j = 0; j < source.count; j++) {
-        size_t i = source_splat(source, j);
+        size_t i = (size_t)source.list[j];
         int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, i, ty);
         for (int tx = tiles.x; tx <= tiles.y; tx += BIN_LANES) {
             int first[BIN_LANES], last[BIN_LANES];
@@ -182,7 +179,7 @@ inline void row_pass(tile_row row, splat_source source, __global uint *entries, 
                      __local int2 *block) {
     int item = (int)get_local_id(0);
     for (int start = 0; start < source.count; start += BIN_ITEMS) {
-        size_t own = source_splat(source, min(start + item, source.count - 1));
+        size_t own = (size_t)source.list[min(start + item, source.count - 1)];
         splats[item] = (int)own;
         block[item] = tiles_of_row(row.projected, row.ellipse_bounds, row.boxes, own, row.ty);
         barrier(CLK_LOCAL_MEM_FENCE);

@@ -165,24 +165,12 @@ inline int skip_until_step(float loss, int pixels, float threshold, int step) {
     return loss < threshold * (float)pixels ? step + 1 + GSCL_SKIP_STEPS : 0;
 }
 
-/* The slots of a tile are 0 while it is skipped. */
-inline void clear_slots_of_tile(__global const uint *restrict entries, int2 range, int2 tile,
-                                __global const gscl_slot_grid *restrict grids, __global float *restrict slots) {
-    for (int i = range.x; i < range.y; i++) {
-        gscl_slot_grid grid = grids[GSCL_ENTRY_SPLAT(entries[i])];
-        __global float *slot = slots + (size_t)slot_of_tile(grid, tile) * SLOT;
-        for (int k = (int)get_local_id(0); k < SLOT && grid.count > 0; k += ITEMS) slot[k] = 0.0f;
-    }
-}
-
 /* Where the splats of a tile and their slots are. */
 typedef struct {
     __global const float *splats;
     __global const uint *entries;
-    __global const gscl_slot_grid *grids;
     __global float *slots;
-    int2 range; /* of the entries */
-    int2 tile;
+    int2 range; /* of the entries and slots */
 } tile_splats;
 
 #if SHARES_SPLATS
@@ -206,7 +194,6 @@ inline void backward_share(__local shared_backward *shared, const backward *b, i
 inline void backward_splats(const tile_splats *t, __local const shared_backward *shared, pix px, float py) {
     for (int i = t->range.x + (int)get_local_id(0); i < t->range.y; i += ITEMS) {
         uint entry = t->entries[i];
-        gscl_slot_grid grid = t->grids[GSCL_ENTRY_SPLAT(entry)];
         __global const float *projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
         int first = (int)GSCL_ENTRY_FIRST_ROW(entry), last = (int)GSCL_ENTRY_LAST_ROW(entry);
         pix sums[SUMS];
@@ -231,7 +218,7 @@ inline void backward_splats(const tile_splats *t, __local const shared_backward 
             UNROLL
             for (int k = 0; k < SUMS; k++) sums[k] += part[k];
         }
-        if (grid.count > 0) slot_store(t->slots + (size_t)slot_of_tile(grid, t->tile) * SLOT, sums);
+        slot_store(t->slots + (size_t)i * SLOT, sums);
     }
 }
 #else
@@ -239,11 +226,11 @@ inline void backward_splats(const tile_splats *t, __local const shared_backward 
  * forward pass, CACHED_ROWS of them.  `shared`: where work-items add their sums, SLOT * ITEMS floats. */
 inline void backward_splats(const tile_splats *t, backward *b, pix px, float py, int row0, const pix *restrict cached,
                             __local float *restrict shared) {
-    int row = 0, count = t->range.y - t->range.x;
-    for (int i = 0; i < count; i++) {
-        uint entry = t->entries[t->range.x + (BLEND == GSCL_ALPHA ? count - 1 - i : i)];
-        gscl_slot_grid grid = t->grids[GSCL_ENTRY_SPLAT(entry)];
-        __global float *slot = t->slots + (size_t)slot_of_tile(grid, t->tile) * SLOT;
+    int row = 0;
+    for (int i = t->range.x; i < t->range.y; i++) {
+        int j = BLEND == GSCL_ALPHA ? t->range.y - 1 - (i - t->range.x) : i;
+        uint entry = t->entries[j];
+        __global float *slot = t->slots + (size_t)j * SLOT;
         __global const float *restrict projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
         int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
@@ -261,13 +248,13 @@ inline void backward_splats(const tile_splats *t, backward *b, pix px, float py,
         }
         slot_end(sums, s);
 #if ITEMS == 1
-        if (grid.count > 0) slot_store(slot, sums);
+        slot_store(slot, sums);
 #else
         int item = (int)get_local_id(0);
         UNROLL
         for (int k = 0; k < SLOT; k++) shared[k * ITEMS + item] = pix_sum(sums[k]);
         barrier(CLK_LOCAL_MEM_FENCE);
-        if (item < SLOT && grid.count > 0) {
+        if (item < SLOT) {
             float total = 0.0f;
             for (int j = 0; j < ITEMS; j++) total += shared[item * ITEMS + j];
             slot[item] = total;
@@ -285,8 +272,8 @@ inline void backward_splats(const tile_splats *t, backward *b, pix px, float py,
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict target, gscl_fit_settings settings,
-                        __global const gscl_slot_grid *restrict grids, __global float *restrict slots,
-                        __global float *restrict tile_loss, __global int *restrict skip_until) {
+                        __global float *restrict slots, __global float *restrict tile_loss,
+                        __global int *restrict skip_until) {
 #if SHARES_SPLATS
     __local shared_backward shared_state;
 #endif
@@ -298,11 +285,10 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     const int width = settings.shape.width, height = settings.shape.height, step = settings.step;
     pixel_block p = pixel_block_of(settings.shape);
     int2 range = tile_ranges[p.tile];
-    int2 tile = (int2)((int)p.tile % settings.shape.tiles_x, (int)p.tile / settings.shape.tiles_x);
     bool is_skipped = skip_until[p.tile] > step;
     int pixels = min(GSCL_TILE, width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, height - (p.y & -GSCL_TILE));
     if (is_skipped) {
-        clear_slots_of_tile(entries, range, tile, grids, slots);
+        for (int i = range.x * SLOT + (int)get_local_id(0); i < range.y * SLOT; i += ITEMS) slots[i] = 0.0f;
 #if ITEMS == 1
         return;
 #else
@@ -322,11 +308,11 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     canvas_end(&c, background);
     backward b;
     pix loss = backward_begin(&b, &c, p, target, width, plane_size(settings.shape), settings.derivative_scale);
-    tile_splats t = {splats, entries, grids, slots, range, tile};
+    tile_splats t = {splats, entries, slots, range};
 #if SHARES_SPLATS
     backward_share(&shared_state, &b, p.x & (GSCL_TILE - 1), p.row0);
-    backward_splats(&t, &shared_state, pix_offsets() + ((float)(tile.x * GSCL_TILE) + 0.5f),
-                    (float)(tile.y * GSCL_TILE) + 0.5f);
+    backward_splats(&t, &shared_state, pix_offsets() + ((float)(p.x & -GSCL_TILE) + 0.5f),
+                    (float)(p.y & -GSCL_TILE) + 0.5f);
 #else
     backward_splats(&t, &b, px, py, p.row0, cached, shared);
 #endif

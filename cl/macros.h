@@ -5,8 +5,8 @@
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
-/* For functions that run for each row of each splat: a call would pass their values through memory.  Their parameters
- * are not `restrict`, because Oclgrind does not support what inlining makes of that. */
+/* For functions that run for each row of each splat: a call would pass their values through memory.  They have no
+ * `restrict` parameters and return no structs, because Oclgrind does not support what inlining makes of these. */
 #define ALWAYS_INLINE __attribute__((always_inline)) inline
 /* For loops over channels and sums: their arrays stay in registers only if the loop is unrolled. */
 #define UNROLL _Pragma("unroll")

@@ -35,8 +35,15 @@ inline outline outline_of(const projected_splat *a, int width, int height) {
     return o;
 }
 
-/* First and last column of a row.  Must be called for the rows of the outline in ascending order. */
+/* First and last column of a row.  Must be called for the rows of this work-item in ascending order. */
 inline int2 outline_columns(outline *o, int row) {
+#if RDO_ITEMS_Y > 1
+    float dy = (float)row + 0.5f - o->y, arc = o->width2 - o->curve * dy * dy;
+    float half_width = sqrt(LARGER(arc, 0.0f)), middle = o->x + o->slope * dy - 0.5f;
+    pix_mask first, last;
+    integers_within((pix)(middle - half_width), (pix)(middle + half_width), o->width, &first, &last);
+    return (int2)(PIX_FIRST(first), PIX_FIRST(last));
+#else
     int lane = (row - o->rows.x) % LANES;
     if (lane == 0) {
         pix dy = pix_offsets() + ((float)row + 0.5f - o->y), arc = o->width2 - o->curve * dy * dy;
@@ -47,6 +54,7 @@ inline int2 outline_columns(outline *o, int row) {
         PIX_STORE(last, o->last);
     }
     return (int2)(o->first[lane], o->last[lane]);
+#endif
 }
 
 inline pix projected_weight(pix dx, float dy, const projected_splat *a) {

@@ -1,4 +1,4 @@
-/* The rate-distortion passes: dequantising a splat's codes, and adding the splat to the rendering or removing it. */
+/* The rate-distortion passes: dequantising a splat's codes. */
 
 /* Cycles per pixel (FORMAT.md, "Dequantisation"). */
 inline float wave_frequency(int wave) {
@@ -64,18 +64,34 @@ inline void codes_set_centre(gscl_codes *c, float2 at, const splat_grid *g, floa
     c->code[GSCL_CODE_Y] = clamp((int)(at.y / g->step.y), 0, g->cells.y - 1);
 }
 
-inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
-                         __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
-    splat s;
+/* Place and shape of a splat: pixels, ln sigma, radians. */
+typedef struct {
+    float x, y, major, minor, theta;
+} splat_geometry;
+
+inline splat_geometry codes_geometry(const gscl_codes *c, __global const gscl_major_entry *majors,
+                                     __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+    splat_geometry s;
     splat_grid g = codes_grid(c, majors, aspects);
     float2 centre = codes_centre(c, &g);
     s.x = centre.x;
     s.y = centre.y;
-    float major = fmin((float)c->code[GSCL_CODE_MAJOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
-    float minor = fmin((float)(c->code[GSCL_CODE_MAJOR] - c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
-                       GSCL_LOG_LARGEST_AXIS);
-    splat_set_axes(&s, major, fmax(minor, major - GSCL_LOG_LARGEST_ASPECT));
+    s.major = fmin((float)c->code[GSCL_CODE_MAJOR] * t.scale_step - M_LN2_F, GSCL_LOG_LARGEST_AXIS);
+    s.minor = fmin((float)(c->code[GSCL_CODE_MAJOR] - c->code[GSCL_CODE_ASPECT]) * t.scale_step - M_LN2_F,
+                   GSCL_LOG_LARGEST_AXIS);
+    s.minor = fmax(s.minor, s.major - GSCL_LOG_LARGEST_ASPECT);
     s.theta = codes_theta(c, aspects);
+    return s;
+}
+
+inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
+                         __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+    splat s;
+    splat_geometry g = codes_geometry(c, majors, aspects, t);
+    s.x = g.x;
+    s.y = g.y;
+    splat_set_axes(&s, g.major, g.minor);
+    s.theta = g.theta;
     s.opacity = OPACITY ? ((float)c->code[GSCL_CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
     codes_colour(c, t, s.colour);
 #if TEXTURE
@@ -88,45 +104,7 @@ inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *m
     }
     s.wave_phase = (float)c->code[GSCL_CODE_PHASE] * (1.0f / GSCL_PHASES);
     s.wave_amplitude = wave_amplitude(c->code[GSCL_CODE_AMPLITUDE], t);
-    if (major > GSCL_LOG_LARGEST_WAVED_AXIS) s.wave_amplitude = 0.0f;
+    if (g.major > GSCL_LOG_LARGEST_WAVED_AXIS) s.wave_amplitude = 0.0f;
 #endif
     return s;
-}
-
-/* The wave of a splat at a row of pixels, `dx` and `dy` from its centre. */
-inline pix projected_wave(pix dx, float dy, const projected_splat *a) {
-    const float *d = a->projected;
-    return d[GSCL_PROJECTED_WAVE_AMPLITUDE] *
-           pix_wave(dx, dy, d[GSCL_PROJECTED_WAVE_X], d[GSCL_PROJECTED_WAVE_Y], d[GSCL_PROJECTED_WAVE_PHASE]);
-}
-
-inline bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
-
-/* Adds the splat to the rendering (sign 1) or removes it (sign -1). */
-inline void rendering_change(const projected_splat *a, float sign, __global float *restrict rendering,
-                             __global float *restrict weights, int width, int height, ulong plane) {
-    outline o = outline_of(a, width, height);
-    for (int y = o.rows.x; y <= o.rows.y; y++) {
-        int2 columns = outline_columns(&o, y);
-        for (int x = columns.x; x <= columns.y; x += LANES) {
-            size_t at = (size_t)y * width + x;
-            int lanes = columns.y - x + 1;
-            pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
-            float dy = (float)y + 0.5f - o.y;
-            pix w = sign * blend_weight(dx, dy, a);
-            if (has_wave(a)) wave = projected_wave(dx, dy, a);
-#if BLEND == GSCL_NORMALIZED
-            pix sum = PIX_LOAD(weights + at) + w;
-            pix_store_clipped(sum, weights + at, lanes);
-            w /= sum;
-#endif
-            UNROLL
-            for (int k = 0; k < CHANNELS; k++) {
-                pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(a->projected[GSCL_PROJECTED_COLOUR + k]);
-                if (k < COLOURS) c += wave;
-                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - p, p) : fma(w, c, p),
-                                  rendering + k * plane + at, lanes);
-            }
-        }
-    }
 }

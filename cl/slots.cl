@@ -1,9 +1,9 @@
 /* Gradient slots: a splat's sums over one tile, from the kernel that computes them (fit.cl) to the one that adds them up
  * (update.cl).
  *
- * Each splat has a slot for each tile of its box, so that no two work-groups write to the same place, no float atomics
- * are needed, and the slots of a splat lie one after another.  Tiles of the box that its outline does not touch do not
- * list it; their slots stay 0 from one binning to the next.
+ * Each entry of a tile's list has a slot, so that no two work-groups write to the same place and no float atomics are
+ * needed.  A splat finds its slots by its links, one for each tile of its box: the number of its entry in the tile's
+ * list, or -1.  Links are made when splats are binned.
  *
  * With h = dL/dweight and t = h * opacity * gauss, a slot holds
  *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, and [w dL/dwave times the wave a
@@ -15,18 +15,17 @@
 #define SLOT_WAVE GSCL_SLOT_WAVE(SHAPE, OPACITY, CHANNELS)
 #define SLOT GSCL_SLOT_SIZE(SHAPE, OPACITY, CHANNELS, TEXTURE)
 
+/* ---- Links ---- */
+
 /* The tiles of a box. */
 inline long box_tiles(int4 box) {
     return box.x > box.y || box.z > box.w ? 0 : (long)(box.y - box.x + 1) * (long)(box.w - box.z + 1);
 }
 
-/* The slot of a splat that has slots in the tile (x, y). */
-inline int slot_of_tile(gscl_slot_grid grid, int2 tile) { return grid.origin + tile.y * grid.stride + tile.x; }
-
-/* The slots of a splat behind `before` other slots; none where they do not fit in `capacity`. */
-inline gscl_slot_grid slot_grid(int4 box, long before, int capacity) {
+/* The links of a splat behind `before` other links; none where they do not fit in `capacity`. */
+inline gscl_link_grid link_grid(int4 box, long before, int capacity) {
     long count = box_tiles(box);
-    gscl_slot_grid grid = {0, 0, 0, 0};
+    gscl_link_grid grid = {0, 0, 0, 0};
     if (before + count > (long)capacity) return grid;
     grid.first = (int)before;
     grid.count = (int)count;
@@ -36,7 +35,7 @@ inline gscl_slot_grid slot_grid(int4 box, long before, int capacity) {
 }
 
 /* Adds to each work-item's number those of the work-items before it, its own included. */
-inline long slots_scan(long number, __local long *restrict sums) {
+inline long links_scan(long number, __local long *restrict sums) {
 #if SCAN_ITEMS > 1
     int item = (int)get_local_id(0);
     sums[item] = number;
@@ -61,40 +60,49 @@ inline int2 scan_part(int count) {
 }
 
 /* The number of tiles of the boxes of each work-group. */
-__kernel void count_slots(__global const int4 *restrict boxes, int count, __global long *restrict totals) {
+__kernel void count_links(__global const int4 *restrict boxes, int count, __global long *restrict totals) {
     __local long sums[SCAN_ITEMS];
     int2 part = scan_part(count);
     long own = 0;
     for (int i = part.x; i < part.y; i++) own += box_tiles(boxes[i]);
-    slots_scan(own, sums);
+    links_scan(own, sums);
     if (get_local_id(0) == 0) totals[get_group_id(0)] = sums[SCAN_ITEMS - 1];
 }
 
-/* Numbers the slots of all splats.  *needed: slots of all of them, at most 2^31 - 1. */
-__kernel void number_slots(__global const int4 *restrict boxes, int count, __global const long *restrict totals,
-                           int capacity, __global gscl_slot_grid *restrict grids, __global int *restrict needed) {
+/* Numbers the links of all splats.  *needed: links of all of them, at most 2^31 - 1. */
+__kernel void number_links(__global const int4 *restrict boxes, int count, __global const long *restrict totals,
+                           int capacity, __global gscl_link_grid *restrict grids, __global int *restrict needed) {
     __local long sums[SCAN_ITEMS];
     int2 part = scan_part(count);
     long own = 0, earlier = 0;
     for (int group = (int)get_local_id(0); group < (int)get_group_id(0); group += SCAN_ITEMS) earlier += totals[group];
-    slots_scan(earlier, sums);
+    links_scan(earlier, sums);
     long before = sums[SCAN_ITEMS - 1]; /* of all groups before this one */
 #if SCAN_ITEMS > 1
     barrier(CLK_LOCAL_MEM_FENCE);
 #endif
     for (int i = part.x; i < part.y; i++) own += box_tiles(boxes[i]);
-    before += slots_scan(own, sums) - own;
+    before += links_scan(own, sums) - own;
     for (int i = part.x; i < part.y; i++) {
-        grids[i] = slot_grid(boxes[i], before, capacity);
+        grids[i] = link_grid(boxes[i], before, capacity);
         before += box_tiles(boxes[i]);
     }
     if (part.x < part.y && part.y == count) *needed = before > 0x7fffffffL ? 0x7fffffff : (int)before;
 }
 
-/* Sets the slots of each splat to 0, with SLOT_ITEMS work-items. */
-__kernel void clear_slots(__global const gscl_slot_grid *restrict grids, int count, __global float *restrict slots) {
-    int i = (int)get_group_id(0);
-    gscl_slot_grid grid = grids[i];
-    slots += (size_t)grid.first * SLOT;
-    for (int k = (int)get_local_id(0); k < grid.count * SLOT; k += SLOT_ITEMS) slots[k] = 0.0f;
+/* Sets the links of each splat to -1, with a work-group of SLOT_ITEMS work-items. */
+__kernel void clear_links(__global const gscl_link_grid *restrict grids, __global int *restrict links) {
+    gscl_link_grid grid = grids[get_group_id(0)];
+    for (int k = (int)get_local_id(0); k < grid.count; k += SLOT_ITEMS) links[grid.first + k] = -1;
+}
+
+/* Links the entries of each tile, with a work-group of SLOT_ITEMS work-items. */
+__kernel void link_entries(__global const gscl_link_grid *restrict grids, __global const uint *restrict entries,
+                           __global const int2 *restrict tile_ranges, int tiles_x, __global int *restrict links) {
+    int tile = (int)get_group_id(0), x = tile % tiles_x, y = tile / tiles_x;
+    int2 range = tile_ranges[tile];
+    for (int i = range.x + (int)get_local_id(0); i < range.y; i += SLOT_ITEMS) {
+        gscl_link_grid grid = grids[GSCL_ENTRY_SPLAT(entries[i])];
+        if (grid.count > 0) links[grid.origin + y * grid.stride + x] = i;
+    }
 }

@@ -36,7 +36,7 @@ typedef struct gscl_enlargement {
 /* Binning splats into the lists of tiles (cl/bin.cl). */
 typedef struct gscl_bin_settings {
     cl_int splats;
-    cl_int band_rows; /* rows of tiles that share a list of splats; 0: each row makes its own */
+    cl_int band_rows; /* rows of tiles that share a list of splats */
     cl_int tiles_x, tiles_y;
     cl_int row_capacity; /* entries that each row of tiles owns */
 } gscl_bin_settings;
@@ -65,12 +65,12 @@ typedef struct gscl_fit_settings {
     cl_int step;               /* since the last reset of skipped tiles */
 } gscl_fit_settings;
 
-/* The gradient slots of a splat, which lie one after another (cl/slots.cl): one for each tile of its box, row by row.
- * That of the tile (x, y) is slot origin + y * stride + x. */
-typedef struct gscl_slot_grid {
-    cl_int first, count; /* 0 slots where no more fit in the buffer */
+/* The links of a splat to its gradient slots, which lie one after another (cl/slots.cl): one for each tile of its box,
+ * row by row.  That of the tile (x, y) is link origin + y * stride + x. */
+typedef struct gscl_link_grid {
+    cl_int first, count; /* 0 links where no more fit in the buffer */
     cl_int origin, stride;
-} gscl_slot_grid;
+} gscl_link_grid;
 
 /* The fitted splats, as gradients are summed for them (cl/update.cl). */
 typedef struct gscl_gather_settings {
@@ -147,6 +147,8 @@ typedef struct gscl_rdo_settings {
     cl_float luma_step, chroma_step, alpha_step;
     cl_float amplitude_step; /* of a texture */
     cl_float opacity_levels;
+    cl_int visits;             /* of a splat, each of which may change its place or shape once */
+    cl_float move_slack;       /* bits: a move is evaluated if it is predicted to cost at most so much more than none */
     cl_float elongation_price; /* see gscl_scalar_rdo_settings */
     cl_float min_explained;    /* likewise */
     cl_int scan;               /* 1: all waves are tried for each splat; 0: only those near its own */
@@ -158,16 +160,10 @@ typedef struct gscl_rdo_pass {
     gscl_rdo_settings settings;
     gscl_view view;
     cl_int width, height;      /* of the level, pixels */
-    cl_int start, count;       /* tasks of the group: tasks[start .. start + count) */
+    cl_int start;              /* of the tasks of the group */
     cl_float bits_per_splat;   /* bits that each splat costs besides its codes */
     cl_float cost_of_dropping; /* 0 (no change of error, no bits), or more than any other where none may be dropped */
 } gscl_rdo_pass;
-
-/* The result of evaluating one move of one splat. */
-typedef struct gscl_move_outcome {
-    cl_float cost;    /* MAXFLOAT: the move is not possible */
-    cl_int colour[4]; /* the best codes luma, co, cg, alpha */
-} gscl_move_outcome;
 
 /* ---- Codebooks ---- */
 

@@ -6,17 +6,6 @@
  * for all directions at once, and estimates the others from the splat's Gaussian; the best wave of the scan, the
  * present one and its neighbours are then evaluated exactly. */
 
-inline float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
-#if TEXTURE
-    if (c->code[GSCL_CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
-    return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[GSCL_CODE_WAVE]] +
-           tables[GSCL_BITS_DIRECTION + c->code[GSCL_CODE_DIRECTION]] +
-           tables[GSCL_BITS_AMPLITUDE + c->code[GSCL_CODE_AMPLITUDE] - 1];
-#else
-    return 0.0f;
-#endif
-}
-
 #if TEXTURE
 #define SCANNED_WAVES 12                  /* the first of all wavelengths */
 #define VECTORS (GSCL_DIRECTIONS / LANES) /* of directions */
@@ -25,13 +14,14 @@ inline float wave_bits(const gscl_codes *c, __global const float *restrict table
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
 inline void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes,
-                            __global const float *restrict rendering, __global const float *restrict weights,
-                            __global const float *restrict target, int width, ulong plane, pix *share, pix *error) {
-    size_t at = (size_t)y * width + x;
+                            const rdo_planes *planes, pix *share, pix *error) {
+    size_t at = (size_t)y * planes->width + x;
+    __global const float *target = planes->target;
+    const ulong plane = planes->plane;
     pix inside = pix_inside(lanes);
     pix s = blend_weight(pix_offsets() + ((float)x + 0.5f - o->x), (float)y + 0.5f - o->y, plain) * inside;
 #if BLEND == GSCL_NORMALIZED
-    s /= PIX_LOAD(weights + at) + s;
+    s /= RDO_LOAD_WEIGHTS(planes->weights + at, lanes) + s;
 #endif
     pix e = (pix)(0.0f);
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
@@ -39,7 +29,8 @@ inline void share_and_error(const projected_splat *plain, const outline *o, int 
 #endif
     UNROLL
     for (int k = 0; k < COLOURS; k++) {
-        pix p = PIX_LOAD(rendering + k * plane + at), c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
+        pix p = RDO_LOAD(planes->rendering + k * plane + at, lanes),
+            c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
         pix error = fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
         e += error;
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
@@ -65,31 +56,32 @@ typedef struct {
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
-inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, __global const float *restrict rendering,
-                              __global const float *restrict weights, __global const float *restrict target, int width,
-                              int height, ulong plane) {
-    outline o = outline_of(plain, width, height);
-    pix ec = (pix)(0.0f), es = (pix)(0.0f), cc = (pix)(0.0f), ss = (pix)(0.0f), cs = (pix)(0.0f);
-    pix share = (pix)(0.0f), error2 = (pix)(0.0f);
-    for (int y = o.rows.x; y <= o.rows.y; y++) {
+inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const rdo_planes *planes,
+                              __local float *shared) {
+    outline o = outline_of(plain, planes->width, planes->height);
+    pix sums[7];
+    float totals[7];
+    for (int k = 0; k < 7; k++) sums[k] = (pix)(0.0f);
+    FOR_ROWS(y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
-        for (int x = columns.x; x <= columns.y; x += LANES) {
+        FOR_VECTORS(x, columns.x, columns.y) {
             pix s, e;
-            share_and_error(plain, &o, x, y, columns.y - x + 1, rendering, weights, target, width, plane, &s, &e);
+            share_and_error(plain, &o, x, y, columns.y - x + 1, planes, &s, &e);
             pix turns = fma(pix_offsets() + ((float)x + 0.5f - o.x), (pix)(cycles.x),
                             (pix)(((float)y + 0.5f - o.y) * cycles.y));
             pix c = s * pix_cos_turns(turns), n = s * pix_cos_turns(turns - 0.25f);
-            share += s;
-            error2 = fma(s * e, e, error2);
-            ec = fma(c, e, ec);
-            es = fma(n, e, es);
-            cc = fma(c, c, cc);
-            ss = fma(n, n, ss);
-            cs = fma(c, n, cs);
+            sums[0] = fma(c, e, sums[0]);
+            sums[1] = fma(n, e, sums[1]);
+            sums[2] += s;
+            sums[3] = fma(s * e, e, sums[3]);
+            sums[4] = fma(c, c, sums[4]);
+            sums[5] = fma(n, n, sums[5]);
+            sums[6] = fma(c, n, sums[6]);
         }
     }
-    wave_sums w = {pix_sum(ec),           pix_sum(es),           pix_sum(share),       pix_sum(error2),
-                   COLOURS * pix_sum(cc), COLOURS * pix_sum(ss), COLOURS * pix_sum(cs)};
+    items_sum(sums, 7, totals, shared);
+    wave_sums w = {totals[0],           totals[1],           totals[2],          totals[3],
+                   COLOURS * totals[4], COLOURS * totals[5], COLOURS * totals[6]};
     return w;
 }
 
@@ -166,10 +158,23 @@ inline pix scan_score(const projected_splat *plain, const scan_state *s) {
     return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
 }
 
+/* Adds the sums of all work-items. */
+inline void scan_end(scan_state *restrict states, int count, __local float *shared) {
+#if RDO_ITEMS > 1
+    for (int i = 0; i < count; i++) {
+        float sums[2 * LANES];
+        PIX_STORE(states[i].error_cos, sums);
+        PIX_STORE(states[i].error_sin, sums + LANES);
+        items_add(sums, 2 * LANES, shared);
+        states[i].error_cos = PIX_LOAD(sums);
+        states[i].error_sin = PIX_LOAD(sums + LANES);
+    }
+#endif
+}
+
 /* The wave and direction with the highest score. */
-inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
-                      __global const float *restrict rendering, __global const float *restrict weights,
-                      __global const float *restrict target, int width, int height, ulong plane) {
+inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const rdo_planes *planes,
+                      __local float *shared) {
     scan_state states[SCANNED_WAVES * VECTORS];
     int waves = 0;
     while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * MAX_SCAN_WAVELENGTH * major > 1.0f)) waves++;
@@ -182,16 +187,17 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
         states[i].turn_sin = pix_cos_turns(states[i].step_x - 0.25f);
         states[i].error_cos = states[i].error_sin = (pix)(0.0f);
     }
-    outline o = outline_of(plain, width, height);
-    for (int y = o.rows.x; y <= o.rows.y; y++) {
+    outline o = outline_of(plain, planes->width, planes->height);
+    FOR_ROWS(y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
-        for (int x = columns.x; x <= columns.y; x += LANES) {
+        FOR_VECTORS(x, columns.x, columns.y) {
             pix s, e;
             int lanes = min(columns.y - x + 1, LANES);
-            share_and_error(plain, &o, x, y, lanes, rendering, weights, target, width, plane, &s, &e);
+            share_and_error(plain, &o, x, y, lanes, planes, &s, &e);
             scan_add(states, waves, s * e, lanes, (float)x + 0.5f - o.x, (float)y + 0.5f - o.y);
         }
     }
+    scan_end(states, waves * VECTORS, shared);
     int2 best = (int2)(0, 0);
     float highest = -1.0f;
     for (int i = 0; i < waves * VECTORS; i++) {
@@ -207,43 +213,47 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
     return best;
 }
 
+#define TRIED_WAVES 6
+
+/* Lists the present wave and its neighbours; returns their number, 0 where there is none. */
+inline int nearby_waves(const gscl_codes *c, int2 *restrict waves) {
+    int w = c->code[GSCL_CODE_WAVE], d = c->code[GSCL_CODE_DIRECTION], count = 0;
+    if (c->code[GSCL_CODE_AMPLITUDE] == 0) return 0;
+    waves[count++] = (int2)(w, d);
+    waves[count++] = (int2)(w, (d + 1) % GSCL_DIRECTIONS);
+    waves[count++] = (int2)(w, (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS);
+    if (w + 1 < GSCL_WAVES) waves[count++] = (int2)(w + 1, d);
+    if (w > 0) waves[count++] = (int2)(w - 1, d);
+    return count;
+}
+
 /* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
-inline void texture_choose(gscl_codes *c, __global const gscl_major_entry *majors,
-                           __global const gscl_aspect_entry *aspects, __global const float *restrict tables,
-                           gscl_rdo_settings t, gscl_view view, __global const float *restrict rendering,
-                           __global const float *restrict weights, __global const float *restrict target, int width,
-                           int height, ulong plane) {
+inline void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view,
+                           const rdo_planes *planes, __local float *shared) {
     gscl_codes now = *c, choice = *c;
     for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) choice.code[k] = 0;
-    float best = t.lambda * tables[GSCL_BITS_PLAIN];
-    bool textured = now.code[GSCL_CODE_AMPLITUDE] > 0;
-    splat s = codes_splat(&choice, majors, aspects, t);
+    float best = t.lambda * tables->bits[GSCL_BITS_PLAIN];
+    splat s = codes_splat(&choice, tables->majors, tables->aspects, t);
     projected_splat plain = splat_project(s, view);
-    int2 tried[6];
-    int count = 0;
-    if (textured) {
-        int w = now.code[GSCL_CODE_WAVE], d = now.code[GSCL_CODE_DIRECTION];
-        tried[count++] = (int2)(w, d);
-        tried[count++] = (int2)(w, (d + 1) % GSCL_DIRECTIONS);
-        tried[count++] = (int2)(w, (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS);
-        if (w + 1 < GSCL_WAVES) tried[count++] = (int2)(w + 1, d);
-        if (w > 0) tried[count++] = (int2)(w - 1, d);
-    }
-    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, view, rendering, weights, target, width, height, plane);
-    for (int i = 0; i < count; i++) {
+    int2 tried[TRIED_WAVES];
+    for (int i = 0; i < TRIED_WAVES; i++) tried[i] = (int2)(0, 0);
+    int count = nearby_waves(&now, tried);
+    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, view, planes, shared);
+    /* Work-groups of many work-items try the same number of waves always, so that all meet at the same barriers. */
+    for (int i = 0; i < (RDO_ITEMS == 1 ? count : TRIED_WAVES); i++) {
         gscl_codes other = now;
         other.code[GSCL_CODE_WAVE] = tried[i].x;
         other.code[GSCL_CODE_DIRECTION] = tried[i].y;
         other.code[GSCL_CODE_AMPLITUDE] = 1;
-        splat waved = codes_splat(&other, majors, aspects, t);
-        if (!(waved.wave_amplitude > 0.0f)) break; /* the splat is too long for a wave */
+        splat waved = codes_splat(&other, tables->majors, tables->aspects, t);
         projected_splat projected = splat_project(waved, view);
         float2 cycles =
             (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);
-        wave_sums w = wave_sums_of(&plain, cycles, rendering, weights, target, width, height, plane);
+        wave_sums w = wave_sums_of(&plain, cycles, planes, shared);
+        if (i >= count || !(waved.wave_amplitude > 0.0f)) continue; /* the splat is too long for a wave */
         if (!wave_explains(&w, t.min_explained)) continue;
         float attenuation = projected.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
-        float cost = wave_choose_codes(&other, &w, attenuation, tables, t);
+        float cost = wave_choose_codes(&other, &w, attenuation, tables->bits, t);
         if (cost < best) {
             best = cost;
             choice = other;

@@ -1,14 +1,16 @@
 /* From gradient slots to parameters: gradients, Adam, and the projection for the next step. */
 
 #if SLOT_ITEMS == 1
-/* Sums the slots of splats `first` to `first + lanes_used`, SLOT floats each, in their order. */
-inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_slot_grid *restrict grids,
-                      __global const float *restrict slots) {
+/* Sums the slots of splats `first` to `first + lanes_used`, SLOT floats each, row by row of tiles and so always in the
+ * same order. */
+inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
+                      __global const int *restrict links, __global const float *restrict slots) {
     for (int k = 0; k < SPLAT_LANES * SLOT; k++) sums[k] = 0.0f;
     for (int lane = 0; lane < lanes_used; lane++) {
-        gscl_slot_grid grid = grids[first + (size_t)lane];
-        __global const float *slot = slots + (size_t)grid.first * SLOT;
-        for (int i = 0; i < grid.count; i++, slot += SLOT) {
+        gscl_link_grid grid = grids[first + (size_t)lane];
+        for (int i = grid.first; i < grid.first + grid.count; i++) {
+            if (links[i] < 0) continue;
+            __global const float *slot = slots + (size_t)links[i] * SLOT;
             UNROLL
             for (int k = 0; k < SLOT; k++) sums[lane * SLOT + k] += slot[k];
         }
@@ -17,13 +19,15 @@ inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __glob
 #else
 #define SUMMED_AT_ONCE (SLOT_ITEMS / SLOT) /* slots whose floats the work-items of a group read at once */
 /* The same for one splat by all work-items of a group, each of which adds one sum of every SUMMED_AT_ONCE-th slot. */
-inline void slots_sum(float *restrict sums, gscl_slot_grid grid, __global const float *restrict slots,
-                      __local float *restrict shared) {
+inline void slots_sum(float *restrict sums, gscl_link_grid grid, __global const int *restrict links,
+                      __global const float *restrict slots, __local float *restrict shared) {
     int item = (int)get_local_id(0);
     float own = 0.0f;
-    slots += (size_t)grid.first * SLOT;
     if (item < SUMMED_AT_ONCE * SLOT)
-        for (int k = item; k < grid.count * SLOT; k += SUMMED_AT_ONCE * SLOT) own += slots[k];
+        for (int i = item / SLOT; i < grid.count; i += SUMMED_AT_ONCE) {
+            int slot = links[grid.first + i];
+            if (slot >= 0) own += slots[(size_t)slot * SLOT + (size_t)(item % SLOT)];
+        }
     shared[item] = own;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (int k = 0; k < SLOT; k++) {
@@ -141,21 +145,21 @@ inline void clamp_params(vfloat *restrict p, gscl_limits b) {
  * left as they are.  Where SLOT_ITEMS > 1, a work-group does so for one splat. */
 __kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps,
                                gscl_gather_settings settings, __global const float *restrict projected,
-                               __global const gscl_slot_grid *restrict grids, __global const float *restrict slots,
-                               __global float *restrict gradients) {
+                               __global const gscl_link_grid *restrict grids, __global const int *restrict links,
+                               __global const float *restrict slots, __global float *restrict gradients) {
     float sums[SPLAT_LANES * SLOT];
     vfloat gradient[FITTED];
 #if SLOT_ITEMS > 1
     __local float shared[SLOT_ITEMS];
     size_t i = get_group_id(0);
     const int lanes_used = 1;
-    slots_sum(sums, grids[i], slots, shared);
+    slots_sum(sums, grids[i], links, slots, shared);
     if (get_local_id(0) > 0) return;
 #else
     size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)settings.splats) return;
     int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);
-    slots_sum(sums, i, lanes_used, grids, slots);
+    slots_sum(sums, i, lanes_used, grids, links, slots);
 #endif
     splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps);
     gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, settings.view);

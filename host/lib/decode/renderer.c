@@ -136,17 +136,14 @@ static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
     return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
 }
 
-/* Lists the splats of each band of rows of tiles; *band_rows becomes 0 where there are no bands. */
+/* Lists the splats of each band of rows of tiles, so that not every row goes over all splats. */
 static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
+    const cl_int rows = r->view.tiles_y;
+    cl_int bands = rows < gscl_decode_tunables.max_bands ? rows : gscl_decode_tunables.max_bands;
     cl_kernel kernel;
-    bool few = r->view.tiles_y <= gscl_decode_tunables.max_rows_without_bands;
-    cl_int bands = gscl_decode_tunables.max_bands;
-    size_t lists = few ? 1 : (size_t)bands; /* a kernel's arguments must exist */
-    *band_rows = few ? 0 : (r->view.tiles_y + bands - 1) / bands;
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, lists * (size_t)r->count * sizeof(cl_int)));
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, lists * sizeof(cl_int)));
-    if (few)
-        return GSCL_OK;
+    *band_rows = (rows + bands - 1) / bands;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(cl_int)));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_bin_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
                        GSCL_ARG(r->count), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),

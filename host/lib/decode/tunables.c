@@ -7,7 +7,6 @@ const struct gscl_decode_tunables gscl_decode_tunables = {
     .first_entries = 1024,
     .spare_part = 4,
     .growth_part = 2,
-    .max_rows_without_bands = 64,
     .max_bands = 32,
 
     .max_finer_luma = 2,

@@ -15,9 +15,7 @@ struct gscl_decode_tunables {
      * the part 1 / growth_part.  Splats move until the next exact binning. */
     int spare_part;
     int growth_part;
-    /* Largest number of rows of tiles at which each row makes its own list of splats.  More rows share the lists of
-     * max_bands bands. */
-    int max_rows_without_bands;
+    /* Largest number of bands of rows of tiles; the rows of a band share a list of splats. */
     int max_bands;
 
     /* Finer steps of luma and of chroma that are tried for the colour of a flat background: steps. */

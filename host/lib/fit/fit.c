@@ -63,9 +63,10 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_tile_skip_free(&f->skip);
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
-    gscl_buffer *buffers[] = {&f->gradients,  &f->first_moment, &f->second_moment,  &f->ages,      &f->gradient_slots,
-                              &f->slot_grids, &f->slot_totals,  &f->slots_needed,   &f->tile_loss, &f->loss,
-                              &f->error,      &f->derivative,   &f->adapted_target, &f->model};
+    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment,   &f->second_moment, &f->ages,
+                              &f->gradient_slots, &f->links,          &f->link_grids,    &f->link_totals,
+                              &f->links_needed,   &f->tile_loss,      &f->loss,          &f->error,
+                              &f->derivative,     &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */

@@ -15,7 +15,7 @@
 
 struct gscl_fit_readings {
     cl_float loss;
-    cl_int slots; /* that the splats need */
+    cl_int links; /* that the splats need */
 };
 
 typedef struct gscl_fit {
@@ -30,10 +30,10 @@ typedef struct gscl_fit {
     size_t fixed; /* the first splats, which steps do not change */
     gscl_limits limits;
 
-    /* The lists of the tiles, which the renderer holds, and the gradients before they are summed: a slot for each tile
-     * that a splat may touch (cl/slots.cl). */
-    gscl_buffer gradient_slots, slot_grids, slot_totals, slots_needed;
-    size_t slot_capacity;
+    /* The lists of the tiles, which the renderer holds, and the gradients before they are summed: a slot for each entry
+     * of a list, and the links of splats to theirs (cl/slots.cl). */
+    gscl_buffer gradient_slots, links, link_grids, link_totals, links_needed;
+    size_t link_capacity;
     bool has_old_lists;    /* of other splats, or of another level */
     int steps_since_bin;   /* steps with the present lists */
     int steps_since_check; /* steps since their lengths were read */
@@ -109,7 +109,7 @@ gscl_result gscl_fit_read(gscl_fit *fit, float *params);
 
 /* ---- fit_bin.c ---- */
 
-/* Fills the lists of the tiles and makes room for the gradient slots of all splats.  `exact` as in gscl_renderer_bin. */
+/* Fills the lists of the tiles and links their entries.  `exact` as in gscl_renderer_bin. */
 gscl_result gscl_fit_bin(gscl_fit *fit, bool exact);
 /* ---- fit_step.c: gradients and the optimiser ---- */
 

@@ -18,8 +18,8 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     return GSCL_LAUNCH(f->context, kernel, gscl_renderer_tiles(&f->renderer), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(f->slot_grids), GSCL_ARG_BUFFER(f->gradient_slots),
-                       GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG_BUFFER(f->skip.skip_until));
+                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG_BUFFER(f->skip.skip_until));
 }
 
 /* Sums the gradient slots of each splat into its gradients. */
@@ -33,7 +33,7 @@ static gscl_result launch_gather(gscl_fit *f) {
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, has_groups ? 1 : GSCL_SPLATS_PER_GROUP),
                        has_groups ? slot_items : gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT),
                        GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(f->slot_grids),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(f->link_grids), GSCL_ARG_BUFFER(f->links),
                        GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->gradients));
 }
 

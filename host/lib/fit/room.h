@@ -6,7 +6,7 @@
  *   fit.h: the state of a fit, and its steps; the interface of the room
  *   pyramid.h: the source at sizes that halve from level to level
  *   fit_splats.c: the splats and the state of the optimiser for each
- *   fit_bin.c: the lists of the tiles, and the slots for gradients
+ *   fit_bin.c: the lists of the tiles, and links from splats to their entries
  *   fit_step.c: gradients, Adam, and the bound on the tile occupancy
  *   tile_skip.h: tiles that are skipped for some steps
  *   fit_target.c: what splats are compared with

@@ -55,6 +55,8 @@ static void append_mapping(gscl_text *text, const gscl_context *context, gscl_pr
         gscl_text_append(text, " -DCACHED_ROWS=%d -DSCAN_ITEMS=%zu -DSCAN_LENGTH=%d -DSLOT_ITEMS=%zu",
                          gscl_mapping_cached_rows(context), gscl_scan_group_size(context), gscl_scan_length(context),
                          gscl_slot_group_size(context));
+    if (kind == GSCL_PROGRAM_SCALAR_RDO)
+        gscl_text_append(text, " -DRDO_ITEMS=%zu", gscl_rdo_group_size(context));
     if (traits->has_blend && context->quirks->one_blend)
         gscl_text_append(text, " -DONE_BLEND");
 }

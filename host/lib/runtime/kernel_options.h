@@ -27,8 +27,8 @@ typedef enum gscl_program_kind {
     GSCL_PROGRAM_PROJECT, /* project: from parameters to projected splats */
     GSCL_PROGRAM_BIN,     /* bin_bands, bin: the lists of tiles */
     GSCL_PROGRAM_RENDER,  /* raster_forward, and raster_samples, the end of a decode */
-    GSCL_PROGRAM_FIT,     /* count_slots, number_slots, clear_slots, fit_tiles, sum_loss, gather_gradients, adam_step */
-    GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_remove, rdo_evaluate, rdo_commit */
+    GSCL_PROGRAM_FIT, /* count_links, number_links, clear_links, link_entries, fit_tiles, sum_loss, gather_gradients, adam_step */
+    GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_visit */
     GSCL_PROGRAM_CODEBOOK,   /* fitting through codebooks, and choosing their words */
     GSCL_PROGRAM_SSIM,       /* the SSIM loss */
     GSCL_PROGRAM_VISUAL,     /* the visual loss */

@@ -19,12 +19,14 @@ int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind);
 size_t gscl_tile_group_size(const gscl_context *context);
 /* Work-items of a group that lists the splats of a row of tiles (cl/bin.cl). */
 size_t gscl_bin_group_size(const gscl_context *context);
-/* Work-items of a group that numbers gradient slots, and splats of each (cl/slots.cl). */
+/* Work-items of a group that numbers links, and splats of each (cl/slots.cl). */
 size_t gscl_scan_group_size(const gscl_context *context);
 int gscl_scan_length(const gscl_context *context);
 /* Work-items of a group that sums the slots of a splat (cl/update.cl); 1 where a work-item sums those of gscl_splat_lanes
  * splats. */
 size_t gscl_slot_group_size(const gscl_context *context);
+/* Work-items of a group that visits a splat in a rate-distortion pass (cl/rdo_items.cl). */
+size_t gscl_rdo_group_size(const gscl_context *context);
 /* Groups of `group_size` work-items in which each takes one pixel vector of `rows` rows of `width` pixels. */
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size);
 

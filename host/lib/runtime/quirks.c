@@ -36,8 +36,8 @@ static const gscl_quirks quirks[] = {
  *   - Mesa 22.3 (rusticl) reads 0 where a kernel indexes an array inside a struct argument at run time, or dereferences
  *     NULL at its launch: such an array is copied to private variables first (colour_descend in cl/scalar_rdo.cl,
  *     visual_shares in cl/visual.cl).
- *   - Oclgrind 21.10 does not know llvm.experimental.noalias.scope.decl, which inlining makes of `restrict` parameters:
- *     ALWAYS_INLINE functions have none, and it runs with -cl-opt-disable.
+ *   - Oclgrind 21.10 does not know llvm.experimental.noalias.scope.decl, which inlining makes of `restrict` parameters
+ *     and of returned structs: ALWAYS_INLINE functions have none, and it runs with -cl-opt-disable.
  *   - Oclgrind 21.10 evaluates clamp, min and max of a vector and a scalar wrongly: bounds are vectors (cl/splat_lanes.cl).
  *   - PoCL 3.1 hangs or fails on barriers in loops whose number of iterations differs between work-items, and on returns
  *     before a barrier: both are uniform (fit_tiles in cl/fit.cl).

@@ -11,6 +11,7 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .gpu_bin_items = 64,
     .gpu_scan_items = 64,
     .gpu_slot_items = 32,
+    .gpu_rdo_items = 64,
     .found_build_s = 0.05,
     .cache_bytes = UINT64_C(64) << 20,
 };

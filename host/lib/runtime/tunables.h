@@ -10,13 +10,15 @@ struct gscl_runtime_tunables {
     int cpu_cached_rows; /* pixel vectors: Gaussians that a work-item of fit_tiles caches for its backward pass, CPU
                             mapping; 512 take 32 KB */
     int cpu_splat_lanes; /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
-    int cpu_scan_length; /* splats: whose slots a work-item numbers, CPU mapping */
+    int cpu_scan_length; /* splats: whose links to gradient slots a work-item numbers, CPU mapping */
     int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 1, 4 or 16 */
     int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
     int gpu_bin_items;   /* work-items: of a group that fills a row of tiles, GPU mapping; a power of 2 */
-    int gpu_scan_items;  /* work-items: of a group that numbers gradient slots, GPU mapping; a power of 2 */
+    int gpu_scan_items;  /* work-items: of a group that numbers links to gradient slots, GPU mapping; a power of 2 */
     int gpu_slot_items; /* work-items: of a group that sums the slots of a splat, GPU mapping; at least 11, the sums of a
                              slot */
+    int gpu_rdo_items;  /* work-items: of a group that visits a splat in a rate-distortion pass, GPU mapping; a multiple
+                             of 4 */
     double found_build_s; /* seconds: a build that takes less found the program built, in a cache of the OpenCL
                              implementation.  PoCL takes 0.001 to 0.01 s for those and 0.1 to 0.7 s for others */
     uint64_t cache_bytes; /* bytes: all built programs in the folder of a cache; those of an encode take 0.6 MB with

@@ -113,10 +113,7 @@ gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, con
     qsort(g->keys, tasks, sizeof *g->keys, compare_keys);
     for (size_t i = 0; i < tasks; i++)
         g->tasks[i] = g->keys[i].task;
-    g->largest = 0;
-    for (int i = 0; i < GSCL_RDO_GROUPS; i++) {
+    for (int i = 0; i < GSCL_RDO_GROUPS; i++)
         g->start[i + 1] = g->start[i] + sizes[i];
-        g->largest = sizes[i] > g->largest ? sizes[i] : g->largest;
-    }
     return GSCL_OK;
 }

@@ -14,7 +14,6 @@ typedef struct gscl_rdo_groups {
     gscl_rdo_task *tasks; /* by group */
     struct gscl_rdo_key *keys;
     size_t start[GSCL_RDO_GROUPS + 1]; /* tasks of each group; the last is the number of all */
-    size_t largest;                    /* tasks of the largest group */
     size_t cell_capacity;
     uint64_t *cells; /* groups that have a splat in each cell of the image */
 } gscl_rdo_groups;

@@ -16,13 +16,13 @@ typedef struct rdo_pass {
     gscl_fit *fit;
     gscl_coded_image *coded;
     size_t count; /* splats before the pass */
-    cl_kernel remove, evaluate, commit;
+    cl_kernel visit;
     gscl_rdo_pass shared;
 } rdo_pass;
 
 void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo) {
-    gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_tasks,
-                              &rdo->outcomes,     &rdo->rendering,     &rdo->weights};
+    gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_tasks, &rdo->rendering,
+                              &rdo->weights};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     free(rdo->codes);
@@ -45,11 +45,6 @@ static gscl_result reserve_splats(gscl_scalar_rdo *rdo, gscl_context *context, s
     return rdo->tables && rdo->capacity ? GSCL_OK : gscl_fail_memory(context);
 }
 
-/* Moves that are evaluated for a splat (MOVES in cl/scalar_rdo.cl). */
-static size_t count_moves(const gscl_fit *fit) {
-    return GSCL_RDO_MOVES + (fit->renderer.options.opacity ? GSCL_RDO_OPACITY_MOVES : 0);
-}
-
 /* Codes, tables and groups on the host, then on the device.  *size: of the coded image as a file. */
 static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     gscl_scalar_rdo *rdo = p->rdo;
@@ -67,9 +62,7 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     const size_t tasks = rdo->groups.start[GSCL_RDO_GROUPS];
     GSCL_TRY(gscl_buffer_upload(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
     GSCL_TRY(gscl_buffer_upload(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
-    GSCL_TRY(gscl_buffer_upload(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task)));
-    return gscl_buffer_reserve(context, &rdo->outcomes,
-                               rdo->groups.largest * count_moves(p->fit) * sizeof(gscl_move_outcome));
+    return gscl_buffer_upload(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task));
 }
 
 /* Draws the coded image with its sums of weights.  *error: what bits are traded against. */
@@ -93,34 +86,18 @@ static gscl_result rdo_draw(rdo_pass *p, double *error) {
     return gscl_fit_distortion(p->fit, &rdo->rendering, error);
 }
 
-/* Looks up the kernels that change each group. */
-static gscl_result rdo_find_kernels(rdo_pass *p) {
-    const gscl_renderer *r = &p->fit->renderer;
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_remove", &p->remove));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_evaluate", &p->evaluate));
-    return gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_commit", &p->commit);
-}
-
-/* Changes all splats of a group at once: none touches another's pixels. */
-static gscl_result rdo_change_group(rdo_pass *p, int group) {
+/* Visits all splats of a group at once: none touches another's pixels. */
+static gscl_result rdo_visit_group(rdo_pass *p, int group) {
     const gscl_scalar_rdo *rdo = p->rdo;
     const gscl_renderer *r = &p->fit->renderer;
     const gscl_buffer *target = gscl_fit_weighted_target(p->fit);
     const size_t start = rdo->groups.start[group], count = rdo->groups.start[group + 1] - start;
     gscl_rdo_pass shared = p->shared;
     shared.start = (cl_int)start;
-    shared.count = (cl_int)count;
-    GSCL_TRY(GSCL_LAUNCH(r->context, p->remove, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
-                         GSCL_ARG_BUFFER(rdo->device_codes), GSCL_ARG_BUFFER(rdo->device_tables),
-                         GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights)));
-    GSCL_TRY(GSCL_LAUNCH(r->context, p->evaluate, count * count_moves(p->fit), 1, GSCL_ARG(shared),
-                         GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
-                         GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(rdo->rendering),
-                         GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(rdo->outcomes)));
-    return GSCL_LAUNCH(r->context, p->commit, count, 1, GSCL_ARG(shared), GSCL_ARG_BUFFER(rdo->device_tasks),
-                       GSCL_ARG_BUFFER(rdo->device_codes), GSCL_ARG_BUFFER(rdo->device_tables),
-                       GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target),
-                       GSCL_ARG_BUFFER(rdo->outcomes));
+    return GSCL_LAUNCH(r->context, p->visit, count, gscl_rdo_group_size(r->context), GSCL_ARG(shared),
+                       GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
+                       GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(rdo->rendering),
+                       GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target));
 }
 
 /* Reads the codes back, without the splats that were dropped. */
@@ -142,9 +119,9 @@ static gscl_result rdo_run(rdo_pass *p, double lambda_scale) {
     GSCL_TRY(rdo_prepare(p, &size));
     GSCL_TRY(rdo_draw(p, &error));
     p->shared.settings.lambda = (float)(lambda_scale * error / (2.0 * 8.0 * (double)size));
-    GSCL_TRY(rdo_find_kernels(p));
+    GSCL_TRY(gscl_kernel(p->fit->context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)
-        GSCL_TRY(rdo_change_group(p, group));
+        GSCL_TRY(rdo_visit_group(p, group));
     return rdo_read_codes(p);
 }
 
@@ -168,6 +145,8 @@ gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded
                                .bits_per_splat =
                                    -log2f((float)(p.count - fit->fixed)), /* the order of all splats saves bits */
                                .cost_of_dropping = settings->keep_all ? FLT_MAX : 0.0f};
+    p.shared.settings.visits = gscl_scalar_tunables.rdo_visits;
+    p.shared.settings.move_slack = gscl_scalar_tunables.move_slack;
     p.shared.settings.scan = settings->scan_textures;
     p.shared.settings.elongation_price = (float)settings->elongation_price;
     p.shared.settings.min_explained = (float)settings->min_explained;

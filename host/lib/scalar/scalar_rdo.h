@@ -14,7 +14,7 @@ typedef struct gscl_scalar_rdo {
     float *params;
     gscl_rdo_tables *tables;
     gscl_rdo_groups groups;
-    gscl_buffer device_codes, device_tables, device_tasks, outcomes;
+    gscl_buffer device_codes, device_tables, device_tasks;
     gscl_buffer rendering, weights; /* planes of the rendering, and its sums of weights */
 } gscl_scalar_rdo;
 

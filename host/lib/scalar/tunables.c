@@ -91,6 +91,8 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
 
     .rdo_growth = 1.3,
     .rdo_growth_pixels = 3.0,
+    .rdo_visits = 2,
+    .move_slack = 2.0f,
     .rdo_count_floor = 0.05,
     .rdo_count_spread = 0.25,
     .rdo_textured_share = 0.05,

@@ -1,0 +1,61 @@
+/* How the work-items of a group share a splat in a rate-distortion pass.
+ *
+ * Build option RDO_ITEMS, the work-items of a group.  1 on CPUs.  On GPUs they form RDO_ITEMS_Y rows of RDO_ITEMS_X
+ * work-items, which divide the rows of an outline and the pixel vectors of a row among themselves.  Their sums go to all
+ * of them, so that all take the same decisions. */
+#ifndef RDO_ITEMS
+#define RDO_ITEMS 1
+#endif
+#if RDO_ITEMS > 1
+#define RDO_ITEMS_X 4
+#define RDO_ITEM ((int)get_local_id(0))
+#define RDO_SYNCHRONISE() barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
+#else
+#define RDO_ITEMS_X 1
+#define RDO_ITEM 0
+#define RDO_SYNCHRONISE()
+#endif
+#define RDO_ITEMS_Y (RDO_ITEMS / RDO_ITEMS_X)
+
+/* The rows of an outline, and the pixel vectors from column `first` to `last`, of this work-item. */
+#define FOR_ROWS(y, first, last) for (int y = (first) + RDO_ITEM / RDO_ITEMS_X; y <= (last); y += RDO_ITEMS_Y)
+#define FOR_VECTORS(x, first, last) \
+    for (int x = (first) + RDO_ITEM % RDO_ITEMS_X * LANES; x <= (last); x += RDO_ITEMS_X * LANES)
+
+/* Loads a pixel vector of which `lanes` pixels are used.  Those behind may be other work-items' to change, and are loaded
+ * as 0; sums of weights, by which others are divided, as 1. */
+#if RDO_ITEMS > 1
+#define RDO_LOAD(p, lanes) pix_load_clipped(p, lanes)
+#define RDO_LOAD_WEIGHTS(p, lanes) (pix_load_clipped(p, lanes) + (1.0f - pix_inside(lanes)))
+#else
+#define RDO_LOAD(p, lanes) PIX_LOAD(p)
+#define RDO_LOAD_WEIGHTS(p, lanes) PIX_LOAD(p)
+#endif
+
+#define MAX_ITEM_SUMS 56
+#define SHARED_STRIDE (RDO_ITEMS + 1) /* so that work-items that read a column each use memory banks of their own */
+/* Local memory of a group. */
+#define RDO_SHARED (RDO_ITEMS > 1 ? MAX_ITEM_SUMS * SHARED_STRIDE : 1)
+
+/* Replaces each of `count` numbers, at most MAX_ITEM_SUMS, by its sum over all work-items. */
+inline void items_add(float *restrict numbers, int count, __local float *restrict shared) {
+#if RDO_ITEMS > 1
+    for (int k = 0; k < count; k++) shared[k * SHARED_STRIDE + RDO_ITEM] = numbers[k];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = RDO_ITEM; k < count; k += RDO_ITEMS) {
+        float sum = 0.0f;
+        for (int j = 0; j < RDO_ITEMS; j++) sum += shared[k * SHARED_STRIDE + j];
+        shared[k * SHARED_STRIDE] = sum;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = 0; k < count; k++) numbers[k] = shared[k * SHARED_STRIDE];
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
+}
+
+/* The sums of pixel vectors over all lanes and work-items. */
+ALWAYS_INLINE void items_sum(const pix *sums, int count, float *totals, __local float *shared) {
+    UNROLL
+    for (int k = 0; k < count; k++) totals[k] = pix_sum(sums[k]);
+    items_add(totals, count, shared);
+}

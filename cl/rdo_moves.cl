@@ -1,0 +1,91 @@
+/* Moves of a splat to neighbouring codes, and the bits of its codes. */
+
+/* Move 0 changes nothing but the colour. */
+#define MOVES (GSCL_RDO_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
+/* Each of these moves is one step up; the move after it is one step down. */
+#define MOVE_ANGLE 7
+#define MOVE_X 9
+#define MOVE_Y 11
+#define MOVE_OPACITY 13
+
+/* One step along x or y.  Across the cells of the class it goes along the major axis, else to the next part of a cell.
+ * False when it leaves the image. */
+inline bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, float theta) {
+    int *moved = &c->code[along_x ? GSCL_CODE_X : GSCL_CODE_Y];
+    int *other = &c->code[along_x ? GSCL_CODE_Y : GSCL_CODE_X];
+    int parts = along_x ? g->parts.y : g->parts.x, other_cells = along_x ? g->cells.y : g->cells.x;
+    *moved += step;
+    if (parts > 1) {
+        float slope = along_x ? sin(theta) / cos(theta) : cos(theta) / sin(theta);
+        *other += (int)rint((float)(step * parts) * slope);
+    }
+    return *moved >= 0 && *moved < (along_x ? g->cells.x : g->cells.y) && *other >= 0 && *other < other_cells;
+}
+
+/* Makes a move; false when it leaves the code's range.  When an axis changes, position and angle are quantised again
+ * with their new steps. */
+inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
+                       __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+    const int major_step[MOVES] = {0, 1, -1, 1, -1, 0, 0};
+    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
+    if (!ANISOTROPY && aspect_step[move] != 0) return false;
+    if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
+    if (move >= MOVE_OPACITY) {
+        c->code[GSCL_CODE_OPACITY] += move == MOVE_OPACITY ? 1 : -1;
+        return OPACITY && c->code[GSCL_CODE_OPACITY] >= 0 && (float)c->code[GSCL_CODE_OPACITY] < t.opacity_levels;
+    }
+    splat_grid g = codes_grid(c, majors, aspects);
+    if (move == MOVE_X || move == MOVE_X + 1 || move == MOVE_Y || move == MOVE_Y + 1) {
+        bool along_x = move == MOVE_X || move == MOVE_X + 1;
+        return centre_move(c, along_x, move == (along_x ? MOVE_X : MOVE_Y) ? 1 : -1, &g, codes_theta(c, aspects));
+    }
+    if (move == 0) return true;
+    float2 centre = codes_centre(c, &g);
+    int angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
+    float turn = (float)c->code[GSCL_CODE_ANGLE] / (float)angles;
+    c->code[GSCL_CODE_MAJOR] += major_step[move];
+    c->code[GSCL_CODE_ASPECT] += aspect_step[move];
+    if (c->code[GSCL_CODE_MAJOR] < 0 || c->code[GSCL_CODE_ASPECT] < 0 || c->code[GSCL_CODE_MAJOR] > GSCL_MAX_SCALE ||
+        c->code[GSCL_CODE_ASPECT] > c->code[GSCL_CODE_MAJOR])
+        return false;
+    angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
+    if (aspect_step[move] != 0) c->code[GSCL_CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
+    if (move == MOVE_ANGLE || move == MOVE_ANGLE + 1) {
+        if (angles < 2) return false;
+        c->code[GSCL_CODE_ANGLE] = (c->code[GSCL_CODE_ANGLE] + (move == MOVE_ANGLE ? 1 : angles - 1)) % angles;
+    }
+    g = codes_grid(c, majors, aspects);
+    codes_set_centre(c, centre, &g, codes_theta(c, aspects));
+    return true;
+}
+
+/* What the direction adds to the bits of an angle. */
+inline float codes_direction_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
+    int aspect = c->code[GSCL_CODE_ASPECT], angles = tables->aspects[aspect].angles;
+    if (!ROTATION || angles < 2) return 0.0f;
+    int bin = (2 * GSCL_DIRECTIONS * c->code[GSCL_CODE_ANGLE] + angles) / (2 * angles) % GSCL_DIRECTIONS;
+    return tables->direction_bits[min(aspect / 2, GSCL_DIRECTION_ROWS - 1)][bin];
+}
+
+/* The bits of a splat's wave, or of having none. */
+inline float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
+#if TEXTURE
+    if (c->code[GSCL_CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
+    return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[GSCL_CODE_WAVE]] +
+           tables[GSCL_BITS_DIRECTION + c->code[GSCL_CODE_DIRECTION]] +
+           tables[GSCL_BITS_AMPLITUDE + c->code[GSCL_CODE_AMPLITUDE] - 1];
+#else
+    return 0.0f;
+#endif
+}
+
+/* The bits of all codes but those of the colour. */
+inline float codes_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
+    int major = c->code[GSCL_CODE_MAJOR], aspect = c->code[GSCL_CODE_ASPECT];
+    float bits = wave_bits(c, tables->bits) + codes_direction_bits(c, tables);
+    if (OPACITY) bits += tables->bits[GSCL_BITS_OPACITY + c->code[GSCL_CODE_OPACITY]];
+    return bits + tables->majors[major].bits + tables->aspects[aspect].bits + tables->shape_bits[major][aspect];
+}
+
+/* The part of the price of an elongated splat that is due at this difference of ln sigma. */
+inline float elongation(float log_aspect) { return clamp((0.5f / M_LN2_F) * log_aspect - 1.0f, 0.0f, 1.0f); }
