@@ -335,7 +335,7 @@ option_outcome options_parse(const option_command *command, int argc, char **arg
     getopt_tables tables;
     fill_getopt_tables(command, &tables);
     opterr = 0;
-    optind = 1;
+    optind = 0; /* the C library then forgets a command line whose parsing ended early */
     for (int value; (value = getopt_long(argc, argv, tables.shorts, tables.longs, NULL)) != -1;) {
         if (value == 'h')
             return run_help(command, optarg);
