@@ -161,9 +161,19 @@ static void settle_block(const char *label, const image_read_options *options, c
         image_blob_free(block);
 }
 
+static void drop_damaged_exif(const char *label, const image_read_options *options, image_blob *exif,
+                              const char *instead) {
+    image_blob_free(exif);
+    if (!options->quiet)
+        report_warning(label, "its EXIF is damaged; it is %s", instead);
+}
+
 static void settle_metadata(const char *label, const image_read_options *options, image_content *content) {
     image_metadata *metadata = &content->metadata;
     exif_drop_thumbnail(&metadata->exif);
+    /* Where directories overlap, the changes have made something else of it. */
+    if (metadata->exif.size && (!exif_is_valid(&metadata->exif) || exif_orientation(&metadata->exif) > 1))
+        drop_damaged_exif(label, options, &metadata->exif, "dropped");
     settle_block(label, options, "EXIF", options->keep_exif, &metadata->exif);
     settle_block(label, options, "XMP", options->keep_xmp, &metadata->xmp);
     if (content->other_bytes && options->verbose)
@@ -184,11 +194,8 @@ static void warn_of_losses(const char *label, const image_content *content) {
 static bool settle(const char *label, const image_read_options *options, image_content *content) {
     if (!options->quiet)
         warn_of_losses(label, content);
-    if (content->metadata.exif.size && !exif_is_valid(&content->metadata.exif)) {
-        image_blob_free(&content->metadata.exif);
-        if (!options->quiet)
-            report_warning(label, "its EXIF is damaged; it is taken as upright");
-    }
+    if (content->metadata.exif.size && !exif_is_valid(&content->metadata.exif))
+        drop_damaged_exif(label, options, &content->metadata.exif, "taken as upright");
     if (!turn_upright(label, options, content) || !image_settle_colours(label, options, content))
         return false;
     settle_metadata(label, options, content);

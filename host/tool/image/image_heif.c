@@ -14,6 +14,8 @@ typedef struct cursor {
 
 static void skip(cursor *bytes, uint64_t count) {
     const size_t step = count < bytes->left ? (size_t)count : bytes->left;
+    if (step == 0) /* nor may 0 be added to NULL, of a box that is missing */
+        return;
     bytes->at += step;
     bytes->left -= step;
 }
