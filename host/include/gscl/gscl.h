@@ -22,8 +22,9 @@
  *  - The caller releases memory that the library allocated with gscl_free or with the function that is named.  Every
  *    release function accepts NULL.
  *  - A context is used by one thread at a time; different contexts are independent of each other.  Functions without a
- *    context may be called from any thread.
- *  - The library never prints, exits, reads the environment or keeps global state.  The OpenCL implementation that it
+ *    context may be called from any thread.  A debug build of the library ends the program with a message when two calls
+ *    use one context at the same time.
+ *  - Otherwise the library never prints, exits, reads the environment or keeps global state.  The OpenCL implementation that it
  *    uses may do all of these.
  *  - Images are stored row by row from the top left; x points to the right and y down.  Pixel (i, j) has its centre at
  *    (i + 0.5, j + 0.5).  Samples are gamma-encoded as in ordinary image files.  Floating-point samples are clamped to

@@ -1,4 +1,5 @@
-#include <gscl/gscl.h>
+#include "decode/decode.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -118,11 +119,8 @@ static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, co
                             : gscl_draw_on_device(context, coded, f, image, progress);
 }
 
-gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_decode_settings *settings,
-                        gscl_image *image) {
-    if (!context || !bytes || !image)
-        return GSCL_ERROR_INVALID_ARGUMENT;
-    gscl_forget_message(context);
+gscl_result gscl_decode_within(gscl_context *context, const uint8_t *bytes, size_t size,
+                               const gscl_decode_settings *settings, gscl_image *image) {
     GSCL_TRY(gscl_require_open(context));
     const double start_s = gscl_now();
     gscl_decode_settings s;
@@ -146,5 +144,13 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
         free(allocated);
     gscl_coded_image_free(&coded);
     gscl_stage(context, GSCL_STAGE_NONE);
-    return gscl_complete_message(context, result);
+    return result;
+}
+
+gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size, const gscl_decode_settings *settings,
+                        gscl_image *image) {
+    if (!context || !bytes || !image)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_call_begin(context, "gscl_decode");
+    return gscl_call_end(context, gscl_decode_within(context, bytes, size, settings, image));
 }

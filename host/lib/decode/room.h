@@ -11,6 +11,7 @@
  *   frame.h: the rectangle that a decode returns, and its limits
  *   draw_progress.h: the caller's callback
  *   draw_device.h: a frame on the device
+ *   decode.h: decoding in another call
  *   decode.c, inspect.c: the public functions
  *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_DECODE_H

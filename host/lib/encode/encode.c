@@ -159,11 +159,8 @@ static void encoder_end(gscl_encoder *e) {
         gscl_encode_trace_end(e->trace, e->context);
 }
 
-gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
-                        uint8_t **bytes, size_t *size, gscl_encode_report *report) {
-    if (!context || !bytes || !size)
-        return GSCL_ERROR_INVALID_ARGUMENT;
-    gscl_forget_message(context);
+static gscl_result encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
+                          uint8_t **bytes, size_t *size, gscl_encode_report *report) {
     GSCL_TRY(gscl_require_opencl(context, "encoding"));
     gscl_encoder e = {.context = context};
     gscl_encode_settings_default(&e.settings);
@@ -179,11 +176,19 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     encoder_end(&e);
     if (result != GSCL_OK) {
         free(file.bytes);
-        return gscl_complete_message(context, result);
+        return result;
     }
     *bytes = file.bytes;
     *size = file.size;
     if (report)
         gscl_struct_write(report, &measured);
     return GSCL_OK;
+}
+
+gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
+                        uint8_t **bytes, size_t *size, gscl_encode_report *report) {
+    if (!context || !bytes || !size)
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    gscl_call_begin(context, "gscl_encode");
+    return gscl_call_end(context, encode(context, image, settings, bytes, size, report));
 }

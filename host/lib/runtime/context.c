@@ -2,6 +2,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "runtime/text.h"
 
@@ -45,6 +46,36 @@ gscl_result gscl_complete_message(gscl_context *context, gscl_result result) {
     if (context && result != GSCL_OK && !context->message[0])
         return gscl_fail(context, result, "%s", gscl_result_text(result));
     return result;
+}
+
+#if !defined(NDEBUG) && defined(__GNUC__)
+/* Atomic, so that of two threads one sees the other. */
+static const char *call_exchange(gscl_context *context, const char *function) {
+    return __atomic_exchange_n(&context->call, function, __ATOMIC_ACQ_REL);
+}
+#else
+static const char *call_exchange(gscl_context *context, const char *function) {
+    (void)context, (void)function;
+    return NULL;
+}
+#endif
+
+void gscl_call_begin(gscl_context *context, const char *function) {
+    const char *other = call_exchange(context, function);
+    if (other) {
+        fprintf(stderr,
+                "gscl: %s is called with a context that %s is using in another thread, or in its callback; give each "
+                "thread a context of its own\n",
+                function, other);
+        abort();
+    }
+    gscl_forget_message(context);
+}
+
+gscl_result gscl_call_end(gscl_context *context, gscl_result result) {
+    const gscl_result completed = gscl_complete_message(context, result);
+    call_exchange(context, NULL);
+    return completed;
 }
 
 void gscl_report_build(const gscl_context *context, bool begins) {

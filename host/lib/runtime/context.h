@@ -58,6 +58,7 @@ struct gscl_context {
     gscl_log_callback log;
     void *log_opaque;
     char message[GSCL_MESSAGE_SIZE];
+    const char *call; /* the public function that uses the context now, or NULL; kept by debug builds */
 };
 
 /* Stores the message (printf-style) of an error and returns `result`, so that a function can end with
@@ -86,6 +87,11 @@ gscl_result gscl_require_opencl(gscl_context *context, const char *activity);
  * the text of their result.  `context` may be NULL. */
 void gscl_forget_message(gscl_context *context);
 gscl_result gscl_complete_message(gscl_context *context, gscl_result result);
+
+/* Begins and ends a public call, likewise, that no other may meet in the same context.  A debug build (without NDEBUG)
+ * names both on standard error and aborts when one does: what two threads do to a context is undefined. */
+void gscl_call_begin(gscl_context *context, const char *function);
+gscl_result gscl_call_end(gscl_context *context, gscl_result result);
 
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))

@@ -58,6 +58,7 @@ void gscl_context_free(gscl_context **context) {
     if (!context || !*context)
         return;
     gscl_context *c = *context;
+    gscl_call_begin(c, "gscl_context_free");
     if (c->decoder)
         c->decoder_free(c->decoder);
     gscl_device_close(c);

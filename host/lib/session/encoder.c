@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "decode/decode.h"
 #include "image/metrics.h"
 #include "runtime/timing.h"
 #include "session/tunables.h"
@@ -44,7 +45,7 @@ gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t s
     settings.premultiplied = image->premultiplied;
     settings.bare = bare;
     gscl_comparison comparison;
-    GSCL_TRY(gscl_decode(context, bytes, size, &settings, &decoded));
+    GSCL_TRY(gscl_decode_within(context, bytes, size, &settings, &decoded));
     gscl_result result = gscl_compare_samples(image, &decoded, &comparison);
     if (result == GSCL_OK)
         *psnr = comparison.psnr;
