@@ -87,14 +87,15 @@ static void take_primaries(const png_chunk *chunk, image_content *content) {
 
 /* The text of an iTXt chunk with a keyword: compressed or not, method, language, zero, translated keyword, zero, text. */
 static bool take_text(const png_chunk *chunk, const char *keyword, size_t keyword_size, image_blob *text) {
-    const uint8_t *at = chunk->bytes + keyword_size + 2, *end = chunk->bytes + chunk->size;
     if (!chunk->intact || chunk->size < keyword_size + 2 || memcmp(chunk->bytes, keyword, keyword_size) != 0)
         return false;
+    const uint8_t *at = chunk->bytes + keyword_size + 2, *end = chunk->bytes + chunk->size;
     const bool packed = at[-2] != 0;
     for (int zeros = 0; zeros < 2; zeros++) {
         at = memchr(at, 0, (size_t)(end - at));
-        if (!at++)
+        if (!at)
             return false;
+        at++;
     }
     return packed ? unpack(at, (size_t)(end - at), text) : image_blob_set(text, at, (size_t)(end - at));
 }
