@@ -2,33 +2,81 @@
 # Fuzzes with AddressSanitizer and UndefinedBehaviorSanitizer, from the root of the source tree:
 #
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER [OPTIONS OF LIBFUZZER]      such as -max_total_time=60 or -runs=1000000
-#     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of format/ that the inputs run
+#     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
+#     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader.  FOLDER: holds the program, and in FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET
-# and the conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
+# TARGET: reader, writer, image or options; README.md says what each does.  FOLDER: holds the program, and in FOLDER/corpus
+# the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, the conformance set are read, too.
+# An input that fails is kept as FOLDER/crash-...
 #
-# Installs clang, and with it LLVM's tools and the libraries of the sanitizers.  Comparisons are not traced, which makes the
-# reader five times faster; inputs of up to 64 bytes take 70 to 180 microseconds.
+# Installs clang, and with it LLVM's tools and the libraries of the sanitizers.  In the reader and the writer comparisons
+# are not traced, which makes the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/setup.sh
-install_packages clang llvm libclang-rt-dev
+install_packages $build_packages clang llvm libclang-rt-dev
 target=$1
 folder=$2
 shift 2
+
+format=$(ls format/*.c)
+image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
+    host/tool/cli/name_hash.c $(ls host/tool/image/*.c | grep -v synthetic_image)"
+image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
+more=
+kept=tests/fuzz/corpus/$target
 case $target in
-reader) sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c" ;;
-*) echo "fuzz: $target: not a target" >&2; exit 2 ;;
+reader)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c $format"
+    options="-max_len=64 -entropic=0"
+    kept="$kept tests/conformance/files"
+    measured=format
+    ;;
+writer)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c $format"
+    options=-max_len=512
+    measured=format
+    ;;
+image)
+    sources="tests/fuzz/image_mutator.c $image"
+    options="-max_len=4400 -close_fd_mask=2"
+    more="$image_libraries -lm"
+    measured=host/tool/image
+    ;;
+options)
+    sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c) host/tool/plot/plot.c"
+    options="-max_len=300 -close_fd_mask=3"
+    more="-Wl,--wrap=options_parse $folder/library/libgscl.a $image_libraries -lOpenCL -lm -ldl"
+    measured="host/tool/cli/options.c host/tool/commands/effect_list.c host/tool/cli/base64.c"
+    ;;
+*)
+    echo "fuzz: $target: not a target" >&2
+    exit 2
+    ;;
 esac
 mkdir -p "$folder/corpus"
-sources="tests/fuzz/fuzz_$target.c $sources $(ls format/*.c)"
-kept="tests/fuzz/corpus/$target tests/conformance/files"
-if [ "${1-}" = coverage ]; then
-    clang -std=c99 -g -O1 -I. -fprofile-instr-generate -fcoverage-mapping $sources tests/fuzz/replay.c -o "$folder/coverage-$target"
-    LLVM_PROFILE_FILE=$folder/profile "$folder/coverage-$target" tests/fuzz/corpus/$target "$folder/corpus"
-    llvm-profdata merge "$folder/profile" -o "$folder/profile.data"
-    exec llvm-cov report "$folder/coverage-$target" -instr-profile="$folder/profile.data" format
+if [ "$target" = options ] && [ ! -f "$folder/library/libgscl.a" ]; then
+    meson setup "$folder/library" -Dtool=disabled -Dtests=disabled -Dweb=disabled >/dev/null
+    ninja -C "$folder/library" libgscl.a >/dev/null
 fi
-clang -std=c99 -g -O2 -I. -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined \
-    -fno-sanitize-coverage=trace-cmp $sources -o "$folder/fuzz-$target"
-exec "$folder/fuzz-$target" -max_len=64 -entropic=0 -artifact_prefix="$folder/" -print_final_stats=1 "$@" "$folder/corpus" $kept
+compile="clang -std=c99 -g -I. -Ihost/include -Ihost/tool"
+
+if [ "${1-}" = coverage ]; then
+    $compile -O1 -fprofile-instr-generate -fcoverage-mapping tests/fuzz/fuzz_$target.c $sources tests/fuzz/replay.c $more \
+        -o "$folder/coverage-$target"
+    LLVM_PROFILE_FILE=$folder/profile "$folder/coverage-$target" $kept >/dev/null 2>&1
+    llvm-profdata merge "$folder/profile" -o "$folder/profile.data"
+    exec llvm-cov report "$folder/coverage-$target" -instr-profile="$folder/profile.data" $measured
+fi
+
+traced=
+case $target in
+reader | writer) traced=-fno-sanitize-coverage=trace-cmp ;;
+esac
+$compile -O2 -DFUZZ_SAMPLE -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined $traced \
+    tests/fuzz/fuzz_$target.c $sources $more -o "$folder/fuzz-$target"
+if [ "${1-}" = minimise ]; then
+    mkdir -p tests/fuzz/corpus/$target
+    exec "$folder/fuzz-$target" $options -use_counters=0 -merge=1 tests/fuzz/corpus/$target $kept "$folder/corpus"
+fi
+exec "$folder/fuzz-$target" $options -artifact_prefix="$folder/" -print_final_stats=1 "$@" "$folder/corpus" $kept

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Writes the inputs of the fuzz targets into tests/fuzz/corpus/reader: make_corpus.py [--gscl PROGRAM]
+"""Writes the inputs from which the fuzz targets start: make_corpus.py [--gscl PROGRAM] [TARGET...]
 
-Each is a small file of a kind of its own.  Run it after a change of the format.
+Each is a small input of a kind of its own, tests/fuzz/corpus/TARGET/NAME.TARGET; for the reader, whose inputs are files,
+NAME.gscl.  Inputs that were found by fuzzing stay.  Run it after a change of the format.
 """
 import argparse
 import pathlib
@@ -14,6 +15,7 @@ sys.path.insert(0, str(HERE.parent / "cli"))
 
 from gscl_file import contained, header  # noqa: E402
 from images import Image, png_bytes, scene  # noqa: E402
+from image_seeds import seeds as image_seeds  # noqa: E402
 
 KINDS = {
     "scalar_photo": (3, 8, "--effects=-texture"),
@@ -36,10 +38,27 @@ def encoded(gscl, image, *options):
         return output.read_bytes()
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--gscl", default="build/gscl", help="program that encodes (default %(default)s)")
-    gscl = parser.parse_args().gscl
+# Command lines, one word a line; the first names the command.
+COMMAND_LINES = {
+    "encode": "encode a.png -o a.gscl --bytes 2000 --effort=9 -q --effects=+texture,-chroma --seed 18446744073709551615",
+    "encode_batch": "encode --files-from - --out-dir out --keep-tree --jobs 2 --shard 3/7 --jsonl - --skip-existing -0",
+    "encode_rate": "encode a.png --bpp 0.125 --psnr 30.5 --blend alpha --tune visual --profile paper --codebook 32",
+    "decode": "decode a.gscl -o a.png --size 640x480 --crop 1,2,30,40 --scale 2.5 --partial --base64 --max-pixels 9",
+    "info": "info a.gscl --reference a.png --json",
+    "compare": "compare a.png b.png --json",
+    "draw": "draw a.gscl -o b.png",
+    "export": "export a.gscl -o a.svg",
+    "devices": "devices --check",
+    "bench": "bench --json",
+    "tradeoff": "tradeoff a.png",
+    "help": "encode --help=man",
+    "missing_value": "encode a.png --bytes",
+    "bundle": "encode -qv0oa.gscl a.png",
+    "end_of_options": "decode -- -a.gscl",
+}
+
+
+def reader_seeds(gscl):
     files = {name: encoded(gscl, scene(40, 30, channels, depth), *options)
              for name, (channels, depth, *options) in KINDS.items()}
     files["flat"] = encoded(gscl, Image(16, 9, 3, 8, [200, 30, 7] * (16 * 9)))
@@ -47,13 +66,29 @@ def main():
     files["bare"] = picture
     files["blocks"] = contained(picture, before=b"\x00\x02\x01\x0d\x01\x04abcd\x9e\x00", after=b"\x20\x03II*\xa1\x02xm")
     files["huge"] = contained(header(16384, 16384, 1 << 20).finish())
-    folder = HERE / "corpus/reader"
+    return {f"{name}.gscl": data for name, data in files.items()}
+
+
+def write_seeds(target, files):
+    folder = HERE / "corpus" / target
     folder.mkdir(parents=True, exist_ok=True)
-    for old in folder.glob("*.gsc*"):
+    for old in (*folder.glob("*.gsc*"), *folder.glob(f"*.{target}")):
         old.unlink()
     for name, data in files.items():
-        (folder / f"{name}.gscl").write_bytes(data)
-        print(f"{name}: {len(data)} bytes")
+        (folder / name).write_bytes(data)
+        print(f"{target}/{name}: {len(data)} bytes")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--gscl", default="build/gscl", help="program that encodes (default %(default)s)")
+    parser.add_argument("targets", nargs="*", help="reader, image, options (default: all)")
+    arguments = parser.parse_args()
+    makers = {"reader": lambda: reader_seeds(arguments.gscl),
+              "image": lambda: {f"{name}.image": data for name, data in image_seeds()},
+              "options": lambda: {f"{name}.options": line.replace(" ", "\n").encode() for name, line in COMMAND_LINES.items()}}
+    for target in arguments.targets or makers:
+        write_seeds(target, makers[target]())
 
 
 if __name__ == "__main__":
