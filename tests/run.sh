@@ -90,6 +90,7 @@ export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS
 export STABILITY_SMALL=1
 suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
 unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
+check "no data races" sh tests/check_threads.sh build-thread
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 
 # The library alone needs no C++ compiler.

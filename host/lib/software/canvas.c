@@ -9,8 +9,9 @@
 
 /* Functions that are compiled for wider vectors, too; the loader takes the widest that the processor has, which
  * saves a quarter of the time with AVX2.  Their results have the same bits, because each pixel has the same operations, and
- * none is fused. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+ * none is fused.  Not with ThreadSanitizer, whose code in the function that chooses would run before it has started. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
+    !defined(__SANITIZE_THREAD__)
 #define FOR_ALL_VECTORS __attribute__((target_clones("avx2", "default")))
 #else
 #define FOR_ALL_VECTORS
