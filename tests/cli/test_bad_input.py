@@ -1,12 +1,13 @@
 """Wrong inputs: gscl prints one line, returns the documented exit code, and leaves no files."""
 import os
 import resource
+import struct
 import subprocess
 import unittest
 
 from gscl_file import contained, header
 from images import (PNG_SIGNATURE, Image, exr_bytes, png_bytes, png_chunk, png_header, pnm_bytes, scene, tiff_bytes)
-from tool import FAST, ToolTest, main
+from tool import FAST, GSCL, ToolTest, main
 
 NO_OPENCL = {"OCL_ICD_VENDORS": "/nonexistent"}
 
@@ -43,6 +44,18 @@ class Images(ToolTest):
         data = bytearray(png_bytes(scene(30, 20)))
         data[len(data) // 2] ^= 0x10
         self.bad("in.png", bytes(data), "CRC|[Ii]ncorrect|invalid")
+
+    def test_chunk_longer_than_its_file(self):
+        """libpng allocates and clears a chunk before it reads it."""
+        data = png_bytes(scene(30, 20))
+        chunk = struct.pack(">I4s", 1 << 30, b"iTXt") + b"XML:com.adobe.xmp"
+        self.write("in.png", data[:33] + chunk + data[33:])
+        with subprocess.Popen([GSCL, "encode", self.path("in.png")], stderr=subprocess.PIPE) as process:
+            self.assertIn(b"truncated", process.stderr.read())
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 1)
+        self.assertLess(usage.ru_maxrss, 200 << 10)  # KiB
 
     def test_truncated_jpeg_tiff_exr_pnm(self):
         self.encode(scene(60, 40))

@@ -39,7 +39,7 @@ writer)
     ;;
 image)
     sources="tests/fuzz/image_mutator.c $image"
-    options="-max_len=4400 -close_fd_mask=2"
+    options="-max_len=4400 -close_fd_mask=2 -malloc_limit_mb=200"
     more="$image_libraries -lm"
     measured=host/tool/image
     ;;

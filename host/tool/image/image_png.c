@@ -18,6 +18,8 @@
 #define WRITE_LEVEL 1
 #define WRITE_FILTER PNG_FILTER_AVG
 
+#define TRUNCATED "ends too early; the file is truncated"
+
 typedef struct png_source {
     const uint8_t *bytes;
     size_t size, position;
@@ -38,7 +40,7 @@ static void on_warning(png_structp png, png_const_charp text) {
 static void on_read(png_structp png, png_bytep bytes, size_t count) {
     png_source *source = png_get_io_ptr(png);
     if (count > source->size - source->position)
-        png_error(png, "ends too early; the file is truncated");
+        png_error(png, TRUNCATED);
     memcpy(bytes, source->bytes + source->position, count);
     source->position += count;
 }
@@ -129,6 +131,10 @@ bool image_is_png(const uint8_t *bytes, size_t size) {
 
 bool image_read_png(const uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]) {
     png_source source = {bytes, size, 0};
+    if (!png_chunks_fit(bytes, size)) { /* libpng would first allocate what a chunk claims to hold */
+        snprintf(message, IMAGE_MESSAGE_SIZE, TRUNCATED);
+        return false;
+    }
     snprintf(message, IMAGE_MESSAGE_SIZE, "is too large for the available memory");
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;

@@ -137,6 +137,17 @@ static void choose_colours(image_content *content, const png_colours *colours) {
         content->gamma = UNIT / colours->gamma;
 }
 
+bool png_chunks_fit(const uint8_t *bytes, size_t size) {
+    size_t at = SIGNATURE_SIZE;
+    while (at < size && size - at >= CHUNK_OVERHEAD && memcmp(bytes + at + 4, "IEND", 4) != 0) {
+        const uint32_t length = big_endian(bytes + at);
+        if (length > size - at - CHUNK_OVERHEAD)
+            return false;
+        at += CHUNK_OVERHEAD + (size_t)length;
+    }
+    return true;
+}
+
 void png_take_metadata(const uint8_t *bytes, size_t size, image_content *content) {
     png_colours colours = {0};
     size_t at = SIGNATURE_SIZE;
