@@ -67,6 +67,7 @@ check "quickstart" sh tests/quickstart.sh
 # All tests of a release build.
 check "build" build build-test -Dtool=enabled -Dtests=enabled -Dweb=enabled -Dopenimageio=enabled -Ddesktop=enabled
 suite build-test
+check "valgrind" sh tests/check_valgrind.sh build-test
 check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
 check "install" sh tests/install/test_install.sh build-test
 check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
