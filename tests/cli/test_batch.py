@@ -140,6 +140,31 @@ class Reports(BatchTest):
         self.run_batch(*arguments)
         self.assertEqual(set(self.states()), {"x/0.png", "x/1.png"})
 
+    def test_zeros_of_a_loss_of_power_are_removed(self):
+        self.write_list("x/0.png", "x/1.png")
+        arguments = ("--files-from", "list", "--jsonl", "report", "--skip-existing")
+        self.run_batch(*arguments)
+        whole = self.path("report").read_bytes()
+        self.write("report", whole + bytes(5000))
+        self.run_batch(*arguments)
+        self.assertEqual(self.path("report").read_bytes(), whole)
+        self.write("report", bytes(5000))  # not what a report begins with
+        self.refused("encode", "report is no report", "encode", "x/0.png", "--jsonl", "report", "--out-dir", "out", code=2)
+
+    def test_output_that_is_not_whole_is_made_again(self):
+        for form in ((), ("--bare",), ("--base64",)):
+            with self.subTest(form=form):
+                suffix = "b64" if form == ("--base64",) else "gscl"
+                arguments = ("x/0.png", "x/1.png", "x/2.png", "--skip-existing", *form)
+                self.run_batch(*arguments)
+                wholes = [self.path(f"out/{i}.{suffix}").read_bytes() for i in range(3)]
+                self.write(f"out/0.{suffix}", wholes[0][:-8])
+                self.write(f"out/1.{suffix}", bytes(len(wholes[1])))
+                time = os.stat(self.path(f"out/2.{suffix}")).st_mtime_ns
+                self.run_batch(*arguments)
+                self.assertEqual([self.path(f"out/{i}.{suffix}").read_bytes() for i in range(3)], wholes)
+                self.assertEqual(os.stat(self.path(f"out/2.{suffix}")).st_mtime_ns, time)
+
     def test_file_that_is_no_report_is_kept(self):
         self.write("report", b"something else\n")
         self.refused("encode", "report is no report", "encode", "x/0.png", "--jsonl", "report", "--out-dir", "out", code=2)

@@ -173,6 +173,12 @@ bool output_write(output_file *output, const void *bytes, size_t size) {
     return !output->error;
 }
 
+bool output_store(output_file *output) {
+    if (!output->error && (fflush(output->stream) != 0 || (output->temporary && fsync(fileno(output->stream)) != 0)))
+        output->error = errno;
+    return !output->error;
+}
+
 /* Flushes and closes, and keeps the first error: a full disk may be reported only here. */
 static void close_stream(output_file *output) {
     if (!output->stream)

@@ -30,6 +30,10 @@ bool output_open_text(output_file *output, const char *name);
 /* Appends bytes.  A failure is kept and reported by output_commit. */
 bool output_write(output_file *output, const void *bytes, size_t size);
 
+/* Waits until what was written is stored, so that a loss of power after output_commit leaves the new file or the old one.
+ * Likewise. */
+bool output_store(output_file *output);
+
 /* Finishes the output.  Either the file is in place, or an error has been reported and no file is left. */
 bool output_commit(output_file *output);
 

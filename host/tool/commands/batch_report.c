@@ -164,6 +164,8 @@ static int read_lines(batch_report *report, FILE *stream, char *line) {
     picture_status status;
     for (uint64_t number = 1; fgets(line, (int)LINE_SIZE, stream); number++) {
         const size_t length = strlen(line);
+        if (length == 0) /* zeros, which a loss of power leaves where lines had begun to be stored */
+            return number > 1 ? EXIT_SUCCESS : report_foreign(report, number);
         const bool is_whole = length > 0 && line[length - 1] == '\n';
         if (!is_whole && feof(stream) && strncmp(line, first, length < start_size ? length : start_size) == 0)
             return EXIT_SUCCESS;
@@ -306,7 +308,7 @@ static bool remove_old_lines(batch_report *report) {
     char *line = stream ? malloc(LINE_SIZE) : NULL;
     bool ok = line && output_open_text(&copy, report->name);
     if (ok) {
-        ok = copy_last_lines(report, stream, line, &copy) && output_commit(&copy);
+        ok = copy_last_lines(report, stream, line, &copy) && output_store(&copy) && output_commit(&copy);
         output_discard(&copy);
     }
     free(line);
@@ -318,6 +320,8 @@ static bool remove_old_lines(batch_report *report) {
 bool batch_report_close(batch_report *report) {
     bool ok = !report->has_old_lines || remove_old_lines(report);
     name_index_free(&report->index);
+    if (report->is_regular && fsync(report->file) != 0)
+        ok = report_error(report->name, "cannot be written: %s", strerror(errno));
     if (report->file >= 0 && close(report->file) != 0)
         ok = report_error(report->name, "cannot be written: %s", strerror(errno));
     report->file = -1;
