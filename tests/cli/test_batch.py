@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import time
@@ -226,6 +227,49 @@ class Kills(BatchTest):
         self.assertEqual([path for path in self.files() if pathlib.Path(path).name.startswith(".gscl-")], [])
         for name in self.outputs():
             self.gscl("info", f"out/{name}")
+
+
+class Crashes(BatchTest):
+    """libpng crashes on one of the images."""
+
+    def setUp(self):
+        super().setUp()
+        self.write_png("x/crash.png", scene(13, 16))
+        self.write_list("x/0.png", "x/crash.png", "x/1.png", "x/bad.png", "x/2.png")
+        self.environment = {"LD_PRELOAD": os.environ["CRASHING_PNG_MODULE"]}
+
+    def run_to_crash(self, *arguments, code, **options):
+        done = self.start("encode", *arguments, *RUN, env=self.environment, **options)
+        self.assertEqual(done.returncode, code, done.stderr.decode())
+        return done.stderr.decode()
+
+    def test_other_images_are_encoded(self):
+        states = {"x/0.png": "ok", "x/crash.png": "crashed", "x/1.png": "ok", "x/bad.png": "failed", "x/2.png": "ok"}
+        for more in ((), ("--skip-existing",)):
+            with self.subTest(more=more):
+                arguments = ("--files-from", "list", "--jsonl", "report", *more)
+                error = self.run_to_crash(*arguments, code=SOME_FAILED)
+                self.assertIn("x/crash.png: the library that reads it has crashed; the run goes on without it", error)
+                self.assertEqual([line["code"] for line in self.report() if line["status"] == "crashed"], [104])
+                self.assertEqual(self.states(), states)
+                self.assertEqual(self.outputs(), ["0.gscl", "1.gscl", "2.gscl"])
+                error = self.run_to_crash(*arguments, code=SOME_FAILED)
+                self.assertIn("x/crash.png: has crashed the library that reads it", error)
+                self.assertEqual(self.states(), states)
+                os.remove(self.path("report"))
+                shutil.rmtree(self.path("out"))
+
+    def test_names_from_standard_input(self):
+        names = b"x/crash.png\nx/0.png\n"
+        arguments = ("--files-from", "-", "--jsonl", "report")
+        error = self.run_to_crash(*arguments, code=-signal.SIGSEGV, input=names)
+        self.assertIn("x/crash.png: the library that reads it has crashed\n", error)
+        self.run_to_crash(*arguments, code=SOME_FAILED, input=names)
+        self.assertEqual(self.states(), {"x/crash.png": "crashed", "x/0.png": "ok"})
+
+    def test_run_without_report(self):
+        error = self.run_to_crash("--files-from", "list", code=-signal.SIGSEGV)
+        self.assertIn("x/crash.png: the library that reads it has crashed", error)
 
 
 if __name__ == "__main__":

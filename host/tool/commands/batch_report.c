@@ -18,15 +18,15 @@
 #include "cli/output_file.h"
 
 /* The state of an entry: where its line begins, whether it is of this run, and its status. */
-#define STATE_STATUS 3u   /* mask; 0: being encoded */
-#define STATE_THIS_RUN 4u /* flag */
-#define STATE_IN_USE 8u   /* flag, always set */
-#define STATE_LINE 16u    /* factor of the offset of the line plus 1; 0: none */
+#define STATE_STATUS 7u   /* mask; 0: being encoded */
+#define STATE_THIS_RUN 8u /* flag */
+#define STATE_IN_USE 16u  /* flag, always set */
+#define STATE_LINE 32u    /* factor of the offset of the line plus 1; 0: none */
 
 #define LINE_SIZE ((size_t)256 << 10) /* bytes; two names, escaped, and a message are shorter */
 
 static const char *const status_words[] =
-    {[PICTURE_OK] = "ok", [PICTURE_SKIPPED] = "skipped", [PICTURE_FAILED] = "failed"};
+    {[PICTURE_OK] = "ok", [PICTURE_SKIPPED] = "skipped", [PICTURE_FAILED] = "failed", [PICTURE_CRASHED] = "crashed"};
 
 picture_id picture_identify(const char *input, const char *output) {
     const char *name = output ? output : input;
@@ -99,6 +99,16 @@ static char *make_line(const picture_line *line, size_t *size) {
     return NULL;
 }
 
+char *batch_report_crash_line(const picture_id *id, const char *input, const char *output, size_t *size) {
+    const picture_line line = {.id = *id,
+                               .status = PICTURE_CRASHED,
+                               .input = input,
+                               .output = output,
+                               .code = PICTURE_CRASH,
+                               .message = "the library that reads it has crashed"};
+    return make_line(&line, size);
+}
+
 /* Reads the start of a line.  Returns false for a line that is none of a report. */
 static bool parse_line(const char *line, picture_id *id, picture_status *status) {
     static const char start[] =
@@ -107,7 +117,7 @@ static bool parse_line(const char *line, picture_id *id, picture_status *status)
     int used = 0;
     if (sscanf(line, start, &id->key[0], &id->key[1], &id->input, word, &used) != 4 || used == 0)
         return false;
-    for (picture_status i = PICTURE_OK; i <= PICTURE_FAILED; i++) {
+    for (picture_status i = PICTURE_OK; i <= PICTURE_CRASHED; i++) {
         if (strcmp(word, status_words[i]) == 0) {
             *status = i;
             return true;
@@ -141,7 +151,10 @@ picture_state batch_report_find(const batch_report *report, const picture_id *id
         return PICTURE_OUTPUT_TAKEN;
     if (entry.state & STATE_THIS_RUN)
         return PICTURE_IS_DONE;
-    return (entry.state & STATE_STATUS) == PICTURE_FAILED ? PICTURE_HAD_FAILED : PICTURE_WAS_OK;
+    const picture_status status = (picture_status)(entry.state & STATE_STATUS);
+    return status == PICTURE_CRASHED  ? PICTURE_HAD_CRASHED
+           : status == PICTURE_FAILED ? PICTURE_HAD_FAILED
+                                      : PICTURE_WAS_OK;
 }
 
 bool batch_report_claim(batch_report *report, const picture_id *id) {

@@ -7,6 +7,7 @@
 #define GSCL_TOOL_BATCH_REPORT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <gscl/gscl.h>
@@ -18,19 +19,21 @@
 #define PICTURE_INPUT 101  /* the input cannot be read as an image */
 #define PICTURE_OUTPUT 102 /* the output cannot be written */
 #define PICTURE_TAKEN 103  /* another input has the same output */
+#define PICTURE_CRASH 104  /* the library that reads the input has crashed */
 
 /* Which picture a line is about: hashes of the names of its output and input. */
 typedef struct picture_id {
     uint64_t key[2], input;
 } picture_id;
 
-typedef enum picture_status { PICTURE_OK = 1, PICTURE_SKIPPED, PICTURE_FAILED } picture_status;
+typedef enum picture_status { PICTURE_OK = 1, PICTURE_SKIPPED, PICTURE_FAILED, PICTURE_CRASHED } picture_status;
 
 /* What is known of a picture. */
 typedef enum picture_state {
     PICTURE_IS_NEW,
     PICTURE_WAS_OK,       /* encoded or skipped in an earlier run, by the report */
     PICTURE_HAD_FAILED,   /* in an earlier run, by the report */
+    PICTURE_HAD_CRASHED,  /* likewise */
     PICTURE_IS_DONE,      /* in this run, or is being encoded */
     PICTURE_OUTPUT_TAKEN, /* by another input, in this run or by the report */
     PICTURE_ERROR         /* the index cannot be read; has been reported */
@@ -71,6 +74,9 @@ picture_state batch_report_find(const batch_report *report, const picture_id *id
 bool batch_report_claim(batch_report *report, const picture_id *id);
 /* Marks it and writes its line. */
 bool batch_report_write(batch_report *report, const picture_line *line);
+
+/* The line of a picture that crashes while it is read, to be released with free; NULL when out of memory. */
+char *batch_report_crash_line(const picture_id *id, const char *input, const char *output, size_t *size);
 
 /* Removes old lines, and closes. */
 bool batch_report_close(batch_report *report);

@@ -47,11 +47,13 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
     "grow with\n"                                                                                                      \
     "the number of images: what is done is kept in a file in $TMPDIR, 64 bytes for each image.\n"                      \
     "\n"                                                                                                               \
-    "Members of a line of the report, null where unknown: id (of output and input), status (ok, skipped or failed), "  \
+    "Members of a line of the report, null where unknown: id (of output and input), status (ok, skipped, failed or "   \
+    "crashed), "                                                                                                       \
     "input,\n"                                                                                                         \
     "output, code (0, the gscl_result of gscl.h, or 100: no output for this name, 101: the input cannot be read, "     \
     "102: the\n"                                                                                                       \
-    "output cannot be written, 103: another input has this output), message, bytes, width, height, splats, psnr, "     \
+    "output cannot be written, 103: another input has this output, 104: the library that reads it has crashed, and "   \
+    "later runs leave it out), message, bytes, width, height, splats, psnr, "                                          \
     "seconds,\n"                                                                                                       \
     "device.  Lines are in the order in which images end; the last line of an image counts, and its older ones are "   \
     "removed\n"                                                                                                        \

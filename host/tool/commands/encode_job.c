@@ -62,7 +62,12 @@ static bool read_input(encode_job *job) {
     image_read_options options = job->batch->reading;
     options.quiet = job->batch->quiet;
     options.verbose = job->batch->choice.verbose;
-    return image_read_with(job->input, &options, &job->image, &job->metadata);
+    if (!job->crash.text)
+        return image_read_with(job->input, &options, &job->image, &job->metadata);
+    crash_guard_begin(input_label(job->input), &job->crash);
+    const bool ok = image_read_with(job->input, &options, &job->image, &job->metadata);
+    crash_guard_end();
+    return ok;
 }
 
 static bool open_output(encode_job *job) {
@@ -152,5 +157,6 @@ void encode_job_free(encode_job *job) {
     image_metadata_free(&job->metadata);
     free(job->input);
     free(job->output_name);
+    free(job->crash.text);
     *job = (encode_job){.in_use = false};
 }

@@ -12,6 +12,7 @@
 #include "commands/batch_devices.h"
 #include "commands/batch_report.h"
 #include "commands/batch_settings.h"
+#include "commands/crash_guard.h"
 #include "image/image_content.h"
 
 #define JOB_MESSAGE_SIZE 512 /* bytes, the NUL included; a longer message is cut */
@@ -23,7 +24,8 @@ typedef struct encode_job {
     batch_worker *worker; /* encodes it; NULL before */
     char *input, *output_name;
     picture_id id;
-    uint64_t number; /* of the image in the batch */
+    uint64_t number;  /* of the image in the batch */
+    crash_line crash; /* of a run: what the report gets if reading the image crashes */
     gscl_image image;
     image_metadata metadata;
     gscl_block blocks[GSCL_BLOCK_XMP + 1]; /* by type */

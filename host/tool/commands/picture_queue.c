@@ -122,6 +122,24 @@ static bool is_whole(const encode_batch *batch, const char *name) {
     return result == GSCL_OK || result == GSCL_ERROR_NEWER_VERSION;
 }
 
+/* Leaves out a picture that crashed a run. */
+static queue_state leave_out(picture_queue *queue, const encode_job *job) {
+    report_error(job->input, "has crashed the library that reads it; remove its line from the report to try again");
+    queue->failed++;
+    queue->status = EXIT_FAILURE;
+    return batch_report_claim(&queue->report, &job->id) ? QUEUE_HANDLED : QUEUE_ERROR;
+}
+
+/* Prepares a picture that is to be encoded.  Names that were read from standard input cannot be read again. */
+static queue_state hand_out(picture_queue *queue, encode_job *job) {
+    const batch_report *report = &queue->report;
+    const char *list = queue->batch->files_from;
+    job->crash = (crash_line){.file = report->is_regular ? report->file : -1,
+                              .starts_again = report->is_regular && !(list && strcmp(list, "-") == 0)};
+    job->crash.text = batch_report_crash_line(&job->id, job->input, job->output_name, &job->crash.size);
+    return batch_report_claim(&queue->report, &job->id) ? QUEUE_PICTURE : QUEUE_ERROR;
+}
+
 /* Decides what is to be done with the picture of a job. */
 static queue_state decide(picture_queue *queue, encode_job *job) {
     uint64_t bytes;
@@ -142,7 +160,7 @@ static queue_state decide(picture_queue *queue, encode_job *job) {
         return skip(queue, job, state, bytes);
     if (!output_is_separate("encode", job->input, job->output_name))
         return refuse(queue, job, PICTURE_NAME, "would be overwritten by its output");
-    return batch_report_claim(&queue->report, &job->id) ? QUEUE_PICTURE : QUEUE_ERROR;
+    return state == PICTURE_HAD_CRASHED ? leave_out(queue, job) : hand_out(queue, job);
 }
 
 static queue_state next_of_run(picture_queue *queue, encode_job *job) {

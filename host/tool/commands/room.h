@@ -9,7 +9,7 @@
  *   command_decode.c: a gscl file into an image
  *   command_encode.c, effect_list.h, batch_settings.h, encode_batch.h, encode_job.h, batch_devices.h, output_names.h: images
  *     into gscl files
- *   picture_queue.h, input_list.h, batch_report.h, name_index.h: runs over any number of images
+ *   picture_queue.h, input_list.h, batch_report.h, name_index.h, crash_guard.h: runs over any number of images
  *   command_draw.c, ellipse_outline.h: splats as ellipses
  *   command_export.c, export_svg.h: splats for other programs
  *   command_bench.c, bench_codec.h: the speed of a device
