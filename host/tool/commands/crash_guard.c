@@ -54,6 +54,10 @@ static void end_by_signal(int number) {
     raise(number);
 }
 
+static bool put(int file, const char *bytes, size_t size) {
+    return write(file, bytes, size) == (ssize_t)size;
+}
+
 static void on_crash(int number) {
     sigset_t none;
     if (!pthread_equal(pthread_self(), guard.thread)) { /* not of the image */
@@ -61,9 +65,9 @@ static void on_crash(int number) {
         return;
     }
     const crash_line *line = guard.line;
-    ssize_t written = write(STDERR_FILENO, guard.notice, guard.notice_size);
-    written = line->file >= 0 ? write(line->file, line->text, line->size) : -1;
-    if (line->starts_again && written == (ssize_t)line->size && guard.arguments) {
+    put(STDERR_FILENO, guard.notice, guard.notice_size);
+    const bool is_recorded = line->file >= 0 && put(line->file, line->text, line->size);
+    if (is_recorded && line->starts_again && guard.arguments) {
         sigemptyset(&none);
         pthread_sigmask(SIG_SETMASK, &none, NULL);
         execv("/proc/self/exe", guard.arguments);
