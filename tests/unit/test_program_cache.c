@@ -16,7 +16,7 @@
 
 #define WIDTH 24
 #define HEIGHT 16
-#define MAX_FILES 16
+#define MAX_FILES 24
 #define MAX_PROGRAMS 256
 
 /* The texts of a program, which the library keeps for the whole process. */
