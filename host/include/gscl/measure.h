@@ -84,7 +84,8 @@ static inline void gscl_benchmark_settings_default(gscl_benchmark_settings *sett
     gscl_benchmark_settings_init(settings, sizeof *settings);
 }
 
-/* Times of one kernel, or of "fit step", which is all kernels of a gradient step on the wall clock. */
+/* Times of one kernel, or of "fit step", which is all kernels of a gradient step on the wall clock.  Of kernels that do
+ * not run in each step it is the mean of a step. */
 typedef struct gscl_measurement {
     const char *name; /* static */
     const char *unit; /* of `work`: "flop", "byte", or "evaluation" of a splat at a pixel; static */
