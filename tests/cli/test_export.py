@@ -10,7 +10,10 @@ from images import Image, psnr, read_png, scene
 from tool import ToolTest, main
 
 SVG = "{http://www.w3.org/2000/svg}"
-MIN_PSNR = {"normalized": 25, "alpha": 29, "sum": 26, "grey": 28}  # dB; measured less 1
+# dB, means of SEEDS files: what was measured less 2.  One file differs from the next by up to 3, with the places where
+# splats happen to lie.
+MIN_PSNR = {"normalized": 25.5, "alpha": 24.5, "sum": 24, "grey": 28.5}
+SEEDS = (1, 2, 3, 4, 5, 6)
 COLUMNS = ["x", "y", "sigma1", "sigma2", "theta", "opacity", "red", "green", "blue", "alpha"]
 
 
@@ -86,20 +89,26 @@ class Svg(ToolTest):
         self.assertLessEqual(len(ellipses), self.gscl_json("info", "in.gscl")["splats"])
         self.assertGreater(len(ellipses), 10)
 
+    def closeness(self, image, *arguments):
+        """PSNR of librsvg's drawing of the SVG file beside the decoded picture, dB."""
+        self.export(image, *arguments)
+        self.gscl("decode", "in.gscl", "-o", "in.png", "--device", "host")
+        done = self.start("out.svg", "-o", "svg.png", program="rsvg-convert")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        shown, exact = (read_png(self.path(file).read_bytes()) for file in ("svg.png", "in.png"))
+        colours = [s for at, s in enumerate(shown.samples) if shown.channels == 3 or at % 4 < 3]
+        samples = [s for s in exact.samples for _ in range(3 if image.channels == 1 else 1)]
+        return psnr(Image(96, 64, 3, 8, colours), Image(96, 64, 3, 8, samples))
+
     @unittest.skipUnless(shutil.which("rsvg-convert"), "needs rsvg-convert")
     def test_comes_close(self):
         """Each blend and grey, drawn by librsvg."""
         cases = {"normalized": (3, ()), "alpha": (3, ("--blend", "alpha")), "sum": (3, ("--blend", "sum")), "grey": (1, ())}
         for name, (channels, arguments) in cases.items():
             with self.subTest(name=name):
-                self.export(scene(96, 64, channels), *arguments)
-                self.gscl("decode", "in.gscl", "-o", "in.png", "--device", "host")
-                done = self.start("out.svg", "-o", "svg.png", program="rsvg-convert")
-                self.assertEqual(done.returncode, 0, done.stderr)
-                shown, exact = (read_png(self.path(file).read_bytes()) for file in ("svg.png", "in.png"))
-                colours = [s for at, s in enumerate(shown.samples) if shown.channels == 3 or at % 4 < 3]
-                samples = [s for s in exact.samples for _ in range(4 - channels if channels == 1 else 1)]
-                self.assertGreater(psnr(Image(96, 64, 3, 8, colours), Image(96, 64, 3, 8, samples)), MIN_PSNR[name])
+                image = scene(96, 64, channels)
+                reached = [self.closeness(image, "--seed", seed, *arguments) for seed in SEEDS]
+                self.assertGreater(sum(reached) / len(reached), MIN_PSNR[name], reached)
 
     def test_limits(self):
         self.encode(scene(60, 40), "--splats", 12)
