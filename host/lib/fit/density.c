@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
-#include "fit/random.h"
+#include "fit/placement.h"
 #include "fit/tunables.h"
 #include "image/box_sum.h"
 #include "image/flat_background.h"
@@ -13,84 +13,8 @@
 
 #define SPLIT_FACTOR 1.6f /* the paper's released code */
 
-/* Maps of the current level while splats are placed. */
-typedef struct placement {
-    int width, height, channels;
-    bool rotated;      /* splats have an angle */
-    float scale;       /* full-size pixels per pixel of the level */
-    float *target;     /* channels planes */
-    float *density;    /* of new splats, per pixel, not normalised */
-    float *near_edges; /* box sums of edges, per pixel; NULL without a flat background */
-    double *sums;      /* cumulative density */
-} placement;
-
-static void placement_free(placement *p) {
-    free(p->target);
-    free(p->density);
-    free(p->near_edges);
-    free(p->sums);
-}
-
-static gscl_result placement_create(placement *p, gscl_fit *f) {
-    memset(p, 0, sizeof *p);
-    p->width = (int)gscl_fit_level_width(f);
-    p->height = (int)gscl_fit_level_height(f);
-    p->channels = f->renderer.channels;
-    p->rotated = f->renderer.options.shape == GSCL_SHAPE_ROTATED;
-    p->scale = ldexpf(1.0f, f->level);
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
-    p->density = malloc(pixels * sizeof(float));
-    p->near_edges = f->flat.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
-    p->sums = malloc(pixels * sizeof(double));
-    if (!p->target || !p->density || (f->flat.pixels > 0 && !p->near_edges) || !p->sums)
-        return gscl_fail_memory(f->context);
-    return gscl_fit_target(f, p->target);
-}
-
-/* Number of pixels outside the flat background, which need splats. */
-static float non_flat_pixels(const gscl_fit *f, const placement *p) {
-    return fmaxf(1.0f - (float)f->flat.pixels, gscl_fit_tunables.min_non_flat_pixels) * (float)p->width *
-           (float)p->height;
-}
-
-/* Writes the cumulative density; returns its total. */
-static double placement_accumulate(placement *p) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    double total = 0;
-    for (size_t i = 0; i < pixels; i++)
-        p->sums[i] = total += p->density[i];
-    return total;
-}
-
-/* The pixel at which the cumulative density passes `value`. */
-static size_t placement_pixel_at(const placement *p, double value) {
-    size_t low = 0, high = (size_t)p->width * (size_t)p->height - 1;
-    while (low < high) {
-        size_t mid = low + (high - low) / 2;
-        if (p->sums[mid] < value)
-            low = mid + 1;
-        else
-            high = mid;
-    }
-    return low;
-}
-
-/* Makes a circular splat at a random point of the pixel, with the pixel's colour; `sigma` in full-size pixels. */
-static void place_splat(const placement *p, size_t pixel, float sigma, float opacity, uint64_t *random, float *params) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    params[GSCL_X] = ((float)(pixel % (size_t)p->width) + gscl_random_unit(random)) * p->scale;
-    params[GSCL_Y] = ((float)(pixel / (size_t)p->width) + gscl_random_unit(random)) * p->scale;
-    params[GSCL_LOG_S1] = params[GSCL_LOG_S2] = logf(sigma);
-    float angle = 3.14159265f * gscl_random_unit(random);
-    params[GSCL_THETA] = p->rotated ? angle : 0.0f;
-    params[GSCL_OPACITY] = opacity;
-    for (int k = 0; k < p->channels; k++)
-        params[GSCL_COLOUR + k] = p->target[(size_t)k * pixels + pixel];
-}
-
 /* Writes the magnitude of the image's gradient into the density: central differences, all channels. */
-static void gradient_magnitude(placement *p) {
+static void gradient_magnitude(gscl_placement *p) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
     for (int y = 0; y < p->height; y++)
         for (int x = 0; x < p->width; x++) {
@@ -109,14 +33,16 @@ static void gradient_magnitude(placement *p) {
 
 /* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
  * evenly.  A flat background gets none away from edges, where splats would cost time without any gain. */
-static void seed_density(const gscl_fit *f, placement *p, size_t count) {
+static void seed_density(const gscl_fit *f, gscl_placement *p, size_t count) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
-    double total = placement_accumulate(p);
+    double total = 0;
+    for (size_t i = 0; i < pixels; i++)
+        total += p->density[i];
     for (size_t i = 0; i < pixels; i++)
         p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
     if (f->flat.pixels > 0) {
         memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
-        float distance = sqrtf(non_flat_pixels(f, p) / (float)count);
+        float distance = sqrtf(gscl_placement_area(p, f) / (float)count);
         int radius = (int)(gscl_fit_tunables.background_distance * distance) + 1;
         gscl_box_sum(p->near_edges, p->width, p->height, radius, p->sums);
     }
@@ -126,29 +52,32 @@ static void seed_density(const gscl_fit *f, placement *p, size_t count) {
             p->density[i] += 0.5f / (float)pixels;
 }
 
-static gscl_result seed_splats(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
-    GSCL_TRY(placement_create(p, f));
+static gscl_result seed_splats(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
+    GSCL_TRY(gscl_placement_create(p, f));
     gradient_magnitude(p);
     seed_density(f, p, count);
-    double total = placement_accumulate(p);
+    gscl_placement_accumulate(p, count);
     for (size_t i = 0; i < count; i++) {
-        size_t pixel = placement_pixel_at(p, gscl_random_unit(random) * total);
-        float sigma = gscl_fit_tunables.seed_axis * p->scale / sqrtf(p->density[pixel] / (float)total * (float)count);
-        place_splat(p, pixel, fmaxf(sigma, gscl_fit_tunables.min_axis), 0.0f, random, params + i * GSCL_PARAMS);
+        size_t pixel = gscl_placement_sample(p, i, random);
+        float sigma = gscl_fit_tunables.seed_axis * p->scale * gscl_placement_distance(p, pixel);
+        gscl_placement_splat(p, pixel, sigma, 0.0f, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);
 }
 
-static gscl_result add_by_error(gscl_fit *f, placement *p, size_t count, uint64_t *random, float *params) {
-    GSCL_TRY(placement_create(p, f));
+static gscl_result add_by_error(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
+    GSCL_TRY(gscl_placement_create(p, f));
     GSCL_TRY(gscl_fit_error(f, p->density));
-    float distance = sqrtf(non_flat_pixels(f, p) / (float)((size_t)f->renderer.count + count));
-    float sigma = fmaxf(gscl_fit_tunables.new_axis * distance * p->scale, gscl_fit_tunables.min_axis);
-    gscl_box_sum(p->density, p->width, p->height, (int)(gscl_fit_tunables.error_radius * distance) + 1, p->sums);
-    double total = placement_accumulate(p);
+    const struct gscl_fit_tunables *t = &gscl_fit_tunables;
+    float area = gscl_placement_area(p, f), distance = sqrtf(area / (float)((size_t)f->renderer.count + count));
+    float mean_distance = sqrtf(area / (float)count); /* of the new splats */
+    gscl_box_sum(p->density, p->width, p->height, (int)(t->error_radius * distance) + 1, p->sums);
+    gscl_placement_accumulate(p, count);
     for (size_t i = 0; i < count; i++) {
-        size_t pixel = placement_pixel_at(p, gscl_random_unit(random) * total);
-        place_splat(p, pixel, sigma, gscl_fit_tunables.new_opacity, random, params + i * GSCL_PARAMS);
+        size_t pixel = gscl_placement_sample(p, i, random);
+        float crowding = gscl_placement_distance(p, pixel) / mean_distance;
+        float sigma = t->new_axis * distance * p->scale * fminf(fmaxf(crowding, t->min_crowding), t->max_crowding);
+        gscl_placement_splat(p, pixel, sigma, t->new_opacity, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);
 }
@@ -246,16 +175,16 @@ gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
 
 /* ---- Entry points ---- */
 
-typedef gscl_result placer(gscl_fit *, placement *, size_t, uint64_t *, float *);
+typedef gscl_result placer(gscl_fit *, gscl_placement *, size_t, uint64_t *, float *);
 
 static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t count, uint64_t *random) {
     if (count == 0)
         return GSCL_OK;
-    placement p = {0};
+    gscl_placement p = {0};
     gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
     float *params = calloc(count, GSCL_PARAMS * sizeof(float));
     gscl_result result = params ? place_splats(f, &p, count, random, params) : gscl_fail_memory(f->context);
-    placement_free(&p);
+    gscl_placement_free(&p);
     free(params);
     gscl_stage(f->context, before);
     return result;

@@ -17,7 +17,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .wide_surplus = 0.2,
     .wide_steps = 0.6,
     .densify_rounds = 12,
-    .densify_until = 0.48,
+    .densify_until = 0.6,
     .measure_round = 8,
 
     .small_image_pixels = 65536,

@@ -28,7 +28,8 @@ struct gscl_scalar_tunables {
     double wide_surplus;            /* surplus added where splats are far apart */
     double wide_steps;              /* share of the steps added where splats are far apart and steps take little time */
     int densify_rounds;             /* rounds in which the other splats are added */
-    double densify_until;           /* share of the steps, after which the number of splats stays */
+    double densify_until;           /* share of the steps, after which the number of splats stays; 0.48 costs 0.03 dB
+                                       and 3 % of the time, 0.7 costs 0.06 dB */
     int measure_round;              /* after this round measured bits per splat replace the estimate */
 
     /* Levels of the pyramid. */
