@@ -54,7 +54,7 @@ static void test_stages_add_up_to_the_encode(void **state) {
     }
 }
 
-/* Points are in order, the PSNR rises, and the last is close to that of the file. */
+/* Points are in order, the PSNR rises, and the last is that of the file but for samples that are clamped and rounded. */
 static void check_trace(const gscl_encode_report *r) {
     const gscl_trace_point *first = &r->trace[0], *last = &r->trace[r->trace_count - 1];
     assert_in_range(r->trace_count, 10, GSCL_MAX_TRACE_POINTS);

@@ -120,5 +120,7 @@ gscl_result gscl_codebook_meet_budget(gscl_codebook_state *s) {
     GSCL_TRY(learn_words(s, t->last_rate * t->round_rate));
     GSCL_TRY(gscl_codebook_sort(&s->codebook, &s->encoder->coded));
     GSCL_TRY(quantise_and_size(s, &size));
-    return budget ? cut_off_splats(s, size) : GSCL_OK;
+    if (budget)
+        GSCL_TRY(cut_off_splats(s, size));
+    return gscl_trace_coded_image(s->encoder, &s->fit, &s->encoder->coded, s->plan.steps);
 }

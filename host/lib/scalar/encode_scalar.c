@@ -8,6 +8,7 @@
 #include "scalar/choose_codes.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/search.h"
+#include "session/encode_trace.h"
 
 /* The stages of the default profile. */
 static gscl_result run_stages(gscl_scalar_state *s) {
@@ -20,7 +21,8 @@ static gscl_result run_stages(gscl_scalar_state *s) {
         GSCL_TRY(gscl_scalar_search(s));
         gscl_scalar_drop_unused_effects(s);
     }
-    return gscl_scalar_trim(s);
+    GSCL_TRY(gscl_scalar_trim(s));
+    return gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps);
 }
 
 static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {

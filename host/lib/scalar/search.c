@@ -111,8 +111,7 @@ static gscl_result run_search(gscl_search *q) {
     }
     GSCL_TRY(gscl_search_set_level(q, gscl_search_final_level(s->source_pixels, s->finest)));
     GSCL_TRY(gscl_search_meet_budget(q));
-    GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
-    return gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps);
+    return gscl_kept_codes_restore(&q->best, s);
 }
 
 gscl_result gscl_scalar_search(gscl_scalar_state *s) {
