@@ -75,8 +75,8 @@ static gscl_result add_by_error(gscl_fit *f, gscl_placement *p, size_t count, ui
     gscl_placement_accumulate(p, count);
     for (size_t i = 0; i < count; i++) {
         size_t pixel = gscl_placement_sample(p, i, random);
-        float crowding = gscl_placement_distance(p, pixel) / mean_distance;
-        float sigma = t->new_axis * distance * p->scale * fminf(fmaxf(crowding, t->min_crowding), t->max_crowding);
+        float spread = gscl_placement_distance(p, pixel) / mean_distance;
+        float sigma = t->new_axis * distance * p->scale * fminf(fmaxf(spread, 1.0f), t->max_spread);
         gscl_placement_splat(p, pixel, sigma, t->new_opacity, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);
