@@ -13,6 +13,7 @@
  *   fit_error.c: losses and errors
  *   level_residual.c: the detail that a finer level would add
  *   density.h: where splats are added
+ *   placement.h: where a density puts new splats, how large and in which direction
  *   ssim_loss.h: kernels of SSIM: a term of the loss, weights and contrast gains
  *   ssim_weights.h: squared error that is weighted in place of MS-SSIM
  *   visual_loss.h: squared error and what people see, by SSIMULACRA 2, and a quadratic model of it
