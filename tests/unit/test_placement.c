@@ -27,10 +27,11 @@ static void place_on(painter *paint, int shape, gscl_fit *fit, gscl_placement *p
         planes[i] = paint(i % WIDTH, i / WIDTH);
     const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1, .shape = shape};
     assert_int_equal(gscl_fit_create(fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
-    assert_int_equal(gscl_placement_create(placement, fit), GSCL_OK);
+    assert_int_equal(gscl_placement_create(placement, fit, SPLATS, true), GSCL_OK);
     for (int i = 0; i < PIXELS; i++)
         placement->density[i] = 1.0f;
-    gscl_placement_accumulate(placement, SPLATS);
+    gscl_placement_accumulate(placement);
+    assert_int_equal(gscl_placement_read_target(placement, fit, 0), GSCL_OK);
 }
 
 static void end_placement(gscl_fit *fit, gscl_placement *placement) {
@@ -82,7 +83,7 @@ static void test_samples_follow_the_density(void **unused) {
     place_on(slope, GSCL_SHAPE_ROTATED, &fit, &p);
     for (int i = 0; i < PIXELS; i++)
         p.density[i] = i % WIDTH < WIDTH / 2 ? 4.0f : 1.0f;
-    gscl_placement_accumulate(&p, SPLATS);
+    gscl_placement_accumulate(&p);
     for (int round = 0; round < 100; round++)
         for (size_t i = 0; i < SPLATS; i++)
             left += gscl_placement_sample(&p, i, &random) % WIDTH < WIDTH / 2;
@@ -101,10 +102,36 @@ static void test_density_of_nothing(void **unused) {
     place_on(slope, GSCL_SHAPE_ROTATED, &fit, &p);
     for (int i = 0; i < PIXELS; i++)
         p.density[i] = 0;
-    gscl_placement_accumulate(&p, SPLATS);
+    gscl_placement_accumulate(&p);
     assert_true(gscl_placement_sample(&p, 0, &random) < PIXELS);
     assert_true(isfinite(gscl_placement_distance(&p, 0)));
     end_placement(&fit, &p);
+}
+
+/* A tall image's target is read in bands, each of which holds whole strips and what edges there need. */
+static void test_target_is_read_in_bands(void **unused) {
+    (void)unused;
+    enum { TALL = 40000, NARROW = 32 };
+    float *planes = malloc(3 * (size_t)TALL * NARROW * sizeof *planes), params[GSCL_PARAMS];
+    assert_non_null(planes);
+    for (int i = 0; i < 3 * TALL * NARROW; i++)
+        planes[i] = (float)(i % 977) / 977.0f;
+    const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 3};
+    gscl_fit fit;
+    gscl_placement p;
+    uint64_t random = 5;
+    assert_int_equal(gscl_fit_create(&fit, context, &options, NARROW, TALL, 0, planes), GSCL_OK);
+    assert_int_equal(gscl_placement_create(&p, &fit, 1000, false), GSCL_OK);
+    assert_true(p.rows < TALL);
+    for (int y = 0; y < TALL; y += 1999) {
+        assert_int_equal(gscl_placement_read_target(&p, &fit, y), GSCL_OK);
+        const size_t pixel = (size_t)y * NARROW + NARROW / 2;
+        gscl_placement_splat(&p, pixel, 3.0f, 0.0f, &random, params);
+        for (size_t k = 0; k < 3; k++)
+            assert_float_equal(params[GSCL_COLOUR + k], planes[k * TALL * NARROW + pixel], 1e-6);
+    }
+    end_placement(&fit, &p);
+    free(planes);
 }
 
 static float falling_edge(int x, int y) {
@@ -156,9 +183,9 @@ static void test_splats_are_circles_elsewhere(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_samples_keep_apart),           cmocka_unit_test(test_samples_follow_the_density),
-        cmocka_unit_test(test_density_of_nothing),           cmocka_unit_test(test_splats_lie_along_edges),
-        cmocka_unit_test(test_splats_are_circles_elsewhere),
+        cmocka_unit_test(test_samples_keep_apart),     cmocka_unit_test(test_samples_follow_the_density),
+        cmocka_unit_test(test_density_of_nothing),     cmocka_unit_test(test_target_is_read_in_bands),
+        cmocka_unit_test(test_splats_lie_along_edges), cmocka_unit_test(test_splats_are_circles_elsewhere),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

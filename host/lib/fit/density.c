@@ -33,30 +33,34 @@ static void gradient_magnitude(gscl_placement *p) {
 
 /* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
  * evenly.  A flat background gets none away from edges, where splats would cost time without any gain. */
-static void seed_density(const gscl_fit *f, gscl_placement *p, size_t count) {
+static gscl_result seed_density(const gscl_fit *f, gscl_placement *p) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
     double total = 0;
     for (size_t i = 0; i < pixels; i++)
         total += p->density[i];
     for (size_t i = 0; i < pixels; i++)
         p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
-    if (f->flat.pixels > 0) {
-        memcpy(p->near_edges, p->density, pixels * sizeof *p->near_edges);
-        float distance = sqrtf(gscl_placement_area(p, f) / (float)count);
-        int radius = (int)(gscl_fit_tunables.background_distance * distance) + 1;
-        gscl_box_sum(p->near_edges, p->width, p->height, radius, p->sums);
-    }
+    float *near_edges = malloc(pixels * sizeof *near_edges);
+    if (!near_edges)
+        return gscl_fail_memory(f->context);
+    memcpy(near_edges, p->density, pixels * sizeof *near_edges);
+    float distance = sqrtf(gscl_placement_area(p, f) / (float)p->count);
+    int radius = (int)(gscl_fit_tunables.background_distance * distance) + 1;
+    gscl_box_sum(near_edges, p->width, p->height, radius, p->scratch);
     for (size_t i = 0; i < pixels; i++)
-        if (f->flat.pixels == 0 || p->near_edges[i] > 0 ||
+        if (f->flat.pixels == 0 || near_edges[i] > 0 ||
             !gscl_matches_background(p->target, pixels, p->channels, f->background, i))
             p->density[i] += 0.5f / (float)pixels;
+    free(near_edges);
+    return GSCL_OK;
 }
 
 static gscl_result seed_splats(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
-    GSCL_TRY(gscl_placement_create(p, f));
+    GSCL_TRY(gscl_placement_create(p, f, count, true));
+    GSCL_TRY(gscl_placement_read_target(p, f, 0));
     gradient_magnitude(p);
-    seed_density(f, p, count);
-    gscl_placement_accumulate(p, count);
+    GSCL_TRY(seed_density(f, p));
+    gscl_placement_accumulate(p);
     for (size_t i = 0; i < count; i++) {
         size_t pixel = gscl_placement_sample(p, i, random);
         float sigma = gscl_fit_tunables.seed_axis * p->scale * gscl_placement_distance(p, pixel);
@@ -66,17 +70,18 @@ static gscl_result seed_splats(gscl_fit *f, gscl_placement *p, size_t count, uin
 }
 
 static gscl_result add_by_error(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
-    GSCL_TRY(gscl_placement_create(p, f));
+    GSCL_TRY(gscl_placement_create(p, f, count, false));
     GSCL_TRY(gscl_fit_error(f, p->density));
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
     float area = gscl_placement_area(p, f), distance = sqrtf(area / (float)((size_t)f->renderer.count + count));
     float mean_distance = sqrtf(area / (float)count); /* of the new splats */
-    gscl_box_sum(p->density, p->width, p->height, (int)(t->error_radius * distance) + 1, p->sums);
-    gscl_placement_accumulate(p, count);
+    gscl_box_sum(p->density, p->width, p->height, (int)(t->error_radius * distance) + 1, p->scratch);
+    gscl_placement_accumulate(p);
     for (size_t i = 0; i < count; i++) {
         size_t pixel = gscl_placement_sample(p, i, random);
         float spread = gscl_placement_distance(p, pixel) / mean_distance;
         float sigma = t->new_axis * distance * p->scale * fminf(fmaxf(spread, 1.0f), t->max_spread);
+        GSCL_TRY(gscl_placement_read_target(p, f, (int)(pixel / (size_t)p->width)));
         gscl_placement_splat(p, pixel, sigma, t->new_opacity, random, params + i * GSCL_PARAMS);
     }
     return gscl_fit_append(f, params, count);

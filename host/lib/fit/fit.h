@@ -93,8 +93,8 @@ gscl_result gscl_fit_renew_model(gscl_fit *fit);
 gscl_result gscl_fit_renew_model_at(gscl_fit *fit, const gscl_buffer *rendering, float curvature);
 /* The current level's target: its planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
-/* Reads the current level's planes of the source. */
-gscl_result gscl_fit_target(gscl_fit *fit, float *planes);
+/* Reads `count` samples of the current level's planes of the source, which lie one after another, from `first` on. */
+gscl_result gscl_fit_target_samples(gscl_fit *fit, size_t first, size_t count, float *samples);
 
 /* ---- fit_splats.c: the splats and the state of the optimiser for each ---- */
 

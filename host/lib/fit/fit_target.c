@@ -44,7 +44,7 @@ gscl_result gscl_fit_renew_model(gscl_fit *f) {
     return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
 }
 
-gscl_result gscl_fit_target(gscl_fit *f, float *planes) {
-    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], 0, planes,
-                            gscl_fit_level_pixels(f) * (size_t)f->renderer.channels * sizeof(float));
+gscl_result gscl_fit_target_samples(gscl_fit *f, size_t first, size_t count, float *samples) {
+    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], first * sizeof(float), samples,
+                            count * sizeof(float));
 }

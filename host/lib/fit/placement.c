@@ -10,28 +10,75 @@
 
 static const struct gscl_fit_tunables *const tunables = &gscl_fit_tunables;
 
+/* ---- Strips ---- */
+
+/* Columns of all strips. */
+static size_t columns(const gscl_placement *p) {
+    return (size_t)p->width * (size_t)((p->height + p->strip - 1) / p->strip);
+}
+
+/* Row below the strip that begins at row `top`. */
+static int strip_end(const gscl_placement *p, int top) {
+    return top + p->strip < p->height ? top + p->strip : p->height;
+}
+
+/* Each second strip is walked backwards. */
+static int column_x(const gscl_placement *p, int top, int column) {
+    return top / p->strip % 2 ? p->width - 1 - column : column;
+}
+
+/* ---- Maps ---- */
+
 void gscl_placement_free(gscl_placement *p) {
     free(p->target);
     free(p->density);
-    free(p->near_edges);
+    free(p->scratch);
     free(p->sums);
 }
 
-gscl_result gscl_placement_create(gscl_placement *p, gscl_fit *f) {
+/* Rows beyond a strip that edges at its splats need. */
+static int margin(void) {
+    return tunables->max_edge_radius + 1;
+}
+
+static int target_rows(const gscl_placement *p, bool all) {
+    const int rows = tunables->target_band_pixels / p->width, least = p->strip + 2 * margin();
+    return all || rows > p->height || least > p->height ? p->height : rows > least ? rows : least;
+}
+
+gscl_result gscl_placement_create(gscl_placement *p, gscl_fit *f, size_t count, bool all) {
     memset(p, 0, sizeof *p);
     p->width = (int)gscl_fit_level_width(f);
     p->height = (int)gscl_fit_level_height(f);
     p->channels = f->renderer.channels;
     p->rotated = f->renderer.options.shape == GSCL_SHAPE_ROTATED;
     p->scale = ldexpf(1.0f, f->level);
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    p->target = malloc(pixels * (size_t)p->channels * sizeof(float));
-    p->density = malloc(pixels * sizeof(float));
-    p->near_edges = f->flat.pixels > 0 ? malloc(pixels * sizeof(float)) : NULL;
-    p->sums = malloc(pixels * sizeof(double));
-    if (!p->target || !p->density || (f->flat.pixels > 0 && !p->near_edges) || !p->sums)
-        return gscl_fail_memory(f->context);
-    return gscl_fit_target(f, p->target);
+    p->count = count;
+    p->strip = (int)sqrt((double)p->width * p->height / (double)count) + 1;
+    p->rows = target_rows(p, all);
+    p->top = -p->rows;
+    const size_t width = (size_t)p->width, height = (size_t)p->height;
+    p->density = malloc(width * height * sizeof(float));
+    p->sums = malloc(columns(p) * sizeof(double));
+    p->scratch = malloc((width > height ? width : height) * sizeof(double));
+    p->target = malloc(width * (size_t)p->rows * (size_t)p->channels * sizeof(float));
+    return p->density && p->sums && p->scratch && p->target ? GSCL_OK : gscl_fail_memory(f->context);
+}
+
+gscl_result gscl_placement_read_target(gscl_placement *p, gscl_fit *f, int y) {
+    const int strip_top = y / p->strip * p->strip;
+    const int first = strip_top > margin() ? strip_top - margin() : 0;
+    const int end = strip_end(p, strip_top) + margin() < p->height ? strip_end(p, strip_top) + margin() : p->height;
+    if (first >= p->top && end <= p->top + p->rows)
+        return GSCL_OK;
+    p->top = first < p->height - p->rows ? first : p->height - p->rows;
+    const size_t width = (size_t)p->width, band = width * (size_t)p->rows;
+    if (p->rows == p->height)
+        return gscl_fit_target_samples(f, 0, band * (size_t)p->channels, p->target);
+    for (size_t k = 0; k < (size_t)p->channels; k++)
+        GSCL_TRY(
+            gscl_fit_target_samples(f, width * (k * (size_t)p->height + (size_t)p->top), band, p->target + k * band));
+    return GSCL_OK;
 }
 
 float gscl_placement_area(const gscl_placement *p, const gscl_fit *f) {
@@ -40,36 +87,23 @@ float gscl_placement_area(const gscl_placement *p, const gscl_fit *f) {
 
 /* ---- Sampling ---- */
 
-void gscl_placement_accumulate(gscl_placement *p, size_t count) {
+void gscl_placement_accumulate(gscl_placement *p) {
     double total = 0, *sum = p->sums;
-    p->count = count;
-    p->strip = (int)sqrt((double)p->width * p->height / (double)count) + 1;
-    for (int top = 0; top < p->height; top += p->strip) {
-        int bottom = top + p->strip < p->height ? top + p->strip : p->height;
-        bool backwards = top / p->strip % 2;
-        for (int i = 0; i < p->width; i++) {
-            int x = backwards ? p->width - 1 - i : i;
-            for (int y = top; y < bottom; y++)
-                *sum++ = total += p->density[(size_t)y * (size_t)p->width + (size_t)x];
+    for (int top = 0; top < p->height; top += p->strip)
+        for (int column = 0; column < p->width; column++, *sum++ = total) {
+            const size_t x = (size_t)column_x(p, top, column);
+            for (int y = top; y < strip_end(p, top); y++)
+                total += p->density[(size_t)y * (size_t)p->width + x];
         }
-    }
-}
-
-/* Pixel at a place of the order of strips. */
-static size_t pixel_of_place(const gscl_placement *p, size_t place) {
-    size_t width = (size_t)p->width, strip = (size_t)p->strip, number = place / (width * strip);
-    size_t top = number * strip, in_strip = place - top * width;
-    size_t rows = (size_t)p->height - top < strip ? (size_t)p->height - top : strip, column = in_strip / rows;
-    return (top + in_strip % rows) * width + (number % 2 ? width - 1 - column : column);
 }
 
 static double total_density(const gscl_placement *p) {
-    return p->sums[(size_t)p->width * (size_t)p->height - 1];
+    return p->sums[columns(p) - 1];
 }
 
-size_t gscl_placement_sample(const gscl_placement *p, size_t index, uint64_t *random) {
-    double value = ((double)index + gscl_random_unit(random)) / (double)p->count * total_density(p);
-    size_t low = 0, high = (size_t)p->width * (size_t)p->height - 1;
+/* The column of the walk in which the cumulative density passes `value`. */
+static size_t find_column(const gscl_placement *p, double value) {
+    size_t low = 0, high = columns(p) - 1;
     while (low < high) {
         size_t mid = low + (high - low) / 2;
         if (p->sums[mid] < value)
@@ -77,7 +111,19 @@ size_t gscl_placement_sample(const gscl_placement *p, size_t index, uint64_t *ra
         else
             high = mid;
     }
-    return pixel_of_place(p, low);
+    return low;
+}
+
+size_t gscl_placement_sample(const gscl_placement *p, size_t index, uint64_t *random) {
+    const double value = ((double)index + gscl_random_unit(random)) / (double)p->count * total_density(p);
+    const size_t column = find_column(p, value), width = (size_t)p->width;
+    const int top = (int)(column / width) * p->strip;
+    const size_t x = (size_t)column_x(p, top, (int)(column % width));
+    double sum = column > 0 ? p->sums[column - 1] : 0;
+    int y = top;
+    while (y < strip_end(p, top) - 1 && (sum += p->density[(size_t)y * width + x]) < value)
+        y++;
+    return (size_t)y * width + x;
 }
 
 float gscl_placement_distance(const gscl_placement *p, size_t pixel) {
@@ -93,7 +139,7 @@ typedef struct tensor {
 } tensor;
 
 static tensor tensor_around(const gscl_placement *p, size_t pixel, int radius) {
-    size_t width = (size_t)p->width, pixels = width * (size_t)p->height;
+    size_t width = (size_t)p->width, plane = width * (size_t)p->rows;
     int x0 = (int)(pixel % width), y0 = (int)(pixel / width);
     int left = x0 - radius > 1 ? x0 - radius : 1, right = x0 + radius < p->width - 2 ? x0 + radius : p->width - 2;
     int top = y0 - radius > 1 ? y0 - radius : 1, bottom = y0 + radius < p->height - 2 ? y0 + radius : p->height - 2;
@@ -101,7 +147,7 @@ static tensor tensor_around(const gscl_placement *p, size_t pixel, int radius) {
     for (int k = 0; k < p->channels; k++)
         for (int y = top; y <= bottom; y++)
             for (int x = left; x <= right; x++) {
-                const float *t = p->target + (size_t)k * pixels + (size_t)y * width + (size_t)x;
+                const float *t = p->target + (size_t)k * plane + (size_t)(y - p->top) * width + (size_t)x;
                 float by_x = t[1] - t[-1], by_y = t[width] - *(t - width);
                 sum.xx += by_x * by_x;
                 sum.yy += by_y * by_y;
@@ -124,7 +170,7 @@ static void follow_edge(const gscl_placement *p, size_t pixel, float sigma, floa
 
 void gscl_placement_splat(const gscl_placement *p, size_t pixel, float sigma, float opacity, uint64_t *random,
                           float *params) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
+    size_t plane = (size_t)p->width * (size_t)p->rows, in_rows = pixel - (size_t)p->width * (size_t)p->top;
     sigma = fmaxf(sigma, tunables->min_axis);
     params[GSCL_X] = ((float)(pixel % (size_t)p->width) + gscl_random_unit(random)) * p->scale;
     params[GSCL_Y] = ((float)(pixel / (size_t)p->width) + gscl_random_unit(random)) * p->scale;
@@ -132,7 +178,7 @@ void gscl_placement_splat(const gscl_placement *p, size_t pixel, float sigma, fl
     params[GSCL_THETA] = 0.0f;
     params[GSCL_OPACITY] = opacity;
     for (int k = 0; k < p->channels; k++)
-        params[GSCL_COLOUR + k] = p->target[(size_t)k * pixels + pixel];
+        params[GSCL_COLOUR + k] = p->target[(size_t)k * plane + in_rows];
     if (p->rotated)
         follow_edge(p, pixel, sigma, params);
 }

@@ -18,6 +18,7 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .max_spread = 2.5f,
     .edge_stretch = 0.6f,
     .max_edge_radius = 8,
+    .target_band_pixels = 1 << 20,
     .min_edge = 1e-4f,
     .new_opacity = -0.5f,
     .error_radius = 0.35f,

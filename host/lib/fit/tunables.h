@@ -46,6 +46,8 @@ struct gscl_fit_tunables {
     /* Largest radius of the window in which the direction of an edge is found, which is sigma: pixels of the level.
      * Twice the window is as good. */
     int max_edge_radius;
+    /* Pixels of the target that the host holds at a time while splats are added: bounds the memory. */
+    int target_band_pixels;
     /* Sum of squared differences (samples 0 to 1) below which an edge counts in part: bounds the stretch in noise. */
     float min_edge;
     /* Initial opacity of splats that are added later: logit.  They start semi-transparent so as not to cover good
