@@ -75,6 +75,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
     const size_t bytes = plan->target.bytes;
     *s = (gscl_scalar_state){.encoder = e,
                              .source = source,
+                             .release = plan->release,
                              .source_pixels = pixels,
                              .bytes = bytes,
                              .max_splats = bytes ? e->max_splats : GSCL_MAX_SPLATS,

@@ -12,6 +12,7 @@
 /* The source, the target and the result of a fit. */
 typedef struct gscl_scalar_plan {
     const gscl_source *source;
+    gscl_source *release; /* `source`, whose planes may be freed as soon as the fit has them; NULL: other fits follow */
     gscl_coded_image *coded; /* its header holds the layers, and the effects that are known before the fit */
     gscl_size_target target; /* of the layers up to this one */
     const gscl_effort_preset *preset;
@@ -26,6 +27,7 @@ typedef struct gscl_scalar_state {
     /* Constant during the encode. */
     gscl_encoder *encoder; /* services, settings and effects; its source and coded image are not used */
     const gscl_source *source;
+    gscl_source *release;   /* of the plan */
     double source_pixels;   /* of the level that is fitted */
     size_t bytes;           /* budget, or 0 */
     size_t max_splats;      /* that the image can use */

@@ -17,7 +17,8 @@ typedef struct gscl_source {
     int first_level;                    /* finest level that is fitted; 0 unless the image is very large */
     uint32_t width, height;             /* of that level, pixels */
     size_t pixels;                      /* width * height */
-    float *planes;                      /* one after another, each of `pixels` values in 0..1 */
+    float *planes;                      /* one after another, each of `pixels` values in 0..1; NULL after the last fit
+                                           has taken them */
     gscl_flat_background background;
 } gscl_source;
 
