@@ -58,13 +58,20 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->passes_end = t->search_passes_share;
 }
 
+/* Steps of the fit: more where splats are far apart, fewer of large images. */
+static int choose_steps(const gscl_scalar_state *s, const gscl_scalar_plan *plan, double spacing) {
+    const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
+    const double steps = s->rounds > 0 ? t->search_first_steps : plan->preset->steps;
+    const double size = fmax(s->source_pixels / t->large_image_pixels, 1);
+    return (int)(steps * (1 + t->wide_steps * spacing) * fmax(pow(size, -t->large_image_exponent), t->least_steps));
+}
+
 /* The number of splats before and after densification, and the steps of the fit. */
 static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
     const double spacing = fmin(fmax(gscl_scalar_relative_spacing(s) - 1, 0), 1);
     s->surplus = s->has_choice ? plan->preset->surplus + t->wide_surplus * spacing : 1.0;
-    s->steps = s->rounds > 0 ? t->search_first_steps : plan->preset->steps;
-    s->steps += (int)(t->wide_steps * spacing * s->steps);
+    s->steps = choose_steps(s, plan, spacing);
     const size_t own = s->target - (s->fixed_count < s->target ? s->fixed_count : s->target);
     s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }
