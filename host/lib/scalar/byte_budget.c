@@ -12,18 +12,19 @@ static bool has_slack(const gscl_scalar_state *s, double share) {
     return (double)s->size < share * (double)s->bytes;
 }
 
-/* Uses bytes that are left: a few for finer codes and more textures, many for more splats. */
+/* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as these help. */
 static gscl_result use_slack(gscl_scalar_state *s) {
+    bool is_better = true;
     for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, tunables->full_share); pass++) {
         s->keep_all = true; /* new splats would be the first to be dropped */
-        if (!gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
+        if (is_better && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
             s->lambda_scale = fmin(s->lambda_scale, 1);
             s->surplus = 1;
-            GSCL_TRY(gscl_scalar_densify(s));
+            GSCL_TRY(gscl_scalar_densify(s, s->textures, &is_better));
         } else {
             s->lambda_scale = fmax(s->lambda_scale * tunables->slack_factor, tunables->min_lambda_scale);
+            GSCL_TRY(gscl_scalar_pass(s, s->textures));
         }
-        GSCL_TRY(gscl_scalar_pass(s, s->textures));
     }
     s->keep_all = false;
     return GSCL_OK;

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "runtime/timing.h"
+#include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/scalar_rdo.h"
 #include "session/encode_trace.h"
@@ -35,13 +36,38 @@ bool gscl_scalar_has_max_splats(const gscl_scalar_state *s) {
     return s->coded->file.header.splat_count >= s->max_splats;
 }
 
-gscl_result gscl_scalar_densify(gscl_scalar_state *s) {
+/* Adds splats for the bytes that are left, and fits all splats for some steps. */
+static gscl_result add_splats(gscl_scalar_state *s) {
     const size_t count = s->coded->file.header.splat_count;
     size_t new_count = (size_t)(s->surplus * (double)s->bytes / (double)s->size * (double)count) + 1;
     new_count = new_count > s->max_splats ? s->max_splats : new_count;
     const int steps = s->steps / tunables->densify_steps_divisor + 1;
     return gscl_scalar_refit(s, new_count > count ? new_count - count : 0,
                              steps < tunables->max_densify_steps ? steps : tunables->max_densify_steps);
+}
+
+/* The error of the coded image. */
+static gscl_result measure(gscl_scalar_state *s, double *error) {
+    *error = INFINITY;
+    return s->coded->file.header.splat_count > 0 ? gscl_scalar_measure(s, error) : GSCL_OK;
+}
+
+static gscl_result densify_from(gscl_scalar_state *s, bool scan_textures, gscl_kept_codes *before, bool *is_better) {
+    double error;
+    GSCL_TRY(measure(s, &error));
+    GSCL_TRY(gscl_kept_codes_keep(before, s, error));
+    GSCL_TRY(add_splats(s));
+    GSCL_TRY(gscl_scalar_pass(s, scan_textures));
+    GSCL_TRY(measure(s, &error));
+    *is_better = error <= before->error;
+    return *is_better ? GSCL_OK : gscl_kept_codes_restore(before, s);
+}
+
+gscl_result gscl_scalar_densify(gscl_scalar_state *s, bool scan_textures, bool *is_better) {
+    gscl_kept_codes before = {0};
+    const gscl_result result = densify_from(s, scan_textures, &before, is_better);
+    gscl_kept_codes_free(&before);
+    return result;
 }
 
 void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double target_size, double gain) {
@@ -52,15 +78,19 @@ void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double 
                            tunables->max_lambda_scale);
 }
 
-/* The first pass, without textures.  Splats are added as long as the budget has room for more. */
+/* Whether the budget has room for more splats than there are. */
+static bool has_room(const gscl_scalar_state *s) {
+    return s->bytes > 0 && !gscl_scalar_has_max_splats(s) &&
+           (double)s->size < tunables->densify_below * (double)s->bytes;
+}
+
+/* The first pass, without textures.  Splats are added as long as the budget has room for more, and they help. */
 static gscl_result pass_without_textures(gscl_scalar_state *s) {
-    for (int densifications = 0;; densifications++) {
-        GSCL_TRY(gscl_scalar_pass(s, false));
-        if (s->bytes == 0 || gscl_scalar_has_max_splats(s) || densifications == tunables->max_densifications ||
-            (double)s->size >= tunables->densify_below * (double)s->bytes)
-            return GSCL_OK;
-        GSCL_TRY(gscl_scalar_densify(s));
-    }
+    bool is_better = true;
+    GSCL_TRY(gscl_scalar_pass(s, false));
+    for (int i = 0; i < tunables->max_densifications && has_room(s) && is_better; i++)
+        GSCL_TRY(gscl_scalar_densify(s, false, &is_better));
+    return GSCL_OK;
 }
 
 static uint32_t count_textured(const gsf_coded_image *file) {

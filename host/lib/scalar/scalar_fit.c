@@ -236,3 +236,13 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
     }
     return gscl_scalar_quantise(s);
 }
+
+gscl_result gscl_scalar_measure(gscl_scalar_state *s, double *error) {
+    gscl_kernel_options options = s->fit.renderer.options;
+    options.texture = s->coded->file.header.has_texture;
+    gscl_renderer_set_options(&s->fit.renderer, &options);
+    GSCL_TRY(gscl_scalar_load(s));
+    GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL)); /* the splats are quantised already */
+    GSCL_TRY(gscl_renderer_project(&s->fit.renderer));
+    return gscl_fit_rendering_error(&s->fit, error);
+}

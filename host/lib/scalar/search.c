@@ -46,13 +46,13 @@ static gscl_result make_candidate(gscl_search *q) {
 static gscl_result choose_candidate_codes(gscl_search *q, double *error) {
     gscl_scalar_state *s = q->s;
     double factor = 1;
-    GSCL_TRY(gscl_search_measure(s, error));
+    GSCL_TRY(gscl_scalar_measure(s, error));
     for (int pass = 0; pass < tunables->search_passes && s->coded->file.header.splat_count > 0; pass++) {
         const bool last = pass == tunables->search_passes - 1;
         GSCL_TRY(gscl_search_pass(q, *error, factor, s->textures && last));
         factor = (double)s->size / (double)s->bytes;
     }
-    return s->coded->file.header.splat_count > 0 ? gscl_search_measure(s, error) : GSCL_OK;
+    return s->coded->file.header.splat_count > 0 ? gscl_scalar_measure(s, error) : GSCL_OK;
 }
 
 static double cost(const gscl_search *q, double error, size_t size) {
@@ -100,7 +100,7 @@ static gscl_result run_search(gscl_search *q) {
     gscl_scalar_state *s = q->s;
     double error;
     GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level + s->finest));
-    GSCL_TRY(gscl_search_measure(s, &error));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
     q->lambda = tunables->search_first_price * error / (2 * 8 * (double)s->bytes);
     for (int round = 0; round < s->rounds; round++) {

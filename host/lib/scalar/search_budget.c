@@ -13,7 +13,7 @@ static gscl_result keep_within_budget(gscl_search *q) {
     double error;
     if (s->size > s->bytes || s->coded->file.header.splat_count == 0)
         return GSCL_OK;
-    GSCL_TRY(gscl_search_measure(s, &error));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     const bool better = q->within.count == 0 || error < q->within.error;
     return better ? gscl_kept_codes_keep(&q->within, s, error) : GSCL_OK;
 }
@@ -50,7 +50,7 @@ static gscl_result add_splats(gscl_search *q) {
     GSCL_TRY(gscl_scalar_refit(s, (size_t)(bits / tunables->expected_bits_per_splat) + 1, tunables->search_steps));
     s->coded->file.header.has_texture = s->textures;
     GSCL_TRY(gscl_scalar_update_size(s));
-    GSCL_TRY(gscl_search_measure(s, &error));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     return gscl_kept_codes_keep(&q->best, s, error);
 }
 

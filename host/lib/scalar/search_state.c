@@ -2,21 +2,13 @@
 
 #include <math.h>
 
-static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
+#include "scalar/scalar_fit.h"
 
-gscl_result gscl_search_measure(gscl_scalar_state *s, double *error) {
-    gscl_kernel_options options = s->fit.renderer.options;
-    options.texture = s->coded->file.header.has_texture;
-    gscl_renderer_set_options(&s->fit.renderer, &options);
-    GSCL_TRY(gscl_scalar_load(s));
-    GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL)); /* the splats are quantised already */
-    GSCL_TRY(gscl_renderer_project(&s->fit.renderer));
-    return gscl_fit_rendering_error(&s->fit, error);
-}
+static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
 
 static gscl_result measure_kept(gscl_scalar_state *s, gscl_kept_codes *kept) {
     GSCL_TRY(gscl_kept_codes_restore(kept, s));
-    return kept->count > 0 ? gscl_search_measure(s, &kept->error) : GSCL_OK;
+    return kept->count > 0 ? gscl_scalar_measure(s, &kept->error) : GSCL_OK;
 }
 
 gscl_result gscl_search_set_level(gscl_search *q, int level) {

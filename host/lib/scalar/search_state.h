@@ -13,8 +13,6 @@ typedef struct gscl_search {
     bool elongation_is_free; /* no price for artefacts of shape: where it leaves no use for the last bytes */
 } gscl_search;
 
-/* Squared error of the coded image, added over the current level; it has at least one splat. */
-gscl_result gscl_search_measure(gscl_scalar_state *state, double *error);
 /* Makes `level` (counted from the source's) the current one; measures the kept codes and converts q->lambda. */
 gscl_result gscl_search_set_level(gscl_search *q, int level);
 /* One rate-distortion pass at the price q->lambda * factor.  `error`: of the coded image. */
