@@ -5,7 +5,8 @@
  *   constants.h, structs.h: what the host reads as well
  *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
- *   slots.cl, fit.cl, update.cl, image.cl, ssim.cl, visual.cl: from an image to gradients, and a step of the optimiser
+ *   slots.cl, fit.cl, update.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to gradients, and a step of the
+ *     optimiser
  *   rdo_items.cl, outline.cl, scalar_codes.cl, rdo_planes.cl, rdo_colour.cl, rdo_moves.cl, rdo_model.cl, texture.cl,
  *     scalar_rdo.cl: rate-distortion optimisation of scalar codes
  *   codebook.cl, codebook_rdo.cl: codebooks of the paper profile

@@ -43,6 +43,8 @@ typedef struct gscl_timing {
     double kernel_seconds;          /* of a stage: the device's clock over all of its kernels; of a kernel: 0 */
     double build_seconds; /* kernel: wall clock of its first launches, in which some OpenCL implementations build
                                        it, unless it came from a cache; resetting keeps it; of a stage: 0 */
+    uint64_t waits; /* of a stage: calls in which the host waited for the device (blocking copies, clFinish), those at
+                       the end of a stage included; of a kernel: 0 */
 } gscl_timing;
 
 /* Returns the first row of a list, first stages, then kernels in the order of their first launch.  NULL for a context that

@@ -221,12 +221,9 @@ static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
 }
 
 static gscl_result read_samples(gscl_renderer *r, size_t row, void *pixels, size_t stride) {
-    size_t rows = (size_t)r->height, origin[3] = {0}, region[3] = {row, rows, 1};
-    if (stride == row)
-        return gscl_buffer_read(r->context, &r->samples, 0, pixels, row * rows);
-    GSCL_CL(r->context, clEnqueueReadBufferRect(r->context->queue, r->samples.memory, CL_TRUE, origin, origin, region,
-                                                row, 0, stride, 0, pixels, 0, NULL, NULL));
-    return GSCL_OK;
+    size_t rows = (size_t)r->height;
+    return stride == row ? gscl_buffer_read(r->context, &r->samples, 0, pixels, row * rows)
+                         : gscl_buffer_read_rows(r->context, &r->samples, row, rows, pixels, stride);
 }
 
 /* The estimated capacity is nearly always enough, and waiting for the exact one takes as long as filling the lists. */

@@ -7,6 +7,7 @@
 #include "runtime/mapping.h"
 #include "runtime/opencl.h"
 #include "runtime/programs.h"
+#include "runtime/staging.h"
 
 typedef struct gscl_renderer {
     gscl_context *context;

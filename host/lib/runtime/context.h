@@ -17,6 +17,7 @@ struct gscl_quirks;  /* quirks.h */
 /* Wall-clock time and number of runs of one stage. */
 typedef struct gscl_stage_time_sum {
     uint64_t count;
+    uint64_t waits; /* of the host for the device */
     double seconds, kernel_seconds;
 } gscl_stage_time_sum;
 
@@ -47,6 +48,8 @@ struct gscl_context {
     char *cache_folder;               /* where built programs are kept (program_cache.h), or NULL */
     gscl_build_callback build;        /* may be NULL */
     void *build_opaque;
+    bool has_work;           /* something was enqueued since the host last waited for the device */
+    uint64_t waits;          /* of the host for the device: calls that ended with an empty queue */
     size_t unlaunched_count; /* kernels that the first launch may yet build */
     struct _cl_kernel *unlaunched[GSCL_MAX_UNLAUNCHED];
     gscl_stage_clock clock;

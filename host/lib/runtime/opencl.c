@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "runtime/cl_names.h"
+#include "runtime/queue.h"
 #include "runtime/timing.h"
 
 #define MAX_PIXEL_VECTOR 64 /* bytes: 16 floats */
@@ -50,7 +51,9 @@ gscl_result gscl_buffer_reserve_image(gscl_context *context, gscl_buffer *buffer
     if (buffer->memory && size <= buffer->size)
         return GSCL_OK;
     GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
-    const cl_int error = clEnqueueFillBuffer(context->queue, buffer->memory, &one, sizeof one, 0, size, 0, NULL, NULL);
+    const cl_int error = gscl_queue_note_work(
+        context, CL_FALSE,
+        clEnqueueFillBuffer(context->queue, buffer->memory, &one, sizeof one, 0, size, 0, NULL, NULL));
     if (error == CL_SUCCESS)
         return GSCL_OK;
     gscl_buffer_free(buffer); /* the next call must not take it for a buffer that was filled */
@@ -69,7 +72,8 @@ gscl_result gscl_buffer_grow(gscl_context *context, gscl_buffer *buffer, size_t 
         gscl_buffer_free(buffer); /* before the new one: halves the peak */
     GSCL_TRY(buffer_create(context, size, &memory));
     if (keep > 0) {
-        cl_int error = clEnqueueCopyBuffer(context->queue, buffer->memory, memory, 0, 0, keep, 0, NULL, NULL);
+        const cl_int error = gscl_queue_note_work(
+            context, CL_FALSE, clEnqueueCopyBuffer(context->queue, buffer->memory, memory, 0, 0, keep, 0, NULL, NULL));
         if (error != CL_SUCCESS) {
             clReleaseMemObject(memory);
             return gscl_cl_fail(context, error, "clEnqueueCopyBuffer");
@@ -89,16 +93,18 @@ void gscl_buffer_free(gscl_buffer *buffer) {
 static gscl_result buffer_write(gscl_context *context, const gscl_buffer *buffer, cl_bool blocking, size_t offset,
                                 const void *data, size_t size) {
     if (size > 0)
-        GSCL_CL(context,
-                clEnqueueWriteBuffer(context->queue, buffer->memory, blocking, offset, size, data, 0, NULL, NULL));
+        GSCL_CL(context, gscl_queue_note_work(context, blocking,
+                                              clEnqueueWriteBuffer(context->queue, buffer->memory, blocking, offset,
+                                                                   size, data, 0, NULL, NULL)));
     return GSCL_OK;
 }
 
 static gscl_result buffer_read(gscl_context *context, const gscl_buffer *buffer, cl_bool blocking, size_t offset,
                                void *data, size_t size) {
     if (size > 0)
-        GSCL_CL(context,
-                clEnqueueReadBuffer(context->queue, buffer->memory, blocking, offset, size, data, 0, NULL, NULL));
+        GSCL_CL(context, gscl_queue_note_work(context, blocking,
+                                              clEnqueueReadBuffer(context->queue, buffer->memory, blocking, offset,
+                                                                  size, data, 0, NULL, NULL)));
     return GSCL_OK;
 }
 
@@ -119,9 +125,18 @@ gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buf
     return buffer_read(context, buffer, CL_FALSE, 0, data, size);
 }
 
+gscl_result gscl_buffer_read_rows(gscl_context *context, const gscl_buffer *buffer, size_t row, size_t rows, void *data,
+                                  size_t stride) {
+    const size_t origin[3] = {0}, region[3] = {row, rows, 1};
+    GSCL_CL(context,
+            gscl_queue_note_work(context, CL_TRUE,
+                                 clEnqueueReadBufferRect(context->queue, buffer->memory, CL_TRUE, origin, origin,
+                                                         region, row, 0, stride, 0, data, 0, NULL, NULL)));
+    return GSCL_OK;
+}
+
 gscl_result gscl_finish(gscl_context *context) {
-    if (context->queue)
-        GSCL_CL(context, clFinish(context->queue));
+    GSCL_CL(context, gscl_queue_finish(context));
     return GSCL_OK;
 }
 
@@ -132,7 +147,7 @@ struct gscl_parked {
 
 /* Releases all parked memory if the device has ended its work. */
 static bool release_if_finished(gscl_context *context) {
-    if (context->queue && clFinish(context->queue) != CL_SUCCESS)
+    if (gscl_queue_finish(context) != CL_SUCCESS)
         return false;
     while (context->parked) {
         struct gscl_parked *first = context->parked;
@@ -174,8 +189,9 @@ gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const
 
 gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,
                              size_t size) {
-    GSCL_CL(context,
-            clEnqueueCopyBuffer(context->queue, from->memory, to->memory, offset, offset, size, 0, NULL, NULL));
+    GSCL_CL(context, gscl_queue_note_work(context, CL_FALSE,
+                                          clEnqueueCopyBuffer(context->queue, from->memory, to->memory, offset, offset,
+                                                              size, 0, NULL, NULL)));
     return GSCL_OK;
 }
 
@@ -183,8 +199,9 @@ gscl_result gscl_buffer_zero(gscl_context *context, const gscl_buffer *buffer, s
     if (size == 0)
         return GSCL_OK;
     const cl_uint zero = 0;
-    GSCL_CL(context,
-            clEnqueueFillBuffer(context->queue, buffer->memory, &zero, sizeof zero, offset, size, 0, NULL, NULL));
+    GSCL_CL(context, gscl_queue_note_work(context, CL_FALSE,
+                                          clEnqueueFillBuffer(context->queue, buffer->memory, &zero, sizeof zero,
+                                                              offset, size, 0, NULL, NULL)));
     return GSCL_OK;
 }
 
@@ -224,7 +241,7 @@ static bool launch_may_build(gscl_context *context, cl_kernel kernel) {
 /* Waits for a launch that may build its kernel. */
 static cl_int launch_wait(gscl_context *context, cl_kernel kernel, double start_s, cl_int error) {
     if (error == CL_SUCCESS)
-        error = clFinish(context->queue);
+        error = gscl_queue_finish(context);
     gscl_timing_add_build(context, kernel, gscl_now() - start_s);
     gscl_report_build(context, false);
     return error;
@@ -247,8 +264,10 @@ gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups,
     const double start_s = may_build ? gscl_now() : 0;
     if (may_build)
         gscl_report_build(context, true);
-    error = clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global_size, &group_size, 0, NULL,
-                                   gscl_timing_event(context, kernel));
+    cl_event *event = gscl_timing_event(context, kernel); /* may wait */
+    error = gscl_queue_note_work(
+        context, CL_FALSE,
+        clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global_size, &group_size, 0, NULL, event));
     if (may_build)
         error = launch_wait(context, kernel, start_s, error);
     return error == CL_SUCCESS ? GSCL_OK : launch_fail(context, kernel, error, "clEnqueueNDRangeKernel");

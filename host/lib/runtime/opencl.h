@@ -41,7 +41,11 @@ gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, s
 /* Copies without waiting: the data must stay valid until a later blocking copy, or gscl_finish, has returned. */
 gscl_result gscl_buffer_write_async(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size);
 gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size);
-/* Waits until the queue is empty; accepts a context without one. */
+/* Blocking copy of `rows` rows of `row` bytes, which come to lie `stride` bytes apart. */
+gscl_result gscl_buffer_read_rows(gscl_context *context, const gscl_buffer *buffer, size_t row, size_t rows, void *data,
+                                  size_t stride);
+/* Waits until the queue is empty; accepts a context without one.  Where nothing was enqueued since the last wait, this and
+ * what waits below return at once. */
 gscl_result gscl_finish(gscl_context *context);
 /* Releases memory of the host that copies without waiting may still use: after waiting for the device or, where that
  * fails, when a later call of these two can wait.  Leaves the context's message as it is.  `memory` may be NULL. */

@@ -7,8 +7,10 @@
  *   stages.h: the names of all stages
  *   text.h, cl_names.h: texts of fixed size, names of OpenCL's errors and kernels
  *   stage_clock.h: times of stages
+ *   queue.h: waiting for the device
  *   timing.h: times of kernels
  *   opencl.h: checked calls, buffers, launches
+ *   staging.h: copies to the device without waiting
  *   quirks.h: what some OpenCL implementations need otherwise
  *   device_list.h, device.h: listing and choosing devices
  *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for

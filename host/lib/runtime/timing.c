@@ -5,9 +5,10 @@
 #include <string.h>
 
 #include "runtime/cl_names.h"
+#include "runtime/queue.h"
 
 #define MAX_ROWS 96      /* kernels with different names; there are about 40 */
-#define MAX_PENDING 1024 /* launches whose times are not added up yet */
+#define MAX_PENDING 8192 /* launches whose times are not added up yet: those of a stage of an encode */
 
 struct gscl_timings {
     size_t kernel_count;
@@ -19,12 +20,6 @@ struct gscl_timings {
     gscl_timing *pending_rows[MAX_PENDING];
     gscl_timing listed[GSCL_STAGE_COUNT + MAX_ROWS]; /* the last result of gscl_context_timings */
 };
-
-/* Waits for the device.  The next checked call reports a failure. */
-static void wait_for_device(const gscl_context *context) {
-    if (context->queue)
-        clFinish(context->queue);
-}
 
 gscl_result gscl_timing_create(gscl_context *context) {
     context->timings = calloc(1, sizeof *context->timings);
@@ -47,7 +42,7 @@ static double event_seconds(cl_event event) {
 /* Waits until all kernels have ended and adds up their times. */
 static void timing_collect(gscl_context *context) {
     struct gscl_timings *t = context->timings;
-    wait_for_device(context);
+    gscl_queue_finish(context); /* the next checked call reports a failure */
     for (size_t i = 0; i < t->pending_count; i++) {
         if (!t->pending[i])
             continue; /* the launch failed */
@@ -96,7 +91,7 @@ void gscl_timing_settle(gscl_context *context) {
     if (context->timings)
         timing_collect(context);
     else
-        wait_for_device(context);
+        gscl_queue_finish(context);
 }
 
 cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
@@ -130,7 +125,8 @@ const gscl_timing *gscl_context_timings(const gscl_context *context) {
             t->listed[count++] = (gscl_timing){.name = gscl_stage_name((gscl_stage_id)stage),
                                                .count = sum->count,
                                                .seconds = sum->seconds,
-                                               .kernel_seconds = sum->kernel_seconds};
+                                               .kernel_seconds = sum->kernel_seconds,
+                                               .waits = sum->waits};
     }
     for (size_t i = 0; i < t->kernel_count; i++)
         t->listed[count++] = t->kernel_rows[i];

@@ -8,6 +8,20 @@
 static const double rates[] = {0.042, 0.183}; /* bits per pixel */
 #define RATE_COUNT (sizeof rates / sizeof *rates)
 
+/* Kernels that were launched, and calls that waited for the device, in a run. */
+typedef struct device_calls {
+    double launches, waits;
+} device_calls;
+
+static device_calls count_calls(const bench_codec *codec, unsigned runs) {
+    device_calls calls = {0, 0};
+    for (const gscl_timing *row = gscl_context_timings(codec->context); row; row = row->next) {
+        calls.launches += row->is_kernel ? (double)row->count / runs : 0;
+        calls.waits += (double)row->waits / runs;
+    }
+    return calls;
+}
+
 static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, double whole) {
     for (const gscl_timing *row = gscl_context_timings(codec->context); row; row = row->next) {
         if (row->is_kernel != kernels || row->count == 0)
@@ -16,7 +30,8 @@ static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, do
         printf("    %-26s%7.0f x%12.3f ms%7.1f %%", row->name, (double)row->count / runs, 1e3 * seconds,
                100 * seconds / whole);
         if (!kernels)
-            printf("%10.3f ms outside kernels", 1e3 * (seconds - row->kernel_seconds / runs));
+            printf("%10.3f ms outside kernels%6.0f waits", 1e3 * (seconds - row->kernel_seconds / runs),
+                   (double)row->waits / runs);
         else
             printf("%10.0f ms first launches", 1e3 * row->build_seconds);
         printf("\n");
@@ -24,8 +39,9 @@ static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, do
 }
 
 static void print_text(const bench_codec *codec, const char *operation, double bpp, unsigned runs, spread s) {
-    printf("\n%s, %ux%u, %.3f bits per pixel: %.4f s (%.4f - %.4f)\n  stages\n", operation, codec->image->width,
-           codec->image->height, bpp, s.median, s.fastest, s.slowest);
+    const device_calls calls = count_calls(codec, runs);
+    printf("\n%s, %ux%u, %.3f bits per pixel: %.4f s (%.4f - %.4f), %.0f launches, %.0f waits\n  stages\n", operation,
+           codec->image->width, codec->image->height, bpp, s.median, s.fastest, s.slowest, calls.launches, calls.waits);
     print_rows(codec, false, runs, s.median);
     printf("  kernels\n");
     print_rows(codec, true, runs, s.median);
@@ -40,16 +56,19 @@ static void write_rows(const bench_codec *codec, bool kernels, unsigned runs) {
         json_string(codec->json, "name", row->name);
         json_real(codec->json, "count", (double)row->count / runs);
         json_real(codec->json, "seconds", row->seconds / runs);
-        if (!kernels)
-            json_real(codec->json, "kernel_seconds", row->kernel_seconds / runs);
-        else
+        if (kernels) {
             json_real(codec->json, "build_seconds", row->build_seconds);
+        } else {
+            json_real(codec->json, "kernel_seconds", row->kernel_seconds / runs);
+            json_real(codec->json, "waits", (double)row->waits / runs);
+        }
         json_close_object(codec->json);
     }
     json_close_array(codec->json);
 }
 
 static void write_json(const bench_codec *codec, const char *operation, double bpp, unsigned runs, spread s) {
+    const device_calls calls = count_calls(codec, runs);
     json_open_object(codec->json, NULL);
     json_string(codec->json, "operation", operation);
     json_integer(codec->json, "width", codec->image->width);
@@ -58,6 +77,8 @@ static void write_json(const bench_codec *codec, const char *operation, double b
     json_real(codec->json, "median_s", s.median);
     json_real(codec->json, "fastest_s", s.fastest);
     json_real(codec->json, "slowest_s", s.slowest);
+    json_real(codec->json, "launches", calls.launches);
+    json_real(codec->json, "waits", calls.waits);
     write_rows(codec, false, runs);
     write_rows(codec, true, runs);
     json_close_object(codec->json);
