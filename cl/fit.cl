@@ -272,8 +272,8 @@ inline void backward_splats(const tile_splats *t, backward *b, pix px, float py,
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global const float *restrict target, gscl_fit_settings settings,
-                        __global float *restrict slots, __global float *restrict tile_loss,
-                        __global int *restrict skip_until) {
+                        __global const gscl_fit_control *restrict control, __global float *restrict slots,
+                        __global float *restrict tile_loss, __global int *restrict skip_until) {
 #if SHARES_SPLATS
     __local shared_backward shared_state;
 #endif
@@ -319,7 +319,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
 #if ITEMS == 1
     float total = pix_sum(loss);
     tile_loss[p.tile] = total;
-    skip_until[p.tile] = skip_until_step(total, pixels, settings.skip_threshold, step);
+    skip_until[p.tile] = skip_until_step(total, pixels, control->skip_threshold, step);
 #else
     shared[get_local_id(0)] = pix_sum(loss);
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* also: all have read skip_until */
@@ -327,19 +327,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
         float total = 0.0f;
         for (int j = 0; j < ITEMS; j++) total += shared[j];
         tile_loss[p.tile] = total;
-        skip_until[p.tile] = skip_until_step(total, pixels, settings.skip_threshold, step);
+        skip_until[p.tile] = skip_until_step(total, pixels, control->skip_threshold, step);
     }
 #endif
-}
-
-/* Adds the losses of all tiles in a fixed order, with one work-item. */
-__kernel void sum_loss(__global const float *restrict tile_loss, int count, __global float *restrict total) {
-    float sum = 0.0f, lost = 0.0f; /* Kahan summation: a large image has 10^6 tiles */
-    for (int i = 0; i < count; i++) {
-        float y = tile_loss[i] - lost;
-        float t = sum + y;
-        lost = (t - sum) - y;
-        sum = t;
-    }
-    *total = sum;
 }

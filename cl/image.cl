@@ -47,11 +47,9 @@ inline float luma_of(__global const float *restrict planes, int channels, int co
     return luma;
 }
 
-/* Squared error per pixel, added over channels.  `weighted`: GSCL_WEIGHTED_..., whose planes lie behind the target's. */
-__kernel void squared_error(__global const float *restrict rendering, __global const float *restrict target,
-                            int channels, int weighted, int count, __global float *restrict error) {
-    int i = (int)get_global_id(0);
-    if (i >= count) return;
+/* Squared error of pixel i, added over channels.  `weighted`: GSCL_WEIGHTED_..., whose planes lie behind the target's. */
+inline float error_of_pixel(__global const float *restrict rendering, __global const float *restrict target,
+                            int channels, int weighted, int count, int i) {
     __global const float *weights = target + (size_t)channels * count;
     float sum = 0.0f;
     for (int k = 0; k < channels; k++) {
@@ -63,7 +61,14 @@ __kernel void squared_error(__global const float *restrict rendering, __global c
         float e = luma_of(rendering, channels, count, i) - weights[(size_t)count + i];
         sum = fma(weights[i] * e, e, sum);
     }
-    error[i] = sum;
+    return sum;
+}
+
+/* Squared error of each pixel. */
+__kernel void squared_error(__global const float *restrict rendering, __global const float *restrict target,
+                            int channels, int weighted, int count, __global float *restrict error) {
+    int i = (int)get_global_id(0);
+    if (i < count) error[i] = error_of_pixel(rendering, target, channels, weighted, count, i);
 }
 
 /* Adds `share` times a plane that is 2^shift times smaller to the plane at to[to_at]. */

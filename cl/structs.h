@@ -52,7 +52,7 @@ typedef struct gscl_sample_layout {
 typedef struct gscl_limits {
     cl_float rate;
     cl_float width, height;    /* pixels: centres stay inside the full-size image */
-    cl_float log_min, log_max; /* of an axis */
+    cl_float log_min, log_max; /* of an axis; gscl_fit_control has the present upper bound */
     cl_float log_aspect;       /* largest |ln s1 - ln s2| */
     cl_float colour_min, colour_max;
 } gscl_limits;
@@ -61,9 +61,23 @@ typedef struct gscl_limits {
 typedef struct gscl_fit_settings {
     gscl_image_shape shape;
     cl_float derivative_scale; /* of the loss: makes the levels of the pyramid agree */
-    cl_float skip_threshold;   /* loss per pixel below which a tile is skipped; 0: none is */
     cl_int step;               /* since the last reset of skipped tiles */
 } gscl_fit_settings;
+
+/* What the device follows of a fit, so that the host need not wait for it (cl/sums.cl). */
+typedef struct gscl_fit_control {
+    cl_float loss;           /* mean per sample, when it was last summed */
+    cl_float skip_threshold; /* loss per pixel below which a tile is skipped; 0: none is */
+    cl_float log_max;        /* present bound of an axis, at most gscl_limits.log_max */
+} gscl_fit_control;
+
+/* How the control follows the lists of the tiles and the loss. */
+typedef struct gscl_control_settings {
+    cl_float max_entries;        /* of all lists, above which log_max is reduced */
+    cl_float reduction;          /* of log_max */
+    cl_float log_min;            /* its lower bound */
+    cl_float threshold_per_loss; /* 0: the threshold stays */
+} gscl_control_settings;
 
 /* The links of a splat to its gradient slots, which lie one after another (cl/slots.cl): one for each tile of its box,
  * row by row.  That of the tile (x, y) is link origin + y * stride + x. */
@@ -142,7 +156,7 @@ typedef struct gscl_rdo_task {
 
 /* Steps of the codes and the price of a bit. */
 typedef struct gscl_rdo_settings {
-    cl_float lambda;     /* squared error per bit */
+    cl_float lambda;     /* squared error per bit; as a kernel's argument, in units of the picture's error */
     cl_float scale_step; /* of ln sigma */
     cl_float luma_step, chroma_step, alpha_step;
     cl_float amplitude_step; /* of a texture */

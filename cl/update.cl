@@ -176,7 +176,8 @@ inline void keep_params(vfloat *restrict p, __global const float *restrict param
 __kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
                         __global const float *restrict gradients, __global const float *restrict steps,
-                        gscl_adam_settings settings, __global float *restrict projected,
+                        gscl_adam_settings settings, __global const gscl_fit_control *restrict control,
+                        __global float *restrict projected,
                         __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
     if (i >= (size_t)settings.splats) return;
@@ -188,6 +189,7 @@ __kernel void adam_step(__global float *restrict params, __global float *restric
     store_lanes_int(age, ages + i, 1);
     adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradients + at,
          settings.limits.rate);
+    settings.limits.log_max = control->log_max;
     clamp_params(p, settings.limits);
     if ((int)i < settings.fixed) keep_params(p, params + at, settings.fixed - (int)i, lanes_used);
     UNROLL

@@ -1,9 +1,12 @@
-/* The state of a fit on the device: its pyramid, the order of its splats, and the reset of skipped tiles. */
+/* The state of a fit on the device: its pyramid, the order of its splats, the reset of skipped tiles, sums over an image, and
+ * when the host waits for it. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -129,6 +132,12 @@ static int skipped_tiles(gscl_fit *fit) {
     return count;
 }
 
+static gscl_fit_control read_control(const gscl_fit *fit) {
+    gscl_fit_control control;
+    assert_int_equal(gscl_buffer_read(context, &fit->control, 0, &control, sizeof control), GSCL_OK);
+    return control;
+}
+
 /* Tiles are skipped where the splats match the image, until new splats arrive. */
 static void test_new_splats_end_skipping(void **unused) {
     (void)unused;
@@ -141,11 +150,123 @@ static void test_new_splats_end_skipping(void **unused) {
     for (int step = 0; step <= gscl_fit_tunables.check_interval; step++)
         assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
     assert_true(skipped_tiles(&fit) > 0);
-    assert_true(fit.skip.threshold > 0);
+    assert_true(read_control(&fit).skip_threshold > 0);
     append_splats(&fit);
     assert_int_equal(skipped_tiles(&fit), 0);
-    assert_true(fit.skip.threshold == 0);
+    assert_true(read_control(&fit).skip_threshold == 0);
     gscl_fit_free(&fit);
+}
+
+/* Steps do not wait for the device, but where the lengths of the lists are not known or their interval has passed. */
+static void test_steps_do_not_wait(void **unused) {
+    (void)unused;
+    gscl_fit fit = fit_of_a_ramp();
+    append_splats(&fit);
+    assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    const uint64_t waits = context->waits;
+    for (int step = 1; step < gscl_fit_tunables.max_wait_interval; step++)
+        assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    assert_int_equal(context->waits, waits);
+    append_splats(&fit);
+    assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    assert_true(context->waits > waits);
+    assert_true(fit.known_loss > 0 && fit.known_loss < 1);
+    gscl_fit_free(&fit);
+}
+
+/* More entries than the bound: the device reduces the largest axis, with each check. */
+static void test_long_lists_bound_axes(void **unused) {
+    (void)unused;
+    enum { MANY = 2500 }; /* each on most of the 45 tiles, of which 24 a tile are allowed and 4 for each splat */
+    static float params[MANY * GSCL_PARAMS];
+    gscl_fit fit = fit_of_a_ramp();
+    for (int i = 0; i < MANY; i++) {
+        float *p = params + i * GSCL_PARAMS;
+        p[GSCL_X] = 65.0f;
+        p[GSCL_Y] = 35.0f;
+        p[GSCL_LOG_S1] = p[GSCL_LOG_S2] = 3.0f;
+    }
+    const float first = read_control(&fit).log_max;
+    assert_true(first == fit.limits.log_max);
+    assert_int_equal(gscl_fit_append(&fit, params, MANY), GSCL_OK);
+    assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+    const float second = read_control(&fit).log_max;
+    assert_float_equal(second, first - gscl_fit_tunables.axis_reduction, 1e-5);
+    for (int step = 1; step < gscl_fit_tunables.check_interval; step++)
+        assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+    assert_true(read_control(&fit).log_max == second);
+    assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+    assert_float_equal(read_control(&fit).log_max, second - gscl_fit_tunables.axis_reduction, 1e-5);
+    gscl_fit_free(&fit);
+}
+
+/* Lists that are too short are found, and filled again with more room. */
+static void test_lists_grow(void **unused) {
+    (void)unused;
+    static float error[2][PLANE];
+    for (int is_short = 0; is_short < 2; is_short++) {
+        gscl_fit fit = fit_of_a_ramp();
+        append_splats(&fit);
+        if (is_short) {
+            fit.renderer.row_capacity = 1;
+            fit.link_capacity = 1;
+        }
+        assert_int_equal(gscl_fit_error(&fit, error[is_short]), GSCL_OK);
+        assert_true(fit.has_known_lengths && !fit.has_old_lists);
+        assert_true(fit.renderer.row_capacity > SPLATS && fit.link_capacity > SPLATS);
+        gscl_fit_free(&fit);
+    }
+    assert_memory_equal(error[0], error[1], sizeof error[0]);
+}
+
+/* The sums of a large image, whose last work-group has fewer pixels, against double precision. */
+static void test_sums_of_errors(void **unused) {
+    (void)unused;
+    enum { SIDE = 1100, PIXELS = SIDE * SIDE };
+    const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
+    float *large = malloc(2 * PIXELS * sizeof *large), *other = large + PIXELS;
+    gscl_fit fit;
+    gscl_buffer drawn = {0};
+    double sum = 0, mse[2], distortion;
+    assert_non_null(large);
+    for (int i = 0; i < PIXELS; i++) {
+        large[i] = (float)(i % 251) / 251.0f;
+        other[i] = (float)(i % 241) / 241.0f;
+        sum += ((double)large[i] - other[i]) * ((double)large[i] - other[i]);
+    }
+    assert_int_equal(gscl_fit_create(&fit, context, &options, SIDE, SIDE, 0, large), GSCL_OK);
+    assert_int_equal(gscl_buffer_upload(context, &drawn, other, PIXELS * sizeof *other), GSCL_OK);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(gscl_fit_mse_against_source(&fit, &drawn, &mse[i]), GSCL_OK);
+    assert_true(fabs(mse[0] * PIXELS / sum - 1) < 1e-6);
+    assert_true(mse[0] == mse[1]);
+    assert_int_equal(gscl_fit_distortion(&fit, &drawn, &distortion), GSCL_OK);
+    assert_true(distortion == mse[0] * PIXELS);
+    gscl_buffer_free(&drawn);
+    gscl_fit_free(&fit);
+    free(large);
+}
+
+/* Data may be released once they are staged, whether or not the copy before has ended. */
+static void test_staged_copies(void **unused) {
+    (void)unused;
+    enum { COUNT = 4096 };
+    static float data[COUNT], found[2 * COUNT];
+    gscl_buffer buffer = {0};
+    gscl_staging staging = {0};
+    assert_int_equal(gscl_buffer_reserve(context, &buffer, sizeof found), GSCL_OK);
+    for (size_t part = 0; part < 2; part++) {
+        for (size_t i = 0; i < COUNT; i++)
+            data[i] = (float)(part * COUNT + i);
+        assert_int_equal(gscl_buffer_write_staged(context, &staging, &buffer, part * sizeof data, data, sizeof data),
+                         GSCL_OK);
+    }
+    memset(data, 0, sizeof data);
+    assert_int_equal(gscl_buffer_read(context, &buffer, 0, found, sizeof found), GSCL_OK);
+    for (size_t i = 0; i < 2 * COUNT; i++)
+        assert_true(found[i] == (float)i);
+    gscl_staging_free(context, &staging);
+    gscl_buffer_free(&buffer);
 }
 
 int main(void) {
@@ -156,6 +277,11 @@ int main(void) {
         cmocka_unit_test(test_reordering_keeps_the_optimiser),
         cmocka_unit_test(test_fixed_splats_stay),
         cmocka_unit_test(test_new_splats_end_skipping),
+        cmocka_unit_test(test_steps_do_not_wait),
+        cmocka_unit_test(test_long_lists_bound_axes),
+        cmocka_unit_test(test_lists_grow),
+        cmocka_unit_test(test_sums_of_errors),
+        cmocka_unit_test(test_staged_copies),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

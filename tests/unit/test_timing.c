@@ -92,9 +92,11 @@ static void test_reset(void **state) {
     encode_and_decode(context);
     gscl_context_reset_timings(context);
     for (const gscl_timing *row = gscl_context_timings(context); row; row = row->next)
-        assert_true(row->count == 0 && row->seconds == 0 && row->kernel_seconds == 0);
+        assert_true(row->count == 0 && row->seconds == 0 && row->kernel_seconds == 0 && row->waits == 0);
     encode_and_decode(context);
     assert_int_equal(find_timing(context, "write", false)->count, 1);
+    assert_true(find_timing(context, "fit, full size", false)->waits > 0);
+    assert_int_equal(find_timing(context, "write", false)->waits, 0);
     gscl_context_free(&context);
 }
 

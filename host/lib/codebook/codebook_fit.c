@@ -103,9 +103,8 @@ static gscl_result densify_to_round(gscl_codebook_state *s, int round) {
 }
 
 static gscl_result set_level(gscl_codebook_state *s, int level) {
-    GSCL_TRY(gscl_fit_set_level(&s->fit, level));
-    gscl_stage(s->encoder->context, gscl_fit_stage(&s->fit));
-    return GSCL_OK;
+    gscl_stage(s->encoder->context, gscl_fit_stage(&s->fit, level));
+    return gscl_fit_set_level(&s->fit, level);
 }
 
 /* Changes the level and the number of splats before step `step`; `round`: densification rounds done. */

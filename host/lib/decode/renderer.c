@@ -40,6 +40,9 @@ void gscl_renderer_free(gscl_renderer *r) {
     gscl_release_after_copies(r->context, r->totals); /* NULL in a renderer that was never created */
     r->totals = NULL;
     r->totals_rows = 0;
+    gscl_staging_free(r->context, &r->staged_params);
+    gscl_staging_free(r->context, &r->staged_steps);
+    gscl_staging_free(r->context, &r->staged_background);
 }
 
 gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint32_t y, uint32_t width,
@@ -80,8 +83,10 @@ gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params
 gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
     r->count = 0;
     GSCL_TRY(gscl_renderer_reserve(r, count));
-    GSCL_TRY(gscl_buffer_write(r->context, &r->params, 0, params, count * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_write(r->context, &r->background, 0, background, (size_t)r->channels * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_staged(r->context, &r->staged_params, &r->params, 0, params,
+                                      count * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_staged(r->context, &r->staged_background, &r->background, 0, background,
+                                      (size_t)r->channels * sizeof(float)));
     r->count = (cl_int)count;
     return GSCL_OK;
 }
@@ -89,7 +94,7 @@ gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size
 gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
     static const float none[GSCL_STEP_COUNT];
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->steps, sizeof none));
-    return gscl_buffer_write(r->context, &r->steps, 0, steps ? steps : none, sizeof none);
+    return gscl_buffer_write_staged(r->context, &r->staged_steps, &r->steps, 0, steps ? steps : none, sizeof none);
 }
 
 gscl_result gscl_renderer_project(gscl_renderer *r) {
@@ -101,38 +106,37 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }
 
-/* Starts to read the number of entries of each row of tiles at the last binning, without waiting for it. */
-static gscl_result read_totals_async(gscl_renderer *r) {
+gscl_result gscl_renderer_begin_lengths(gscl_renderer *r) {
     const size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
     if (r->totals_rows < r->view.tiles_y) {
         cl_int *totals = malloc(size);
         if (!totals)
             return gscl_fail_memory(r->context);
-        gscl_release_after_copies(r->context, r->totals); /* an earlier read may not have ended */
+        if (r->totals_wait == r->context->waits)
+            gscl_release_after_copies(r->context, r->totals);
+        else
+            free(r->totals);
         r->totals = totals;
         r->totals_rows = r->view.tiles_y;
     }
+    r->totals_wait = r->context->waits;
     return gscl_buffer_read_async(r->context, &r->row_totals, r->totals, size);
 }
 
-/* The largest number of entries of a row of tiles; sets the occupancy. */
-static cl_int measure_rows(gscl_renderer *r) {
-    double total = 0;
+/* The largest number of entries of a row of tiles, as last read. */
+static cl_int largest_row(const gscl_renderer *r) {
     cl_int largest = 0;
-    for (cl_int i = 0; i < r->view.tiles_y; i++) {
-        total += r->totals[i];
+    for (cl_int i = 0; i < r->view.tiles_y; i++)
         if (r->totals[i] > largest)
             largest = r->totals[i];
-    }
-    r->occupancy = total / ((double)r->view.tiles_y * r->view.tiles_x);
     return largest;
 }
 
-static gscl_result set_row_capacity(gscl_renderer *r, cl_int capacity) {
-    if ((size_t)capacity * (size_t)r->view.tiles_y > INT_MAX)
+static gscl_result set_row_capacity(gscl_renderer *r, size_t capacity) {
+    if (capacity > INT_MAX / (size_t)r->view.tiles_y)
         return gscl_fail(r->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be drawn");
-    r->row_capacity = capacity;
-    size_t entries = (size_t)capacity * (size_t)r->view.tiles_y + PADDING_ENTRIES;
+    r->row_capacity = (cl_int)capacity;
+    size_t entries = capacity * (size_t)r->view.tiles_y + PADDING_ENTRIES;
     return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
 }
 
@@ -163,11 +167,11 @@ static gscl_result launch_bin(gscl_renderer *r) {
 }
 
 /* The first capacity: an estimate, or that of the buffer. */
-static cl_int first_row_capacity(const gscl_renderer *r) {
+static size_t first_row_capacity(const gscl_renderer *r) {
     size_t held = r->entries.size / sizeof(cl_uint),
            estimate = (size_t)r->count + (size_t)gscl_decode_tunables.first_entries;
     held = held > PADDING_ENTRIES ? (held - PADDING_ENTRIES) / (size_t)r->view.tiles_y : 0;
-    return (cl_int)(held > estimate ? held : estimate);
+    return held > estimate ? held : estimate;
 }
 
 bool gscl_lists_have_room(size_t needed, size_t capacity) {
@@ -181,17 +185,26 @@ size_t gscl_lists_capacity(size_t needed) {
 gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
     if (r->row_capacity == 0)
         GSCL_TRY(set_row_capacity(r, first_row_capacity(r)));
-    GSCL_TRY(set_row_capacity(r, r->row_capacity)); /* the view may have more rows than before */
+    GSCL_TRY(set_row_capacity(r, (size_t)r->row_capacity)); /* the view may have more rows than before */
     GSCL_TRY(launch_bin(r));
     if (!exact)
         return GSCL_OK;
-    GSCL_TRY(read_totals_async(r));
+    gscl_lists_state state;
+    GSCL_TRY(gscl_renderer_begin_lengths(r));
     GSCL_TRY(gscl_finish(r->context));
-    cl_int largest = measure_rows(r);
-    if (gscl_lists_have_room((size_t)largest, (size_t)r->row_capacity))
+    GSCL_TRY(gscl_renderer_end_lengths(r, 1, &state));
+    return state == GSCL_LISTS_KEPT ? GSCL_OK : launch_bin(r);
+}
+
+gscl_result gscl_renderer_end_lengths(gscl_renderer *r, double growth, gscl_lists_state *state) {
+    const cl_int largest = largest_row(r);
+    const double expected = growth * largest;
+    *state = largest > r->row_capacity ? GSCL_LISTS_CUT : GSCL_LISTS_KEPT;
+    if (expected < INT_MAX && gscl_lists_have_room((size_t)expected, (size_t)r->row_capacity))
         return GSCL_OK;
-    GSCL_TRY(set_row_capacity(r, (cl_int)gscl_lists_capacity((size_t)largest)));
-    return launch_bin(r);
+    if (*state == GSCL_LISTS_KEPT)
+        *state = GSCL_LISTS_ENLARGED;
+    return set_row_capacity(r, gscl_lists_capacity((size_t)expected));
 }
 
 gscl_result gscl_renderer_draw(gscl_renderer *r) {
@@ -233,12 +246,12 @@ gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, v
     GSCL_TRY(gscl_renderer_project(r));
     for (;;) {
         GSCL_TRY(gscl_renderer_bin(r, false));
-        GSCL_TRY(read_totals_async(r));
+        GSCL_TRY(gscl_renderer_begin_lengths(r));
         GSCL_TRY(launch_samples(r, layout));
         GSCL_TRY(read_samples(r, row, pixels, stride));
-        cl_int largest = measure_rows(r);
+        const cl_int largest = largest_row(r);
         if (largest <= r->row_capacity)
             return GSCL_OK;
-        GSCL_TRY(set_row_capacity(r, largest));
+        GSCL_TRY(set_row_capacity(r, (size_t)largest));
     }
 }

@@ -17,9 +17,10 @@ typedef struct gscl_renderer {
     cl_int width, height; /* of the view, pixels */
     cl_int count;         /* splats */
     cl_int row_capacity;  /* list entries that each row of tiles owns */
-    double occupancy;     /* mean entries of a tile at the last exact binning */
     cl_int *totals;       /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
     cl_int totals_rows;   /* rows that totals has room for */
+    uint64_t totals_wait; /* waits of the context when they were last read: a later one has ended the copy */
+    gscl_staging staged_params, staged_steps, staged_background;
     gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
     gscl_buffer samples;
@@ -35,10 +36,11 @@ void gscl_renderer_free(gscl_renderer *renderer);
 /* Sets the size and origin of what is drawn, in pixels of level `level` (0: full size). */
 gscl_result gscl_renderer_set_view(gscl_renderer *renderer, int level, uint32_t x, uint32_t y, uint32_t width,
                                    uint32_t height);
-/* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device. */
+/* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device, without waiting. */
 gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
                                      const float *background);
-/* The same without waiting: both must stay valid until the queue has reached the copy (gscl_release_after_copies). */
+/* The same without a copy on the host: both must stay valid until the queue has reached the copy to the device
+ * (gscl_release_after_copies). */
 gscl_result gscl_renderer_set_splats_async(gscl_renderer *renderer, const float *params, size_t count,
                                            const float *background);
 /* Makes room for `count` splats without touching those that are there. */
@@ -51,6 +53,13 @@ gscl_result gscl_renderer_project(gscl_renderer *renderer);
 /* Fills the tiles' lists.  `exact` waits for the device and enlarges the lists where they are too short; otherwise a
  * list that overflows is cut short. */
 gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
+/* What is known of the tiles' lists: they have room, or were cut short.  ENLARGED: they have more room now, which is empty
+ * until they are filled again. */
+typedef enum gscl_lists_state { GSCL_LISTS_KEPT, GSCL_LISTS_ENLARGED, GSCL_LISTS_CUT } gscl_lists_state;
+/* Starts to read the lengths of the lists as last filled, without waiting. */
+gscl_result gscl_renderer_begin_lengths(gscl_renderer *renderer);
+/* After a wait, enlarges the lists (CUT, ENLARGED) where they have no room for `growth` times these lengths. */
+gscl_result gscl_renderer_end_lengths(gscl_renderer *renderer, double growth, gscl_lists_state *state);
 /* Whether lists of this capacity have room for the entries that are needed and for some more, and such a capacity. */
 bool gscl_lists_have_room(size_t needed, size_t capacity);
 size_t gscl_lists_capacity(size_t needed);

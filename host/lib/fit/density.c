@@ -58,6 +58,7 @@ static gscl_result seed_density(const gscl_fit *f, gscl_placement *p) {
 static gscl_result seed_splats(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(gscl_placement_create(p, f, count, true));
     GSCL_TRY(gscl_placement_read_target(p, f, 0));
+    const gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
     gradient_magnitude(p);
     GSCL_TRY(seed_density(f, p));
     gscl_placement_accumulate(p);
@@ -66,12 +67,14 @@ static gscl_result seed_splats(gscl_fit *f, gscl_placement *p, size_t count, uin
         float sigma = gscl_fit_tunables.seed_axis * p->scale * gscl_placement_distance(p, pixel);
         gscl_placement_splat(p, pixel, sigma, 0.0f, random, params + i * GSCL_PARAMS);
     }
+    gscl_stage(f->context, before);
     return gscl_fit_append(f, params, count);
 }
 
 static gscl_result add_by_error(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
     GSCL_TRY(gscl_placement_create(p, f, count, false));
     GSCL_TRY(gscl_fit_error(f, p->density));
+    const gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY); /* the device has nothing to do now */
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
     float area = gscl_placement_area(p, f), distance = sqrtf(area / (float)((size_t)f->renderer.count + count));
     float mean_distance = sqrtf(area / (float)count); /* of the new splats */
@@ -84,6 +87,7 @@ static gscl_result add_by_error(gscl_fit *f, gscl_placement *p, size_t count, ui
         GSCL_TRY(gscl_placement_read_target(p, f, (int)(pixel / (size_t)p->width)));
         gscl_placement_splat(p, pixel, sigma, t->new_opacity, random, params + i * GSCL_PARAMS);
     }
+    gscl_stage(f->context, before);
     return gscl_fit_append(f, params, count);
 }
 
@@ -186,12 +190,10 @@ static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t coun
     if (count == 0)
         return GSCL_OK;
     gscl_placement p = {0};
-    gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
     float *params = calloc(count, GSCL_PARAMS * sizeof(float));
     gscl_result result = params ? place_splats(f, &p, count, random, params) : gscl_fail_memory(f->context);
     gscl_placement_free(&p);
     free(params);
-    gscl_stage(f->context, before);
     return result;
 }
 

@@ -42,10 +42,12 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     f->model_level = -1;
     f->limits = first_limits(width, height, options->blend);
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));
-    GSCL_TRY(gscl_buffer_reserve(context, &f->loss, sizeof f->reading->loss));
     f->reading = calloc(1, sizeof *f->reading);
     if (!f->reading)
         return gscl_fail_memory(context);
+    f->reading->control.log_max = f->limits.log_max;
+    GSCL_TRY(gscl_buffer_reserve(context, &f->control, sizeof f->reading->control));
+    GSCL_TRY(gscl_buffer_write_async(context, &f->control, &f->reading->control, sizeof f->reading->control));
     GSCL_TRY(gscl_pyramid_create(&f->pyramid, context, width, height, first_level, f->renderer.channels,
                                  options->weighted, planes));
     if (options->weighted == GSCL_WEIGHTED_PIXELS)
@@ -63,14 +65,16 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_tile_skip_free(&f->skip);
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
-    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment,   &f->second_moment, &f->ages,
-                              &f->gradient_slots, &f->links,          &f->link_grids,    &f->link_totals,
-                              &f->links_needed,   &f->tile_loss,      &f->loss,          &f->error,
-                              &f->derivative,     &f->adapted_target, &f->model};
+    gscl_buffer *buffers[] = {
+        &f->gradients,  &f->first_moment, &f->second_moment, &f->ages,           &f->gradient_slots, &f->links,
+        &f->link_grids, &f->link_totals,  &f->links_needed,  &f->tile_loss,      &f->control,        &f->error,
+        &f->error_sums, &f->distortion,   &f->derivative,    &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */
     f->reading = NULL;
+    free(f->level_target);
+    f->level_target = NULL;
 }
 
 gscl_result gscl_fit_set_flat_background(gscl_fit *f, const gscl_flat_background *flat) {
@@ -89,19 +93,30 @@ size_t gscl_fit_level_pixels(const gscl_fit *f) {
     return gscl_pyramid_pixels(&f->pyramid, f->level);
 }
 
-gscl_stage_id gscl_fit_stage(const gscl_fit *f) {
+static int clamped_level(const gscl_fit *f, int level) {
+    const gscl_pyramid *p = &f->pyramid;
+    return level < p->first_level ? p->first_level : level > p->last_level ? p->last_level : level;
+}
+
+gscl_stage_id gscl_fit_stage(const gscl_fit *f, int level) {
+    level = clamped_level(f, level);
     static const gscl_stage_id stages[] = {GSCL_STAGE_FIT_FULL, GSCL_STAGE_FIT_HALF, GSCL_STAGE_FIT_QUARTER,
                                            GSCL_STAGE_FIT_EIGHTH};
-    return f->level < 4 ? stages[f->level] : GSCL_STAGE_FIT_SMALLER;
+    return level < 4 ? stages[level] : GSCL_STAGE_FIT_SMALLER;
 }
 
 gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
-    const gscl_pyramid *p = &f->pyramid;
-    f->level = level < p->first_level ? p->first_level : level > p->last_level ? p->last_level : level;
+    level = clamped_level(f, level);
+    if (level != f->level) {
+        free(f->level_target);
+        f->level_target = NULL;
+    }
+    f->level = level;
     GSCL_TRY(gscl_renderer_set_view(&f->renderer, f->level, 0, 0, gscl_fit_level_width(f), gscl_fit_level_height(f)));
     size_t tiles = gscl_renderer_tiles(&f->renderer);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->tile_loss, tiles * sizeof(float)));
-    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tiles));
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, tiles, &f->control));
     f->has_old_lists = true;
+    f->has_known_lengths = false;
     return gscl_renderer_project(&f->renderer);
 }

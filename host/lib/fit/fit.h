@@ -14,7 +14,7 @@
 #include "image/flat_background.h"
 
 struct gscl_fit_readings {
-    cl_float loss;
+    gscl_fit_control control;
     cl_int links; /* that the splats need */
 };
 
@@ -34,17 +34,24 @@ typedef struct gscl_fit {
      * of a list, and the links of splats to theirs (cl/slots.cl). */
     gscl_buffer gradient_slots, links, link_grids, link_totals, links_needed;
     size_t link_capacity;
-    bool has_old_lists;    /* of other splats, or of another level */
-    int steps_since_bin;   /* steps with the present lists */
-    int steps_since_check; /* steps since their lengths were read */
+    bool has_old_lists;      /* of other splats, or of another level */
+    bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended */
+    int steps_since_bin;     /* steps with the present lists */
+    int steps_since_control; /* steps since the device followed their lengths (gscl_fit_control) */
+    int steps_since_wait;    /* steps since the host read them */
     gscl_tile_skip skip;
 
     float background[4];
     gscl_flat_background flat; /* of the image, if it has one; `background` is then its colour, else the mean colour */
 
-    gscl_buffer tile_loss, loss;       /* of the last step: of each tile, and their sum */
+    gscl_buffer tile_loss;             /* of the last step, of each tile */
+    gscl_buffer control;               /* gscl_fit_control */
+    double known_loss;                 /* mean loss per sample of a step, when the host last read it; 0: not yet */
     struct gscl_fit_readings *reading; /* where copies from the device go that are not waited for */
     gscl_buffer error;                 /* scratch: a plane of squared errors */
+    gscl_buffer error_sums;            /* scratch: sums of its parts */
+    gscl_buffer distortion;            /* gscl_fit_begin_distortion: a float */
+    float *level_target;               /* planes of the present level where it is small; NULL: not yet read */
 
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
@@ -75,8 +82,8 @@ gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
 uint32_t gscl_fit_level_width(const gscl_fit *fit);
 uint32_t gscl_fit_level_height(const gscl_fit *fit);
 size_t gscl_fit_level_pixels(const gscl_fit *fit);
-/* The stage of an encode that fitting at the current level is. */
-gscl_stage_id gscl_fit_stage(const gscl_fit *fit);
+/* The stage of an encode that fitting at this level (clamped likewise) is. */
+gscl_stage_id gscl_fit_stage(const gscl_fit *fit, int level);
 
 /* ---- fit_target.c: what splats are compared with ---- */
 
@@ -109,8 +116,16 @@ gscl_result gscl_fit_read(gscl_fit *fit, float *params);
 
 /* ---- fit_bin.c ---- */
 
-/* Fills the lists of the tiles and links their entries.  `exact` as in gscl_renderer_bin. */
+/* Fills the lists of the tiles and links their entries.  `exact` as in gscl_renderer_bin: needed where !has_known_lengths. */
 gscl_result gscl_fit_bin(gscl_fit *fit, bool exact);
+/* Starts to read what the host follows of the fit, without waiting: the loss, and the lengths of the lists, which are those
+ * of the present splats. */
+gscl_result gscl_fit_begin_readings(gscl_fit *fit);
+/* Takes these after a wait, and enlarges the lists and the room for links where they are short of room.  Where *state is not
+ * KEPT, they must be filled again. */
+gscl_result gscl_fit_end_readings(gscl_fit *fit, gscl_lists_state *state);
+/* Makes room for the lists of all splats once `count` are appended, as far as their lengths can be foreseen. */
+gscl_result gscl_fit_expect_splats(gscl_fit *fit, size_t count);
 /* ---- fit_step.c: gradients and the optimiser ---- */
 
 /* One step of Adam.  `rate` multiplies the learning rates.  The lists of the tiles are those of a few steps ago: what a
@@ -126,21 +141,20 @@ gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
 
 /* ---- fit_error.c: losses and errors ---- */
 
-/* Mean loss per sample of the last step; with weights it is no MSE. */
+/* Mean loss per sample of the last step; with weights it is no MSE.  fit->known_loss is that of an earlier step. */
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
-/* The same without waiting: gscl_fit_read_loss returns it after the queue has been finished. */
-gscl_result gscl_fit_begin_loss(gscl_fit *fit);
-double gscl_fit_read_loss(const gscl_fit *fit);
+/* Sums it into the control on the device. */
+gscl_result gscl_fit_sum_loss(gscl_fit *fit);
 /* Renders the current splats (through the quantiser) and reads the squared error of each pixel of the level, added over
  * channels and weighted. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
 /* Renders likewise; the sum over the level, or what gscl_fit_distortion says. */
 gscl_result gscl_fit_rendering_error(gscl_fit *fit, double *sum);
-/* Sum of (weighted) squared errors of planes (of the level's size) against the level's target. */
-gscl_result gscl_fit_error_sum(gscl_fit *fit, const gscl_buffer *planes, double *sum);
-/* The sum that rate-distortion passes trade against bits, at planes of the level's size: gscl_fit_error_sum or, after
- * gscl_fit_renew_model_at them, squared errors plus twice the visual loss. */
+/* The sum that rate-distortion passes trade against bits, at planes of the level's size: (weighted) squared errors against the
+ * level's target or, after gscl_fit_renew_model_at them, squared errors plus twice the visual loss. */
 gscl_result gscl_fit_distortion(gscl_fit *fit, const gscl_buffer *planes, double *sum);
+/* The same into fit->distortion, without waiting. */
+gscl_result gscl_fit_begin_distortion(gscl_fit *fit, const gscl_buffer *planes);
 /* Mean squared error of planes of the first level's size against the source, per sample and not weighted. */
 gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes, double *mse);
 

@@ -45,27 +45,72 @@ static gscl_result link_entries(gscl_fit *f) {
                        GSCL_ARG_BUFFER(f->links));
 }
 
-/* Enlarges the room for links, after reading how many there are, where little is left. */
-static gscl_result grow_links(gscl_fit *f) {
-    const size_t needed = (size_t)f->reading->links;
-    if (gscl_lists_have_room(needed, f->link_capacity))
+/* Enlarges the room for links where there is little left beside `growth` times those that were read. */
+static gscl_result grow_links(gscl_fit *f, double growth, gscl_lists_state *state) {
+    const double expected = growth * f->reading->links;
+    if (expected < INT_MAX && gscl_lists_have_room((size_t)expected, f->link_capacity))
         return GSCL_OK;
-    f->link_capacity = gscl_lists_capacity(needed);
-    if (f->link_capacity > INT_MAX)
-        return gscl_fail(f->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be fitted");
-    return number_links(f);
+    if ((size_t)f->reading->links > f->link_capacity)
+        *state = GSCL_LISTS_CUT;
+    else if (*state == GSCL_LISTS_KEPT)
+        *state = GSCL_LISTS_ENLARGED;
+    f->link_capacity = gscl_lists_capacity((size_t)expected);
+    return f->link_capacity <= INT_MAX
+               ? GSCL_OK
+               : gscl_fail(f->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be fitted");
+}
+
+gscl_result gscl_fit_begin_readings(gscl_fit *f) {
+    struct gscl_fit_readings *to = f->reading;
+    GSCL_TRY(gscl_buffer_read_async(f->context, &f->control, &to->control, sizeof to->control));
+    if (f->has_old_lists)
+        return GSCL_OK;
+    if (f->renderer.count > 0)
+        GSCL_TRY(gscl_buffer_read_async(f->context, &f->links_needed, &to->links, sizeof to->links));
+    return gscl_renderer_begin_lengths(&f->renderer);
+}
+
+gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
+    *state = GSCL_LISTS_KEPT;
+    f->known_loss = f->reading->control.loss;
+    if (f->has_old_lists)
+        return GSCL_OK; /* their lengths are no longer of interest */
+    f->has_known_lengths = true;
+    f->steps_since_wait = 0;
+    GSCL_TRY(gscl_renderer_end_lengths(&f->renderer, 1, state));
+    if (f->renderer.count > 0)
+        GSCL_TRY(grow_links(f, 1, state));
+    f->has_old_lists = *state != GSCL_LISTS_KEPT;
+    return GSCL_OK;
+}
+
+/* New splats are small.  Where many come to lie in one row of tiles, they take up to twice their share of its list. */
+gscl_result gscl_fit_expect_splats(gscl_fit *f, size_t count) {
+    gscl_lists_state state = GSCL_LISTS_KEPT;
+    if (!f->has_known_lengths || f->renderer.count == 0)
+        return GSCL_OK;
+    const double growth = 1 + 2.0 * (double)count / f->renderer.count;
+    GSCL_TRY(gscl_renderer_end_lengths(&f->renderer, growth, &state));
+    return grow_links(f, growth, &state);
+}
+
+static gscl_result fill_lists(gscl_fit *f) {
+    f->has_old_lists = false;
+    f->steps_since_bin = 0;
+    if (f->renderer.count > 0)
+        GSCL_TRY(number_links(f));
+    return gscl_renderer_bin(&f->renderer, false);
 }
 
 gscl_result gscl_fit_bin(gscl_fit *f, bool exact) {
-    f->has_old_lists = false;
-    f->steps_since_bin = 0;
-    if (f->renderer.count == 0)
-        return gscl_renderer_bin(&f->renderer, exact);
-    GSCL_TRY(number_links(f));
-    if (exact)
-        GSCL_TRY(gscl_buffer_read_async(f->context, &f->links_needed, &f->reading->links, sizeof f->reading->links));
-    GSCL_TRY(gscl_renderer_bin(&f->renderer, exact)); /* waits where the lists are to be exact */
-    if (exact)
-        GSCL_TRY(grow_links(f));
-    return link_entries(f);
+    gscl_lists_state state = GSCL_LISTS_KEPT;
+    GSCL_TRY(fill_lists(f));
+    if (exact) {
+        GSCL_TRY(gscl_fit_begin_readings(f));
+        GSCL_TRY(gscl_finish(f->context));
+        GSCL_TRY(gscl_fit_end_readings(f, &state));
+    }
+    if (state != GSCL_LISTS_KEPT)
+        GSCL_TRY(fill_lists(f));
+    return f->renderer.count > 0 ? link_entries(f) : GSCL_OK;
 }

@@ -1,88 +1,126 @@
-#include <stdlib.h>
-
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/tunables.h"
 
-gscl_result gscl_fit_begin_loss(gscl_fit *f) {
-    cl_kernel kernel;
-    cl_int tiles = (cl_int)gscl_renderer_tiles(&f->renderer);
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &f->renderer.options, "sum_loss", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, 1, 1, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
-                         GSCL_ARG_BUFFER(f->loss)));
-    return gscl_buffer_read_async(f->context, &f->loss, &f->reading->loss, sizeof f->reading->loss);
-}
+#define PIXELS_OF_GROUP 1024 /* at least, of those that a work-group adds up */
+#define MAX_GROUPS 1024      /* whose sums the last work-group adds up */
 
-double gscl_fit_read_loss(const gscl_fit *f) {
-    return (double)f->reading->loss / ((double)gscl_fit_level_pixels(f) * f->renderer.channels);
+gscl_result gscl_fit_sum_loss(gscl_fit *f) {
+    const cl_int tiles = (cl_int)gscl_renderer_tiles(&f->renderer);
+    const cl_float scale = 1.0f / ((float)gscl_fit_level_pixels(f) * (float)f->renderer.channels);
+    cl_kernel kernel;
+    GSCL_TRY(gscl_image_kernel(f->context, "sum_loss", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
+                       GSCL_ARG(scale), GSCL_ARG_BUFFER(f->control));
 }
 
 gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
-    GSCL_TRY(gscl_fit_begin_loss(f));
+    gscl_lists_state state;
+    GSCL_TRY(gscl_fit_sum_loss(f));
+    GSCL_TRY(gscl_fit_begin_readings(f));
     GSCL_TRY(gscl_finish(f->context));
-    *loss = gscl_fit_read_loss(f);
+    GSCL_TRY(gscl_fit_end_readings(f, &state));
+    *loss = f->known_loss;
     return GSCL_OK;
 }
 
-/* Reads the squared error per pixel of planes against a target of `level`'s size. */
-static gscl_result read_error(gscl_fit *f, const gscl_buffer *planes, const gscl_buffer *target, int level,
-                              cl_int weighted, float *error) {
+/* Writes the squared error of each pixel of the rendering against the level's target. */
+static gscl_result launch_error(gscl_fit *f) {
     cl_kernel kernel;
-    size_t pixels = gscl_pyramid_pixels(&f->pyramid, level);
-    cl_int channels = f->renderer.channels, count = (cl_int)pixels;
+    const size_t pixels = gscl_fit_level_pixels(f);
+    const cl_int channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (cl_int)pixels;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "squared_error", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
-                         GSCL_ARG_BUFFER(*planes), GSCL_ARG_BUFFER(*target), GSCL_ARG(channels), GSCL_ARG(weighted),
-                         GSCL_ARG(count), GSCL_ARG_BUFFER(f->error)));
-    return gscl_buffer_read(f->context, &f->error, 0, error, pixels * sizeof(float));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                       GSCL_ARG_BUFFER(f->renderer.image), GSCL_ARG_BUFFER(*gscl_fit_weighted_target(f)),
+                       GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count), GSCL_ARG_BUFFER(f->error));
 }
 
-/* The sum of read_error over the level. */
-static gscl_result sum_error(gscl_fit *f, const gscl_buffer *planes, const gscl_buffer *target, int level,
-                             cl_int weighted, double *sum) {
-    size_t pixels = gscl_pyramid_pixels(&f->pyramid, level);
-    float *error = malloc(pixels * sizeof *error);
-    if (!error)
-        return gscl_fail_memory(f->context);
-    gscl_result result = read_error(f, planes, target, level, weighted, error);
-    *sum = 0;
-    for (size_t i = 0; i < pixels && result == GSCL_OK; i++)
-        *sum += error[i];
-    free(error);
-    return result;
-}
-
+/* All that the host needs to know is read at once.  If a list was too short, the next rendering has room. */
 gscl_result gscl_fit_error(gscl_fit *f, float *error) {
-    GSCL_TRY(gscl_fit_render(f));
-    return read_error(f, &f->renderer.image, gscl_fit_weighted_target(f), f->level, f->renderer.options.weighted,
-                      error);
+    gscl_lists_state state;
+    do {
+        GSCL_TRY(gscl_fit_bin(f, false));
+        GSCL_TRY(gscl_renderer_draw(&f->renderer));
+        GSCL_TRY(launch_error(f));
+        GSCL_TRY(gscl_fit_begin_readings(f));
+        GSCL_TRY(gscl_buffer_read(f->context, &f->error, 0, error, gscl_fit_level_pixels(f) * sizeof *error));
+        GSCL_TRY(gscl_fit_end_readings(f, &state));
+    } while (state == GSCL_LISTS_CUT);
+    return GSCL_OK;
+}
+
+/* A sum of squared errors. */
+typedef struct error_sum {
+    const gscl_buffer *planes, *target; /* of the size of `level` */
+    int level;
+    cl_int weighted;          /* GSCL_WEIGHTED_... */
+    const gscl_buffer *added; /* a float that is added twice, or NULL */
+} error_sum;
+
+/* Sums squared errors into f->distortion. */
+static gscl_result launch_sum(gscl_fit *f, const error_sum *s) {
+    cl_kernel kernel;
+    const size_t pixels = gscl_pyramid_pixels(&f->pyramid, s->level);
+    const size_t few = gscl_groups(pixels, PIXELS_OF_GROUP), most = few < MAX_GROUPS ? few : MAX_GROUPS;
+    const cl_int channels = f->renderer.channels, count = (cl_int)pixels, share = (cl_int)gscl_groups(pixels, most);
+    const cl_int groups = (cl_int)gscl_groups(pixels, (size_t)share);
+    const cl_float factor = s->added ? 2.0f : 0.0f;
+    const gscl_buffer *added = s->added ? s->added : &f->error_sums;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->distortion, sizeof(float)));
+    GSCL_TRY(gscl_image_kernel(f->context, "sum_squared_error", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(*s->planes),
+                         GSCL_ARG_BUFFER(*s->target), GSCL_ARG(channels), GSCL_ARG(s->weighted), GSCL_ARG(count),
+                         GSCL_ARG(share), GSCL_ARG_BUFFER(f->error_sums)));
+    GSCL_TRY(gscl_image_kernel(f->context, "sum_groups", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error_sums), GSCL_ARG(groups),
+                       GSCL_ARG(factor), GSCL_ARG_BUFFER(*added), GSCL_ARG_BUFFER(f->distortion));
+}
+
+static gscl_result read_sum(gscl_fit *f, double *sum) {
+    cl_float value = 0;
+    GSCL_TRY(gscl_buffer_read(f->context, &f->distortion, 0, &value, sizeof value));
+    *sum = value;
+    return GSCL_OK;
 }
 
 gscl_result gscl_fit_rendering_error(gscl_fit *f, double *sum) {
-    GSCL_TRY(gscl_fit_render(f));
-    GSCL_TRY(gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps));
-    return gscl_fit_distortion(f, &f->renderer.image, sum);
-}
-
-gscl_result gscl_fit_error_sum(gscl_fit *f, const gscl_buffer *planes, double *sum) {
-    return sum_error(f, planes, gscl_fit_weighted_target(f), f->level, f->renderer.options.weighted, sum);
-}
-
-gscl_result gscl_fit_distortion(gscl_fit *f, const gscl_buffer *planes, double *sum) {
-    double loss;
-    if (f->model_level != f->level)
-        return gscl_fit_error_sum(f, planes, sum);
-    GSCL_TRY(sum_error(f, planes, &f->pyramid.levels[f->level], f->level, GSCL_WEIGHTED_NOT, sum));
-    GSCL_TRY(gscl_visual_read_loss(&f->visual, f->context, &loss));
-    *sum += 2 * loss;
+    const gscl_buffer *image = &f->renderer.image;
+    gscl_lists_state state;
+    do {
+        GSCL_TRY(gscl_fit_bin(f, false));
+        GSCL_TRY(gscl_renderer_draw(&f->renderer));
+        GSCL_TRY(gscl_fit_renew_model_at(f, image, gscl_fit_tunables.curvature_of_steps));
+        GSCL_TRY(gscl_fit_begin_readings(f));
+        GSCL_TRY(gscl_fit_distortion(f, image, sum));
+        GSCL_TRY(gscl_fit_end_readings(f, &state));
+    } while (state == GSCL_LISTS_CUT);
     return GSCL_OK;
 }
 
+gscl_result gscl_fit_begin_distortion(gscl_fit *f, const gscl_buffer *planes) {
+    const bool has_model = f->model_level == f->level;
+    const error_sum s = {.planes = planes,
+                         .target = has_model ? &f->pyramid.levels[f->level] : gscl_fit_weighted_target(f),
+                         .level = f->level,
+                         .weighted = has_model ? GSCL_WEIGHTED_NOT : f->renderer.options.weighted,
+                         .added = has_model ? &f->visual.loss : NULL};
+    return launch_sum(f, &s);
+}
+
+gscl_result gscl_fit_distortion(gscl_fit *f, const gscl_buffer *planes, double *sum) {
+    GSCL_TRY(gscl_fit_begin_distortion(f, planes));
+    return read_sum(f, sum);
+}
+
 gscl_result gscl_fit_mse_against_source(gscl_fit *f, const gscl_buffer *planes, double *mse) {
-    int level = f->pyramid.first_level;
+    const int level = f->pyramid.first_level;
+    const error_sum s = {
+        .planes = planes, .target = &f->pyramid.levels[level], .level = level, .weighted = GSCL_WEIGHTED_NOT};
     double sum;
-    GSCL_TRY(sum_error(f, planes, &f->pyramid.levels[level], level, GSCL_WEIGHTED_NOT, &sum));
+    GSCL_TRY(launch_sum(f, &s));
+    GSCL_TRY(read_sum(f, &sum));
     *mse = sum / ((double)gscl_pyramid_pixels(&f->pyramid, level) * f->renderer.channels);
     return GSCL_OK;
 }

@@ -13,12 +13,11 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     const gscl_fit_settings settings = {.shape = gscl_renderer_shape(r),
                                         .derivative_scale =
                                             ldexpf(1.0f, 2 * f->level), /* a level has 4^level fewer pixels to add up */
-                                        .skip_threshold = f->skip.threshold,
                                         .step = f->skip.step};
     return GSCL_LAUNCH(f->context, kernel, gscl_renderer_tiles(&f->renderer), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(*target), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG_BUFFER(f->control), GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->tile_loss),
                        GSCL_ARG_BUFFER(f->skip.skip_until));
 }
 
@@ -48,7 +47,8 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
                        gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(*params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
                        GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
+                       GSCL_ARG_BUFFER(f->control), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds),
+                       GSCL_ARG_BUFFER(r->boxes));
 }
 
 /* The part of the tiles that is not flat background. */
@@ -56,28 +56,40 @@ static double non_flat_tiles(const gscl_fit *f) {
     return fmax(1 - f->flat.tiles, gscl_fit_tunables.min_non_flat_tiles);
 }
 
-/* The mean number of splats a tile above which the bound on the longest axis is reduced. */
-static double max_occupancy(const gscl_fit *f) {
+/* The number of entries of all lists above which the bound on the longest axis is reduced. */
+static double max_entries(const gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
     double limit = r->options.blend == GSCL_ALPHA      ? gscl_fit_tunables.max_occupancy_of_alpha
                    : f->level > f->pyramid.first_level ? gscl_fit_tunables.max_occupancy_of_smaller_levels
                                                        : gscl_fit_tunables.max_occupancy;
     double tiles = (double)gscl_renderer_tiles(r);
-    return non_flat_tiles(f) * limit + gscl_fit_tunables.tiles_of_small_splat * r->count / tiles;
+    return non_flat_tiles(f) * limit * tiles + gscl_fit_tunables.tiles_of_small_splat * r->count;
 }
 
-/* Bins exactly and bounds the tile occupancy; sets the threshold of skipped tiles from the losses of the last step, which
- * an external loss does not have.  Both wait for the device at once. */
+/* Steps after which the host waits for the device, to follow the lengths of the lists and the loss. */
+static int wait_interval(const gscl_fit *f) {
+    const struct gscl_fit_tunables *t = &gscl_fit_tunables;
+    const int steps = (int)(t->wait_pixels / (double)gscl_fit_level_pixels(f));
+    return steps < t->check_interval ? t->check_interval : steps < t->max_wait_interval ? steps : t->max_wait_interval;
+}
+
+/* Bins and bounds the tile occupancy; sets the threshold of skipped tiles from the losses of the last step, which an
+ * external loss does not have.  The device does both. */
 static gscl_result bin_and_check(gscl_fit *f) {
-    const bool has_loss = f->skip.step > 0 && f->renderer.options.loss != GSCL_LOSS_KIND_EXTERNAL;
+    const gscl_renderer *r = &f->renderer;
+    const bool has_loss = f->skip.step > 0 && r->options.loss != GSCL_LOSS_KIND_EXTERNAL;
+    const gscl_control_settings settings = {.max_entries = (float)max_entries(f),
+                                            .reduction = gscl_fit_tunables.axis_reduction,
+                                            .log_min = f->limits.log_min,
+                                            .threshold_per_loss =
+                                                has_loss ? gscl_tile_skip_share(r->channels, non_flat_tiles(f)) : 0};
+    cl_kernel kernel;
     if (has_loss)
-        GSCL_TRY(gscl_fit_begin_loss(f));
-    GSCL_TRY(gscl_fit_bin(f, true));
-    if (f->renderer.occupancy > max_occupancy(f))
-        f->limits.log_max = fmaxf(f->limits.log_max - gscl_fit_tunables.axis_reduction, f->limits.log_min);
-    if (has_loss)
-        gscl_tile_skip_set_threshold(&f->skip, gscl_fit_read_loss(f), f->renderer.channels, non_flat_tiles(f));
-    return GSCL_OK;
+        GSCL_TRY(gscl_fit_sum_loss(f));
+    GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths || f->steps_since_wait >= wait_interval(f)));
+    GSCL_TRY(gscl_image_kernel(f->context, "control_fit", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG(r->view.tiles_y),
+                       GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control));
 }
 
 /* Writes the derivative of an external loss by the rendering. */
@@ -89,11 +101,10 @@ static gscl_result differentiate_loss(gscl_fit *f) {
 }
 
 static gscl_result refresh_lists(gscl_fit *f) {
-    const bool is_check_due = f->has_old_lists || f->steps_since_check >= gscl_fit_tunables.check_interval;
-    GSCL_TRY(is_check_due ? bin_and_check(f) : gscl_fit_bin(f, false));
+    const bool is_check_due = f->has_old_lists || f->steps_since_control >= gscl_fit_tunables.check_interval;
     if (is_check_due)
-        f->steps_since_check = 0;
-    return GSCL_OK;
+        f->steps_since_control = 0;
+    return is_check_due ? bin_and_check(f) : gscl_fit_bin(f, false);
 }
 
 /* Gradients with the present lists of the tiles. */
@@ -104,7 +115,8 @@ static gscl_result differentiate(gscl_fit *f) {
     GSCL_TRY(launch_tiles(f, is_external ? &f->derivative : gscl_fit_weighted_target(f)));
     f->skip.step++;
     f->steps_since_bin++;
-    f->steps_since_check++;
+    f->steps_since_control++;
+    f->steps_since_wait++;
     return launch_gather(f);
 }
 
@@ -122,7 +134,7 @@ gscl_result gscl_fit_step(gscl_fit *f, float rate) {
 
 gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
     f->has_old_lists = true;
-    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer)));
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer), &f->control));
     GSCL_TRY(gscl_fit_differentiate(f));
     return gscl_buffer_read(f->context, &f->gradients, 0, gradients,
                             (size_t)f->renderer.count * GSCL_PARAMS * sizeof(float));

@@ -1,3 +1,6 @@
+#include <stdlib.h>
+#include <string.h>
+
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/ssim_weights.h"
@@ -11,7 +14,7 @@ const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
 }
 
 gscl_result gscl_fit_render(gscl_fit *f) {
-    GSCL_TRY(gscl_fit_bin(f, true));
+    GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths));
     return gscl_renderer_draw(&f->renderer);
 }
 
@@ -44,7 +47,27 @@ gscl_result gscl_fit_renew_model(gscl_fit *f) {
     return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
 }
 
+/* Reads the planes of the level into f->level_target. */
+static gscl_result read_level(gscl_fit *f) {
+    const size_t size = gscl_fit_level_pixels(f) * (size_t)f->renderer.channels * sizeof(float);
+    float *planes = malloc(size);
+    if (!planes)
+        return gscl_fail_memory(f->context);
+    const gscl_result result = gscl_buffer_read(f->context, &f->pyramid.levels[f->level], 0, planes, size);
+    if (result == GSCL_OK)
+        f->level_target = planes;
+    else
+        gscl_release_after_copies(f->context, planes);
+    return result;
+}
+
+/* Splats are placed several times at a level: the planes of a small one are read once. */
 gscl_result gscl_fit_target_samples(gscl_fit *f, size_t first, size_t count, float *samples) {
-    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], first * sizeof(float), samples,
-                            count * sizeof(float));
+    if (gscl_fit_level_pixels(f) > (size_t)gscl_fit_tunables.target_band_pixels)
+        return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], first * sizeof(float), samples,
+                                count * sizeof(float));
+    if (!f->level_target)
+        GSCL_TRY(read_level(f));
+    memcpy(samples, f->level_target + first, count * sizeof(float));
+    return GSCL_OK;
 }

@@ -1,16 +1,18 @@
 #include "fit/tile_skip.h"
 
+#include <stddef.h>
+
 #include "fit/tunables.h"
 
-gscl_result gscl_tile_skip_reset(gscl_tile_skip *s, gscl_context *context, size_t tiles) {
-    s->threshold = 0;
+gscl_result gscl_tile_skip_reset(gscl_tile_skip *s, gscl_context *context, size_t tiles, const gscl_buffer *control) {
     s->step = 0;
     GSCL_TRY(gscl_buffer_reserve(context, &s->skip_until, tiles * sizeof(cl_int)));
-    return gscl_buffer_zero(context, &s->skip_until, 0, tiles * sizeof(cl_int));
+    GSCL_TRY(gscl_buffer_zero(context, &s->skip_until, 0, tiles * sizeof(cl_int)));
+    return gscl_buffer_zero(context, control, offsetof(gscl_fit_control, skip_threshold), sizeof(cl_float));
 }
 
-void gscl_tile_skip_set_threshold(gscl_tile_skip *s, double loss, int channels, double non_flat_tiles) {
-    s->threshold = (float)(gscl_fit_tunables.skip_threshold * loss * channels / non_flat_tiles);
+float gscl_tile_skip_share(int channels, double non_flat_tiles) {
+    return (float)(gscl_fit_tunables.skip_threshold * channels / non_flat_tiles);
 }
 
 void gscl_tile_skip_free(gscl_tile_skip *s) {

@@ -2,18 +2,20 @@
 #ifndef GSCL_LIB_FIT_TILE_SKIP_H
 #define GSCL_LIB_FIT_TILE_SKIP_H
 
+#include "cl/structs.h"
 #include "runtime/opencl.h"
 
 typedef struct gscl_tile_skip {
     gscl_buffer skip_until; /* for each tile (cl_int) the step with which it is computed again, or 0 */
-    cl_float threshold;     /* loss per pixel below which a tile is skipped; 0: none is */
     cl_int step;            /* steps since the last reset: there are losses to compare with when it is above 0 */
 } gscl_tile_skip;
 
-/* Computes all tiles from the next step on, until a threshold is set again: for new splats or a new level. */
-gscl_result gscl_tile_skip_reset(gscl_tile_skip *skip, gscl_context *context, size_t tiles);
-/* Sets the threshold from the mean loss per sample of the last step and the part of the tiles that is not flat. */
-void gscl_tile_skip_set_threshold(gscl_tile_skip *skip, double loss, int channels, double non_flat_tiles);
+/* Computes all tiles from the next step on, until a threshold is set again in `control` (gscl_fit_control): for new splats
+ * or a new level. */
+gscl_result gscl_tile_skip_reset(gscl_tile_skip *skip, gscl_context *context, size_t tiles, const gscl_buffer *control);
+/* The threshold, as a part of the mean loss per sample of the last step.  `non_flat_tiles`: the part of the tiles that is not
+ * flat. */
+float gscl_tile_skip_share(int channels, double non_flat_tiles);
 /* Accepts a zeroed state. */
 void gscl_tile_skip_free(gscl_tile_skip *skip);
 

@@ -13,8 +13,13 @@ struct gscl_fit_tunables {
     /* Steps for which the lists of the tiles stay as they are.  2, 4 and 8 change the mean PSNR of the Kodak set by less
      * than 0.03 dB, up or down; 4 and 8 save 5 to 7 % of an encode's time. */
     int bin_interval;
-    /* Steps from one measurement of their lengths to the next. */
+    /* Steps from one measurement of their lengths, on the device, to the next. */
     int check_interval;
+    /* Steps after which the host waits for the device, to enlarge lists that have grown: at most, and pixels drawn meanwhile
+     * (with at least check_interval steps), so that progress is reported and an encode can be cancelled in time.  From 8 to 64
+     * steps save 60 to 100 waits of an encode, and change no list on the Kodak set. */
+    int max_wait_interval;
+    double wait_pixels;
     /* Mean number of splats a non-flat tile may have at the first level, at smaller levels (which have fewer tiles),
      * and at any level with alpha blending (where splats hide each other and need to be many).  Above it the bound on
      * the longest axis is reduced, because the time of a step grows with the number of splats a tile. */

@@ -107,9 +107,8 @@ static gscl_result change_level(gscl_scalar_state *s, int step, int due) {
     }
     if (step > 0 && level == s->fit.level)
         return GSCL_OK;
-    GSCL_TRY(gscl_fit_set_level(&s->fit, level));
-    gscl_stage(s->encoder->context, gscl_fit_stage(&s->fit));
-    return GSCL_OK;
+    gscl_stage(s->encoder->context, gscl_fit_stage(&s->fit, level)); /* before the device has work again */
+    return gscl_fit_set_level(&s->fit, level);
 }
 
 /* ---- Number of splats ---- */
@@ -152,10 +151,9 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
 
 static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     gscl_progress_state *progress = &s->encoder->progress;
-    double loss;
+    const double loss = s->fit.known_loss; /* of some steps ago, because the device is not waited for */
     if (!progress->callback || step % tunables->report_interval != 0)
         return GSCL_OK;
-    GSCL_TRY(gscl_fit_loss(&s->fit, &loss));
     progress->psnr = has_plain_squared_error(s) && loss > 0 ? -10 * log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
     return gscl_progress_report(s->encoder->context, progress, s->fit_end * step / s->steps);
