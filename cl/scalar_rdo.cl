@@ -164,11 +164,12 @@ inline bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_c
 }
 
 /* Visits the splats of one group, each with a work-group of RDO_ITEMS work-items: once, and again where a splat moved, at
- * most pass.settings.visits times.  The major code of a splat that is not worth its bits becomes -1. */
+ * most pass.settings.visits times.  The major code of a splat that is not worth its bits becomes -1.  *error: of the
+ * picture before the pass. */
 __kernel void rdo_visit(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
                         __global gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
                         __global float *restrict rendering, __global float *restrict weights,
-                        __global const float *restrict target) {
+                        __global const float *restrict target, __global const float *restrict error) {
     __local float shared[RDO_SHARED];
     const gscl_rdo_task task = tasks[pass.start + (int)get_group_id(0)];
     rdo_visit_context v;
@@ -179,6 +180,7 @@ __kernel void rdo_visit(gscl_rdo_pass pass, __global const gscl_rdo_task *restri
     v.planes.height = pass.height;
     v.planes.plane = (ulong)pass.width * (ulong)pass.height;
     v.settings = pass.settings;
+    v.settings.lambda *= *error;
     v.view = pass.view;
     v.bits_per_splat = pass.bits_per_splat;
     v.cost_of_dropping = pass.cost_of_dropping;

@@ -89,7 +89,7 @@ static void open_scene(scene *s, gscl_context *context, gsf_blend blend, int wei
 }
 
 static void close_scene(scene *s) {
-    gscl_scalar_rdo_free(&s->rdo);
+    gscl_scalar_rdo_free(&s->rdo, s->context);
     gscl_fit_free(&s->fit);
     gscl_coded_image_free(&s->coded);
 }
@@ -312,7 +312,7 @@ static void test_reused_buffers_change_nothing(void **state) {
         for (int pass = 0; pass < 3; pass++) {
             check_call(&reused, gscl_scalar_rdo_pass(&reused.rdo, &reused.fit, &reused.coded, &settings));
             check_call(&fresh, gscl_scalar_rdo_pass(&fresh.rdo, &fresh.fit, &fresh.coded, &settings));
-            gscl_scalar_rdo_free(&fresh.rdo);
+            gscl_scalar_rdo_free(&fresh.rdo, fresh.context);
         }
         assert_ptr_equal(reused.rdo.rendering.memory, rendering);
         assert_ptr_equal(reused.rdo.device_codes.memory, codes);

@@ -17,8 +17,8 @@ typedef struct gscl_rdo_key {
     gscl_rdo_task task;
 } rdo_key;
 
-void gscl_rdo_groups_free(gscl_rdo_groups *g) {
-    free(g->tasks);
+void gscl_rdo_groups_free(gscl_rdo_groups *g, gscl_context *context) {
+    gscl_release_after_copies(context, g->tasks);
     free(g->keys);
     free(g->cells);
     *g = (gscl_rdo_groups){0};
@@ -27,7 +27,7 @@ void gscl_rdo_groups_free(gscl_rdo_groups *g) {
 static gscl_result reserve_tasks(gscl_rdo_groups *g, gscl_context *context, size_t count) {
     if (count <= g->capacity)
         return GSCL_OK;
-    free(g->tasks);
+    gscl_release_after_copies(context, g->tasks);
     free(g->keys);
     g->tasks = malloc(count * sizeof *g->tasks);
     g->keys = malloc(count * sizeof *g->keys);

@@ -18,8 +18,8 @@ typedef struct gscl_rdo_groups {
     uint64_t *cells; /* groups that have a splat in each cell of the image */
 } gscl_rdo_groups;
 
-/* Accepts zeroed groups. */
-void gscl_rdo_groups_free(gscl_rdo_groups *groups);
+/* Accepts zeroed groups.  The tasks may be in a copy that was not waited for. */
+void gscl_rdo_groups_free(gscl_rdo_groups *groups, gscl_context *context);
 
 /* Distributes `count` splats (GSCL_PARAMS floats each) over the groups, but for the first `fixed`, which do not change.
  * Splats that fit in none are left to the next pass. */

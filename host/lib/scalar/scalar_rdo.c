@@ -20,15 +20,16 @@ typedef struct rdo_pass {
     gscl_rdo_pass shared;
 } rdo_pass;
 
-void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo) {
+/* The device may still copy from and to the arrays, after an error. */
+void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo, gscl_context *context) {
     gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_tasks, &rdo->rendering,
                               &rdo->weights};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
-    free(rdo->codes);
+    gscl_release_after_copies(context, rdo->codes);
+    gscl_release_after_copies(context, rdo->tables);
     free(rdo->params);
-    free(rdo->tables);
-    gscl_rdo_groups_free(&rdo->groups);
+    gscl_rdo_groups_free(&rdo->groups, context);
     *rdo = (gscl_scalar_rdo){0};
 }
 
@@ -36,13 +37,19 @@ static gscl_result reserve_splats(gscl_scalar_rdo *rdo, gscl_context *context, s
     if (!rdo->tables)
         rdo->tables = calloc(1, sizeof *rdo->tables);
     if (count > rdo->capacity) {
-        free(rdo->codes);
+        gscl_release_after_copies(context, rdo->codes);
         free(rdo->params);
         rdo->codes = malloc(count * sizeof *rdo->codes);
         rdo->params = malloc(count * GSCL_PARAMS * sizeof *rdo->params);
         rdo->capacity = rdo->codes && rdo->params ? count : 0;
     }
     return rdo->tables && rdo->capacity ? GSCL_OK : gscl_fail_memory(context);
+}
+
+/* Makes room for the data and copies them, without waiting. */
+static gscl_result upload_async(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size) {
+    GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
+    return gscl_buffer_write_async(context, buffer, data, size);
 }
 
 /* Codes, tables and groups on the host, then on the device.  *size: of the coded image as a file. */
@@ -60,13 +67,13 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     gscl_rdo_tables_make(rdo->tables, file, &p->shared.settings, rdo->codes, p->count);
     GSCL_TRY(gscl_rdo_groups_make(&rdo->groups, &p->fit->renderer, rdo->params, p->fit->fixed, p->count));
     const size_t tasks = rdo->groups.start[GSCL_RDO_GROUPS];
-    GSCL_TRY(gscl_buffer_upload(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
-    GSCL_TRY(gscl_buffer_upload(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
-    return gscl_buffer_upload(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task));
+    GSCL_TRY(upload_async(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
+    GSCL_TRY(upload_async(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
+    return upload_async(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task));
 }
 
-/* Draws the coded image with its sums of weights.  *error: what bits are traded against. */
-static gscl_result rdo_draw(rdo_pass *p, double *error) {
+/* Draws the coded image with its sums of weights; fit->distortion becomes what bits are traded against. */
+static gscl_result rdo_draw(rdo_pass *p) {
     gscl_scalar_rdo *rdo = p->rdo;
     gscl_renderer *r = &p->fit->renderer;
     const gscl_image_shape shape = gscl_renderer_shape(r);
@@ -74,7 +81,8 @@ static gscl_result rdo_draw(rdo_pass *p, double *error) {
     cl_kernel kernel;
     GSCL_TRY(gscl_renderer_set_steps(r, NULL));
     GSCL_TRY(gscl_fit_replace(p->fit, rdo->params, p->count));
-    GSCL_TRY(gscl_renderer_bin(r, true));
+    GSCL_TRY(gscl_renderer_bin(r, false));
+    GSCL_TRY(gscl_renderer_begin_lengths(r));
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->rendering, plane * (size_t)r->channels));
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->weights, plane));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_begin", &kernel));
@@ -83,7 +91,7 @@ static gscl_result rdo_draw(rdo_pass *p, double *error) {
                          GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights),
                          GSCL_ARG(shape)));
     GSCL_TRY(gscl_fit_renew_model_at(p->fit, &rdo->rendering, gscl_scalar_tunables.curvature_of_passes));
-    return gscl_fit_distortion(p->fit, &rdo->rendering, error);
+    return gscl_fit_begin_distortion(p->fit, &rdo->rendering);
 }
 
 /* Visits all splats of a group at once: none touches another's pixels. */
@@ -97,32 +105,43 @@ static gscl_result rdo_visit_group(rdo_pass *p, int group) {
     return GSCL_LAUNCH(r->context, p->visit, count, gscl_rdo_group_size(r->context), GSCL_ARG(shared),
                        GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
                        GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(rdo->rendering),
-                       GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target));
+                       GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(p->fit->distortion));
 }
 
-/* Reads the codes back, without the splats that were dropped. */
-static gscl_result rdo_read_codes(rdo_pass *p) {
-    gscl_scalar_rdo *rdo = p->rdo;
+/* Takes the codes that were read, without the splats that were dropped. */
+static void rdo_take_codes(rdo_pass *p) {
+    const gscl_scalar_rdo *rdo = p->rdo;
     gsf_coded_image *file = &p->coded->file;
     uint32_t kept = 0;
-    GSCL_TRY(gscl_buffer_read(p->fit->context, &rdo->device_codes, 0, rdo->codes, p->count * sizeof *rdo->codes));
     for (size_t i = 0; i < p->count; i++)
         if (rdo->codes[i].code[GSCL_CODE_MAJOR] >= 0)
             file->splats[kept++] = gscl_rdo_splat_of(&rdo->codes[i], file->splats[i].layer);
     file->header.splat_count = kept;
-    return GSCL_OK;
 }
 
-static gscl_result rdo_run(rdo_pass *p, double lambda_scale) {
+/* The pass on the device, up to the codes.  They and the lengths of the lists are read at once. */
+static gscl_result rdo_visit_all(rdo_pass *p, double lambda_scale) {
+    gscl_scalar_rdo *rdo = p->rdo;
+    gscl_context *context = p->fit->context;
     size_t size;
-    double error;
     GSCL_TRY(rdo_prepare(p, &size));
-    GSCL_TRY(rdo_draw(p, &error));
-    p->shared.settings.lambda = (float)(lambda_scale * error / (2.0 * 8.0 * (double)size));
-    GSCL_TRY(gscl_kernel(p->fit->context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
+    GSCL_TRY(rdo_draw(p));
+    p->shared.settings.lambda = (float)(lambda_scale / (2.0 * 8.0 * (double)size)); /* of the error, which it has */
+    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)
         GSCL_TRY(rdo_visit_group(p, group));
-    return rdo_read_codes(p);
+    return gscl_buffer_read(context, &rdo->device_codes, 0, rdo->codes, p->count * sizeof *rdo->codes);
+}
+
+/* If a list was too short, the pass began from a wrong picture and is made again. */
+static gscl_result rdo_run(rdo_pass *p, double lambda_scale) {
+    gscl_lists_state state;
+    do {
+        GSCL_TRY(rdo_visit_all(p, lambda_scale));
+        GSCL_TRY(gscl_renderer_end_lengths(&p->fit->renderer, 1, &state));
+    } while (state == GSCL_LISTS_CUT);
+    rdo_take_codes(p);
+    return GSCL_OK;
 }
 
 gscl_scalar_rdo_settings gscl_scalar_rdo_default_settings(double lambda_scale) {

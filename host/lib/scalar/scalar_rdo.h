@@ -19,7 +19,7 @@ typedef struct gscl_scalar_rdo {
 } gscl_scalar_rdo;
 
 /* Accepts a zeroed object. */
-void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo);
+void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo, gscl_context *context);
 
 typedef struct gscl_scalar_rdo_settings {
     double lambda_scale; /* price of a bit: lambda = lambda_scale * error / (2 * bits of the file) */

@@ -109,7 +109,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
 }
 
 void gscl_scalar_end(gscl_scalar_state *s) {
-    gscl_scalar_rdo_free(&s->rdo);
+    gscl_scalar_rdo_free(&s->rdo, s->encoder->context);
     gscl_fit_free(&s->fit);
     free(s->params);
 }
