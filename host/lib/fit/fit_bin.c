@@ -75,12 +75,15 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
     f->known_loss = f->reading->control.loss;
     if (f->has_old_lists)
         return GSCL_OK; /* their lengths are no longer of interest */
+    const int steps = f->steps_since_wait;
     f->has_known_lengths = true;
     f->steps_since_wait = 0;
     GSCL_TRY(gscl_renderer_end_lengths(&f->renderer, 1, state));
     if (f->renderer.count > 0)
         GSCL_TRY(grow_links(f, 1, state));
     f->has_old_lists = *state != GSCL_LISTS_KEPT;
+    if (*state == GSCL_LISTS_CUT)
+        gscl_log(f->context, GSCL_LOG_DEBUG, "lists of tiles were cut short in the last %d steps", steps);
     return GSCL_OK;
 }
 
