@@ -48,6 +48,13 @@ class Bench(ToolTest):
             for kernel in run["kernels"]:
                 self.assertGreaterEqual(kernel["build_seconds"], 0, kernel)
 
+    def test_encodes_hardly_wait_for_the_device(self):
+        for run in self.measured()["codec"]:
+            waits = sum(stage["waits"] for stage in run["stages"])
+            self.assertAlmostEqual(run["waits"], waits, msg=run)
+            self.assertTrue(0 < waits <= (60 if run["operation"] == "encode" else 2), run)
+            self.assertGreater(run["launches"], waits)
+
     def test_refuses_a_file_that_is_no_image(self):
         self.write("text.png", b"no image")
         self.refused("text.png", ".", "bench", "text.png", "--encodes", "1", "--repetitions", "1")

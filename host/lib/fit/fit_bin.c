@@ -82,12 +82,13 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
     if (f->renderer.count > 0)
         GSCL_TRY(grow_links(f, 1, state));
     f->has_old_lists = *state != GSCL_LISTS_KEPT;
-    if (*state == GSCL_LISTS_CUT)
+    if (*state == GSCL_LISTS_CUT && steps > 0)
         gscl_log(f->context, GSCL_LOG_DEBUG, "lists of tiles were cut short in the last %d steps", steps);
     return GSCL_OK;
 }
 
-/* New splats are small.  Where many come to lie in one row of tiles, they take up to twice their share of its list. */
+/* New splats take up to twice their share of a list, where many come to lie in one row of tiles.  If it is still too short, the
+ * last of them are left out until the host looks again. */
 gscl_result gscl_fit_expect_splats(gscl_fit *f, size_t count) {
     gscl_lists_state state = GSCL_LISTS_KEPT;
     if (!f->has_known_lengths || f->renderer.count == 0)
