@@ -65,6 +65,7 @@ __kernel void control_fit(__global const int *restrict row_totals, int rows, gsc
     for (int i = (int)get_local_id(0); i < rows; i += GSCL_SUM_ITEMS) own += (float)row_totals[i];
     float entries = group_sum(own, sums);
     if (get_local_id(0) > 0) return;
-    if (entries > settings.max_entries) control->log_max = fmax(control->log_max - settings.reduction, settings.log_min);
+    if (entries > settings.max_entries)
+        control->log_max = fmax(control->log_max - settings.reduction, settings.log_min);
     if (settings.threshold_per_loss > 0.0f) control->skip_threshold = settings.threshold_per_loss * control->loss;
 }

@@ -177,8 +177,8 @@ __kernel void adam_step(__global float *restrict params, __global float *restric
                         __global float *restrict second_moment, __global int *restrict ages,
                         __global const float *restrict gradients, __global const float *restrict steps,
                         gscl_adam_settings settings, __global const gscl_fit_control *restrict control,
-                        __global float *restrict projected,
-                        __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
+                        __global float *restrict projected, __global float *restrict ellipse_bounds,
+                        __global int4 *restrict boxes) {
     size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
     if (i >= (size_t)settings.splats) return;
     vfloat p[FITTED];
