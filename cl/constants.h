@@ -166,9 +166,10 @@
 #define GSCL_WEIGHTED_NOT 0
 #define GSCL_WEIGHTED_PIXELS 1
 #define GSCL_WEIGHTED_LUMA 2
-#define GSCL_LUMA_SHARES 0.27f, 0.65f, 0.08f /* of red, green and blue in luma; their sum is 1 */
+/* Of red, green and blue in luma: the mean of the responses of two kinds of cones that SSIMULACRA 2 has.  Their sum is 1. */
+#define GSCL_LUMA_SHARES 0.265f, 0.657f, 0.078f
 
-/* Sums of a plane at one scale of the visual loss (cl/visual.cl): of values and of their 4th powers, for structure,
+/* Sums at one scale of the visual loss (cl/visual.cl): of values and of their 4th powers, for structure,
  * artefacts and lost detail. */
 #define GSCL_VISUAL_SUMS 6
 

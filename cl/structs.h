@@ -112,7 +112,7 @@ typedef struct gscl_visual_scale {
     cl_int stride;        /* floats from row to row of a padded plane */
 } gscl_visual_scale;
 
-/* Weights of a plane at one scale: of the mean and the 4-norm of structure, artefacts and lost detail. */
+/* Weights at one scale: of the mean and the 4-norm of structure, artefacts and lost detail. */
 typedef struct gscl_visual_weights {
     cl_float weight[GSCL_VISUAL_SUMS];
 } gscl_visual_weights;

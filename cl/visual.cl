@@ -1,12 +1,15 @@
-/* The visual loss: the sum of errors of SSIMULACRA 2.1 (https://github.com/cloudinary/ssimulacra2), its derivative by
- * the rendering, and a local quadratic model of it.
+/* The visual loss: the sum of errors in luma of SSIMULACRA 2.1 (https://github.com/cloudinary/ssimulacra2), its derivative
+ * by the rendering, and a local quadratic model of it.
  *
- * At each scale, halved in linear light, both images are converted to XYB, and each plane is compared by three maps:
+ * At each scale, halved in linear light, the luma of both images is compared by three maps:
  *     d = max(0, 1 - (1 - (m - n)^2) (2 cov + C) / (A + B + C))      structure
  *     e = (1 + |y - n|) / (1 + |x - m|) - 1                          artefacts where e > 0, lost detail where e < 0
  * with the target x, the rendering y, their local means m and n, variances A and B and covariance under a Gaussian
  * window of sigma 1.5.  The image has zeros beyond its border.  The loss is a sum of weights times the mean and times
  * the 4-norm, (mean v^4)^(1/4), of each map.
+ *
+ * Luma is the cube root of luminance here, where SSIMULACRA 2 has the mean of the cube roots of two cones' responses,
+ * whose mean is luminance: they differ by 0.2 % in pure red and less in other colours.
  *
  * The quadratic model is squared error against the target plus w times the squared error of luma against a target of
  * its own, at each pixel, such that the derivative by equal changes of all colours is that of the loss at the present
@@ -19,17 +22,15 @@
 #define MARGIN GSCL_SSIM_MARGIN
 #define HALF_WINDOW (TAPS / 2)
 #define C2 9e-4f
-#define LUMA_PLANE 1          /* of X, Y, B */
 #define MIN_DIFFERENCE 0.02f  /* smallest |e| in the curvature of lost detail and artefacts */
 #define MIN_LUMA_WEIGHT 1e-3f /* of the model, where squared error has the weight 1 */
 
 /* The response of the recursive filter of SSIMULACRA 2, a Gaussian of sigma 1.5. */
 __constant float window[TAPS] = {0.00941436781f, 0.0360111147f, 0.109335373f,  0.212928592f,  0.264621105f,
                                  0.212928592f,   0.109335373f,  0.0360111147f, 0.00941436781f};
-/* From linear RGB to the responses of the three kinds of cones. */
-__constant float cones[9] = {0.30f, 0.622f, 0.078f, 0.23f, 0.692f, 0.078f, 0.243422693f, 0.204767444f, 0.551809866f};
+/* Luma of black is 0.01. */
 #define CONE_BIAS 0.00379307325f
-#define CONE_BIAS_ROOT 0.155954188f /* its cube root */
+#define LUMA_OFFSET (0.01f - 0.155954188f) /* less the cube root of the bias */
 
 /* sRGB to linear light for 0.04045 <= s <= 1: a polynomial, error below 8e-7; and its derivative. */
 inline pix linear_of(pix s) {
@@ -70,6 +71,7 @@ inline pix cube_root(pix x) {
 inline size_t padded_at(gscl_visual_scale s, int x, int y) { return (size_t)(y + MARGIN) * s.stride + x + MARGIN; }
 inline size_t padded_plane(gscl_visual_scale s) { return (size_t)s.stride * (s.height + 2 * MARGIN); }
 inline size_t plain_plane(gscl_visual_scale s) { return (size_t)s.width * s.height; }
+inline size_t plain_at(gscl_visual_scale s, int x, int y) { return (size_t)y * s.width + x; }
 
 /* First pixel and row of this work-item; false beyond the end. */
 inline bool visual_position(gscl_visual_scale s, int *x, int *y) {
@@ -79,76 +81,64 @@ inline bool visual_position(gscl_visual_scale s, int *x, int *y) {
     return *y < s.height;
 }
 
-/* Colour planes from sRGB to linear light. */
-__kernel void visual_linear(__global const float *restrict planes, int count, __global float *restrict linear) {
-    int i = (int)get_global_id(0) * LANES;
-    if (i < count) PIX_STORE(linear_of(PIX_LOAD(planes + i)), linear + i);
+/* The luminance of pixels of sRGB planes. */
+inline pix luminance_of(__global const float *restrict planes, size_t plane) {
+    pix sum = (pix)(0.0f);
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) sum = fma((pix)(luma_share(k)), linear_of(PIX_LOAD(planes + k * plane)), sum);
+    return sum;
 }
 
-/* Likewise, halved: the mean of 2x2 pixels in linear light; an odd last row or column counts twice.  `s`: the half size. */
-__kernel void visual_linear_half(__global const float *restrict planes, int width, int height, gscl_visual_scale s,
-                                 __global float *restrict linear) {
+__kernel void visual_luminance(__global const float *restrict planes, gscl_visual_scale s,
+                               __global float *restrict luminance) {
+    int x, y;
+    if (!visual_position(s, &x, &y)) return;
+    size_t at = plain_at(s, x, y);
+    pix_store_clipped(luminance_of(planes + at, plain_plane(s)), luminance + at, s.width - x);
+}
+
+/* Likewise, halved: the mean of 2x2 pixels; an odd last row or column counts twice.  `s`: the half size. */
+__kernel void visual_luminance_half(__global const float *restrict planes, int width, int height, gscl_visual_scale s,
+                                    __global float *restrict luminance) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
     size_t plane = (size_t)width * height;
-    for (int k = 0; k < COLOURS; k++) {
-        float sums[2 * LANES];
-        for (int i = 0; i < 2; i++) { /* two vectors of two rows each */
-            int left = 2 * x + i * LANES, count = clamp(width - left, 0, LANES);
-            __global const float *row = planes + k * plane + (size_t)(2 * y) * width + left;
-            pix sum = (pix)(0.0f);
-            if (count > 0) {
-                sum = linear_of(PIX_LOAD(row));
-                sum += 2 * y + 1 < height ? linear_of(PIX_LOAD(row + width)) : sum;
-            }
-            PIX_STORE(sum, sums + i * LANES);
+    float sums[2 * LANES], halved[LANES];
+    for (int i = 0; i < 2; i++) { /* two vectors of two rows each */
+        int left = 2 * x + i * LANES;
+        __global const float *row = planes + (size_t)(2 * y) * width + left;
+        pix sum = (pix)(0.0f);
+        if (left < width) {
+            sum = luminance_of(row, plane);
+            sum += 2 * y + 1 < height ? luminance_of(row + width, plane) : sum;
         }
-        int last = width - 1 - 2 * x;
-        if (last % 2 == 0 && last < 2 * LANES) sums[last + 1] = sums[last];
-        float halved[LANES];
-        for (int i = 0; i < LANES; i++) halved[i] = 0.25f * (sums[2 * i] + sums[2 * i + 1]);
-        pix_store_clipped(PIX_LOAD(halved), linear + k * plain_plane(s) + (size_t)y * s.width + x, s.width - x);
+        PIX_STORE(sum, sums + i * LANES);
     }
+    int last = width - 1 - 2 * x;
+    if (last % 2 == 0 && last < 2 * LANES) sums[last + 1] = sums[last];
+    for (int i = 0; i < LANES; i++) halved[i] = 0.25f * (sums[2 * i] + sums[2 * i + 1]);
+    pix_store_clipped(PIX_LOAD(halved), luminance + plain_at(s, x, y), s.width - x);
 }
 
-/* The cones' responses to linear colours. */
-inline void cone_responses(__global const float *restrict linear, size_t at, size_t plane, pix *restrict roots) {
-    pix colour[3];
-    UNROLL
-    for (int k = 0; k < 3; k++) colour[k] = PIX_LOAD(linear + (COLOURS == 3 ? k : 0) * plane + at);
-    UNROLL
-    for (int i = 0; i < 3; i++) {
-        pix sum = (pix)(CONE_BIAS);
-        UNROLL
-        for (int k = 0; k < 3; k++) sum = fma((pix)(cones[3 * i + k]), colour[k], sum);
-        roots[i] = cube_root(sum);
-    }
-}
-
-/* Linear planes to three padded planes X, Y, B in the ranges that SSIMULACRA 2 uses. */
-__kernel void visual_xyb(__global const float *restrict linear, gscl_visual_scale s, __global float *restrict xyb) {
+/* Luminance to luma, a padded plane. */
+__kernel void visual_luma(__global const float *restrict luminance, gscl_visual_scale s,
+                          __global float *restrict luma) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
-    pix r[3];
-    cone_responses(linear, (size_t)y * s.width + x, plain_plane(s), r);
-    pix luma = fma((pix)(0.5f), r[0] + r[1], (pix)(-CONE_BIAS_ROOT));
-    size_t at = padded_at(s, x, y), plane = padded_plane(s);
-    int lanes = s.width - x;
-    pix_store_clipped(fma((pix)(7.0f), r[0] - r[1], (pix)(0.42f)), xyb + at, lanes);
-    pix_store_clipped(luma + 0.01f, xyb + plane + at, lanes);
-    pix_store_clipped(r[2] - CONE_BIAS_ROOT - luma + 0.55f, xyb + 2 * plane + at, lanes);
+    pix value = cube_root(PIX_LOAD(luminance + plain_at(s, x, y)) + CONE_BIAS) + LUMA_OFFSET;
+    pix_store_clipped(value, luma + padded_at(s, x, y), s.width - x);
 }
 
 /* Horizontal sums of y, y y and x y of padded planes: three padded planes. */
 __kernel void visual_blur_rows(__global const float *restrict rendering, __global const float *restrict target,
-                               ulong plane_at, gscl_visual_scale s, __global float *restrict rows) {
+                               gscl_visual_scale s, __global float *restrict rows) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = padded_plane(s);
     pix m[3] = {(pix)(0.0f), (pix)(0.0f), (pix)(0.0f)};
     for (int t = 0; t < TAPS; t++) {
-        pix a = PIX_LOAD(rendering + plane_at + at + t - HALF_WINDOW);
-        pix b = PIX_LOAD(target + plane_at + at + t - HALF_WINDOW);
+        pix a = PIX_LOAD(rendering + at + t - HALF_WINDOW);
+        pix b = PIX_LOAD(target + at + t - HALF_WINDOW);
         pix wa = window[t] * a;
         m[0] += wa;
         m[1] = fma(wa, a, m[1]);
@@ -167,10 +157,10 @@ inline pix column_sum(__global const float *restrict rows, size_t at, int stride
 
 /* The target's mean and variance: two plain planes, from visual_blur_rows of the target with itself. */
 __kernel void visual_statistics(__global const float *restrict rows, gscl_visual_scale s,
-                                __global float *restrict statistics, ulong to_at) {
+                                __global float *restrict statistics) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
-    size_t at = padded_at(s, x, y), plane = padded_plane(s), to = to_at + (size_t)y * s.width + x;
+    size_t at = padded_at(s, x, y), plane = padded_plane(s), to = plain_at(s, x, y);
     pix mean = column_sum(rows, at, s.stride), square = column_sum(rows + plane, at, s.stride);
     pix_store_clipped(mean, statistics + to, s.width - x);
     pix_store_clipped(square - mean * mean, statistics + plain_plane(s) + to, s.width - x);
@@ -184,11 +174,10 @@ typedef struct {
 } visual_terms;
 
 inline visual_terms terms_of(__global const float *restrict moments, __global const float *restrict statistics,
-                             ulong statistics_at, __global const float *restrict rendering,
-                             __global const float *restrict target, ulong plane_at, gscl_visual_scale s, int x, int y) {
-    size_t at = (size_t)y * s.width + x, plane = plain_plane(s), padded = plane_at + padded_at(s, x, y);
+                             __global const float *restrict rendering, __global const float *restrict target,
+                             gscl_visual_scale s, int x, int y) {
+    size_t at = plain_at(s, x, y), plane = plain_plane(s), padded = padded_at(s, x, y);
     visual_terms t;
-    statistics += statistics_at;
     t.x = PIX_LOAD(target + padded);
     t.y = PIX_LOAD(rendering + padded);
     t.mean_x = PIX_LOAD(statistics + at);
@@ -205,19 +194,19 @@ inline visual_terms terms_of(__global const float *restrict moments, __global co
 
 /* Finishes the moments of a row (three plain planes) and adds up its terms: GSCL_VISUAL_SUMS sums. */
 __kernel void visual_terms_row(__global const float *restrict rows, __global const float *restrict statistics,
-                               ulong statistics_at, __global const float *restrict rendering,
-                               __global const float *restrict target, ulong plane_at, gscl_visual_scale s,
-                               __global float *restrict moments, __global float *restrict row_sums) {
+                               __global const float *restrict rendering, __global const float *restrict target,
+                               gscl_visual_scale s, __global float *restrict moments,
+                               __global float *restrict row_sums) {
     int y = (int)get_global_id(0);
     if (y >= s.height) return;
     pix sums[GSCL_VISUAL_SUMS];
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) sums[j] = (pix)(0.0f);
     for (int x = 0; x < s.width; x += LANES) {
-        size_t at = padded_at(s, x, y), to = (size_t)y * s.width + x;
+        size_t at = padded_at(s, x, y), to = plain_at(s, x, y);
         for (int j = 0; j < 3; j++)
             pix_store_clipped(column_sum(rows + j * padded_plane(s), at, s.stride), moments + j * plain_plane(s) + to,
                               s.width - x);
-        visual_terms t = terms_of(moments, statistics, statistics_at, rendering, target, plane_at, s, x, y);
+        visual_terms t = terms_of(moments, statistics, rendering, target, s, x, y);
         /* Lanes beyond the row hold values of no meaning, of which a product with 0 may be no number. */
         pix_mask inside = pix_offsets() < (pix)((float)(s.width - x));
         pix zero = (pix)(0.0f), d = select(zero, t.d, inside), e = select(zero, t.e, inside);
@@ -232,7 +221,7 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) row_sums[y * GSCL_VISUAL_SUMS + j] = pix_sum(sums[j]);
 }
 
-/* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3.  Also adds the loss of the plane
+/* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3.  Also adds the loss of the scale
  * to *loss.  One work-item. */
 __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s, gscl_visual_weights weights,
                             float unit, __global float *restrict shares, __global float *restrict loss) {
@@ -253,13 +242,12 @@ __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual
 /* Derivatives by the rendering's mean, its E[y y] and E[x y], and the curvature under the windows: four padded planes
  * that are blurred next.  Directly by the rendering, first and second: two plain planes. */
 __kernel void visual_maps(__global const float *restrict moments, __global const float *restrict statistics,
-                          ulong statistics_at, __global const float *restrict rendering,
-                          __global const float *restrict target, ulong plane_at, gscl_visual_scale s,
-                          __global const float *restrict shares, __global float *restrict maps,
+                          __global const float *restrict rendering, __global const float *restrict target,
+                          gscl_visual_scale s, __global const float *restrict shares, __global float *restrict maps,
                           __global float *restrict direct) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
-    visual_terms t = terms_of(moments, statistics, statistics_at, rendering, target, plane_at, s, x, y);
+    visual_terms t = terms_of(moments, statistics, rendering, target, s, x, y);
     pix zero = (pix)(0.0f);
     pix by_d = fma((pix)(shares[1]), t.d * t.d * t.d, (pix)(shares[0]));
     by_d = select(zero, by_d, t.d > zero);
@@ -271,7 +259,7 @@ __kernel void visual_maps(__global const float *restrict moments, __global const
                          t.e > zero);
     pix by_difference = by_size / (1.0f + fabs(t.x - t.mean_x));
     pix by_y = by_difference * sign(t.e) * sign(t.y - t.mean_y);
-    size_t at = padded_at(s, x, y), plane = padded_plane(s), to = (size_t)y * s.width + x;
+    size_t at = padded_at(s, x, y), plane = padded_plane(s), to = plain_at(s, x, y);
     int lanes = s.width - x;
     pix_store_clipped(by_mean - by_y, maps + at, lanes);
     pix_store_clipped(by_yy, maps + plane + at, lanes);
@@ -294,110 +282,92 @@ __kernel void visual_blur_maps(__global const float *restrict maps, gscl_visual_
     }
 }
 
-/* The derivative by a plane of XYB, and its curvature: two plain planes.  `rows`: the result of visual_blur_maps. */
-__kernel void visual_by_plane(__global const float *restrict rows, __global const float *restrict direct,
-                              __global const float *restrict rendering, __global const float *restrict target,
-                              ulong plane_at, gscl_visual_scale s, __global float *restrict derivative, ulong to_at,
-                              __global float *restrict curvature) {
-    int x, y;
-    if (!visual_position(s, &x, &y)) return;
-    size_t at = padded_at(s, x, y), plane = padded_plane(s), to = (size_t)y * s.width + x;
-    int lanes = s.width - x;
-    pix sums[4];
-    for (int j = 0; j < 4; j++) sums[j] = column_sum(rows + j * plane, at, s.stride);
-    pix a = PIX_LOAD(rendering + plane_at + at), b = PIX_LOAD(target + plane_at + at);
-    pix_store_clipped(PIX_LOAD(direct + to) + sums[0] + 2.0f * a * sums[1] + b * sums[2], derivative + to_at + to,
-                      lanes);
-    pix_store_clipped(PIX_LOAD(direct + plain_plane(s) + to) + sums[3], curvature + to, lanes);
-}
-
 /* What a plane of half the size adds to LANES pixels of a row, as the transposed operation of halving: a quarter of each
  * value; an odd last row or column counts twice. */
 inline pix load_enlarged(__global const float *restrict half_size, gscl_visual_scale s, int x, int y) {
     float values[LANES];
-    __global const float *row = half_size + (size_t)(y / 2) * ((s.width + 1) / 2);
+    __global const float *row = half_size + (size_t)(y / 2) * ((s.width + 1) / 2) + x / 2;
     float share = s.height % 2 == 1 && y == s.height - 1 ? 0.5f : 0.25f;
-    for (int i = 0; i < LANES; i++) values[i] = x + i < s.width ? share * row[(x + i) / 2] : 0.0f;
-    if (s.width % 2 == 1 && s.width - x <= LANES) values[s.width - 1 - x] *= 2.0f;
-    return PIX_LOAD(values);
+    if (s.width - x > LANES) { /* fast: no pixel is the last of the row */
+        UNROLL
+        for (int i = 0; i < LANES; i++) values[i] = row[i / 2];
+        return share * PIX_LOAD(values);
+    }
+    for (int i = 0; i < LANES; i++) values[i] = x + i < s.width ? row[i / 2] : 0.0f;
+    if (s.width % 2 == 1) values[s.width - 1 - x] *= 2.0f;
+    return share * PIX_LOAD(values);
 }
 
 inline size_t half_plane(gscl_visual_scale s) { return (size_t)((s.width + 1) / 2) * ((s.height + 1) / 2); }
 
-/* From XYB to linear colours: the derivative (COLOURS plain planes) and the curvature by equal changes of all colours
- * (a plane behind them), with those of the next smaller scale.  `has`: bit c, whether the scale has a derivative by
- * plane c of XYB (three plain planes); bit 3, whether there is a smaller scale. */
-__kernel void visual_by_colour(__global const float *restrict by_xyb, __global const float *restrict curvature,
-                               __global const float *restrict linear, gscl_visual_scale s,
-                               __global const float *restrict smaller, int has, __global float *restrict by_colour) {
+#define HAS_TERMS 1   /* the scale has terms of its own */
+#define HAS_SMALLER 2 /* the next smaller scale has some */
+
+/* The derivative and the curvature by luminance, two plain planes, with those of the next smaller scale.  `rows`: the
+ * result of visual_blur_maps.  `has`: HAS_... */
+__kernel void visual_by_luminance(__global const float *restrict rows, __global const float *restrict direct,
+                                  __global const float *restrict rendering, __global const float *restrict target,
+                                  gscl_visual_scale s, __global const float *restrict smaller, int has,
+                                  __global float *restrict by_luminance) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
-    size_t at = (size_t)y * s.width + x, plane = plain_plane(s);
-    pix sums[COLOURS + 1];
-    UNROLL
-    for (int k = 0; k <= COLOURS; k++)
-        sums[k] = has & 8 ? load_enlarged(smaller + k * half_plane(s), s, x, y) : (pix)(0.0f);
-    if (has & 7) {
-        pix r[3], by[3], by_cone[3];
-        cone_responses(linear, at, plane, r);
-        for (int c = 0; c < 3; c++) by[c] = has >> c & 1 ? PIX_LOAD(by_xyb + c * plane + at) : (pix)(0.0f);
-        pix by_luma = 0.5f * (by[1] - by[2]), slope = (pix)(0.0f);
-        by_cone[0] = fma((pix)(7.0f), by[0], by_luma);
-        by_cone[1] = fma((pix)(-7.0f), by[0], by_luma);
-        by_cone[2] = by[2];
-        UNROLL
-        for (int i = 0; i < 3; i++) {
-            pix root_slope = (1.0f / 3.0f) / (r[i] * r[i]);
-            if (i < 2) slope = fma((pix)(0.5f), root_slope, slope);
-            UNROLL
-            for (int k = 0; k < COLOURS; k++)
-                sums[k] = fma(by_cone[i] * root_slope, (pix)(COLOURS == 3 ? cones[3 * i + k] : 1.0f), sums[k]);
-        }
-        if (has >> LUMA_PLANE & 1) sums[COLOURS] = fma(PIX_LOAD(curvature + at), slope * slope, sums[COLOURS]);
+    size_t at = padded_at(s, x, y), plane = plain_plane(s), to = plain_at(s, x, y);
+    pix slope = (pix)(0.0f), curvature = (pix)(0.0f);
+    if (has & HAS_TERMS) {
+        pix sums[4], a = PIX_LOAD(rendering + at), b = PIX_LOAD(target + at), root = a - LUMA_OFFSET;
+        for (int j = 0; j < 4; j++) sums[j] = column_sum(rows + j * padded_plane(s), at, s.stride);
+        pix root_slope = (1.0f / 3.0f) / (root * root);
+        slope = root_slope * (PIX_LOAD(direct + to) + sums[0] + 2.0f * a * sums[1] + b * sums[2]);
+        curvature = root_slope * root_slope * (PIX_LOAD(direct + plane + to) + sums[3]);
     }
-    for (int k = 0; k <= COLOURS; k++) pix_store_clipped(sums[k], by_colour + k * plane + at, s.width - x);
+    if (has & HAS_SMALLER) {
+        slope += load_enlarged(smaller, s, x, y);
+        curvature += load_enlarged(smaller + half_plane(s), s, x, y);
+    }
+    pix_store_clipped(slope, by_luminance + to, s.width - x);
+    pix_store_clipped(curvature, by_luminance + plane + to, s.width - x);
 }
 
-/* One plane of the result of visual_by_colour, which is of this size or of half of it. */
-inline pix load_by_colour(__global const float *restrict by_colour, int is_half, int k, gscl_visual_scale s, int x,
-                          int y) {
-    return is_half ? load_enlarged(by_colour + k * half_plane(s), s, x, y)
-                   : PIX_LOAD(by_colour + k * plain_plane(s) + (size_t)y * s.width + x);
+/* One plane of the result of visual_by_luminance, which is of this size or of half of it. */
+inline pix load_by_luminance(__global const float *restrict by_luminance, int is_half, int j, gscl_visual_scale s,
+                             int x, int y) {
+    return is_half ? load_enlarged(by_luminance + j * half_plane(s), s, x, y)
+                   : PIX_LOAD(by_luminance + j * plain_plane(s) + plain_at(s, x, y));
 }
 
 /* The derivative by the sRGB samples of the rendering, CHANNELS planes: of the visual loss, plus the samples' error. */
-__kernel void visual_derivative(__global const float *restrict by_colour, int is_half,
+__kernel void visual_derivative(__global const float *restrict by_luminance, int is_half,
                                 __global const float *restrict rendering, __global const float *restrict target,
                                 gscl_visual_scale s, __global float *restrict derivative) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
-    size_t at = (size_t)y * s.width + x, plane = plain_plane(s);
+    size_t at = plain_at(s, x, y), plane = plain_plane(s);
+    pix slope = load_by_luminance(by_luminance, is_half, 0, s, x, y);
     for (int k = 0; k < CHANNELS; k++) {
         pix a = PIX_LOAD(rendering + k * plane + at), g = a - PIX_LOAD(target + k * plane + at);
-        if (k < COLOURS) g = fma(load_by_colour(by_colour, is_half, k, s, x, y), linear_slope(a), g);
+        if (k < COLOURS) g = fma(luma_share(k) * slope, linear_slope(a), g);
         pix_store_clipped(g, derivative + k * plane + at, s.width - x);
     }
 }
 
-/* The quadratic model: CHANNELS planes of the target, the weight of the squared error of luma, and its target. */
-__kernel void visual_model(__global const float *restrict by_colour, int is_half,
-                           __global const float *restrict rendering, __global const float *restrict target,
-                           gscl_visual_scale s, float curvature_share, __global float *restrict model) {
+/* The quadratic model, behind CHANNELS planes of the target: the weight of the squared error of luma, and its target.
+ * This luma is the mean of sRGB samples by their shares. */
+__kernel void visual_model(__global const float *restrict by_luminance, int is_half,
+                           __global const float *restrict rendering, gscl_visual_scale s, float curvature_share,
+                           __global float *restrict model) {
     int x, y;
     if (!visual_position(s, &x, &y)) return;
-    size_t at = (size_t)y * s.width + x, plane = plain_plane(s);
-    int lanes = s.width - x;
-    pix by_luma = (pix)(0.0f), luma = (pix)(0.0f), slope = (pix)(0.0f);
-    for (int k = 0; k < CHANNELS; k++) {
-        pix_store_clipped(PIX_LOAD(target + k * plane + at), model + k * plane + at, lanes);
-        if (k >= COLOURS) continue;
-        pix a = PIX_LOAD(rendering + k * plane + at), by_linear = linear_slope(a);
-        by_luma = fma(load_by_colour(by_colour, is_half, k, s, x, y), by_linear, by_luma);
+    size_t at = plain_at(s, x, y), plane = plain_plane(s);
+    pix luma = (pix)(0.0f), slope = (pix)(0.0f); /* of luminance by luma */
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) {
+        pix a = PIX_LOAD(rendering + k * plane + at);
         luma = fma((pix)(luma_share(k)), a, luma);
-        slope = fma((pix)(luma_share(k)), by_linear, slope);
+        slope = fma((pix)(luma_share(k)), linear_slope(a), slope);
     }
-    pix weight = curvature_share * slope * slope * load_by_colour(by_colour, is_half, COLOURS, s, x, y);
+    pix weight = curvature_share * slope * slope * load_by_luminance(by_luminance, is_half, 1, s, x, y);
     weight = fmax(weight, (pix)(MIN_LUMA_WEIGHT));
-    pix_store_clipped(weight, model + CHANNELS * plane + at, lanes);
-    pix_store_clipped(luma - by_luma / weight, model + (CHANNELS + 1) * plane + at, lanes);
+    pix by_luma = slope * load_by_luminance(by_luminance, is_half, 0, s, x, y);
+    pix_store_clipped(weight, model + CHANNELS * plane + at, s.width - x);
+    pix_store_clipped(luma - by_luma / weight, model + (CHANNELS + 1) * plane + at, s.width - x);
 }

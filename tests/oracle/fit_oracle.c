@@ -14,7 +14,7 @@ typedef struct {
 } substitute;
 
 static double luma_of(const oracle_fit *fit, const double *value) {
-    return fit->colours == 3 ? 0.27 * value[0] + 0.65 * value[1] + 0.08 * value[2] : value[0];
+    return fit->colours == 3 ? 0.265 * value[0] + 0.657 * value[1] + 0.078 * value[2] : value[0];
 }
 
 static void blend_pixel(const oracle_scene *s, int pixel, const substitute *other, double *value) {

@@ -9,19 +9,11 @@
 
 typedef struct {
     int width, height;
-    double *plane[3];
+    double *plane;
 } picture;
 
 static picture picture_make(int width, int height) {
-    picture p = {.width = width, .height = height};
-    for (int k = 0; k < 3; k++)
-        p.plane[k] = calloc((size_t)(width * height), sizeof(double));
-    return p;
-}
-
-static void picture_free(picture *p) {
-    for (int k = 0; k < 3; k++)
-        free(p->plane[k]);
+    return (picture){.width = width, .height = height, .plane = calloc((size_t)(width * height), sizeof(double))};
 }
 
 static double linear_of(double s) {
@@ -29,44 +21,31 @@ static double linear_of(double s) {
     return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
 }
 
-static picture linear_picture(const double *planes, int colours, int width, int height) {
+static picture luminance_of(const double *planes, int colours, int width, int height) {
+    static const double shares[3] = {0.265, 0.657, 0.078};
     picture p = picture_make(width, height);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < width * height; i++)
-            p.plane[k][i] = linear_of(planes[(colours == 3 ? k : 0) * width * height + i]);
+    for (int i = 0; i < width * height; i++)
+        for (int k = 0; k < colours; k++)
+            p.plane[i] += (colours == 3 ? shares[k] : 1) * linear_of(planes[k * width * height + i]);
     return p;
 }
 
 static picture half_size(const picture *from) {
     picture p = picture_make((from->width + 1) / 2, (from->height + 1) / 2);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 4 * p.width * p.height; i++) {
-            const int to = i / 4, x = 2 * (to % p.width) + i % 2, y = 2 * (to / p.width) + i / 2 % 2;
-            const int at =
-                (y < from->height ? y : from->height - 1) * from->width + (x < from->width ? x : from->width - 1);
-            p.plane[k][to] += 0.25 * from->plane[k][at];
-        }
+    for (int i = 0; i < 4 * p.width * p.height; i++) {
+        const int to = i / 4, x = 2 * (to % p.width) + i % 2, y = 2 * (to / p.width) + i / 2 % 2;
+        const int at =
+            (y < from->height ? y : from->height - 1) * from->width + (x < from->width ? x : from->width - 1);
+        p.plane[to] += 0.25 * from->plane[at];
+    }
     return p;
 }
 
-static picture xyb_of(const picture *linear) {
-    static const double cones[3][3] = {
-        {0.3, 0.622, 0.078}, {0.23, 0.692, 0.078}, {0.24342268924547819, 0.20476744424496821, 0.5518098665095536}};
+static picture luma_of(const picture *luminance) {
     const double bias = 0.0037930732552754493;
-    picture p = picture_make(linear->width, linear->height);
-    for (int i = 0; i < p.width * p.height; i++) {
-        double root[3];
-        for (int j = 0; j < 3; j++) {
-            double sum = bias;
-            for (int k = 0; k < 3; k++)
-                sum += cones[j][k] * linear->plane[k][i];
-            root[j] = cbrt(sum) - cbrt(bias);
-        }
-        const double luma = (root[0] + root[1]) / 2;
-        p.plane[0][i] = 14 * (root[0] - root[1]) / 2 + 0.42;
-        p.plane[1][i] = luma + 0.01;
-        p.plane[2][i] = root[2] - luma + 0.55;
-    }
+    picture p = picture_make(luminance->width, luminance->height);
+    for (int i = 0; i < p.width * p.height; i++)
+        p.plane[i] = cbrt(luminance->plane[i] + bias) - cbrt(bias) + 0.01;
     return p;
 }
 
@@ -118,37 +97,24 @@ static double sum_of_maps(const double *x, const double *y, int width, int heigh
 
 double oracle_visual_sum(const double *target, const double *rendering, int colours, int width, int height, int level,
                          int first) {
-    static const double weights[3][SCALES][6] = {
-        {{0},
-         {0, 1.1041726426657346, 0, 0, 0, 0},
-         {0, 1.8422455520539298, 0, 11.441172603757666, 0, 0},
-         {0, 1.8787594979546387, 0, 10.94906990605142, 0, 0},
-         {0, 0, 0.9677937080626833, 0.9981766977854967, 0, 0}},
-        {{0, 7.466890328078848, 0, 0, 0, 17.445833984131262},
-         {0, 6.683678146179332, 0, 0, 0, 1.027889937768264},
-         {225.20515300849274, 19.213238186143016, 0, 0, 0, 0},
-         {176.39317598450694, 24.43300999870476, 0, 0.28520802612117757, 0, 0},
-         {0, 34.77906344483772, 0, 44.835625328877896, 0, 0}},
-        {{0},
-         {0},
-         {0},
-         {0, 8.826982764996862, 0, 23.19243343998926, 0, 0},
-         {95.1080498811086, 0, 0.9863978034400682, 171.2667255897307, 0.9834382792465353, 0.9807858872435379}}};
-    picture a = linear_picture(target, colours, width, height), b = linear_picture(rendering, colours, width, height);
+    static const double weights[SCALES][6] = {{0, 7.466890328078848, 0, 0, 0, 17.445833984131262},
+                                              {0, 6.683678146179332, 0, 0, 0, 1.027889937768264},
+                                              {225.20515300849274, 19.213238186143016, 0, 0, 0, 0},
+                                              {176.39317598450694, 24.43300999870476, 0, 0.28520802612117757, 0, 0},
+                                              {0, 34.77906344483772, 0, 44.835625328877896, 0, 0}};
+    picture a = luminance_of(target, colours, width, height), b = luminance_of(rendering, colours, width, height);
     double sum = 0;
     for (int scale = level; scale < SCALES && a.width >= 8 && a.height >= 8; scale++) {
-        picture x = xyb_of(&a), y = xyb_of(&b), next[2] = {half_size(&a), half_size(&b)};
-        for (int c = 0; c < 3; c++)
-            if (scale >= first && (colours == 3 || c == 1))
-                sum += sum_of_maps(x.plane[c], y.plane[c], a.width, a.height, weights[c][scale]);
-        picture_free(&x);
-        picture_free(&y);
-        picture_free(&a);
-        picture_free(&b);
+        picture x = luma_of(&a), y = luma_of(&b), next[2] = {half_size(&a), half_size(&b)};
+        if (scale >= first)
+            sum += sum_of_maps(x.plane, y.plane, a.width, a.height, weights[scale]);
+        double *all[] = {x.plane, y.plane, a.plane, b.plane};
+        for (int j = 0; j < 4; j++)
+            free(all[j]);
         a = next[0];
         b = next[1];
     }
-    picture_free(&a);
-    picture_free(&b);
+    free(a.plane);
+    free(b.plane);
     return sum;
 }

@@ -120,13 +120,13 @@ static void test_derivative(void **state) {
     }
 }
 
-/* The reference of these tests, with the finest scale, is SSIMULACRA 2 but for weights below 0.01. */
+/* The reference of these tests, with the finest scale, is SSIMULACRA 2 but for weights below 0.01, where images are grey. */
 static void test_reference(void **state) {
     (void)state;
-    scene *s = make_scene(0, 3, 0, 0);
+    scene *s = make_scene(0, 1, 0, 0);
     double sum;
-    assert_true(gscl_ssimulacra2_sum(s->target, s->rendering, WIDTH, HEIGHT, 3, &sum) == GSCL_OK);
-    assert_float_equal(oracle_visual_sum(s->exact_target, s->exact_rendering, 3, WIDTH, HEIGHT, 0, 0), sum, 2e-3 * sum);
+    assert_true(gscl_ssimulacra2_sum(s->target, s->rendering, WIDTH, HEIGHT, 1, &sum) == GSCL_OK);
+    assert_float_equal(oracle_visual_sum(s->exact_target, s->exact_rendering, 1, WIDTH, HEIGHT, 0, 0), sum, 2e-3 * sum);
     free_scene(s);
 }
 

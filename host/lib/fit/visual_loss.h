@@ -1,5 +1,5 @@
-/* The visual loss on the device (cl/visual.cl): squared error plus the weighted sum of errors of SSIMULACRA 2.1, its
- * derivative, and a local quadratic model of it.
+/* The visual loss on the device (cl/visual.cl): squared error plus the weighted sum of errors in luma of SSIMULACRA
+ * 2.1, its derivative, and a local quadratic model of it.
  *
  * The finest scale of SSIMULACRA 2 is left out: it has 1 to 3 % of the sum in pictures of up to 0.2 bits a pixel, and
  * three quarters of the time. */
@@ -14,12 +14,12 @@
 
 /* Buffers of one scale.  Padded planes have margins of zeros, which kernels never overwrite. */
 typedef struct gscl_visual_buffers {
-    gscl_buffer target;     /* X, Y, B, padded */
-    gscl_buffer statistics; /* of each plane of the target, its mean and variance, plain */
-    gscl_buffer linear;     /* colours, plain */
-    gscl_buffer xyb;        /* X, Y, B of the rendering, padded */
-    gscl_buffer rows, maps; /* four padded planes each */
-    gscl_buffer by_colour;  /* the derivative by linear colours and the curvature, plain */
+    gscl_buffer target;       /* luma, padded */
+    gscl_buffer statistics;   /* the target's mean and variance, plain */
+    gscl_buffer luminance;    /* plain */
+    gscl_buffer luma;         /* of the rendering, padded */
+    gscl_buffer rows, maps;   /* four padded planes each */
+    gscl_buffer by_luminance; /* the derivative and the curvature, plain */
 } gscl_visual_buffers;
 
 /* Zeroed: empty.  Kept between calls for the same pyramid and options. */
@@ -28,7 +28,7 @@ typedef struct gscl_visual {
     bool has_target;
     /* By the level of the pyramid whose size they have.  A fit may be at a level beyond the last scale. */
     gscl_visual_buffers scales[GSCL_MAX_LEVELS];
-    gscl_buffer moments, direct, by_xyb, curvature, row_sums, shares, loss; /* scratch of one scale */
+    gscl_buffer moments, direct, row_sums, shares, loss; /* scratch of one scale */
 } gscl_visual;
 
 /* An image of the size of a level of the pyramid, beside that level. */
@@ -47,9 +47,9 @@ typedef struct gscl_visual_comparison {
  * loss. */
 gscl_result gscl_visual_derivative(gscl_visual *visual, const gscl_visual_comparison *comparison,
                                    gscl_buffer *derivative);
-/* Writes the quadratic model into `model`, which it makes: the level's planes, the weight of the squared error of luma,
- * and the target of luma.  `curvature`: factor on the curvature, which is an upper bound for changes of one splat at 1;
- * the lower, the further changes go that the model asks for. */
+/* Writes the quadratic model into `model`, behind the level's planes, which the caller has put there: the weight of the
+ * squared error of luma, and the target of luma.  `curvature`: factor on the curvature, which is an upper bound for
+ * changes of one splat at 1; the lower, the further changes go that the model asks for. */
 gscl_result gscl_visual_model(gscl_visual *visual, const gscl_visual_comparison *comparison, float curvature,
                               gscl_buffer *model);
 /* Reads the visual loss of the last call, in the unit of half the sum of squared errors. */
