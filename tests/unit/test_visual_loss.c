@@ -72,7 +72,8 @@ static double expected_derivative(scene *s, int sample) {
     double sums[2];
     for (int side = 0; side < 2; side++) {
         s->exact_rendering[sample] = value + (side ? step : -step);
-        sums[side] = oracle_visual_sum(s->exact_target, s->exact_rendering, s->colours, WIDTH, HEIGHT, s->level, 1);
+        sums[side] = oracle_visual_sum(s->exact_target, s->exact_rendering, s->colours, WIDTH, HEIGHT, s->level,
+                                       GSCL_VISUAL_FIRST_SCALE);
     }
     s->exact_rendering[sample] = value;
     return (sums[1] - sums[0]) / (2 * step) * PLANE / 2000.0;
@@ -89,7 +90,8 @@ static void check_scene(int mapping, int colours, int alpha, int level) {
     double loss, error2 = 0, size2 = 0;
     check_call(mapping, gscl_visual_derivative(&visual, &comparison, &derivative));
     check_call(mapping, gscl_visual_read_loss(&visual, contexts[mapping], &loss));
-    const double sum = oracle_visual_sum(s->exact_target, s->exact_rendering, colours, WIDTH, HEIGHT, level, 1);
+    const double sum =
+        oracle_visual_sum(s->exact_target, s->exact_rendering, colours, WIDTH, HEIGHT, level, GSCL_VISUAL_FIRST_SCALE);
     assert_float_equal(loss, sum * PLANE / 2000.0, 2e-5 * loss);
     check_call(mapping, gscl_buffer_read(contexts[mapping], &derivative, 0, found,
                                          (size_t)(s->channels * PLANE) * sizeof(float)));

@@ -11,13 +11,11 @@
 #define MIN_SIDE 8 /* pixels of the smallest scale */
 
 /* The weights of SSIMULACRA 2.1 in luma: of the mean and the 4-norm of structure, artefacts and lost detail.  Those below
- * 0.01 are left out, and those of the finest scale. */
+ * 0.01 are left out. */
 static const gscl_visual_weights loss_weights[GSCL_VISUAL_SCALES] = {
-    {{0}},
-    {{0, 6.683678f, 0, 0, 0, 1.027890f}},
-    {{225.205153f, 19.213238f, 0, 0, 0, 0}},
-    {{176.393176f, 24.433010f, 0, 0.285208f, 0, 0}},
-    {{0, 34.779063f, 0, 44.835625f, 0, 0}},
+    [2] = {{225.205153f, 19.213238f, 0, 0, 0, 0}},
+    [3] = {{176.393176f, 24.433010f, 0, 0.285208f, 0, 0}},
+    [4] = {{0, 34.779063f, 0, 44.835625f, 0, 0}},
 };
 
 void gscl_visual_free(gscl_visual *v) {
@@ -60,7 +58,7 @@ static size_t plain_bytes(const visual_step *s) {
 
 /* The first scale that has terms.  Large images begin at a smaller one, which bounds the memory. */
 static int first_scale(const gscl_visual_comparison *c) {
-    int first = c->level > 0 ? c->level : 1;
+    int first = c->level > GSCL_VISUAL_FIRST_SCALE ? c->level : GSCL_VISUAL_FIRST_SCALE;
     while (gscl_pyramid_pixels(c->pyramid, first) > (size_t)gscl_fit_tunables.visual_max_pixels)
         first++;
     return first;
@@ -123,8 +121,8 @@ static gscl_result make_luminance(gscl_visual *v, const gscl_visual_comparison *
         if (scale == from)
             GSCL_TRY(make_first_luminance(&s, planes));
         else
-            GSCL_TRY(gscl_pyramid_halve(c->pyramid, scale - 1, 0, &v->scales[scale - 1].luminance,
-                                        &s.buffers->luminance));
+            GSCL_TRY(
+                gscl_pyramid_halve(c->pyramid, scale - 1, 0, &v->scales[scale - 1].luminance, &s.buffers->luminance));
     }
     return GSCL_OK;
 }

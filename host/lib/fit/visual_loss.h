@@ -1,8 +1,8 @@
 /* The visual loss on the device (cl/visual.cl): squared error plus the weighted sum of errors in luma of SSIMULACRA
  * 2.1, its derivative, and a local quadratic model of it.
  *
- * The finest scale of SSIMULACRA 2 is left out: it has 1 to 3 % of the sum in pictures of up to 0.2 bits a pixel, and
- * three quarters of the time. */
+ * The two finest scales of SSIMULACRA 2 are left out: they are a few percent of the sum in pictures of up to 0.2 bits a
+ * pixel, and nine tenths of the time. */
 #ifndef GSCL_LIB_FIT_VISUAL_LOSS_H
 #define GSCL_LIB_FIT_VISUAL_LOSS_H
 
@@ -10,7 +10,9 @@
 #include "fit/pyramid.h"
 #include "runtime/programs.h"
 
-#define GSCL_VISUAL_SCALES 5 /* 1, 1/2, ... 1/16; the sixth of SSIMULACRA 2 has next to no weight */
+/* Scales are 1, 1/2, ... 1/16; the sixth of SSIMULACRA 2 has next to no weight. */
+#define GSCL_VISUAL_SCALES 5
+#define GSCL_VISUAL_FIRST_SCALE 2 /* with weights */
 
 /* Buffers of one scale.  Padded planes have margins of zeros, which kernels never overwrite. */
 typedef struct gscl_visual_buffers {
@@ -43,8 +45,8 @@ typedef struct gscl_visual_comparison {
 } gscl_visual_comparison;
 
 /* Writes the derivative by the rendering of half the sum of squared errors plus the visual loss into `derivative`
- * (planes like the rendering, which it makes).  Images with a side below 8 pixels at half the size have no visual
- * loss. */
+ * (planes like the rendering, which it makes).  Images with a side below 8 pixels at a quarter of the size have no
+ * visual loss. */
 gscl_result gscl_visual_derivative(gscl_visual *visual, const gscl_visual_comparison *comparison,
                                    gscl_buffer *derivative);
 /* Writes the quadratic model into `model`, behind the level's planes, which the caller has put there: the weight of the
