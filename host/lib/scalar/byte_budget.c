@@ -20,7 +20,8 @@ static gscl_result use_slack(gscl_scalar_state *s) {
         if (is_better && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
             s->lambda_scale = fmin(s->lambda_scale, 1);
             s->surplus = 1;
-            GSCL_TRY(gscl_scalar_densify(s, s->textures, &is_better));
+            /* New splats are far from their best after a single pass, and here none follow. */
+            GSCL_TRY(gscl_scalar_densify(s, 2, s->textures, &is_better));
         } else {
             s->lambda_scale = fmax(s->lambda_scale * tunables->slack_factor, tunables->min_lambda_scale);
             GSCL_TRY(gscl_scalar_pass(s, s->textures));

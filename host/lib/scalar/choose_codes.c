@@ -52,20 +52,22 @@ static gscl_result measure(gscl_scalar_state *s, double *error) {
     return s->coded->file.header.splat_count > 0 ? gscl_scalar_measure(s, error) : GSCL_OK;
 }
 
-static gscl_result densify_from(gscl_scalar_state *s, bool scan_textures, gscl_kept_codes *before, bool *is_better) {
+static gscl_result densify_from(gscl_scalar_state *s, int passes, bool scan_textures, gscl_kept_codes *before,
+                                bool *is_better) {
     double error;
     GSCL_TRY(measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(before, s, error));
     GSCL_TRY(add_splats(s));
-    GSCL_TRY(gscl_scalar_pass(s, scan_textures));
+    for (int pass = 0; pass < passes; pass++)
+        GSCL_TRY(gscl_scalar_pass(s, scan_textures && pass == 0));
     GSCL_TRY(measure(s, &error));
     *is_better = error <= before->error;
     return *is_better ? GSCL_OK : gscl_kept_codes_restore(before, s);
 }
 
-gscl_result gscl_scalar_densify(gscl_scalar_state *s, bool scan_textures, bool *is_better) {
+gscl_result gscl_scalar_densify(gscl_scalar_state *s, int passes, bool scan_textures, bool *is_better) {
     gscl_kept_codes before = {0};
-    const gscl_result result = densify_from(s, scan_textures, &before, is_better);
+    const gscl_result result = densify_from(s, passes, scan_textures, &before, is_better);
     gscl_kept_codes_free(&before);
     return result;
 }
@@ -89,7 +91,7 @@ static gscl_result pass_without_textures(gscl_scalar_state *s) {
     bool is_better = true;
     GSCL_TRY(gscl_scalar_pass(s, false));
     for (int i = 0; i < tunables->max_densifications && has_room(s) && is_better; i++)
-        GSCL_TRY(gscl_scalar_densify(s, false, &is_better));
+        GSCL_TRY(gscl_scalar_densify(s, 1, false, &is_better));
     return GSCL_OK;
 }
 
