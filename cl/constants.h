@@ -169,9 +169,10 @@
 /* Of red, green and blue in luma: the mean of the responses of two kinds of cones that SSIMULACRA 2 has.  Their sum is 1. */
 #define GSCL_LUMA_SHARES 0.265f, 0.657f, 0.078f
 
-/* Sums at one scale of the visual loss (cl/visual.cl): of values and of their 4th powers, for structure,
- * artefacts and lost detail. */
-#define GSCL_VISUAL_SUMS 6
+/* Sums at one scale of the visual loss (cl/visual.cl): of values and of their 4th powers, for structure, artefacts and
+ * lost detail; and of the 6th power of the error. */
+#define GSCL_VISUAL_PEAKS 6
+#define GSCL_VISUAL_SUMS 7
 
 /* A slot of the fit holds a splat's sums over one tile (cl/fit.cl).  Sums that the effects leave without use have no
  * place in it, so that the later places follow from the shape of splats (GSCL_SHAPE_...) and from what they have. */

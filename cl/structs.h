@@ -112,7 +112,8 @@ typedef struct gscl_visual_scale {
     cl_int stride;        /* floats from row to row of a padded plane */
 } gscl_visual_scale;
 
-/* Weights at one scale: of the mean and the 4-norm of structure, artefacts and lost detail. */
+/* Weights at one scale: of the mean and the 4-norm of structure, artefacts and lost detail, and of the 6-norm of
+ * the error. */
 typedef struct gscl_visual_weights {
     cl_float weight[GSCL_VISUAL_SUMS];
 } gscl_visual_weights;

@@ -4,17 +4,19 @@
  * At each scale, halved in linear light, the luma of both images is compared by three maps:
  *     d = max(0, 1 - (1 - (m - n)^2) (2 cov + C) / (A + B + C))      structure
  *     e = (1 + |y - n|) / (1 + |x - m|) - 1                          artefacts where e > 0, lost detail where e < 0
+ *     y - x                                                          error
  * with the target x, the rendering y, their local means m and n, variances A and B and covariance under a Gaussian
  * window of sigma 1.5.  The image has zeros beyond its border.  The loss is a sum of weights times the mean and times
- * the 4-norm, (mean v^4)^(1/4), of each map.
+ * the 4-norm, (mean v^4)^(1/4), of the first three maps, and of the 6-norm of the error, which lies near its largest
+ * values: they are what Butteraugli sees, and SSIMULACRA 2 does not.
  *
  * Luma is the cube root of luminance here, where SSIMULACRA 2 has the mean of the cube roots of two cones' responses,
  * whose mean is luminance: they differ by 0.2 % in pure red and less in other colours.
  *
  * The quadratic model is squared error against the target plus w times the squared error of luma against a target of
  * its own, at each pixel, such that the derivative by equal changes of all colours is that of the loss at the present
- * rendering.  The curvature w is that of d, proportional to 1 / (A + B + C) under the windows, and of e, proportional to
- * 1 / |e|.  It holds for changes that are the same over a window or finer; for others it is too large.
+ * rendering.  The curvature w is that of d, proportional to 1 / (A + B + C) under the windows, of e, proportional to
+ * 1 / |e|, and of the error.  It holds for changes that are the same over a window or finer; for others it is too large.
  *
  * Padded planes here have rows of `stride` floats, GSCL_SSIM_MARGIN zeros on each side, as in ssim.cl; plain ones have
  * none.  Kernels whose name ends in _row take a row of the image as one work-item, the others LANES pixels. */
@@ -23,6 +25,7 @@
 #define HALF_WINDOW (TAPS / 2)
 #define C2 9e-4f
 #define MIN_DIFFERENCE 0.02f  /* smallest |e| in the curvature of lost detail and artefacts */
+#define PEAK_CURVATURE 3.0f   /* of the 6-norm in the model: 1 costs 2.7 points of SSIMULACRA 2, 6 and 12 half of one */
 #define MIN_LUMA_WEIGHT 1e-3f /* of the model, where squared error has the weight 1 */
 
 /* The response of the recursive filter of SSIMULACRA 2, a Gaussian of sigma 1.5. */
@@ -217,24 +220,27 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
             sums[2 * j] += maps[j];
             sums[2 * j + 1] = fma(square, square, sums[2 * j + 1]);
         }
+        pix error = select(zero, t.y - t.x, inside), square = error * error;
+        sums[GSCL_VISUAL_PEAKS] = fma(square * square, square, sums[GSCL_VISUAL_PEAKS]);
     }
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) row_sums[y * GSCL_VISUAL_SUMS + j] = pix_sum(sums[j]);
 }
 
-/* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3.  Also adds the loss of the scale
- * to *loss.  One work-item. */
+/* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3, by an error shares[PEAKS] times
+ * its 5th power.  Also adds the loss of the scale to *loss.  One work-item. */
 __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s, gscl_visual_weights weights,
                             float unit, __global float *restrict shares, __global float *restrict loss) {
     /* Copied, because Mesa's compiler fails on a run-time index into a struct that was passed by value. */
-    const float by_sum[GSCL_VISUAL_SUMS] = {weights.weight[0], weights.weight[1], weights.weight[2],
-                                            weights.weight[3], weights.weight[4], weights.weight[5]};
+    const float by_sum[GSCL_VISUAL_SUMS] = {weights.weight[0], weights.weight[1], weights.weight[2], weights.weight[3],
+                                            weights.weight[4], weights.weight[5], weights.weight[6]};
     float pixels = (float)s.width * (float)s.height, total = 0.0f;
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) {
         float sum = 0.0f;
         for (int y = 0; y < s.height; y++) sum += row_sums[y * GSCL_VISUAL_SUMS + j];
-        float mean = sum / pixels, norm = j % 2 ? sqrt(sqrt(mean)) : mean, weight = by_sum[j];
+        float power = j == GSCL_VISUAL_PEAKS ? 6.0f : j % 2 ? 4.0f : 1.0f;
+        float norm = exp2(log2(fmax(sum / pixels, 1e-30f)) / power), weight = by_sum[j];
         total = fma(weight, norm, total);
-        shares[j] = unit * weight / pixels / (j % 2 ? fmax(norm * norm * norm, 1e-12f) : 1.0f);
+        shares[j] = unit * weight / pixels * exp2((1.0f - power) * log2(norm));
     }
     *loss += unit * total;
 }
@@ -259,14 +265,16 @@ __kernel void visual_maps(__global const float *restrict moments, __global const
                          t.e > zero);
     pix by_difference = by_size / (1.0f + fabs(t.x - t.mean_x));
     pix by_y = by_difference * sign(t.e) * sign(t.y - t.mean_y);
+    pix error = t.y - t.x, square_error = error * error, peak = shares[GSCL_VISUAL_PEAKS] * square_error * square_error;
     size_t at = padded_at(s, x, y), plane = padded_plane(s), to = plain_at(s, x, y);
     int lanes = s.width - x;
     pix_store_clipped(by_mean - by_y, maps + at, lanes);
     pix_store_clipped(by_yy, maps + plane + at, lanes);
     pix_store_clipped(by_xy, maps + 2 * plane + at, lanes);
     pix_store_clipped(-by_xy, maps + 3 * plane + at, lanes);
-    pix_store_clipped(by_y, direct + to, lanes);
-    pix_store_clipped(by_difference / fmax(size, (pix)(MIN_DIFFERENCE)), direct + plain_plane(s) + to, lanes);
+    pix_store_clipped(fma(peak, error, by_y), direct + to, lanes);
+    pix_store_clipped(by_difference / fmax(size, (pix)(MIN_DIFFERENCE)) + PEAK_CURVATURE * peak,
+                      direct + plain_plane(s) + to, lanes);
 }
 
 /* Horizontal sums of the four maps. */

@@ -73,14 +73,16 @@ static double *blur(const double *a, const double *b, int width, int height) {
 }
 
 /* Weight of the mean and of the 4-norm of each map. */
-static double sum_of_maps(const double *x, const double *y, int width, int height, const double weights[6]) {
+static double sum_of_maps(const double *x, const double *y, int width, int height, const double weights[6],
+                          double peaks) {
     double *mean_x = blur(x, NULL, width, height), *mean_y = blur(y, NULL, width, height);
     double *xx = blur(x, x, width, height), *yy = blur(y, y, width, height), *xy = blur(x, y, width, height);
-    double sums[6] = {0}, result = 0;
+    double sums[6] = {0}, sixth_powers = 0, result = 0;
     for (int i = 0; i < width * height; i++) {
         const double m = mean_x[i], n = mean_y[i];
         const double structure = (2 * (xy[i] - m * n) + 9e-4) / ((xx[i] - m * m) + (yy[i] - n * n) + 9e-4);
         const double e = (1 + fabs(y[i] - n)) / (1 + fabs(x[i] - m)) - 1;
+        sixth_powers += pow(y[i] - x[i], 6) / (width * height);
         const double maps[3] = {fmax(1 - (1 - (m - n) * (m - n)) * structure, 0), fmax(e, 0), fmax(-e, 0)};
         for (int j = 0; j < 3; j++) {
             sums[2 * j] += maps[j] / (width * height);
@@ -89,6 +91,7 @@ static double sum_of_maps(const double *x, const double *y, int width, int heigh
     }
     for (int j = 0; j < 6; j++)
         result += weights[j] * (j % 2 ? pow(sums[j], 0.25) : sums[j]);
+    result += peaks * pow(sixth_powers, 1.0 / 6);
     double *all[] = {mean_x, mean_y, xx, yy, xy};
     for (int j = 0; j < 5; j++)
         free(all[j]);
@@ -96,7 +99,7 @@ static double sum_of_maps(const double *x, const double *y, int width, int heigh
 }
 
 double oracle_visual_sum(const double *target, const double *rendering, int colours, int width, int height, int level,
-                         int first) {
+                         int first, double peaks) {
     static const double weights[SCALES][6] = {{0, 7.466890328078848, 0, 0, 0, 17.445833984131262},
                                               {0, 6.683678146179332, 0, 0, 0, 1.027889937768264},
                                               {225.20515300849274, 19.213238186143016, 0, 0, 0, 0},
@@ -107,7 +110,8 @@ double oracle_visual_sum(const double *target, const double *rendering, int colo
     for (int scale = level; scale < SCALES && a.width >= 8 && a.height >= 8; scale++) {
         picture x = luma_of(&a), y = luma_of(&b), next[2] = {half_size(&a), half_size(&b)};
         if (scale >= first)
-            sum += sum_of_maps(x.plane, y.plane, a.width, a.height, weights[scale]);
+            sum += sum_of_maps(x.plane, y.plane, a.width, a.height, weights[scale],
+                               scale == level || scale == first ? peaks : 0);
         double *all[] = {x.plane, y.plane, a.plane, b.plane};
         for (int j = 0; j < 4; j++)
             free(all[j]);

@@ -10,6 +10,7 @@
 #include <gscl/gscl.h>
 #include "both_mappings.h"
 #include "cl/constants.h"
+#include "fit/tunables.h"
 #include "fit/visual_loss.h"
 #include "image/ssimulacra2.h"
 #include "synthetic_scene.h"
@@ -73,7 +74,7 @@ static double expected_derivative(scene *s, int sample) {
     for (int side = 0; side < 2; side++) {
         s->exact_rendering[sample] = value + (side ? step : -step);
         sums[side] = oracle_visual_sum(s->exact_target, s->exact_rendering, s->colours, WIDTH, HEIGHT, s->level,
-                                       GSCL_VISUAL_FIRST_SCALE);
+                                       GSCL_VISUAL_FIRST_SCALE, gscl_fit_tunables.visual_peaks);
     }
     s->exact_rendering[sample] = value;
     return (sums[1] - sums[0]) / (2 * step) * PLANE / 2000.0;
@@ -90,8 +91,8 @@ static void check_scene(int mapping, int colours, int alpha, int level) {
     double loss, error2 = 0, size2 = 0;
     check_call(mapping, gscl_visual_derivative(&visual, &comparison, &derivative));
     check_call(mapping, gscl_visual_read_loss(&visual, contexts[mapping], &loss));
-    const double sum =
-        oracle_visual_sum(s->exact_target, s->exact_rendering, colours, WIDTH, HEIGHT, level, GSCL_VISUAL_FIRST_SCALE);
+    const double sum = oracle_visual_sum(s->exact_target, s->exact_rendering, colours, WIDTH, HEIGHT, level,
+                                         GSCL_VISUAL_FIRST_SCALE, gscl_fit_tunables.visual_peaks);
     assert_float_equal(loss, sum * PLANE / 2000.0, 2e-5 * loss);
     check_call(mapping, gscl_buffer_read(contexts[mapping], &derivative, 0, found,
                                          (size_t)(s->channels * PLANE) * sizeof(float)));
@@ -128,7 +129,8 @@ static void test_reference(void **state) {
     scene *s = make_scene(0, 1, 0, 0);
     double sum;
     assert_true(gscl_ssimulacra2_sum(s->target, s->rendering, WIDTH, HEIGHT, 1, &sum) == GSCL_OK);
-    assert_float_equal(oracle_visual_sum(s->exact_target, s->exact_rendering, 1, WIDTH, HEIGHT, 0, 0), sum, 2e-3 * sum);
+    assert_float_equal(oracle_visual_sum(s->exact_target, s->exact_rendering, 1, WIDTH, HEIGHT, 0, 0, 0), sum,
+                       2e-3 * sum);
     free_scene(s);
 }
 

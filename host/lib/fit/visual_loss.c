@@ -173,11 +173,20 @@ static gscl_result make_target(gscl_visual *v, const gscl_visual_comparison *c) 
 
 /* ---- The derivative ---- */
 
+/* The error counts at the first scale alone. */
+static gscl_visual_weights weights_of(const visual_step *s) {
+    gscl_visual_weights weights = loss_weights[s->scale];
+    if (s->scale == first_scale(s->comparison))
+        weights.weight[GSCL_VISUAL_PEAKS] = gscl_fit_tunables.visual_peaks;
+    return weights;
+}
+
 /* The terms of a scale, their sums, and what the derivative by each map's values is. */
 static gscl_result sum_terms(const visual_step *s) {
     gscl_visual *v = s->visual;
     cl_kernel kernel;
     const gscl_visual_comparison *c = s->comparison;
+    const gscl_visual_weights weights = weights_of(s);
     const cl_float unit = c->share * (float)gscl_pyramid_pixels(c->pyramid, c->level) / 2000.0f;
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->moments, 3 * plain_bytes(s)));
     GSCL_TRY(gscl_buffer_reserve(s->context, &v->row_sums, (size_t)s->shape.height * GSCL_VISUAL_SUMS * sizeof(float)));
@@ -188,9 +197,8 @@ static gscl_result sum_terms(const visual_step *s) {
                          GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(v->moments),
                          GSCL_ARG_BUFFER(v->row_sums)));
     GSCL_TRY(find_kernel(s, "visual_shares", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, 1, 1, GSCL_ARG_BUFFER(v->row_sums), GSCL_ARG(s->shape),
-                       GSCL_ARG(loss_weights[s->scale]), GSCL_ARG(unit), GSCL_ARG_BUFFER(v->shares),
-                       GSCL_ARG_BUFFER(v->loss));
+    return GSCL_LAUNCH(s->context, kernel, 1, 1, GSCL_ARG_BUFFER(v->row_sums), GSCL_ARG(s->shape), GSCL_ARG(weights),
+                       GSCL_ARG(unit), GSCL_ARG_BUFFER(v->shares), GSCL_ARG_BUFFER(v->loss));
 }
 
 /* The derivatives by what the terms are made of, blurred along rows. */
