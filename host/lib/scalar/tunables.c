@@ -63,7 +63,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_passes_share = 0.25,
 
     .model_from = 0.15,
-    .model_interval = 5,
+    .model_interval = 7,
     .curvature_of_passes = 0.6f,
 
     .elongation_price = 0.5,
