@@ -27,12 +27,19 @@ static void remove_splats(gscl_scalar_state *s, size_t count) {
     }
 }
 
+/* The mean number of splats by which a candidate should have more than the best image, which may be smaller than the
+ * budget: the price alone would fill it by finer codes. */
+static double missing_splats(const gscl_search *q) {
+    const double bytes = fmax((double)q->s->bytes - (double)q->best.size, 0);
+    return tunables->search_added * q->best.count + 8 * bytes / tunables->expected_bits_per_splat;
+}
+
 /* Another image: some splats of the best one are replaced, and all are fitted. */
 static gscl_result make_candidate(gscl_search *q) {
     gscl_scalar_state *s = q->s;
     GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
     const size_t removed = random_count(s, tunables->search_removed * q->best.count);
-    size_t added = removed + random_count(s, tunables->search_added * q->best.count);
+    size_t added = removed + random_count(s, missing_splats(q));
     remove_splats(s, removed);
     const size_t left = s->coded->file.header.splat_count;
     if (left + added > s->max_splats)
@@ -61,6 +68,12 @@ static double cost(const gscl_search *q, double error, size_t size) {
 
 /* The price of all later rounds follows the size, too: the candidates have the size of the budget in the mean.  Below
  * the lowest price of a pass it would have no effect any more. */
+static void update_price(gscl_search *q) {
+    const double bytes = (double)q->s->bytes;
+    q->lambda *= pow((double)q->s->size / bytes, tunables->search_price_gain);
+    q->lambda = fmax(q->lambda, tunables->min_lambda_scale * q->best.error / (2 * 8 * bytes));
+}
+
 static gscl_result search_round(gscl_search *q) {
     gscl_scalar_state *s = q->s;
     double error;
@@ -71,8 +84,7 @@ static gscl_result search_round(gscl_search *q) {
         GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
         GSCL_TRY(gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps));
     }
-    q->lambda *= (double)s->size / (double)s->bytes;
-    q->lambda = fmax(q->lambda, tunables->min_lambda_scale * q->best.error / (2 * 8 * (double)s->bytes));
+    update_price(q);
     return GSCL_OK;
 }
 

@@ -55,6 +55,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_steps = 200,
     .search_passes = 3,
     .search_first_price = 1.0,
+    .search_price_gain = 3.0,
     .search_final_pixels = 360000,
     .search_additions = 4,
     .search_trials = 6,
