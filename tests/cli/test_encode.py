@@ -88,14 +88,15 @@ class SmallFiles(ToolTest):
                 self.assertGreaterEqual(size, budget - 2)
 
     def test_more_effort_is_never_worse(self):
+        """An effort with a search also makes all searches of lower ones.  Decoded samples are rounded: 0.02 dB."""
         for name, image in (("scene", scene(96, 64)), ("textured", textured(96, 64))):
-            for budget in (100, 200):
+            for budget in (60, 100, 200):
                 reached = 0
-                for effort in (1, 3, 5, 7):
+                for effort, tolerance in ((1, 0), (3, 0.1), (4, 0.02), (5, 0.02), (7, 0.02)):
                     with self.subTest(image=name, budget=budget, effort=effort):
                         self.encode(image, "--bytes", budget, "--effort", effort)
                         quality = psnr(image, self.decode())
-                        self.assertGreaterEqual(quality, reached - 0.1)
+                        self.assertGreaterEqual(quality, reached - tolerance)
                         reached = max(reached, quality)
 
     def test_same_settings_same_bytes(self):

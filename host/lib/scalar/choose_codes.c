@@ -95,7 +95,7 @@ static gscl_result pass_without_textures(gscl_scalar_state *s) {
     return GSCL_OK;
 }
 
-static uint32_t count_textured(const gsf_coded_image *file) {
+uint32_t gscl_scalar_count_textured(const gsf_coded_image *file) {
     uint32_t textured = 0;
     for (uint32_t i = 0; i < file->header.splat_count; i++)
         textured += file->splats[i].texture.amplitude > 0;
@@ -109,7 +109,8 @@ static bool may_drop_textures(const gscl_scalar_state *s) {
 /* After the first scan: where hardly any splat has a wave, the following passes do not scan. */
 static void drop_rare_textures(gscl_scalar_state *s) {
     const gsf_coded_image *file = &s->coded->file;
-    if (may_drop_textures(s) && count_textured(file) < tunables->min_textured_share * file->header.splat_count)
+    if (may_drop_textures(s) &&
+        gscl_scalar_count_textured(file) < tunables->min_textured_share * file->header.splat_count)
         s->textures = false;
 }
 
@@ -143,7 +144,7 @@ gscl_result gscl_scalar_choose_codes(gscl_scalar_state *s) {
 }
 
 void gscl_scalar_drop_unused_effects(gscl_scalar_state *s) {
-    const bool textured = count_textured(&s->coded->file) > 0;
+    const bool textured = gscl_scalar_count_textured(&s->coded->file) > 0;
     s->coded->file.header.has_texture = textured;
     if (may_drop_textures(s))
         gscl_effect_note(&s->encoder->effects, GSCL_EFFECT_TEXTURE, GSCL_EFFECT_PASSES, textured, NAN);

@@ -19,6 +19,8 @@ bool gscl_scalar_has_max_splats(const gscl_scalar_state *state);
 /* Sets lambda so that the next pass leaves about `target_size` bytes; `before`: the size before the last pass. */
 void gscl_scalar_update_lambda(gscl_scalar_state *state, size_t before, double target_size, double gain);
 
+/* The number of splats that have a wave. */
+uint32_t gscl_scalar_count_textured(const gsf_coded_image *file);
 /* Clears the header's texture effect where no splat has a wave, and notes the decision. */
 void gscl_scalar_drop_unused_effects(gscl_scalar_state *state);
 

@@ -1,13 +1,16 @@
 #include "scalar/encode_scalar.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "runtime/timing.h"
 #include "scalar/byte_budget.h"
 #include "scalar/choose_codes.h"
+#include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/search.h"
+#include "scalar/search_state.h"
 #include "session/encode_trace.h"
 
 /* The stages of the default profile. */
@@ -19,16 +22,51 @@ static gscl_result run_stages(gscl_scalar_state *s) {
         GSCL_TRY(gscl_scalar_choose_codes(s));
         GSCL_TRY(gscl_scalar_meet_budget(s));
         GSCL_TRY(gscl_scalar_search(s));
-        gscl_scalar_drop_unused_effects(s);
     }
-    GSCL_TRY(gscl_scalar_trim(s));
-    return gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps);
+    return gscl_scalar_trim(s);
+}
+
+/* Keeps the result of a start where it is better than those before, by the pixels of the source. */
+static gscl_result keep_start(gscl_scalar_state *s, gscl_kept_codes *best) {
+    double error = INFINITY;
+    if (s->coded->file.header.splat_count > 0) {
+        GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
+        GSCL_TRY(gscl_search_measure(s, &error));
+    }
+    const bool better = s->start_index == 0 || error < best->error;
+    return better ? gscl_kept_codes_keep(best, s, error) : GSCL_OK;
+}
+
+/* Encodes the layer from several starts, of which lower efforts make the first ones alone. */
+static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_plan *plan,
+                              gscl_kept_codes *best) {
+    const gsf_header header = plan->coded->file.header;
+    const double from = e->progress.from, to = e->progress.to;
+    gscl_scalar_begin(s, e, plan, 0);
+    const int starts = s->rounds > 0 ? plan->preset->starts : 1;
+    for (int start = 0; start < starts; start++) {
+        if (start > 0) {
+            gscl_scalar_end(s);
+            plan->coded->file.header = header;
+            gscl_scalar_begin(s, e, plan, start);
+        }
+        gscl_progress_stage(&e->progress, from + (to - from) * start / starts,
+                            from + (to - from) * (start + 1) / starts);
+        GSCL_TRY(run_stages(s));
+        if (starts > 1)
+            GSCL_TRY(keep_start(s, best));
+    }
+    if (starts > 1)
+        GSCL_TRY(gscl_kept_codes_restore(best, s));
+    gscl_scalar_drop_unused_effects(s);
+    return gscl_trace_coded_image(e, &s->fit, s->coded, s->steps);
 }
 
 static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
     gscl_scalar_state state;
-    gscl_scalar_begin(&state, e, plan);
-    const gscl_result result = run_stages(&state);
+    gscl_kept_codes best = {0};
+    const gscl_result result = run_starts(&state, e, plan, &best);
+    gscl_kept_codes_free(&best);
     gscl_scalar_end(&state);
     return result;
 }

@@ -42,7 +42,7 @@ gscl_result gscl_scalar_probe_fit(gscl_encoder *e, const gscl_source *source, co
     const gscl_scalar_plan plan = {
         .source = source, .coded = &coded, .target = target, .preset = &gscl_probe_preset, .all = target};
     gscl_scalar_state state;
-    gscl_scalar_begin(&state, e, &plan);
+    gscl_scalar_begin(&state, e, &plan, 0);
     state.finest = probe_level(&state);
     gscl_result result = gscl_scalar_fit(&state);
     if (result == GSCL_OK)

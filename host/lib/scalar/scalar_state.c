@@ -54,6 +54,9 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->finest = gscl_search_level(s->source_pixels, s->target);
     s->rounds = gscl_search_rounds(s->source_pixels, s->finest, plan->preset->rounds);
     s->passes = t->search_first_passes;
+    s->waves_at_end = s->textures && gscl_effect_is_on(&s->encoder->effects, GSCL_EFFECT_TEXTURE,
+                                                       s->bytes >= (size_t)t->search_wave_bytes);
+    s->textures = false;
     s->fit_end = t->search_fit_share;
     s->passes_end = t->search_passes_share;
 }
@@ -76,7 +79,7 @@ static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }
 
-void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_plan *plan) {
+void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_plan *plan, int start_index) {
     const gscl_source *source = plan->source;
     const double pixels = ldexp((double)source->image_width * source->image_height, -2 * source->first_level);
     const size_t bytes = plan->target.bytes;
@@ -94,7 +97,8 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .fixed_count = plan->fixed_count,
                              .layer = plan->layer,
                              .coded = plan->coded,
-                             .random = e->settings.seed,
+                             .start_index = start_index,
+                             .random = e->settings.seed + (uint64_t)start_index,
                              .textures = plan->layer == plan->coded->file.header.enhancement_layers && /* the last */
                                          gscl_effect_is_on(&e->effects, GSCL_EFFECT_TEXTURE,
                                                            e->settings.effort >= gscl_scalar_tunables.texture_effort),

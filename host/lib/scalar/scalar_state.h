@@ -35,6 +35,8 @@ typedef struct gscl_scalar_state {
     int passes;             /* rate-distortion passes, besides the first and those that meet the budget */
     int finest;             /* level of the pyramid that is fitted last, counted from the source's */
     int rounds;             /* of the search of a small file; 0: none */
+    int start_index;        /* of the starts of a search */
+    bool waves_at_end;      /* the search tries textures in its last part */
     double fit_end;         /* share of the time, at which the fit ends */
     double passes_end;      /* the same of the passes; the search follows */
     bool has_choice;        /* codes are chosen by rate and distortion */
@@ -64,8 +66,9 @@ typedef struct gscl_scalar_state {
     size_t capacity;
 } gscl_scalar_state;
 
-/* Resolves the plan: number of splats, steps, levels, quantiser steps.  `state` may hold anything before. */
-void gscl_scalar_begin(gscl_scalar_state *state, gscl_encoder *encoder, const gscl_scalar_plan *plan);
+/* Resolves the plan: number of splats, steps, levels, quantiser steps.  Starts with different numbers differ in their
+ * random numbers alone.  `state` may hold anything before. */
+void gscl_scalar_begin(gscl_scalar_state *state, gscl_encoder *encoder, const gscl_scalar_plan *plan, int start_index);
 /* Frees what the stages made, but for the result. */
 void gscl_scalar_end(gscl_scalar_state *state);
 

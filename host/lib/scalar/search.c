@@ -45,7 +45,6 @@ static gscl_result make_candidate(gscl_search *q) {
     if (left + added > s->max_splats)
         added = s->max_splats > left ? s->max_splats - left : 0;
     GSCL_TRY(gscl_scalar_refit(s, added, tunables->search_steps));
-    s->coded->file.header.has_texture = s->textures;
     return gscl_scalar_update_size(s);
 }
 
@@ -55,8 +54,7 @@ static gscl_result choose_candidate_codes(gscl_search *q, double *error) {
     double factor = 1;
     GSCL_TRY(gscl_scalar_measure(s, error));
     for (int pass = 0; pass < tunables->search_passes && s->coded->file.header.splat_count > 0; pass++) {
-        const bool last = pass == tunables->search_passes - 1;
-        GSCL_TRY(gscl_search_pass(q, *error, factor, s->textures && last));
+        GSCL_TRY(gscl_search_pass(q, *error, factor, false));
         factor = (double)s->size / (double)s->bytes;
     }
     return s->coded->file.header.splat_count > 0 ? gscl_scalar_measure(s, error) : GSCL_OK;
@@ -99,13 +97,45 @@ static gscl_result report_round(const gscl_search *q, int round) {
     return gscl_progress_report(s->encoder->context, progress, s->passes_end + (1 - s->passes_end) * share);
 }
 
-/* Whether the search of this effort or a lower one ends after so many rounds.  Its result is then brought to the
- * budget, and a higher effort keeps it unless it finds a better one. */
+/* Whether the search of this effort or a lower one ends after so many rounds of this start. */
 static bool ends_an_effort(const gscl_scalar_state *s, int rounds) {
+    if (s->start_index > 0)
+        return rounds == s->rounds;
     for (int effort = 0; effort <= GSCL_MAX_EFFORT; effort++)
         if (rounds == gscl_search_rounds(s->source_pixels, s->finest, gscl_effort_presets[effort].rounds))
             return true;
     return false;
+}
+
+/* Keeps q->best as a result of the search where it is better than those before, by the pixels of the source. */
+static gscl_result keep_result(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    GSCL_TRY(gscl_search_set_level(q, 0));
+    const bool fits = q->best.count > 0 && q->best.size <= s->bytes;
+    const bool is_worse = q->ended.size <= s->bytes && q->best.error >= q->ended.error;
+    if (q->ended.count > 0 && (!fits || is_worse))
+        return GSCL_OK;
+    GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
+    return gscl_kept_codes_keep(&q->ended, s, q->best.error);
+}
+
+/* The last part of an effort's search.  A higher effort ends all lower ones, too, and keeps the best result, so that it
+ * is never worse. */
+static gscl_result end_effort(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    const double lambda = q->lambda;
+    GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
+    GSCL_TRY(gscl_kept_codes_keep(&q->resumed, s, q->best.error));
+    GSCL_TRY(gscl_search_to_budget(q, &q->best));
+    GSCL_TRY(gscl_search_meet_budget(q));
+    GSCL_TRY(keep_result(q));
+    q->lambda = lambda;
+    q->within.count = 0;
+    q->elongation_is_free = false;
+    s->textures = false;
+    GSCL_TRY(gscl_kept_codes_restore(&q->resumed, s));
+    GSCL_TRY(gscl_kept_codes_keep(&q->best, s, q->resumed.error));
+    return gscl_fit_set_level(&s->fit, s->source->first_level + s->finest);
 }
 
 static gscl_result run_search(gscl_search *q) {
@@ -118,12 +148,11 @@ static gscl_result run_search(gscl_search *q) {
     for (int round = 0; round < s->rounds; round++) {
         GSCL_TRY(search_round(q));
         if (ends_an_effort(s, round + 1))
-            GSCL_TRY(gscl_search_to_budget(q, &q->best, false));
+            GSCL_TRY(end_effort(q));
         GSCL_TRY(report_round(q, round));
     }
-    GSCL_TRY(gscl_search_set_level(q, gscl_search_final_level(s->source_pixels, s->finest)));
-    GSCL_TRY(gscl_search_meet_budget(q));
-    return gscl_kept_codes_restore(&q->best, s);
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
+    return gscl_kept_codes_restore(&q->ended, s);
 }
 
 gscl_result gscl_scalar_search(gscl_scalar_state *s) {
@@ -131,7 +160,8 @@ gscl_result gscl_scalar_search(gscl_scalar_state *s) {
     if (s->rounds == 0 || s->coded->file.header.splat_count == 0)
         return GSCL_OK;
     const gscl_result result = run_search(&q);
-    gscl_kept_codes_free(&q.best);
-    gscl_kept_codes_free(&q.within);
+    gscl_kept_codes *const kept[] = {&q.best, &q.resumed, &q.ended, &q.within};
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++)
+        gscl_kept_codes_free(kept[i]);
     return result;
 }

@@ -19,8 +19,9 @@ int gscl_search_level(double source_pixels, size_t splats) {
     return coarsest_level(source_pixels, fmax(tunables->search_pixels, (double)splats * distance * distance));
 }
 
-int gscl_search_final_level(double source_pixels, int level) {
-    const int final = coarsest_level(source_pixels, tunables->search_final_pixels);
+int gscl_search_final_level(double source_pixels, int level, bool waves) {
+    const double pixels = waves ? tunables->search_wave_pixels : tunables->search_final_pixels;
+    const int final = coarsest_level(source_pixels, pixels);
     return final < level ? final : level;
 }
 

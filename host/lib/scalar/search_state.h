@@ -8,6 +8,8 @@
 typedef struct gscl_search {
     gscl_scalar_state *s;
     gscl_kept_codes best;    /* of the lowest cost so far; the next candidates are made of it */
+    gscl_kept_codes resumed; /* q->best at the end of a lower effort, from which the next one goes on */
+    gscl_kept_codes ended;   /* of the lowest error at the source's level, over the ends of all efforts so far */
     gscl_kept_codes within;  /* of the lowest error within the budget so far; its count is 0 while there is none */
     double lambda;           /* price of a bit, as squared error added over the current level */
     bool elongation_is_free; /* no price for artefacts of shape: where it leaves no use for the last bytes */
@@ -20,8 +22,8 @@ gscl_result gscl_search_pass(gscl_search *q, double error, double factor, bool s
 
 /* Passes over the codes in `from` at different prices: brackets and then bisects the lowest one at which the file is
  * within the budget.  q->within has the result. */
-gscl_result gscl_search_to_budget(gscl_search *q, const gscl_kept_codes *from, bool scan_textures);
-/* The last part: brings the image to the size of the budget.  q->best is the result. */
+gscl_result gscl_search_to_budget(gscl_search *q, const gscl_kept_codes *from);
+/* The last part: brings q->best to the size of the budget. */
 gscl_result gscl_search_meet_budget(gscl_search *q);
 
 #endif

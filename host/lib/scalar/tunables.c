@@ -1,11 +1,11 @@
 #include "scalar/tunables.h"
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
-    /* steps, passes, finest, surplus, lambda_scale, rounds */
-    {60, 0, 1, 1.12, 1.0, 0},      {100, 2, 0, 1.08, 0.5, 0},     {180, 3, 0, 1.08, 0.5, 0},
-    {320, 4, 0, 1.08, 0.5, 14},    {530, 5, 0, 1.08, 0.5, 24},    {850, 6, 0, 1.08, 0.5, 40},
-    {1400, 8, 0, 1.08, 0.5, 70},   {2400, 10, 0, 1.08, 0.5, 120}, {4200, 14, 0, 1.08, 0.5, 210},
-    {7200, 20, 0, 1.08, 0.5, 360},
+    /* steps, passes, finest, surplus, lambda_scale, rounds, starts */
+    {60, 0, 1, 1.12, 1.0, 0, 1},      {100, 2, 0, 1.08, 0.5, 0, 1},    {180, 3, 0, 1.08, 0.5, 0, 1},
+    {320, 4, 0, 1.08, 0.5, 14, 1},    {530, 5, 0, 1.08, 0.5, 24, 1},   {850, 6, 0, 1.08, 0.5, 24, 2},
+    {1400, 8, 0, 1.08, 0.5, 24, 4},   {2400, 10, 0, 1.08, 0.5, 24, 7}, {4200, 14, 0, 1.08, 0.5, 24, 12},
+    {7200, 20, 0, 1.08, 0.5, 24, 20},
 };
 
 const gscl_effort_preset gscl_probe_preset = {.steps = 180, .passes = 2, .surplus = 1.08, .lambda_scale = 0.5};
@@ -49,14 +49,16 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_first_steps = 600,
     .search_first_passes = 6,
     .search_pixels = 24000,
-    .search_distance = 20.0,
+    .search_distance = 16.0,
     .search_removed = 0.02,
     .search_added = 0.03,
     .search_steps = 200,
     .search_passes = 3,
     .search_first_price = 1.0,
     .search_price_gain = 3.0,
-    .search_final_pixels = 360000,
+    .search_final_pixels = 90000,
+    .search_wave_pixels = 360000,
+    .search_wave_bytes = 90,
     .search_additions = 4,
     .search_trials = 6,
     .search_price_step = 1.5,
