@@ -94,8 +94,9 @@ def name_of(variant):
 def code_variant(gscl, variant, image, budget, work):
     """Encodes and decodes one image within a number of bytes; returns the bytes and the decoded file."""
     coded, decoded = work / "image.gscl", work / "image.png"
-    run(gscl, "encode", image, "-o", coded, "--bytes", budget, "-q", *shlex.split(variant))
-    run(gscl, "decode", coded, "-o", decoded)
+    options = shlex.split(variant)
+    run(gscl, "encode", image, "-o", coded, "--bytes", budget, "-q", *options)
+    run(gscl, "decode", coded, "-o", decoded, *(["--bare"] if "--bare" in options else []))
     size = coded.stat().st_size
     if size > budget:
         raise SystemExit(f"{image}: {name_of(variant)} made {size} bytes, more than the {budget} allowed")

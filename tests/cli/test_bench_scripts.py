@@ -8,6 +8,7 @@ import pathlib
 import random
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import unittest
@@ -19,6 +20,7 @@ BENCH = pathlib.Path(__file__).parent.parent / "bench"
 sys.path.insert(0, str(BENCH))
 import codec  # noqa: E402
 import other_codecs  # noqa: E402
+import tiny  # noqa: E402
 
 DOCUMENT = "# Figures\n\n<!-- rates -->\nold\n<!-- /rates -->\n\n<!-- efforts -->\nkept\n<!-- /efforts -->\n"
 
@@ -76,6 +78,13 @@ class OtherCodecs(unittest.TestCase):
         self.assertEqual(list(map(len, other_codecs.around(encode, 5000))), [1090])
         self.assertEqual(other_codecs.around(encode, 99), [])
         self.assertLessEqual(set(encoded), set(range(other_codecs.BEST_QUALITY + 1)))
+
+    def test_payload_of_an_avif_file(self):
+        boxes = struct.pack(">I4s4x", 12, b"ftyp") + struct.pack(">I4s", 8 + 40, b"mdat") + bytes(40) + struct.pack(">I4s", 8, b"free")
+        self.assertEqual(tiny.payload_size(boxes), 40)
+        self.assertEqual(tiny.payload_size(struct.pack(">I4s", 0, b"mdat") + bytes(25)), 25)  # up to the end
+        with self.assertRaises(SystemExit):
+            tiny.payload_size(struct.pack(">I4s", 8, b"ftyp"))
 
     def test_interpolates_in_the_logarithm_of_the_size(self):
         self.assertAlmostEqual(codec.at_rate([(100, 10.0), (400, 20.0)], 200), 15)
