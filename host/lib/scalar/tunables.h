@@ -74,7 +74,8 @@ struct gscl_scalar_tunables {
     int search_steps;          /* of the fit in a round; 120 in more rounds are as good, 60 cost 0.05 dB */
     int search_passes;         /* rate-distortion passes in a round; 2 and 5 are as good */
     double search_first_price; /* lambda in the first round, in units of error / (2 * bits of the budget) */
-    double search_price_gain;  /* exponent of the price by the size after a round: 1 costs 0.06 dB at 300 bytes */
+    double search_price_gain;  /* exponent of the price by the size after a round; 1, without splats for
+                                  the bytes that are missing, costs 0.06 dB at 300 bytes */
     double search_final_pixels; /* of the level of the last part, at least */
     double search_wave_pixels;  /* the same where waves are tried: at 90000 they cost a picture 0.5 dB */
     int search_wave_bytes;      /* bytes of the smallest searched file with waves: at 150 they earn a picture 0.6 dB */
