@@ -10,6 +10,7 @@
 #include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/search.h"
+#include "scalar/search_plan.h"
 #include "scalar/search_state.h"
 #include "session/encode_trace.h"
 
@@ -43,9 +44,10 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
     const gsf_header header = plan->coded->file.header;
     const double from = e->progress.from, to = e->progress.to;
     gscl_scalar_begin(s, e, plan, 0);
-    const int starts = s->rounds > 0 ? plan->preset->starts : 1;
+    const int starts = s->rounds > 0 ? gscl_search_starts(s->bytes, plan->preset->starts) : 1;
     for (int start = 0; start < starts; start++) {
         if (start > 0) {
+            e->trace = NULL; /* the points show one fit */
             gscl_scalar_end(s);
             plan->coded->file.header = header;
             gscl_scalar_begin(s, e, plan, start);
@@ -59,13 +61,17 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
     if (starts > 1)
         GSCL_TRY(gscl_kept_codes_restore(best, s));
     gscl_scalar_drop_unused_effects(s);
-    return gscl_trace_coded_image(e, &s->fit, s->coded, s->steps);
+    return GSCL_OK;
 }
 
 static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
     gscl_scalar_state state;
     gscl_kept_codes best = {0};
-    const gscl_result result = run_starts(&state, e, plan, &best);
+    gscl_encode_trace *trace = e->trace;
+    gscl_result result = run_starts(&state, e, plan, &best);
+    e->trace = trace;
+    if (result == GSCL_OK)
+        result = gscl_trace_coded_image(e, &state.fit, state.coded, state.steps);
     gscl_kept_codes_free(&best);
     gscl_scalar_end(&state);
     return result;

@@ -25,31 +25,13 @@ static bool hides_background(const gscl_scalar_state *s) {
            s->target >= (size_t)tunables->min_covering_splats;
 }
 
-/* Whether the splats lie dense enough to represent structure.  Where they do not, weights of squared error that are to
- * raise MS-SSIM lower it. */
-static bool has_structure(const gscl_scalar_state *s) {
-    return gscl_scalar_relative_spacing(s) * tunables->full_size_distance < tunables->max_weighted_distance;
-}
-
-/* GSCL_WEIGHTED_... of the tune. */
-static int weighting(const gscl_scalar_state *s) {
-    switch (s->encoder->settings.tune) {
-    case GSCL_TUNE_SSIM:
-        return has_structure(s) ? GSCL_WEIGHTED_PIXELS : GSCL_WEIGHTED_NOT;
-    case GSCL_TUNE_VISUAL:
-        return GSCL_WEIGHTED_LUMA;
-    default:
-        return GSCL_WEIGHTED_NOT;
-    }
-}
-
 static gscl_result create_fit(gscl_scalar_state *s) {
     const gscl_encoder *e = s->encoder;
     const gscl_source *source = s->source;
     gsf_coded_image *file = &s->coded->file;
     gscl_kernel_options options = gscl_coded_image_options(&file->header);
     options.loss = e->loss_kind;
-    options.weighted = weighting(s);
+    options.weighted = gscl_scalar_weighting(s);
     GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, source->image_width, source->image_height,
                              source->first_level, source->planes));
     if (s->release && s->rounds == 0) /* a search may fit again */

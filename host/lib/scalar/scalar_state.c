@@ -31,11 +31,28 @@ double gscl_scalar_relative_spacing(const gscl_scalar_state *s) {
     return sqrt(s->source_pixels / (double)(s->target + 1)) / gscl_scalar_tunables.full_size_distance;
 }
 
+static bool has_distance_below(const gscl_scalar_state *s, double limit) {
+    return gscl_scalar_relative_spacing(s) * gscl_scalar_tunables.full_size_distance < limit;
+}
+
+/* Where splats lie too far apart to represent structure, a loss that is to raise a perceptual metric lowers it. */
+int gscl_scalar_weighting(const gscl_scalar_state *s) {
+    switch (s->encoder->settings.tune) {
+    case GSCL_TUNE_SSIM:
+        return has_distance_below(s, gscl_scalar_tunables.max_weighted_distance) ? GSCL_WEIGHTED_PIXELS
+                                                                                 : GSCL_WEIGHTED_NOT;
+    case GSCL_TUNE_VISUAL:
+        return has_distance_below(s, gscl_scalar_tunables.max_visual_distance) ? GSCL_WEIGHTED_LUMA : GSCL_WEIGHTED_NOT;
+    default:
+        return GSCL_WEIGHTED_NOT;
+    }
+}
+
 /* Small files are searched.  Layers of a progressive file are not, because the splats before them do not change. */
 static bool is_searched(const gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     return s->has_choice && s->bytes > 0 && s->bytes < (size_t)gscl_scalar_tunables.max_search_bytes &&
            plan->preset->rounds > 0 && plan->coded->file.header.enhancement_layers == 0 &&
-           s->encoder->settings.loss == GSCL_LOSS_L2 && s->encoder->settings.tune != GSCL_TUNE_VISUAL;
+           s->encoder->settings.loss == GSCL_LOSS_L2 && gscl_scalar_weighting(s) != GSCL_WEIGHTED_LUMA;
 }
 
 /* The number of splats that the target holds. */

@@ -74,6 +74,8 @@ void gscl_scalar_end(gscl_scalar_state *state);
 
 /* Distance from splat to splat in the source, in units of the tunable full_size_distance. */
 double gscl_scalar_relative_spacing(const gscl_scalar_state *state);
+/* GSCL_WEIGHTED_... of the tune. */
+int gscl_scalar_weighting(const gscl_scalar_state *state);
 /* Reads the fit's splats and turns them into codes. */
 gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
 /* Replaces the fit's splats by the coded ones. */

@@ -3,7 +3,7 @@
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
     /* steps, passes, finest, surplus, lambda_scale, rounds, starts */
     {60, 0, 1, 1.12, 1.0, 0, 1},      {100, 2, 0, 1.08, 0.5, 0, 1},    {180, 3, 0, 1.08, 0.5, 0, 1},
-    {320, 4, 0, 1.08, 0.5, 14, 1},    {530, 5, 0, 1.08, 0.5, 24, 1},   {850, 6, 0, 1.08, 0.5, 24, 2},
+    {320, 4, 0, 1.08, 0.5, 24, 1},    {530, 5, 0, 1.08, 0.5, 24, 1},   {850, 6, 0, 1.08, 0.5, 24, 2},
     {1400, 8, 0, 1.08, 0.5, 24, 4},   {2400, 10, 0, 1.08, 0.5, 24, 7}, {4200, 14, 0, 1.08, 0.5, 24, 12},
     {7200, 20, 0, 1.08, 0.5, 24, 20},
 };
@@ -38,14 +38,16 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,
     .quantise_from = 0.25,
-    .max_weighted_distance = 60.0,
+    .max_weighted_distance = 40.0,
+    .max_visual_distance = 100.0,
     .adapt_at = 0.6,
     .adapt_again_at = 0.95,
     .report_interval = 25,
     .sort_interval = 25,
     .fit_share = 0.75,
 
-    .max_search_bytes = 600,
+    .max_search_bytes = 1000,
+    .search_start_bytes = 400.0,
     .search_first_steps = 600,
     .search_first_passes = 6,
     .search_pixels = 24000,
