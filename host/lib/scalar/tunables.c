@@ -47,7 +47,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .fit_share = 0.75,
 
     .max_search_bytes = 1000,
-    .search_start_bytes = 400.0,
+    .search_start_bytes = 600,
     .search_first_steps = 600,
     .search_first_passes = 6,
     .search_pixels = 24000,

@@ -68,20 +68,18 @@ struct gscl_scalar_tunables {
     double fit_share;        /* share of the time, for the progress report */
 
     /* The search of small files.  Tried on eight pictures of the Kodak set at 60 to 500 bytes; dB are their means. */
-    int max_search_bytes; /* bytes of the first file that is not searched: at 700 the search earns 0.08 dB */
-    double
-        search_start_bytes;  /* largest file with all starts of its effort; at 500 bytes two starts instead of one gain
-                                  0.03 dB for twice the time */
-    int search_first_steps;  /* of the fit before the search, in all efforts */
-    int search_first_passes; /* passes before the search, in all efforts */
-    double search_pixels;    /* of the level of the search, at least; with 6000 two pictures lost 0.14 dB */
-    double search_distance;  /* pixels of that level from splat to splat, at least; with 10 500 bytes lose 0.03 dB */
-    double search_removed;   /* share of the splats that a round removes; 0 to 0.05 are as good, 0.08 costs 0.05 dB */
-    double search_added;     /* share of the splats that it adds besides; 0.03 to 0.05 are as good */
-    int search_steps;        /* of the fit in a round; 120 in more rounds are as good, 60 cost 0.05 dB */
-    int search_passes;       /* rate-distortion passes in a round; 2 and 5 are as good */
-    double search_first_price;  /* lambda in the first round, in units of error / (2 * bits of the budget) */
-    double search_price_gain;   /* exponent of the price by the size after a round; 1, without splats for
+    int max_search_bytes;      /* bytes of the first file that is not searched: at 700 the search earns 0.08 dB */
+    int search_start_bytes;    /* largest file with all starts of its effort; at 500 two instead of one gain 0.07 dB */
+    int search_first_steps;    /* of the fit before the search, in all efforts */
+    int search_first_passes;   /* passes before the search, in all efforts */
+    double search_pixels;      /* of the level of the search, at least; with 6000 two pictures lost 0.14 dB */
+    double search_distance;    /* pixels of that level from splat to splat, at least; with 10 500 bytes lose 0.03 dB */
+    double search_removed;     /* share of the splats that a round removes; 0 to 0.05 are as good, 0.08 costs 0.05 dB */
+    double search_added;       /* share of the splats that it adds besides; 0.03 to 0.05 are as good */
+    int search_steps;          /* of the fit in a round; 120 in more rounds are as good, 60 cost 0.05 dB */
+    int search_passes;         /* rate-distortion passes in a round; 2 and 5 are as good */
+    double search_first_price; /* lambda in the first round, in units of error / (2 * bits of the budget) */
+    double search_price_gain;  /* exponent of the price by the size after a round; 1, without splats for
                                   the bytes that are missing, costs 0.06 dB at 300 bytes */
     double search_final_pixels; /* of the level of the last part, at least */
     double search_wave_pixels;  /* the same where waves are tried: at 90000 they cost a picture 0.5 dB */
