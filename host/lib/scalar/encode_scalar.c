@@ -32,7 +32,7 @@ static gscl_result keep_start(gscl_scalar_state *s, gscl_kept_codes *best) {
     double error = INFINITY;
     if (s->coded->file.header.splat_count > 0) {
         GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
-        GSCL_TRY(gscl_search_measure(s, &error));
+        GSCL_TRY(gscl_scalar_measure(s, &error));
     }
     const bool better = s->start_index == 0 || error < best->error;
     return better ? gscl_kept_codes_keep(best, s, error) : GSCL_OK;
@@ -60,7 +60,8 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
     }
     if (starts > 1)
         GSCL_TRY(gscl_kept_codes_restore(best, s));
-    gscl_scalar_drop_unused_effects(s);
+    if (s->has_choice)
+        gscl_scalar_drop_unused_effects(s);
     return GSCL_OK;
 }
 

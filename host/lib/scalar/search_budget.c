@@ -84,7 +84,7 @@ static gscl_result add_waves(gscl_search *q) {
     s->textures = gscl_scalar_count_textured(&s->coded->file) > 0;
     if (!s->textures)
         return gscl_kept_codes_restore(&q->best, s);
-    GSCL_TRY(gscl_search_measure(s, &error));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     return gscl_kept_codes_keep(&q->best, s, error);
 }
 
