@@ -58,14 +58,13 @@ struct gscl_scalar_tunables {
     double max_weighted_distance; /* pixels; splats further apart are not tuned for SSIM.  On four Kodak pictures the
                                      weights change MS-SSIM by -.006 at 150 bytes, 0 at 300; on six by -.001
                                      at 500 (56 pixels), +.001 at 800 (44) against files that are not searched */
-    double
-        max_visual_distance; /* the same for the visual loss: on six Kodak pictures it changes SSIMULACRA 2 by -3.5 at
-                                     100 bytes (126 pixels), 1.9 at 200 (90), 4.5 at 300 (73) */
-    double adapt_at;         /* share of the steps at which, tuned for SSIM, the target is adapted to the splats */
-    double adapt_again_at;   /* share of the steps at which it is adapted once more */
-    int report_interval;     /* steps between progress reports */
-    int sort_interval;       /* steps between sortings in blend alpha */
-    double fit_share;        /* share of the time, for the progress report */
+    double max_visual_distance;   /* the same for the visual loss: on six Kodak pictures it changes SSIMULACRA 2 by -3.5
+                                     at 100 bytes (126 pixels), 1.9 at 200 (90), 4.5 at 300 (73) */
+    double adapt_at;              /* share of the steps at which, tuned for SSIM, the target is adapted to the splats */
+    double adapt_again_at;        /* share of the steps at which it is adapted once more */
+    int report_interval;          /* steps between progress reports */
+    int sort_interval;            /* steps between sortings in blend alpha */
+    double fit_share;             /* share of the time, for the progress report */
 
     /* The search of small files.  Tried on eight pictures of the Kodak set at 60 to 500 bytes; dB are their means. */
     int max_search_bytes;      /* bytes of the first file that is not searched: at 700 the search earns 0.08 dB */
