@@ -10,8 +10,6 @@
 #include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/search.h"
-#include "scalar/search_plan.h"
-#include "scalar/search_state.h"
 #include "session/encode_trace.h"
 
 /* The stages of the default profile. */
@@ -44,7 +42,7 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
     const gsf_header header = plan->coded->file.header;
     const double from = e->progress.from, to = e->progress.to;
     gscl_scalar_begin(s, e, plan, 0);
-    const int starts = s->rounds > 0 ? gscl_search_starts(s->bytes, plan->preset->starts) : 1;
+    const int starts = s->rounds > 0 ? plan->preset->starts : 1;
     for (int start = 0; start < starts; start++) {
         if (start > 0) {
             e->trace = NULL; /* the points show one fit */

@@ -25,10 +25,6 @@ int gscl_search_final_level(double source_pixels, int level, bool waves) {
     return final < level ? final : level;
 }
 
-int gscl_search_starts(size_t bytes, int starts) {
-    return (int)fmax(1, starts * fmin(1, (double)tunables->search_start_bytes / (double)bytes));
-}
-
 int gscl_search_rounds(double source_pixels, int level, int rounds) {
     return (int)ceil(rounds * fmin(1, tunables->search_pixels / ldexp(source_pixels, -2 * level)));
 }

@@ -9,8 +9,6 @@
 int gscl_search_level(double source_pixels, size_t splats);
 /* The level of the last part of a search at `level`.  That of waves has those that are too fine for the others. */
 int gscl_search_final_level(double source_pixels, int level, bool waves);
-/* The starts of an effort whose preset has `starts`: fewer for a larger file, of which a start takes longer. */
-int gscl_search_starts(size_t bytes, int starts);
 /* The rounds of an effort whose preset has `rounds`: fewer at a level at which a round takes longer. */
 int gscl_search_rounds(double source_pixels, int level, int rounds);
 

@@ -46,8 +46,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .sort_interval = 25,
     .fit_share = 0.75,
 
-    .max_search_bytes = 1000,
-    .search_start_bytes = 600,
+    .max_search_bytes = 600,
     .search_first_steps = 600,
     .search_first_passes = 6,
     .search_pixels = 24000,
