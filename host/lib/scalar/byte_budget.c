@@ -12,16 +12,16 @@ static bool has_slack(const gscl_scalar_state *s, double share) {
     return (double)s->size < share * (double)s->bytes;
 }
 
-/* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as these help. */
+/* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as the fit stands it. */
 static gscl_result use_slack(gscl_scalar_state *s) {
-    bool is_better = true;
+    bool may_add = true;
     for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, tunables->full_share); pass++) {
         s->keep_all = true; /* new splats would be the first to be dropped */
-        if (is_better && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
+        if (may_add && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
             s->lambda_scale = fmin(s->lambda_scale, 1);
             s->surplus = 1;
             /* New splats are far from their best after a single pass, and here none follow. */
-            GSCL_TRY(gscl_scalar_densify(s, 2, s->textures, &is_better));
+            GSCL_TRY(gscl_scalar_densify(s, 2, s->textures, &may_add));
         } else {
             s->lambda_scale = fmax(s->lambda_scale * tunables->slack_factor, tunables->min_lambda_scale);
             GSCL_TRY(gscl_scalar_pass(s, s->textures));

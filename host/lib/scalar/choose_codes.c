@@ -53,7 +53,7 @@ static gscl_result measure(gscl_scalar_state *s, double *error) {
 }
 
 static gscl_result densify_from(gscl_scalar_state *s, int passes, bool scan_textures, gscl_kept_codes *before,
-                                bool *is_better) {
+                                bool *is_kept) {
     double error;
     GSCL_TRY(measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(before, s, error));
@@ -61,13 +61,13 @@ static gscl_result densify_from(gscl_scalar_state *s, int passes, bool scan_text
     for (int pass = 0; pass < passes; pass++)
         GSCL_TRY(gscl_scalar_pass(s, scan_textures && pass == 0));
     GSCL_TRY(measure(s, &error));
-    *is_better = error <= before->error;
-    return *is_better ? GSCL_OK : gscl_kept_codes_restore(before, s);
+    *is_kept = error <= tunables->max_densify_growth * before->error;
+    return *is_kept ? GSCL_OK : gscl_kept_codes_restore(before, s);
 }
 
-gscl_result gscl_scalar_densify(gscl_scalar_state *s, int passes, bool scan_textures, bool *is_better) {
+gscl_result gscl_scalar_densify(gscl_scalar_state *s, int passes, bool scan_textures, bool *is_kept) {
     gscl_kept_codes before = {0};
-    const gscl_result result = densify_from(s, passes, scan_textures, &before, is_better);
+    const gscl_result result = densify_from(s, passes, scan_textures, &before, is_kept);
     gscl_kept_codes_free(&before);
     return result;
 }
@@ -86,12 +86,12 @@ static bool has_room(const gscl_scalar_state *s) {
            (double)s->size < tunables->densify_below * (double)s->bytes;
 }
 
-/* The first pass, without textures.  Splats are added as long as the budget has room for more, and they help. */
+/* The first pass, without textures.  Splats are added as long as the budget has room for more, and the fit stands it. */
 static gscl_result pass_without_textures(gscl_scalar_state *s) {
-    bool is_better = true;
+    bool is_kept = true;
     GSCL_TRY(gscl_scalar_pass(s, false));
-    for (int i = 0; i < tunables->max_densifications && has_room(s) && is_better; i++)
-        GSCL_TRY(gscl_scalar_densify(s, 1, false, &is_better));
+    for (int i = 0; i < tunables->max_densifications && has_room(s) && is_kept; i++)
+        GSCL_TRY(gscl_scalar_densify(s, 1, false, &is_kept));
     return GSCL_OK;
 }
 

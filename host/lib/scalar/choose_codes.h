@@ -12,8 +12,9 @@ gscl_result gscl_scalar_choose_codes(gscl_scalar_state *state);
 /* One pass; state->size is the size afterwards. */
 gscl_result gscl_scalar_pass(gscl_scalar_state *state, bool scan_textures);
 /* Adds splats for the bytes that are left, fits all splats for some steps, and makes `passes` passes, of which the first
- * may scan.  Where all this raises the error, as it may where the fit was exact, it is undone, and *is_better is false. */
-gscl_result gscl_scalar_densify(gscl_scalar_state *state, int passes, bool scan_textures, bool *is_better);
+ * may scan.  Where this raises the error by far, because the steps spoil a fit that was nearly exact, it is undone, and
+ * *is_kept is false. */
+gscl_result gscl_scalar_densify(gscl_scalar_state *state, int passes, bool scan_textures, bool *is_kept);
 /* Whether the image can use no more splats. */
 bool gscl_scalar_has_max_splats(const gscl_scalar_state *state);
 /* Sets lambda so that the next pass leaves about `target_size` bytes; `before`: the size before the last pass. */

@@ -83,6 +83,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .densify_steps_divisor = 12,
     .max_densify_steps = 80,
     .max_densifications = 4,
+    .max_densify_growth = 2.0,
     .lambda_gain = 2.0,
     .final_lambda_gain = 4.0,
     .excess_exponent = 1.5,
