@@ -90,10 +90,11 @@ float gscl_placement_area(const gscl_placement *p, const gscl_fit *f) {
 void gscl_placement_accumulate(gscl_placement *p) {
     double total = 0, *sum = p->sums;
     for (int top = 0; top < p->height; top += p->strip)
-        for (int column = 0; column < p->width; column++, *sum++ = total) {
+        for (int column = 0; column < p->width; column++) {
             const size_t x = (size_t)column_x(p, top, column);
             for (int y = top; y < strip_end(p, top); y++)
                 total += p->density[(size_t)y * (size_t)p->width + x];
+            *sum++ = total;
         }
 }
 
