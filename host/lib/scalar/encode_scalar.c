@@ -60,7 +60,7 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
         GSCL_TRY(gscl_kept_codes_restore(best, s));
     if (s->has_choice)
         gscl_scalar_drop_unused_effects(s);
-    return GSCL_OK;
+    return gscl_scalar_trim(s); /* the header's effects count, too */
 }
 
 static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
