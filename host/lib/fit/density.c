@@ -31,15 +31,10 @@ static void gradient_magnitude(gscl_placement *p) {
         }
 }
 
-/* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
- * evenly.  A flat background gets none away from edges, where splats would cost time without any gain. */
-static gscl_result seed_density(const gscl_fit *f, gscl_placement *p) {
+/* Adds to the density of the pixels that need splats, which those of a flat background away from edges do not: there
+ * they would cost time without any gain. */
+static gscl_result add_outside_background(const gscl_fit *f, gscl_placement *p, float density) {
     size_t pixels = (size_t)p->width * (size_t)p->height;
-    double total = 0;
-    for (size_t i = 0; i < pixels; i++)
-        total += p->density[i];
-    for (size_t i = 0; i < pixels; i++)
-        p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
     float *near_edges = malloc(pixels * sizeof *near_edges);
     if (!near_edges)
         return gscl_fail_memory(f->context);
@@ -48,10 +43,25 @@ static gscl_result seed_density(const gscl_fit *f, gscl_placement *p) {
     int radius = (int)(gscl_fit_tunables.background_distance * distance) + 1;
     gscl_box_sum(near_edges, p->width, p->height, radius, p->scratch);
     for (size_t i = 0; i < pixels; i++)
-        if (f->flat.pixels == 0 || near_edges[i] > 0 ||
-            !gscl_matches_background(p->target, pixels, p->channels, f->background, i))
-            p->density[i] += 0.5f / (float)pixels;
+        if (near_edges[i] > 0 || !gscl_matches_background(p->target, pixels, p->channels, f->background, i))
+            p->density[i] += density;
     free(near_edges);
+    return GSCL_OK;
+}
+
+/* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
+ * evenly. */
+static gscl_result seed_density(const gscl_fit *f, gscl_placement *p) {
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    double total = 0;
+    for (size_t i = 0; i < pixels; i++)
+        total += p->density[i];
+    for (size_t i = 0; i < pixels; i++)
+        p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
+    if (f->flat.pixels > 0)
+        return add_outside_background(f, p, 0.5f / (float)pixels);
+    for (size_t i = 0; i < pixels; i++)
+        p->density[i] += 0.5f / (float)pixels;
     return GSCL_OK;
 }
 

@@ -51,7 +51,7 @@ typedef struct gscl_fit {
     gscl_buffer error;                 /* scratch: a plane of squared errors */
     gscl_buffer error_sums;            /* scratch: sums of its parts */
     gscl_buffer distortion;            /* gscl_fit_begin_distortion: a float */
-    float *level_target;               /* planes of the present level where it is small; NULL: not yet read */
+    float *level_target;               /* planes of the present level; NULL: not read (gscl_fit_target_planes) */
 
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
@@ -102,6 +102,8 @@ gscl_result gscl_fit_renew_model_at(gscl_fit *fit, const gscl_buffer *rendering,
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
 /* Reads `count` samples of the current level's planes of the source, which lie one after another, from `first` on. */
 gscl_result gscl_fit_target_samples(gscl_fit *fit, size_t first, size_t count, float *samples);
+/* The current level's planes of the source, which are read once and stay with the fit until its level changes. */
+gscl_result gscl_fit_target_planes(gscl_fit *fit, const float **planes);
 
 /* ---- fit_splats.c: the splats and the state of the optimiser for each ---- */
 
@@ -126,6 +128,7 @@ gscl_result gscl_fit_begin_readings(gscl_fit *fit);
 gscl_result gscl_fit_end_readings(gscl_fit *fit, gscl_lists_state *state);
 /* Makes room for the lists of all splats once `count` are appended, as far as their lengths can be foreseen. */
 gscl_result gscl_fit_expect_splats(gscl_fit *fit, size_t count);
+
 /* ---- fit_step.c: gradients and the optimiser ---- */
 
 /* One step of Adam.  `rate` multiplies the learning rates.  The lists of the tiles are those of a few steps ago: what a

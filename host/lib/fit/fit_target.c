@@ -1,5 +1,4 @@
 #include <stdlib.h>
-#include <string.h>
 
 #include "cl/constants.h"
 #include "fit/fit.h"
@@ -57,13 +56,17 @@ gscl_result gscl_fit_renew_model(gscl_fit *f) {
     return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
 }
 
-/* Reads the planes of the level into f->level_target. */
+gscl_result gscl_fit_target_samples(gscl_fit *f, size_t first, size_t count, float *samples) {
+    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], first * sizeof(float), samples,
+                            count * sizeof(float));
+}
+
 static gscl_result read_level(gscl_fit *f) {
     const size_t size = gscl_fit_level_pixels(f) * (size_t)f->renderer.channels * sizeof(float);
     float *planes = malloc(size);
     if (!planes)
         return gscl_fail_memory(f->context);
-    const gscl_result result = gscl_buffer_read(f->context, &f->pyramid.levels[f->level], 0, planes, size);
+    const gscl_result result = gscl_fit_target_samples(f, 0, size / sizeof *planes, planes);
     if (result == GSCL_OK)
         f->level_target = planes;
     else
@@ -71,13 +74,9 @@ static gscl_result read_level(gscl_fit *f) {
     return result;
 }
 
-/* Splats are placed several times at a level: the planes of a small one are read once. */
-gscl_result gscl_fit_target_samples(gscl_fit *f, size_t first, size_t count, float *samples) {
-    if (gscl_fit_level_pixels(f) > (size_t)gscl_fit_tunables.target_band_pixels)
-        return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], first * sizeof(float), samples,
-                                count * sizeof(float));
+gscl_result gscl_fit_target_planes(gscl_fit *f, const float **planes) {
     if (!f->level_target)
         GSCL_TRY(read_level(f));
-    memcpy(samples, f->level_target + first, count * sizeof(float));
+    *planes = f->level_target;
     return GSCL_OK;
 }

@@ -30,7 +30,7 @@ static int column_x(const gscl_placement *p, int top, int column) {
 /* ---- Maps ---- */
 
 void gscl_placement_free(gscl_placement *p) {
-    free(p->target);
+    free(p->band);
     free(p->density);
     free(p->scratch);
     free(p->sums);
@@ -61,8 +61,10 @@ gscl_result gscl_placement_create(gscl_placement *p, gscl_fit *f, size_t count, 
     p->density = malloc(width * height * sizeof(float));
     p->sums = malloc(columns(p) * sizeof(double));
     p->scratch = malloc((width > height ? width : height) * sizeof(double));
-    p->target = malloc(width * (size_t)p->rows * (size_t)p->channels * sizeof(float));
-    return p->density && p->sums && p->scratch && p->target ? GSCL_OK : gscl_fail_memory(f->context);
+    const bool has_band = width * height > (size_t)tunables->target_band_pixels;
+    if (has_band)
+        p->target = p->band = malloc(width * (size_t)p->rows * (size_t)p->channels * sizeof(float));
+    return p->density && p->sums && p->scratch && (p->band || !has_band) ? GSCL_OK : gscl_fail_memory(f->context);
 }
 
 gscl_result gscl_placement_read_target(gscl_placement *p, gscl_fit *f, int y) {
@@ -72,12 +74,12 @@ gscl_result gscl_placement_read_target(gscl_placement *p, gscl_fit *f, int y) {
     if (first >= p->top && end <= p->top + p->rows)
         return GSCL_OK;
     p->top = first < p->height - p->rows ? first : p->height - p->rows;
+    if (!p->band)
+        return gscl_fit_target_planes(f, &p->target);
     const size_t width = (size_t)p->width, band = width * (size_t)p->rows;
-    if (p->rows == p->height)
-        return gscl_fit_target_samples(f, 0, band * (size_t)p->channels, p->target);
     for (size_t k = 0; k < (size_t)p->channels; k++)
         GSCL_TRY(
-            gscl_fit_target_samples(f, width * (k * (size_t)p->height + (size_t)p->top), band, p->target + k * band));
+            gscl_fit_target_samples(f, width * (k * (size_t)p->height + (size_t)p->top), band, p->band + k * band));
     return GSCL_OK;
 }
 

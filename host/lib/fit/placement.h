@@ -7,15 +7,16 @@
 /* Maps of the current level while splats are placed. */
 typedef struct gscl_placement {
     int width, height, channels;
-    bool rotated;    /* splats have an angle */
-    float scale;     /* full-size pixels per pixel of the level */
-    size_t count;    /* of splats that are placed */
-    int strip;       /* height of a strip, pixels of the level */
-    float *density;  /* of new splats, per pixel, not normalised */
-    double *sums;    /* cumulative density at the end of each column of each strip, in the order of the walk */
-    double *scratch; /* as many as the longer side has */
-    float *target;   /* channels planes of `rows` rows, from row `top` on (gscl_placement_read_target) */
+    bool rotated;        /* splats have an angle */
+    float scale;         /* full-size pixels per pixel of the level */
+    size_t count;        /* of splats that are placed */
+    int strip;           /* height of a strip, pixels of the level */
+    float *density;      /* of new splats, per pixel, not normalised */
+    double *sums;        /* cumulative density at the end of each column of each strip, in the order of the walk */
+    double *scratch;     /* as many as the longer side has */
+    const float *target; /* channels planes of `rows` rows, from row `top` on (gscl_placement_read_target) */
     int top, rows;
+    float *band; /* the target's memory, of a large level; NULL: it is the fit's */
 } gscl_placement;
 
 /* Makes the maps for `count` splats, and room for all rows of the target or, where not `all`, as many as one strip needs
