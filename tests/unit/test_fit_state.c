@@ -235,7 +235,7 @@ static void test_sums_of_errors(void **unused) {
         sum += ((double)large[i] - other[i]) * ((double)large[i] - other[i]);
     }
     assert_int_equal(gscl_fit_create(&fit, context, &options, SIDE, SIDE, 0, large), GSCL_OK);
-    assert_int_equal(gscl_buffer_upload(context, &drawn, other, PIXELS * sizeof *other), GSCL_OK);
+    assert_int_equal(gscl_buffer_upload_async(context, &drawn, other, PIXELS * sizeof *other), GSCL_OK);
     for (int i = 0; i < 2; i++)
         assert_int_equal(gscl_fit_mse_against_source(&fit, &drawn, &mse[i]), GSCL_OK);
     assert_true(fabs(mse[0] * PIXELS / sum - 1) < 1e-6);

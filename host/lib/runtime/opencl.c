@@ -182,9 +182,9 @@ void gscl_release_parked(gscl_context *context) {
     }
 }
 
-gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size) {
+gscl_result gscl_buffer_upload_async(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size) {
     GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
-    return gscl_buffer_write(context, buffer, 0, data, size);
+    return gscl_buffer_write_async(context, buffer, data, size);
 }
 
 gscl_result gscl_buffer_copy(gscl_context *context, const gscl_buffer *from, const gscl_buffer *to, size_t offset,

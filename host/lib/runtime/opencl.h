@@ -32,8 +32,6 @@ void gscl_buffer_free(gscl_buffer *buffer);
 /* Room for an image of `size` bytes and a pixel vector behind it: kernels load whole vectors and mask what lies outside
  * with zeros, so that everything they may load must be finite and not 0.  A new buffer is filled with ones. */
 gscl_result gscl_buffer_reserve_image(gscl_context *context, gscl_buffer *buffer, size_t size);
-/* Makes room for the data and copies it. */
-gscl_result gscl_buffer_upload(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size);
 /* Blocking copies. */
 gscl_result gscl_buffer_write(gscl_context *context, const gscl_buffer *buffer, size_t offset, const void *data,
                               size_t size);
@@ -41,6 +39,8 @@ gscl_result gscl_buffer_read(gscl_context *context, const gscl_buffer *buffer, s
 /* Copies without waiting: the data must stay valid until a later blocking copy, or gscl_finish, has returned. */
 gscl_result gscl_buffer_write_async(gscl_context *context, const gscl_buffer *buffer, const void *data, size_t size);
 gscl_result gscl_buffer_read_async(gscl_context *context, const gscl_buffer *buffer, void *data, size_t size);
+/* Makes room for the data and copies them likewise. */
+gscl_result gscl_buffer_upload_async(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size);
 /* Blocking copy of `rows` rows of `row` bytes, which come to lie `stride` bytes apart. */
 gscl_result gscl_buffer_read_rows(gscl_context *context, const gscl_buffer *buffer, size_t row, size_t rows, void *data,
                                   size_t stride);

@@ -46,12 +46,6 @@ static gscl_result reserve_splats(gscl_scalar_rdo *rdo, gscl_context *context, s
     return rdo->tables && rdo->capacity ? GSCL_OK : gscl_fail_memory(context);
 }
 
-/* Makes room for the data and copies them, without waiting. */
-static gscl_result upload_async(gscl_context *context, gscl_buffer *buffer, const void *data, size_t size) {
-    GSCL_TRY(gscl_buffer_reserve(context, buffer, size));
-    return gscl_buffer_write_async(context, buffer, data, size);
-}
-
 /* Codes, tables and groups on the host, then on the device.  *size: of the coded image as a file. */
 static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     gscl_scalar_rdo *rdo = p->rdo;
@@ -67,9 +61,9 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     gscl_rdo_tables_make(rdo->tables, file, &p->shared.settings, rdo->codes, p->count);
     GSCL_TRY(gscl_rdo_groups_make(&rdo->groups, &p->fit->renderer, rdo->params, p->fit->fixed, p->count));
     const size_t tasks = rdo->groups.start[GSCL_RDO_GROUPS];
-    GSCL_TRY(upload_async(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
-    GSCL_TRY(upload_async(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
-    return upload_async(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task));
+    GSCL_TRY(gscl_buffer_upload_async(context, &rdo->device_codes, rdo->codes, p->count * sizeof *rdo->codes));
+    GSCL_TRY(gscl_buffer_upload_async(context, &rdo->device_tables, rdo->tables, sizeof *rdo->tables));
+    return gscl_buffer_upload_async(context, &rdo->device_tasks, rdo->groups.tasks, tasks * sizeof(gscl_rdo_task));
 }
 
 /* Draws the coded image with its sums of weights; fit->distortion becomes what bits are traded against. */
