@@ -145,8 +145,7 @@ static gscl_result create_fit(gscl_codebook_state *s) {
     options.loss = e->loss_kind;
     GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, e->source.image_width, e->source.image_height,
                              e->source.first_level, e->source.planes));
-    if (e->settings.target != GSCL_TARGET_PSNR)
-        gscl_source_free(&e->source); /* no other fit follows */
+    gscl_encoder_release_source(e);
     for (int k = 0; k < s->fit.renderer.channels; k++)
         file->background[k] = gscl_quantise_background(&file->header, s->fit.background[k]);
     return GSCL_OK;

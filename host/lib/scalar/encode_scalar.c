@@ -114,7 +114,7 @@ gscl_result gscl_encode_scalar(gscl_encoder *e, gscl_size_target target) {
         gscl_progress_stage(&e->progress, from + (to - from) * layer / layers,
                             from + (to - from) * (layer + 1) / layers);
         plan.layer = (uint32_t)layer;
-        plan.release = layer == layers - 1 && e->settings.target != GSCL_TARGET_PSNR ? &e->source : NULL;
+        plan.is_last = layer == layers - 1;
         plan.target.bytes = (size_t)((double)target.bytes * share);
         plan.target.splats = (size_t)((double)target.splats * share);
         GSCL_TRY(add_layer(e, &plan));

@@ -34,8 +34,8 @@ static gscl_result create_fit(gscl_scalar_state *s) {
     options.weighted = gscl_scalar_weighting(s);
     GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, source->image_width, source->image_height,
                              source->first_level, source->planes));
-    if (s->release && s->rounds == 0) /* a search may fit again */
-        gscl_source_free(s->release);
+    if (s->is_last_fit)
+        gscl_encoder_release_source(s->encoder);
     if (source->background.pixels > 0)
         GSCL_TRY(gscl_fit_set_flat_background(&s->fit, &source->background));
     for (int k = 0; k < s->fit.renderer.channels; k++)

@@ -102,7 +102,6 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
     const size_t bytes = plan->target.bytes;
     *s = (gscl_scalar_state){.encoder = e,
                              .source = source,
-                             .release = plan->release,
                              .source_pixels = pixels,
                              .bytes = bytes,
                              .max_splats = bytes ? e->max_splats : GSCL_MAX_SPLATS,
@@ -126,6 +125,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
     choose_quantiser_steps(s, plan->all);
     s->target = choose_target(s, plan->target);
     choose_search(s, plan);
+    s->is_last_fit = plan->is_last && s->rounds == 0; /* a search may fit again */
     choose_counts(s, plan);
 }
 

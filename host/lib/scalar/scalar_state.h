@@ -12,7 +12,6 @@
 /* The source, the target and the result of a fit. */
 typedef struct gscl_scalar_plan {
     const gscl_source *source;
-    gscl_source *release; /* `source`, whose planes may be freed as soon as the fit has them; NULL: other fits follow */
     gscl_coded_image *coded; /* its header holds the layers, and the effects that are known before the fit */
     gscl_size_target target; /* of the layers up to this one */
     const gscl_effort_preset *preset;
@@ -21,13 +20,14 @@ typedef struct gscl_scalar_plan {
         *fixed;           /* of the layers before, in the stored order, with the steps of `coded`; they do not change */
     size_t fixed_count;   /* 0 in the base layer */
     gscl_size_target all; /* of all layers */
+    bool is_last;         /* layer of an encode; not of a probe, whose source may serve other fits */
 } gscl_scalar_plan;
 
 typedef struct gscl_scalar_state {
     /* Constant during the encode. */
     gscl_encoder *encoder; /* services, settings and effects; its source and coded image are not used */
     const gscl_source *source;
-    gscl_source *release;   /* of the plan */
+    bool is_last_fit;       /* of the encoder's source */
     double source_pixels;   /* of the level that is fitted */
     size_t bytes;           /* budget, or 0 */
     size_t max_splats;      /* that the image can use */

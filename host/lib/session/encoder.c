@@ -31,6 +31,11 @@ void gscl_source_free(gscl_source *s) {
     s->planes = NULL;
 }
 
+void gscl_encoder_release_source(gscl_encoder *e) {
+    if (e->settings.target != GSCL_TARGET_PSNR)
+        gscl_source_free(&e->source);
+}
+
 void gscl_encoder_restart(gscl_encoder *e) {
     e->random = e->settings.seed;
     e->coded.file.header = e->header;

@@ -65,6 +65,9 @@ gscl_result gscl_source_create(gscl_source *source, gscl_context *context, const
 /* Accepts a zeroed source. */
 void gscl_source_free(gscl_source *source);
 
+/* Frees the planes of encoder->source once a fit has taken them, unless fits for other sizes follow. */
+void gscl_encoder_release_source(gscl_encoder *encoder);
+
 /* Sets encoder->coded to a coded image without splats, of the header's effects. */
 void gscl_encoder_restart(gscl_encoder *encoder);
 /* Size of a coded image as a file. */
