@@ -34,7 +34,7 @@ static const gscl_quirks quirks[] = {
 
 /* What holds for all kernels and all implementations, because of one of them:
  *   - Mesa 22.3 (rusticl) reads 0 where a kernel indexes an array inside a struct argument at run time, or dereferences
- *     NULL at its launch: such an array is copied to private variables first (colour_descend in cl/scalar_rdo.cl,
+ *     NULL at its launch: such an array is copied to private variables first (colour_descend in cl/rdo_colour.cl,
  *     visual_shares in cl/visual.cl).
  *   - Oclgrind 21.10 does not know llvm.experimental.noalias.scope.decl, which inlining makes of `restrict` parameters
  *     and of returned structs: ALWAYS_INLINE functions have none, and it runs with -cl-opt-disable.

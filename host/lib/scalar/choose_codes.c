@@ -46,21 +46,15 @@ static gscl_result add_splats(gscl_scalar_state *s) {
                              steps < tunables->max_densify_steps ? steps : tunables->max_densify_steps);
 }
 
-/* The error of the coded image. */
-static gscl_result measure(gscl_scalar_state *s, double *error) {
-    *error = INFINITY;
-    return s->coded->file.header.splat_count > 0 ? gscl_scalar_measure(s, error) : GSCL_OK;
-}
-
 static gscl_result densify_from(gscl_scalar_state *s, int passes, bool scan_textures, gscl_kept_codes *before,
                                 bool *is_kept) {
     double error;
-    GSCL_TRY(measure(s, &error));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(before, s, error));
     GSCL_TRY(add_splats(s));
     for (int pass = 0; pass < passes; pass++)
         GSCL_TRY(gscl_scalar_pass(s, scan_textures && pass == 0));
-    GSCL_TRY(measure(s, &error));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     *is_kept = error <= tunables->max_densify_growth * before->error;
     return *is_kept ? GSCL_OK : gscl_kept_codes_restore(before, s);
 }

@@ -1,6 +1,5 @@
 #include "scalar/encode_scalar.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,11 +26,9 @@ static gscl_result run_stages(gscl_scalar_state *s) {
 
 /* Keeps the result of a start where it is better than those before, by the pixels of the source. */
 static gscl_result keep_start(gscl_scalar_state *s, gscl_kept_codes *best) {
-    double error = INFINITY;
-    if (s->coded->file.header.splat_count > 0) {
-        GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
-        GSCL_TRY(gscl_scalar_measure(s, &error));
-    }
+    double error;
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
     const bool better = s->start_index == 0 || error < best->error;
     return better ? gscl_kept_codes_keep(best, s, error) : GSCL_OK;
 }

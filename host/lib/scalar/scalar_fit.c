@@ -219,6 +219,9 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
 
 gscl_result gscl_scalar_measure(gscl_scalar_state *s, double *error) {
     gscl_kernel_options options = s->fit.renderer.options;
+    *error = INFINITY;
+    if (s->coded->file.header.splat_count == 0)
+        return GSCL_OK;
     options.texture = s->coded->file.header.has_texture;
     gscl_renderer_set_options(&s->fit.renderer, &options);
     GSCL_TRY(gscl_scalar_load(s));

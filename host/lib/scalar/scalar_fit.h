@@ -8,7 +8,7 @@
 gscl_result gscl_scalar_fit(gscl_scalar_state *state);
 /* Fits all coded splats for `steps` steps, `new_splats` of them new where the error is largest, and quantises them. */
 gscl_result gscl_scalar_refit(gscl_scalar_state *state, size_t new_splats, int steps);
-/* Squared error of the coded image, added over the current level; it has at least one splat. */
+/* Squared error of the coded image, added over the current level; INFINITY without splats. */
 gscl_result gscl_scalar_measure(gscl_scalar_state *state, double *error);
 
 #endif

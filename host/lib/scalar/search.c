@@ -57,7 +57,7 @@ static gscl_result choose_candidate_codes(gscl_search *q, double *error) {
         GSCL_TRY(gscl_search_pass(q, *error, factor, false));
         factor = (double)s->size / (double)s->bytes;
     }
-    return s->coded->file.header.splat_count > 0 ? gscl_scalar_measure(s, error) : GSCL_OK;
+    return gscl_scalar_measure(s, error);
 }
 
 static double cost(const gscl_search *q, double error, size_t size) {
@@ -77,8 +77,7 @@ static gscl_result search_round(gscl_search *q) {
     double error;
     GSCL_TRY(make_candidate(q));
     GSCL_TRY(choose_candidate_codes(q, &error));
-    const bool drawn = s->coded->file.header.splat_count > 0;
-    if (drawn && cost(q, error, s->size) < cost(q, q->best.error, q->best.size)) {
+    if (cost(q, error, s->size) < cost(q, q->best.error, q->best.size)) {
         GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
         GSCL_TRY(gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps));
     }

@@ -112,18 +112,17 @@ struct gscl_scalar_tunables {
     int densify_steps_divisor; /* the fit's steps divided by this: steps of a refit after densification */
     int max_densify_steps;     /* steps of a refit */
     int max_densifications;    /* densifications after the first pass */
-    double
-        max_densify_growth;   /* largest factor of the error by a densification that stays.  On ramps with hard edges it
-                                  was 15, and undoing it gained 8 dB; 1 leaves files of fine texture nearly empty */
-    double lambda_gain;       /* exponent of lambda by excess size while the file shrinks towards its budget */
-    double final_lambda_gain; /* likewise where few passes are left */
-    double excess_exponent;   /* of the share of passes left: how the excess over the budget shrinks */
-    double rollback_factor;   /* of lambda after a pass that shrank the file too far */
-    double slack_factor;      /* of lambda in a pass that uses bytes that are left */
-    int max_final_passes;     /* passes that bring a file below its budget */
-    int max_slack_passes;     /* passes that use bytes that are left */
-    double min_lambda_scale;  /* lower bound of lambda_scale */
-    double max_lambda_scale;  /* upper bound of lambda_scale */
+    double max_densify_growth; /* of the error, by a densification that stays: on ramps with hard edges it was 15, and
+                                  undoing it gained 8 dB; 1 leaves files of fine texture nearly empty */
+    double lambda_gain;        /* exponent of lambda by excess size while the file shrinks towards its budget */
+    double final_lambda_gain;  /* likewise where few passes are left */
+    double excess_exponent;    /* of the share of passes left: how the excess over the budget shrinks */
+    double rollback_factor;    /* of lambda after a pass that shrank the file too far */
+    double slack_factor;       /* of lambda in a pass that uses bytes that are left */
+    int max_final_passes;      /* passes that bring a file below its budget */
+    int max_slack_passes;      /* passes that use bytes that are left */
+    double min_lambda_scale;   /* lower bound of lambda_scale */
+    double max_lambda_scale;   /* upper bound of lambda_scale */
 
     /* Layers of a progressive file. */
     double layer_shares[GSCL_LAYERS]; /* of the target, up to the end of each layer; the last is 1 */
