@@ -11,6 +11,7 @@ import pathlib
 import shlex
 import subprocess
 import sys
+import tempfile
 import time
 
 
@@ -113,6 +114,15 @@ def write_csv(path, rows):
         writer = csv.DictWriter(file, rows[0].keys())
         writer.writeheader()
         writer.writerows(rows)
+
+
+def measured(arguments, images, measure_image):
+    """The rows that measure_image(arguments, image, folder for files) makes of each image; also in the file of --csv."""
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [row for image in images for row in measure_image(arguments, image, pathlib.Path(folder))]
+    if arguments.csv:
+        write_csv(arguments.csv, rows)
+    return rows
 
 
 def at_rate(points, rate):

@@ -18,7 +18,6 @@ import pathlib
 import re
 import shutil
 import subprocess
-import tempfile
 
 import codec
 import document
@@ -188,10 +187,7 @@ def main():
     arguments = parse()
     section = document.section_of(arguments)
     images = codec.images_of(arguments.folder, arguments.only)
-    with tempfile.TemporaryDirectory() as folder:
-        rows = [row for image in images for row in measure_image(arguments, image, pathlib.Path(folder))]
-    if arguments.csv:
-        codec.write_csv(arguments.csv, rows)
+    rows = codec.measured(arguments, images, measure_image)
     variants, budgets = [codec.name_of(variant) for variant in arguments.variants], arguments.budgets
     present = {row["codec"] for row in rows}
     names = [name for name in [*variants, *arguments.codecs, BEST_AVIF] if name in present]

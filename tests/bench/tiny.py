@@ -9,9 +9,7 @@ image, the content of its box `mdat`, fits into the bytes, the best one of each 
 Some 270 bytes of its container are thus given away.  What a codec decodes is enlarged to the size of the picture by a
 Lanczos filter.  A ThumbHash has a size of its own, which the table names; the files of gscl beside it have the same size.
 """
-import pathlib
 import struct
-import tempfile
 
 import codec
 import document
@@ -126,10 +124,7 @@ def main():
     arguments = codec.parse_variants(parser)
     section = document.section_of(arguments)
     images = codec.images_of(arguments.folder, arguments.only)
-    with tempfile.TemporaryDirectory() as folder:
-        rows = [row for image in images for row in measure_image(arguments, image, pathlib.Path(folder))]
-    if arguments.csv:
-        codec.write_csv(arguments.csv, rows)
+    rows = codec.measured(arguments, images, measure_image)
     document.publish(section, document.origin("sh tests/bench/bench.sh tiny FOLDER", len(images)), table_of(rows, len(images)))
 
 
