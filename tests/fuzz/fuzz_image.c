@@ -22,7 +22,7 @@
 #include "image/image_output.h"
 #include "image/image_png.h"
 #include "image/image_tiff.h"
-#include "image_mutator.h"
+#include "mutator.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "coded_memory.h"
-#include "reader_mutator.h"
+#include "mutator.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

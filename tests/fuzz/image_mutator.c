@@ -1,4 +1,4 @@
-#include "image_mutator.h"
+#include "mutator.h"
 
 #include <string.h>
 

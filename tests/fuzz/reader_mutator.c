@@ -1,4 +1,4 @@
-#include "reader_mutator.h"
+#include "mutator.h"
 
 #include <stdbool.h>
 #include <string.h>

@@ -1,0 +1,19 @@
+/* The custom mutators of the targets. */
+#ifndef GSCL_FUZZ_MUTATOR_H
+#define GSCL_FUZZ_MUTATOR_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Of libFuzzer: changes bytes in place and returns their new number. */
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
+/* What libFuzzer calls when a target has it. */
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed);
+
+/* Likewise, of a gscl file, which begins with the magic bytes, or else of a bare picture.  Keeps what a reader checks first:
+ * magic, check, blocks and the end of the picture. */
+size_t fuzz_mutate_file(uint8_t *data, size_t size, size_t max_size, unsigned seed);
+/* Likewise, of an image file.  Keeps the checksums of PNG right. */
+size_t fuzz_mutate_image(uint8_t *data, size_t size, size_t max_size, unsigned seed);
+
+#endif
