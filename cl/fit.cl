@@ -12,20 +12,22 @@ typedef struct {
 
 /* Starts the backward pass from the rendering on the canvas; returns this work-item's part of the loss.  `target` is as
  * in fit_tiles. */
-inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const float *restrict target, int width,
-                          size_t plane, float derivative_scale) {
+inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const float *restrict target,
+                          gscl_fit_settings settings) {
+    const size_t plane = (size_t)settings.shape.width * (size_t)settings.level_height;
     pix loss = (pix)(0.0f);
     for (int r = 0; r < ROWS; r++) {
+        const size_t at =
+            (size_t)((p.y + r) * settings.row_step + settings.first_row) * settings.shape.width + (size_t)p.x;
         b->dot[r] = (pix)(0.0f);
 #if WEIGHTED != GSCL_WEIGHTED_NOT
         pix weight = (pix)(0.0f);
-        if (r < p.rows && p.lanes > 0)
-            weight = pix_load_clipped(target + CHANNELS * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+        if (r < p.rows && p.lanes > 0) weight = pix_load_clipped(target + CHANNELS * plane + at, p.lanes);
 #endif
 #if WEIGHTED == GSCL_WEIGHTED_LUMA
         pix luma = (pix)(0.0f);
         if (r < p.rows && p.lanes > 0) {
-            luma = -pix_load_clipped(target + (CHANNELS + 1) * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+            luma = -pix_load_clipped(target + (CHANNELS + 1) * plane + at, p.lanes);
             UNROLL
             for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), c->colour[k][r], luma);
             luma *= pix_inside(p.lanes);
@@ -37,7 +39,7 @@ inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global 
         for (int k = 0; k < CHANNELS; k++) {
             pix d = (pix)(0.0f);
             if (r < p.rows && p.lanes > 0) {
-                pix value = pix_load_clipped(target + k * plane + (size_t)(p.y + r) * width + p.x, p.lanes);
+                pix value = pix_load_clipped(target + k * plane + at, p.lanes);
 #if LOSS == GSCL_LOSS_KIND_EXTERNAL
                 d = value;
 #else
@@ -57,7 +59,7 @@ inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global 
 #endif
 #endif
             }
-            d *= derivative_scale;
+            d *= settings.derivative_scale;
 #if BLEND == GSCL_NORMALIZED
             d *= c->weight_sum[r]; /* the reciprocal, after canvas_end */
 #endif
@@ -265,8 +267,9 @@ inline void backward_splats(const tile_splats *t, backward *b, pix px, float py,
 }
 #endif
 
-/* Writes a gradient slot for each entry and the loss of each tile.  `target`: CHANNELS planes and those of
- * WEIGHTED; where the loss is EXTERNAL, planes of its derivative by the rendering.
+/* Writes a gradient slot for each entry and the loss of each tile, from the rows of the level that are drawn.  `target`:
+ * CHANNELS planes of the level and those of WEIGHTED; where the loss is EXTERNAL, planes of its derivative by the
+ * rendering.
  * A tile whose loss per pixel is below the threshold is skipped for the next GSCL_SKIP_STEPS steps, in which its slots
  * are 0 and its loss stays the same.  `skip_until`: for each tile the step with which it is computed again. */
 __kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
@@ -307,7 +310,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     canvas_blend(&c, px, py, p.row0, splats, entries + range.x, range.y - range.x, cached);
     canvas_end(&c, background);
     backward b;
-    pix loss = backward_begin(&b, &c, p, target, width, plane_size(settings.shape), settings.derivative_scale);
+    pix loss = backward_begin(&b, &c, p, target, settings);
     tile_splats t = {splats, entries, slots, range};
 #if SHARES_SPLATS
     backward_share(&shared_state, &b, p.x & (GSCL_TILE - 1), p.row0);

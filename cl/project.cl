@@ -59,20 +59,21 @@ inline projected_splat splat_project(splat s, gscl_view view) {
     vfloat c = ROTATION ? cos(s.theta) : (vfloat)(1.0f), n = ROTATION ? sin(s.theta) : (vfloat)(0.0f);
     vfloat s1 = axis_at_level(s.s1, view.blur) * view.inv_scale, s2 = axis_at_level(s.s2, view.blur) * view.inv_scale;
     vfloat i1 = to_frame / s1, i2 = to_frame / s2;
+    const float down = view.row_scale, down2 = down * down; /* pixels are 1 / down as high as wide */
     a.projected[GSCL_PROJECTED_X] = s.x * view.inv_scale - view.x;
-    a.projected[GSCL_PROJECTED_Y] = s.y * view.inv_scale - view.y;
+    a.projected[GSCL_PROJECTED_Y] = s.y * view.inv_scale * down - view.y;
     a.projected[GSCL_PROJECTED_UX] = c * i1;
-    a.projected[GSCL_PROJECTED_UY] = n * i1;
+    a.projected[GSCL_PROJECTED_UY] = n * i1 / down;
     a.projected[GSCL_PROJECTED_VX] = -n * i2;
-    a.projected[GSCL_PROJECTED_VY] = c * i2;
+    a.projected[GSCL_PROJECTED_VY] = c * i2 / down;
     a.projected[GSCL_PROJECTED_OPACITY] = s.opacity;
-    a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (vfloat)(0.0f) : exp2(-i2 * i2);
+    a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (vfloat)(0.0f) : exp2(-i2 * i2 / down2);
     for (int k = 0; k < CHANNELS; k++) a.projected[GSCL_PROJECTED_COLOUR + k] = s.colour[k];
 #if TEXTURE
     /* The level's box filter lowers the amplitude. */
     vfloat cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
     a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / view.inv_scale;
-    a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / view.inv_scale;
+    a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / view.inv_scale / down;
     a.projected[GSCL_PROJECTED_WAVE_PHASE] = s.wave_phase;
     a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * view.blur);
 #endif
@@ -81,15 +82,15 @@ inline projected_splat splat_project(splat s, gscl_view view) {
     vfloat xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
     vfloat xy = c * n * (s1 * s1 - s2 * s2);
     a.bounds[GSCL_BOUNDS_HALF_WIDTH] = sqrt(2.0f * GSCL_SUPPORT * xx);
-    a.bounds[GSCL_BOUNDS_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy);
-    a.bounds[GSCL_BOUNDS_SLOPE] = xy / xx;
-    a.bounds[GSCL_BOUNDS_SLOPE_X] = xy / yy;
+    a.bounds[GSCL_BOUNDS_HALF_HEIGHT] = sqrt(2.0f * GSCL_SUPPORT * yy) * down;
+    a.bounds[GSCL_BOUNDS_SLOPE] = xy / xx * down;
+    a.bounds[GSCL_BOUNDS_SLOPE_X] = xy / yy / down;
     vfloat by_xx = s1 * (s1 / xx), by_yy = s1 * (s1 / yy); /* det / xx^2 and the like without overflow */
-    a.bounds[GSCL_BOUNDS_HEIGHT2] = 2.0f * GSCL_SUPPORT * by_xx * (s2 * s2);
+    a.bounds[GSCL_BOUNDS_HEIGHT2] = 2.0f * GSCL_SUPPORT * by_xx * (s2 * s2) * down2;
     a.bounds[GSCL_BOUNDS_WIDTH2] = 2.0f * GSCL_SUPPORT * by_yy * (s2 * s2);
     vfloat ratio_x = s1 * s2 / xx, ratio_y = s1 * s2 / yy;
-    a.bounds[GSCL_BOUNDS_CURVE] = ratio_x * ratio_x;
-    a.bounds[GSCL_BOUNDS_CURVE_X] = ratio_y * ratio_y;
+    a.bounds[GSCL_BOUNDS_CURVE] = ratio_x * ratio_x * down2;
+    a.bounds[GSCL_BOUNDS_CURVE_X] = ratio_y * ratio_y / down2;
     return a;
 }
 

@@ -12,9 +12,10 @@ typedef float cl_float;
 #include "cl/constants.h"
 #endif
 
-/* The part of the plane that is drawn.  A point p of the full-size image appears at p * inv_scale - (x, y). */
+/* The part of the plane that is drawn.  A point p of the full-size image appears at p * inv_scale * (1, row_scale) - (x, y). */
 typedef struct gscl_view {
     cl_float inv_scale; /* 1: full size; 1/2, 1/4, ...: levels of the pyramid */
+    cl_float row_scale; /* 1: every row of the level is drawn; 1/2: every second one */
     cl_float blur;      /* variance in full-size pixels that the level's box filter adds to a splat */
     cl_float x, y;      /* origin, drawn pixels */
     cl_int tiles_x, tiles_y;
@@ -59,9 +60,11 @@ typedef struct gscl_limits {
 
 /* One step of the fit over the tiles of a level (cl/fit.cl). */
 typedef struct gscl_fit_settings {
-    gscl_image_shape shape;
-    cl_float derivative_scale; /* of the loss: makes the levels of the pyramid agree */
-    cl_int step;               /* since the last reset of skipped tiles */
+    gscl_image_shape shape;     /* of the rows that are drawn */
+    cl_int row_step, first_row; /* of the level, which the drawn rows are */
+    cl_int level_height;        /* pixels */
+    cl_float derivative_scale;  /* of the loss: makes the levels of the pyramid and the choices of rows agree */
+    cl_int step;                /* since the last reset of skipped tiles */
 } gscl_fit_settings;
 
 /* What the device follows of a fit, so that the host need not wait for it (cl/sums.cl). */
@@ -69,6 +72,7 @@ typedef struct gscl_fit_control {
     cl_float loss;           /* mean per sample, when it was last summed */
     cl_float skip_threshold; /* loss per pixel below which a tile is skipped; 0: none is */
     cl_float log_max;        /* present bound of an axis, at most gscl_limits.log_max */
+    cl_float low_splats;     /* share of the splats that are hardly higher than a row of the level */
 } gscl_fit_control;
 
 /* How the control follows the lists of the tiles and the loss. */
@@ -77,6 +81,8 @@ typedef struct gscl_control_settings {
     cl_float reduction;          /* of log_max */
     cl_float log_min;            /* its lower bound */
     cl_float threshold_per_loss; /* 0: the threshold stays */
+    cl_int splats;
+    cl_float low_height; /* half the height of an outline, drawn rows; lower splats count as low */
 } gscl_control_settings;
 
 /* The links of a splat to its gradient slots, which lie one after another (cl/slots.cl): one for each tile of its box,

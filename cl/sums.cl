@@ -57,14 +57,20 @@ __kernel void sum_loss(__global const float *restrict tile_loss, int count, floa
     if (get_local_id(0) == 0) control->loss = total * scale;
 }
 
-/* Bounds the axes where the lists of the tiles are long, and sets the threshold of skipped tiles.  One work-group. */
-__kernel void control_fit(__global const int *restrict row_totals, int rows, gscl_control_settings settings,
+/* Bounds the axes where the lists of the tiles are long, sets the threshold of skipped tiles, and counts low splats.  One
+ * work-group. */
+__kernel void control_fit(__global const int *restrict row_totals, int rows,
+                          __global const float *restrict ellipse_bounds, gscl_control_settings settings,
                           __global gscl_fit_control *restrict control) {
-    __local float sums[GSCL_SUM_ITEMS];
-    float own = 0.0f;
+    __local float sums[GSCL_SUM_ITEMS], low_sums[GSCL_SUM_ITEMS];
+    float own = 0.0f, own_low = 0.0f;
     for (int i = (int)get_local_id(0); i < rows; i += GSCL_SUM_ITEMS) own += (float)row_totals[i];
-    float entries = group_sum(own, sums);
+    for (int i = (int)get_local_id(0); i < settings.splats; i += GSCL_SUM_ITEMS)
+        own_low +=
+            ellipse_bounds[(size_t)i * GSCL_BOUNDS + GSCL_BOUNDS_HALF_HEIGHT] < settings.low_height ? 1.0f : 0.0f;
+    float entries = group_sum(own, sums), low = group_sum(own_low, low_sums);
     if (get_local_id(0) > 0) return;
+    control->low_splats = low / fmax((float)settings.splats, 1.0f);
     if (entries > settings.max_entries)
         control->log_max = fmax(control->log_max - settings.reduction, settings.log_min);
     if (settings.threshold_per_loss > 0.0f) control->skip_threshold = settings.threshold_per_loss * control->loss;

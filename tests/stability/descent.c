@@ -72,13 +72,13 @@ bool scene_file_decodes(const scene *s, char *message, size_t capacity) {
  * fit.  Descent starts from there, with moments reset. */
 static gscl_result descend(gscl_fit *fit, const scene *s, float *params, double *before, double *after) {
     GSCL_TRY(gscl_fit_append(fit, params, s->count));
-    GSCL_TRY(gscl_fit_step(fit, 0.1f));
+    GSCL_TRY(gscl_fit_step(fit, 0.1f, 1));
     GSCL_TRY(gscl_fit_read(fit, params));
     GSCL_TRY(gscl_fit_replace(fit, params, s->count));
-    GSCL_TRY(gscl_fit_step(fit, 1.0f));
+    GSCL_TRY(gscl_fit_step(fit, 1.0f, 1));
     GSCL_TRY(gscl_fit_loss(fit, before));
     for (size_t i = scene_scaled(SCENE_STEPS, 2); i > 0; i--)
-        GSCL_TRY(gscl_fit_step(fit, 1.0f));
+        GSCL_TRY(gscl_fit_step(fit, 1.0f, 1));
     GSCL_TRY(gscl_fit_differentiate(fit));
     GSCL_TRY(gscl_fit_loss(fit, after));
     return gscl_fit_read(fit, params);

@@ -86,7 +86,7 @@ static void test_reordering_keeps_the_optimiser(void **unused) {
     cl_int ages[3];
     gscl_fit fit = fit_of_a_ramp();
     append_splats(&fit);
-    assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
     for (int after = 0; after < 2; after++) {
         if (after)
             assert_int_equal(gscl_fit_reorder(&fit, order, 3), GSCL_OK);
@@ -114,7 +114,7 @@ static void test_fixed_splats_stay(void **unused) {
     fit.fixed = 2;
     assert_int_equal(gscl_fit_read(&fit, before), GSCL_OK);
     for (int step = 0; step < 3; step++)
-        assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+        assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
     assert_int_equal(gscl_fit_read(&fit, after), GSCL_OK);
     assert_memory_equal(before, after, fit.fixed * GSCL_PARAMS * sizeof(float));
     for (size_t i = fit.fixed; i < SPLATS; i++)
@@ -148,7 +148,7 @@ static void test_new_splats_end_skipping(void **unused) {
     assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
     append_splats(&fit);
     for (int step = 0; step <= gscl_fit_tunables.check_interval; step++)
-        assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+        assert_int_equal(gscl_fit_step(&fit, 1e-6f, 1), GSCL_OK);
     assert_true(skipped_tiles(&fit) > 0);
     assert_true(read_control(&fit).skip_threshold > 0);
     append_splats(&fit);
@@ -162,13 +162,13 @@ static void test_steps_do_not_wait(void **unused) {
     (void)unused;
     gscl_fit fit = fit_of_a_ramp();
     append_splats(&fit);
-    assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
     const uint64_t waits = context->waits;
     for (int step = 1; step < gscl_fit_tunables.max_wait_interval; step++)
-        assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+        assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
     assert_int_equal(context->waits, waits);
     append_splats(&fit);
-    assert_int_equal(gscl_fit_step(&fit, 1.0f), GSCL_OK);
+    assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
     assert_true(context->waits > waits);
     assert_true(fit.known_loss > 0 && fit.known_loss < 1);
     gscl_fit_free(&fit);
@@ -189,13 +189,13 @@ static void test_long_lists_bound_axes(void **unused) {
     const float first = read_control(&fit).log_max;
     assert_true(first == fit.limits.log_max);
     assert_int_equal(gscl_fit_append(&fit, params, MANY), GSCL_OK);
-    assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+    assert_int_equal(gscl_fit_step(&fit, 1e-6f, 1), GSCL_OK);
     const float second = read_control(&fit).log_max;
     assert_float_equal(second, first - gscl_fit_tunables.axis_reduction, 1e-5);
     for (int step = 1; step < gscl_fit_tunables.check_interval; step++)
-        assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+        assert_int_equal(gscl_fit_step(&fit, 1e-6f, 1), GSCL_OK);
     assert_true(read_control(&fit).log_max == second);
-    assert_int_equal(gscl_fit_step(&fit, 1e-6f), GSCL_OK);
+    assert_int_equal(gscl_fit_step(&fit, 1e-6f, 1), GSCL_OK);
     assert_float_equal(read_control(&fit).log_max, second - gscl_fit_tunables.axis_reduction, 1e-5);
     gscl_fit_free(&fit);
 }

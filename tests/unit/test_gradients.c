@@ -292,6 +292,68 @@ static void test_shapes(void **state) {
     }
 }
 
+static void add_wave(float *p) {
+    p[GSCL_WAVE_X] = synthetic_uniform(-0.3, 0.3);
+    p[GSCL_WAVE_Y] = synthetic_uniform(-0.3, 0.3);
+    p[GSCL_WAVE_PHASE] = synthetic_uniform(0.0, 1.0);
+    p[GSCL_WAVE_AMPLITUDE] = synthetic_random(3) ? synthetic_uniform(0.0, 0.5) : 0.0f;
+}
+
+/* Adds the gradients of the rows that are drawn to those of the others. */
+static void add_gradients_of_rows(gscl_fit *fit, const fit_case *c, float *total) {
+    static float gradients[MANY * GSCL_PARAMS];
+    fit->has_old_lists = true;
+    check_call(fit->context, c->name, gscl_renderer_project(&fit->renderer));
+    check_call(fit->context, c->name, gscl_fit_differentiate(fit));
+    check_call(fit->context, c->name,
+               gscl_buffer_read(fit->context, &fit->gradients, 0, gradients, c->count * GSCL_PARAMS * sizeof(float)));
+    for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)
+        total[i] += 0.5f * gradients[i];
+}
+
+/* The rows that a step at 2 sees, and those that the next one sees, have the gradients of all rows together. */
+static void check_second_rows(const fit_case *c) {
+    static reference t;
+    static outcome o;
+    for (int m = 0; m < 2; m++) {
+        gscl_fit fit;
+        memset(&o, 0, sizeof o);
+        check_call(contexts[m], c->name, gscl_fit_create(&fit, contexts[m], &c->options, WIDTH, HEIGHT, 0, c->target));
+        check_call(contexts[m], c->name, gscl_fit_append(&fit, c->params, c->count));
+        if (c->options.weighted == GSCL_WEIGHTED_LUMA)
+            write_luma(&fit, c);
+        check_call(contexts[m], c->name, gscl_fit_set_rows(&fit, 2));
+        assert_int_equal(fit.renderer.height, (HEIGHT + 1) / 2);
+        add_gradients_of_rows(&fit, c, o.gradient);
+        gscl_fit_next_rows(&fit);
+        assert_int_equal(fit.renderer.height, HEIGHT / 2);
+        add_gradients_of_rows(&fit, c, o.gradient);
+        reference_create(c, fit.background, &t);
+        check_gradient(c, &t, &o, ALLOWED);
+        gscl_fit_free(&fit);
+    }
+}
+
+static void test_every_second_row(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        for (int variant = 0; variant < 4; variant++) {
+            fit_case *c = ordinary_case(blend, variant ? 3 : 1, variant == 1, variant == 2 || blend == GSCL_ALPHA,
+                                        GSCL_LOSS_KIND_L2, 0);
+            c->options.texture = variant == 3;
+            c->options.weighted = variant == 1 ? GSCL_WEIGHTED_LUMA : GSCL_WEIGHTED_NOT;
+            for (size_t i = 0; i < c->count && variant == 3; i++)
+                add_wave(c->params + i * GSCL_PARAMS);
+            if (variant == 0) {
+                c->options.shape = GSCL_SHAPE_AXIS_ALIGNED;
+                for (size_t i = 0; i < c->count; i++)
+                    c->params[i * GSCL_PARAMS + GSCL_THETA] = 0.0f;
+            }
+            check_second_rows(c);
+        }
+    }
+}
+
 /* A tile without error is skipped for some steps, and computed again for gscl_fit_gradients. */
 static void test_tiles_without_error_are_skipped(void **state) {
     (void)state;
@@ -310,7 +372,7 @@ static void test_tiles_without_error_are_skipped(void **state) {
         check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, target));
         check_call(contexts[m], "append", gscl_fit_append(&fit, &params[0][0], 3));
         for (int step = 0; step < 10; step++)
-            check_call(contexts[m], "step", gscl_fit_step(&fit, 1e-6f));
+            check_call(contexts[m], "step", gscl_fit_step(&fit, 1e-6f, 1));
         check_call(contexts[m], "read",
                    gscl_buffer_read(contexts[m], &fit.skip.skip_until, 0, skip_until, sizeof skip_until));
         for (int i = 0; i < TILES; i++) {
@@ -325,13 +387,6 @@ static void test_tiles_without_error_are_skipped(void **state) {
         assert_memory_equal(gradients, again, sizeof gradients);
         gscl_fit_free(&fit);
     }
-}
-
-static void add_wave(float *p) {
-    p[GSCL_WAVE_X] = synthetic_uniform(-0.3, 0.3);
-    p[GSCL_WAVE_Y] = synthetic_uniform(-0.3, 0.3);
-    p[GSCL_WAVE_PHASE] = synthetic_uniform(0.0, 1.0);
-    p[GSCL_WAVE_AMPLITUDE] = synthetic_random(3) ? synthetic_uniform(0.0, 0.5) : 0.0f;
 }
 
 static void test_textures(void **state) {
@@ -576,6 +631,7 @@ int main(void) {
         cmocka_unit_test(test_sum),
         cmocka_unit_test(test_blurred_levels),
         cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_every_second_row),
         cmocka_unit_test(test_tiles_without_error_are_skipped),
         cmocka_unit_test(test_textures),
         cmocka_unit_test(test_weighted_errors),

@@ -129,7 +129,7 @@ static gscl_result run_steps(gscl_codebook_state *s, int end) {
     for (int step = 0; step < end; step++) {
         const double fraction = (double)step / s->plan.steps;
         GSCL_TRY(prepare_step(s, step, &round));
-        GSCL_TRY(gscl_fit_step(&s->fit, (float)rate_at(fraction)));
+        GSCL_TRY(gscl_fit_step(&s->fit, (float)rate_at(fraction), 1));
         if (step % REPORT_INTERVAL == 0)
             GSCL_TRY(gscl_codebook_report_progress(s, GSCL_CODEBOOK_FIT_SHARE * fraction));
         if ((step + 1) % gscl_trace_interval(s->plan.steps) == 0)

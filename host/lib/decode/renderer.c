@@ -48,17 +48,35 @@ void gscl_renderer_free(gscl_renderer *r) {
 gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint32_t y, uint32_t width,
                                    uint32_t height) {
     float scale = (float)(1 << level);
+    if (r->row_step > 1)
+        r->row_capacity = (cl_int)gscl_groups((size_t)r->row_capacity, (size_t)r->row_step);
+    r->row_step = 1;
+    r->first_row = 0;
     r->width = (cl_int)width;
-    r->height = (cl_int)height;
-    r->view = (gscl_view){1.0f / scale,
-                          (scale * scale - 1.0f) / 12.0f,
-                          (float)x,
-                          (float)y,
-                          (cl_int)((width + GSCL_TILE - 1) / GSCL_TILE),
-                          (cl_int)((height + GSCL_TILE - 1) / GSCL_TILE)};
+    r->height = r->view_height = (cl_int)height;
+    r->view_y = (float)y;
+    r->view = (gscl_view){.inv_scale = 1.0f / scale,
+                          .row_scale = 1.0f,
+                          .blur = (scale * scale - 1.0f) / 12.0f,
+                          .x = (float)x,
+                          .y = r->view_y,
+                          .tiles_x = (cl_int)gscl_groups(width, GSCL_TILE),
+                          .tiles_y = (cl_int)gscl_groups(height, GSCL_TILE)};
     size_t tiles = gscl_renderer_tiles(r);
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_ranges, tiles * sizeof(cl_int2)));
     return gscl_buffer_reserve(r->context, &r->row_totals, (size_t)r->view.tiles_y * sizeof(cl_int));
+}
+
+/* The centres of the drawn rows, which are first + 1/2, first + step + 1/2, ..., become those of rows 0, 1, ... */
+void gscl_renderer_set_rows(gscl_renderer *r, int step, int first) {
+    if (step != r->row_step)
+        r->row_capacity = (cl_int)gscl_groups((size_t)r->row_capacity * (size_t)step, (size_t)r->row_step);
+    r->row_step = step;
+    r->first_row = first;
+    r->height = (cl_int)gscl_groups((size_t)(r->view_height - first), (size_t)step);
+    r->view.row_scale = 1.0f / (float)step;
+    r->view.y = (r->view_y + (float)first + 0.5f) / (float)step - 0.5f;
+    r->view.tiles_y = (cl_int)gscl_groups(gscl_groups((size_t)r->view_height, (size_t)step), GSCL_TILE);
 }
 
 gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
@@ -120,13 +138,14 @@ gscl_result gscl_renderer_begin_lengths(gscl_renderer *r) {
         r->totals_rows = r->view.tiles_y;
     }
     r->totals_wait = r->context->waits;
+    r->totals_read = r->view.tiles_y;
     return gscl_buffer_read_async(r->context, &r->row_totals, r->totals, size);
 }
 
 /* The largest number of entries of a row of tiles, as last read. */
 static cl_int largest_row(const gscl_renderer *r) {
     cl_int largest = 0;
-    for (cl_int i = 0; i < r->view.tiles_y; i++)
+    for (cl_int i = 0; i < r->totals_read; i++)
         if (r->totals[i] > largest)
             largest = r->totals[i];
     return largest;

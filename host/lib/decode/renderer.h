@@ -14,12 +14,16 @@ typedef struct gscl_renderer {
     gscl_kernel_options options; /* gscl_renderer_set_options sets these two */
     int channels;
     gscl_view view;
-    cl_int width, height; /* of the view, pixels */
-    cl_int count;         /* splats */
-    cl_int row_capacity;  /* list entries that each row of tiles owns */
-    cl_int *totals;       /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
-    cl_int totals_rows;   /* rows that totals has room for */
-    uint64_t totals_wait; /* waits of the context when they were last read: a later one has ended the copy */
+    cl_int width, height;       /* of the view, pixels: `height` of the rows that are drawn */
+    cl_int row_step, first_row; /* of the view, which are drawn */
+    cl_int view_height;         /* with all rows */
+    float view_y;               /* origin of the view with all rows */
+    cl_int count;               /* splats */
+    cl_int row_capacity;        /* list entries that each row of tiles owns */
+    cl_int *totals;             /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
+    cl_int totals_rows;         /* rows that totals has room for */
+    cl_int totals_read;         /* rows that were read: those of the view at that time */
+    uint64_t totals_wait;       /* waits of the context when they were last read: a later one has ended the copy */
     gscl_staging staged_params, staged_steps, staged_background;
     gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
@@ -36,6 +40,9 @@ void gscl_renderer_free(gscl_renderer *renderer);
 /* Sets the size and origin of what is drawn, in pixels of level `level` (0: full size). */
 gscl_result gscl_renderer_set_view(gscl_renderer *renderer, int level, uint32_t x, uint32_t y, uint32_t width,
                                    uint32_t height);
+/* Draws every `step`-th row of the view, from row `first` < `step` on; gscl_renderer_set_view draws all of them.  The
+ * lists get as much more room as a row of tiles becomes higher. */
+void gscl_renderer_set_rows(gscl_renderer *renderer, int step, int first);
 /* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device, without waiting. */
 gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
                                      const float *background);

@@ -120,3 +120,21 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
     f->has_known_lengths = false;
     return gscl_renderer_project(&f->renderer);
 }
+
+void gscl_fit_next_rows(gscl_fit *f) {
+    const int step = f->renderer.row_step;
+    f->phase = (f->phase + 1) % step;
+    gscl_renderer_set_rows(&f->renderer, step, f->phase);
+}
+
+gscl_result gscl_fit_set_rows(gscl_fit *f, int step) {
+    gscl_renderer *r = &f->renderer;
+    if (gscl_fit_level_height(f) < (uint32_t)(step * GSCL_TILE))
+        step = 1;
+    if (step == r->row_step)
+        return GSCL_OK;
+    gscl_renderer_set_rows(r, step, f->phase % step);
+    GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(r), &f->control));
+    f->has_old_lists = true;
+    return gscl_renderer_project(r);
+}

@@ -23,6 +23,7 @@ typedef struct gscl_fit {
     gscl_renderer renderer; /* the splats, projected at the current level */
     gscl_pyramid pyramid;   /* of the source */
     int level;              /* the current one */
+    int phase;              /* the first row of the level that is drawn, where not all are */
 
     /* Optimiser: `capacity` splats fit in these buffers. */
     size_t capacity;
@@ -47,6 +48,7 @@ typedef struct gscl_fit {
     gscl_buffer tile_loss;             /* of the last step, of each tile */
     gscl_buffer control;               /* gscl_fit_control */
     double known_loss;                 /* mean loss per sample of a step, when the host last read it; 0: not yet */
+    double known_low_splats;           /* gscl_fit_control.low_splats of that time */
     struct gscl_fit_readings *reading; /* where copies from the device go that are not waited for */
     gscl_buffer error;                 /* scratch: a plane of squared errors */
     gscl_buffer error_sums;            /* scratch: sums of its parts */
@@ -78,6 +80,10 @@ gscl_result gscl_fit_set_flat_background(gscl_fit *fit, const gscl_flat_backgrou
 
 /* Makes this level (clamped to those that exist) the current one. */
 gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
+/* Draws every `step`-th row of the level from now on, where it has enough of them; 1: all. */
+gscl_result gscl_fit_set_rows(gscl_fit *fit, int step);
+/* Draws the rows after the present ones, in turn, from the next projection of the splats on, which need new lists. */
+void gscl_fit_next_rows(gscl_fit *fit);
 /* Size of the current level in pixels. */
 uint32_t gscl_fit_level_width(const gscl_fit *fit);
 uint32_t gscl_fit_level_height(const gscl_fit *fit);
@@ -132,8 +138,10 @@ gscl_result gscl_fit_expect_splats(gscl_fit *fit, size_t count);
 /* ---- fit_step.c: gradients and the optimiser ---- */
 
 /* One step of Adam.  `rate` multiplies the learning rates.  The lists of the tiles are those of a few steps ago: what a
- * splat gained since then at its outline is not drawn, and the step is shorter by the time of filling them. */
-gscl_result gscl_fit_step(gscl_fit *fit, float rate);
+ * splat gained since then at its outline is not drawn, and the step is shorter by the time of filling them.
+ * It sees every `row_step`-th row of the level, and others when the lists are filled again: two steps at 2 take the time of
+ * one at 1.  A loss that is EXTERNAL needs all rows. */
+gscl_result gscl_fit_step(gscl_fit *fit, float rate, int row_step);
 /* First part of a step: gradients of the projected splats into fit->gradients. */
 gscl_result gscl_fit_differentiate(gscl_fit *fit);
 /* Second part of a step: Adam on `params` (count * GSCL_PARAMS floats on the device), which may be other parameters

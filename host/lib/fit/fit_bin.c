@@ -73,6 +73,7 @@ gscl_result gscl_fit_begin_readings(gscl_fit *f) {
 gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
     *state = GSCL_LISTS_KEPT;
     f->known_loss = f->reading->control.loss;
+    f->known_low_splats = f->reading->control.low_splats;
     if (f->has_old_lists)
         return GSCL_OK; /* their lengths are no longer of interest */
     const int steps = f->steps_since_wait;

@@ -7,7 +7,7 @@
 
 gscl_result gscl_fit_sum_loss(gscl_fit *f) {
     const cl_int tiles = (cl_int)gscl_renderer_tiles(&f->renderer);
-    const cl_float scale = 1.0f / ((float)gscl_fit_level_pixels(f) * (float)f->renderer.channels);
+    const cl_float scale = 1.0f / ((float)gscl_renderer_plane(&f->renderer) * (float)f->renderer.channels);
     cl_kernel kernel;
     GSCL_TRY(gscl_image_kernel(f->context, "sum_loss", &kernel));
     return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
@@ -39,6 +39,7 @@ static gscl_result launch_error(gscl_fit *f) {
 /* All that the host needs to know is read at once.  If a list was too short, the next rendering has room. */
 gscl_result gscl_fit_error(gscl_fit *f, float *error) {
     gscl_lists_state state;
+    GSCL_TRY(gscl_fit_set_rows(f, 1));
     do {
         GSCL_TRY(gscl_fit_bin(f, false));
         GSCL_TRY(gscl_renderer_draw(&f->renderer));
@@ -88,6 +89,7 @@ static gscl_result read_sum(gscl_fit *f, double *sum) {
 gscl_result gscl_fit_rendering_error(gscl_fit *f, double *sum) {
     const gscl_buffer *image = &f->renderer.image;
     gscl_lists_state state;
+    GSCL_TRY(gscl_fit_set_rows(f, 1));
     do {
         GSCL_TRY(gscl_fit_bin(f, false));
         GSCL_TRY(gscl_renderer_draw(&f->renderer));

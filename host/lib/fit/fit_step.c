@@ -10,9 +10,12 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     gscl_renderer *r = &f->renderer;
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
+    /* A level has 4^level fewer pixels to add up, of which one in row_step is drawn. */
     const gscl_fit_settings settings = {.shape = gscl_renderer_shape(r),
-                                        .derivative_scale =
-                                            ldexpf(1.0f, 2 * f->level), /* a level has 4^level fewer pixels to add up */
+                                        .row_step = r->row_step,
+                                        .first_row = r->first_row,
+                                        .level_height = r->view_height,
+                                        .derivative_scale = ldexpf((float)r->row_step, 2 * f->level),
                                         .step = f->skip.step};
     return GSCL_LAUNCH(f->context, kernel, gscl_renderer_tiles(&f->renderer), gscl_tile_group_size(f->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
@@ -69,7 +72,7 @@ static double max_entries(const gscl_fit *f) {
 /* Steps after which the host waits for the device, to follow the lengths of the lists and the loss. */
 static int wait_interval(const gscl_fit *f) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
-    const int steps = (int)(t->wait_pixels / (double)gscl_fit_level_pixels(f));
+    const int steps = (int)(t->wait_pixels / (double)gscl_renderer_plane(&f->renderer));
     return steps < t->check_interval ? t->check_interval : steps < t->max_wait_interval ? steps : t->max_wait_interval;
 }
 
@@ -78,18 +81,21 @@ static int wait_interval(const gscl_fit *f) {
 static gscl_result bin_and_check(gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
     const bool has_loss = f->skip.step > 0 && r->options.loss != GSCL_LOSS_KIND_EXTERNAL;
+    const float low_height = gscl_fit_tunables.low_axis * sqrtf(2.0f * GSCL_SUPPORT) * r->view.row_scale;
     const gscl_control_settings settings = {.max_entries = (float)max_entries(f),
                                             .reduction = gscl_fit_tunables.axis_reduction,
                                             .log_min = f->limits.log_min,
                                             .threshold_per_loss =
-                                                has_loss ? gscl_tile_skip_share(r->channels, non_flat_tiles(f)) : 0};
+                                                has_loss ? gscl_tile_skip_share(r->channels, non_flat_tiles(f)) : 0,
+                                            .splats = r->count,
+                                            .low_height = low_height};
     cl_kernel kernel;
     if (has_loss)
         GSCL_TRY(gscl_fit_sum_loss(f));
     GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths || f->steps_since_wait >= wait_interval(f)));
     GSCL_TRY(gscl_image_kernel(f->context, "control_fit", &kernel));
     return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG(r->view.tiles_y),
-                       GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control));
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control));
 }
 
 /* Writes the derivative of an external loss by the rendering. */
@@ -125,14 +131,20 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
     return differentiate(f);
 }
 
-gscl_result gscl_fit_step(gscl_fit *f, float rate) {
+gscl_result gscl_fit_step(gscl_fit *f, float rate, int row_step) {
+    const bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
+    GSCL_TRY(gscl_fit_set_rows(f, is_external ? 1 : row_step));
     if (f->has_old_lists || f->steps_since_bin >= gscl_fit_tunables.bin_interval)
         GSCL_TRY(refresh_lists(f));
     GSCL_TRY(differentiate(f));
+    /* Other rows need other lists, which are due now. */
+    if (f->steps_since_bin >= gscl_fit_tunables.bin_interval)
+        gscl_fit_next_rows(f);
     return gscl_fit_adam(f, &f->renderer.params, rate);
 }
 
 gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {
+    GSCL_TRY(gscl_fit_set_rows(f, 1));
     f->has_old_lists = true;
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(&f->renderer), &f->control));
     GSCL_TRY(gscl_fit_differentiate(f));

@@ -13,6 +13,7 @@ const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
 }
 
 gscl_result gscl_fit_render(gscl_fit *f) {
+    GSCL_TRY(gscl_fit_set_rows(f, 1));
     GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths));
     return gscl_renderer_draw(&f->renderer);
 }

@@ -31,6 +31,9 @@ struct gscl_fit_tunables {
     /* Step in ln sigma by which the bound on the longest axis is reduced. */
     float axis_reduction;
 
+    /* A splat whose standard deviation across the rows is smaller counts as low: rows of the level. */
+    float low_axis;
+
     /* A tile whose loss per pixel is below this part of the mean loss of the non-flat tiles is skipped for
      * GSCL_SKIP_STEPS steps. */
     double skip_threshold;

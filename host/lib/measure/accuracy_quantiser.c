@@ -30,7 +30,7 @@ static gscl_result fit_unquantised(sweep *w) {
     GSCL_TRY(gscl_renderer_set_splats(&w->fit.renderer, NULL, 0, s->background));
     GSCL_TRY(gscl_fit_append(&w->fit, s->params, s->count));
     for (int i = 0; i < gscl_measure_tunables.unquantised_steps; i++)
-        GSCL_TRY(gscl_fit_step(&w->fit, gscl_measure_tunables.unquantised_rate));
+        GSCL_TRY(gscl_fit_step(&w->fit, gscl_measure_tunables.unquantised_rate, 1));
     return gscl_fit_read(&w->fit, w->unquantised);
 }
 

@@ -205,7 +205,7 @@ static gscl_result run_draw(bench *b, void *opaque) {
 /* As many steps as keep the lists of the tiles, so that each run bins once. */
 static gscl_result run_fit_steps(bench *b, void *opaque) {
     for (int i = 0; i < b->rounds; i++)
-        GSCL_TRY(gscl_fit_step(opaque, 0)); /* with rate 0 the splats do not move */
+        GSCL_TRY(gscl_fit_step(opaque, 0, 1)); /* with rate 0 the splats do not move */
     return GSCL_OK;
 }
 

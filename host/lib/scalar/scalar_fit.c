@@ -18,6 +18,14 @@ static float learning_rate(double fraction) {
     return (float)(tunables->learning_rate * (fraction < 0.5 ? 1.0 : min + (1 - min) * 0.5 * (1 + cos(angle))));
 }
 
+/* 1: the steps of the fit see all rows of the image at this fraction of them; 2: every second one. */
+static int row_step(const gscl_scalar_state *s, double fraction) {
+    const bool is_nearly_exact = s->fit.known_loss > 0 && s->fit.known_loss < tunables->all_rows_below;
+    return fraction >= tunables->all_rows_from || is_nearly_exact || s->fit.known_low_splats > tunables->max_low_splats
+               ? 1
+               : 2;
+}
+
 /* Whether the file may leave the background to the mean of its splats.  In the blend normalized splats cover the image,
  * and a background of its own takes 25 bits or more. */
 static bool hides_background(const gscl_scalar_state *s) {
@@ -193,12 +201,13 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
     GSCL_TRY(create_fit(s));
     for (int step = 0; step < s->steps; step++) {
         GSCL_TRY(prepare_step(s, step, &round, &quantising));
-        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate((double)step / s->steps)));
+        const double fraction = (double)step / s->steps;
+        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction), row_step(s, fraction)));
         GSCL_TRY(report_fit_progress(s, step));
         if ((step + 1) % gscl_trace_interval(s->steps) == 0)
             GSCL_TRY(gscl_trace_fit(s->encoder, &s->fit, step + 1));
     }
-    return GSCL_OK;
+    return gscl_fit_set_rows(&s->fit, 1);
 }
 
 gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps) {
@@ -212,8 +221,10 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
     for (int step = 0; step < steps; step++) {
         if (step % tunables->model_interval == 0)
             GSCL_TRY(gscl_fit_renew_model(&s->fit));
-        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(0.5 + 0.5 * (step + 0.5) / steps)));
+        const double fraction = 0.5 + 0.5 * (step + 0.5) / steps;
+        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction), row_step(s, fraction)));
     }
+    GSCL_TRY(gscl_fit_set_rows(&s->fit, 1));
     return gscl_scalar_quantise(s);
 }
 

@@ -37,6 +37,9 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
 
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,
+    .all_rows_from = 0.92,
+    .all_rows_below = 2.5e-4,
+    .max_low_splats = 0.15,
     .quantise_from = 0.25,
     .max_weighted_distance = 40.0,
     .max_visual_distance = 100.0,

@@ -54,6 +54,11 @@ struct gscl_scalar_tunables {
     /* The fit. */
     double learning_rate;         /* factor of the learning rates in cl/update.cl */
     double min_learning_rate;     /* share of learning_rate at the last step */
+    /* The rows of the image that a step sees: every second one, but all of them in the last steps, where the fit is nearly
+     * exact, and where many splats are as low as a row. */
+    double all_rows_from;  /* share of the steps */
+    double all_rows_below; /* mean squared error per sample, of samples from 0 to 1 */
+    double max_low_splats; /* share of the splats */
     double quantise_from;         /* share of the steps, from which on the fit draws through the quantiser */
     double max_weighted_distance; /* pixels; splats further apart are not tuned for SSIM.  On four Kodak pictures the
                                      weights change MS-SSIM by -.006 at 150 bytes, 0 at 300; on six by -.001
