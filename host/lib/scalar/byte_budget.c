@@ -12,10 +12,22 @@ static bool has_slack(const gscl_scalar_state *s, double share) {
     return (double)s->size < share * (double)s->bytes;
 }
 
+/* The share of the budget above which a file is full.  A fit without passes of its own is not worth many of them here. */
+static double full_share(const gscl_scalar_state *s) {
+    return s->passes > 0 ? tunables->full_share : tunables->full_share_of_drafts;
+}
+
+/* Lowers the price so far that a pass is expected to use the bytes that are left. */
+static void lower_price(gscl_scalar_state *s) {
+    const double aim = (double)s->bytes * tunables->final_aim;
+    const double factor = fmax(pow((double)s->size / aim, tunables->refund_gain), tunables->slack_factor);
+    s->lambda_scale = fmax(s->lambda_scale * factor, tunables->min_lambda_scale);
+}
+
 /* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as the fit stands it. */
 static gscl_result use_slack(gscl_scalar_state *s) {
     bool may_add = true;
-    for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, tunables->full_share); pass++) {
+    for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, full_share(s)); pass++) {
         s->keep_all = true; /* new splats would be the first to be dropped */
         if (may_add && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
             s->lambda_scale = fmin(s->lambda_scale, 1);
@@ -23,7 +35,7 @@ static gscl_result use_slack(gscl_scalar_state *s) {
             /* New splats are far from their best after a single pass, and here none follow. */
             GSCL_TRY(gscl_scalar_densify(s, 2, s->textures, &may_add));
         } else {
-            s->lambda_scale = fmax(s->lambda_scale * tunables->slack_factor, tunables->min_lambda_scale);
+            lower_price(s);
             GSCL_TRY(gscl_scalar_pass(s, s->textures));
         }
     }
@@ -31,27 +43,63 @@ static gscl_result use_slack(gscl_scalar_state *s) {
     return GSCL_OK;
 }
 
-/* One pass of a file that is too large.  A pass that shrinks it too far is undone, and lambda is lowered. */
-static gscl_result shrink_once(gscl_scalar_state *s, double min_share, gscl_kept_codes *kept) {
+/* The search for the price at which a pass ends below the budget and fills it. */
+typedef struct price_search {
+    gscl_kept_codes above; /* the file that is too large, from which passes start */
+    gscl_kept_codes below; /* the largest file within the budget; empty: none was */
+    double low, high;      /* lambda scales that left `above` too large, and made it smaller than a full one; 0: none */
+    double low_size, high_size; /* bytes */
+} price_search;
+
+/* Notes what a pass at this price made of the file above.  Before one makes it too small, each is a step towards the budget. */
+static gscl_result note_size(price_search *p, gscl_scalar_state *s, double lambda_scale) {
+    const bool is_above = s->size > s->bytes;
+    if (is_above && p->high == 0)
+        return gscl_kept_codes_keep(&p->above, s, NAN);
+    *(is_above ? &p->low : &p->high) = lambda_scale;
+    *(is_above ? &p->low_size : &p->high_size) = (double)s->size;
+    return !is_above && p->below.size < s->size ? gscl_kept_codes_keep(&p->below, s, NAN) : GSCL_OK;
+}
+
+/* The price after one at which a pass made the file too small: lower, or where a straight line through the sizes at the prices
+ * on the two sides of the budget meets it. */
+static double next_price(const price_search *p, double aim) {
+    if (p->low == 0)
+        return p->high * pow(p->high_size / aim, tunables->refund_gain);
+    return p->low * pow(p->high / p->low, (p->low_size - aim) / (p->low_size - p->high_size));
+}
+
+static gscl_result try_price(price_search *p, gscl_scalar_state *s) {
     const size_t before = s->size;
-    GSCL_TRY(gscl_kept_codes_keep(kept, s, NAN));
+    const double lambda_scale = s->lambda_scale, aim = (double)s->bytes * tunables->final_aim;
     GSCL_TRY(gscl_scalar_pass(s, false));
-    if (s->size > s->bytes) {
-        gscl_scalar_update_lambda(s, before, (double)s->bytes * tunables->budget_aim, tunables->final_lambda_gain);
-    } else if (has_slack(s, min_share)) {
-        s->lambda_scale *= tunables->rollback_factor;
-        GSCL_TRY(gscl_kept_codes_restore(kept, s));
+    GSCL_TRY(note_size(p, s, lambda_scale));
+    if (p->high == 0) {
+        gscl_scalar_update_lambda(s, before, aim, tunables->final_lambda_gain);
+        return GSCL_OK;
     }
+    s->lambda_scale = next_price(p, aim);
     return GSCL_OK;
 }
 
+static gscl_result search_price(price_search *p, gscl_scalar_state *s) {
+    bool is_done = s->size <= s->bytes;
+    if (!is_done)
+        GSCL_TRY(gscl_kept_codes_keep(&p->above, s, NAN));
+    for (int pass = 0; pass < tunables->max_final_passes && !is_done; pass++) {
+        GSCL_TRY(try_price(p, s));
+        is_done = s->size <= s->bytes && !has_slack(s, full_share(s));
+        if (!is_done && p->high > 0)
+            GSCL_TRY(gscl_kept_codes_restore(&p->above, s));
+    }
+    return s->size > s->bytes && p->below.count > 0 ? gscl_kept_codes_restore(&p->below, s) : GSCL_OK;
+}
+
 static gscl_result shrink_to_budget(gscl_scalar_state *s) {
-    const int passes = tunables->max_final_passes;
-    gscl_kept_codes kept = {0};
-    gscl_result result = GSCL_OK;
-    for (int pass = 0; pass < passes && result == GSCL_OK && s->size > s->bytes; pass++)
-        result = shrink_once(s, pass < passes - 1 ? tunables->full_share : tunables->densify_below, &kept);
-    gscl_kept_codes_free(&kept);
+    price_search search = {0};
+    const gscl_result result = search_price(&search, s);
+    gscl_kept_codes_free(&search.above);
+    gscl_kept_codes_free(&search.below);
     return result;
 }
 

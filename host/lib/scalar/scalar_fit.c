@@ -21,9 +21,9 @@ static float learning_rate(double fraction) {
 /* 1: the steps of the fit see all rows of the image at this fraction of them; 2: every second one. */
 static int row_step(const gscl_scalar_state *s, double fraction) {
     const bool is_nearly_exact = s->fit.known_loss > 0 && s->fit.known_loss < tunables->all_rows_below;
-    return fraction >= tunables->all_rows_from || is_nearly_exact || s->fit.known_low_splats > tunables->max_low_splats
-               ? 1
-               : 2;
+    const bool has_few_steps = s->steps < tunables->min_sampled_steps;
+    const bool has_low_splats = s->fit.known_low_splats > tunables->max_low_splats;
+    return has_few_steps || fraction >= tunables->all_rows_from || is_nearly_exact || has_low_splats ? 1 : 2;
 }
 
 /* Whether the file may leave the background to the mean of its splats.  In the blend normalized splats cover the image,

@@ -2,10 +2,10 @@
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
     /* steps, passes, finest, surplus, lambda_scale, rounds, starts */
-    {60, 0, 1, 1.12, 1.0, 0, 1},      {100, 2, 0, 1.08, 0.5, 0, 1},    {180, 3, 0, 1.08, 0.5, 0, 1},
-    {320, 4, 0, 1.08, 0.5, 24, 1},    {530, 5, 0, 1.08, 0.5, 24, 1},   {850, 6, 0, 1.08, 0.5, 24, 2},
-    {1400, 8, 0, 1.08, 0.5, 24, 4},   {2400, 10, 0, 1.08, 0.5, 24, 7}, {4200, 14, 0, 1.08, 0.5, 24, 12},
-    {7200, 20, 0, 1.08, 0.5, 24, 20},
+    {60, 0, 1, 1.12, 1.0, 0, 1},      {100, 2, 0, 1.08, 0.5, 0, 1},   {230, 3, 0, 1.08, 0.5, 0, 1},
+    {430, 3, 0, 1.08, 0.5, 24, 1},    {720, 4, 0, 1.08, 0.5, 24, 1},  {1150, 4, 0, 1.08, 0.5, 24, 2},
+    {1900, 5, 0, 1.08, 0.5, 24, 4},   {3200, 6, 0, 1.08, 0.5, 24, 7}, {5600, 9, 0, 1.08, 0.5, 24, 12},
+    {9600, 12, 0, 1.08, 0.5, 24, 20},
 };
 
 const gscl_effort_preset gscl_probe_preset = {.steps = 180, .passes = 2, .surplus = 1.08, .lambda_scale = 0.5};
@@ -37,6 +37,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
 
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,
+    .min_sampled_steps = 200,
     .all_rows_from = 0.92,
     .all_rows_below = 2.5e-4,
     .max_low_splats = 0.15,
@@ -81,7 +82,8 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .min_textured_share = 0.01,
 
     .budget_aim = 0.99,
-    .full_share = 0.985,
+    .full_share = 0.996,
+    .full_share_of_drafts = 0.985,
     .densify_below = 0.97,
     .densify_steps_divisor = 12,
     .max_densify_steps = 80,
@@ -90,7 +92,8 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .lambda_gain = 2.0,
     .final_lambda_gain = 4.0,
     .excess_exponent = 1.5,
-    .rollback_factor = 0.7,
+    .final_aim = 0.998,
+    .refund_gain = 12.0,
     .slack_factor = 0.5,
     .max_final_passes = 12,
     .max_slack_passes = 4,
