@@ -9,6 +9,7 @@
 
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
+#include "cli/memory.h"
 #include "cli/message.h"
 #include "cli/options.h"
 #include "commands/command.h"
@@ -135,5 +136,6 @@ static int run_command(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     interrupt_install();
+    memory_return_freed();
     return finish_stdout(run_command(argc - 1, argv + 1));
 }

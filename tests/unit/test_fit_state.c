@@ -78,6 +78,33 @@ static void test_levels_are_clamped(void **unused) {
     gscl_fit_free(&fit);
 }
 
+/* A step after the release of scratch memory is the step without it, at all levels. */
+static void test_released_scratch_comes_back(void **unused) {
+    (void)unused;
+    float params[2][SPLATS * GSCL_PARAMS];
+    static float half[2][66 * 35], error[2][66 * 35];
+    for (int released = 0; released < 2; released++) {
+        gscl_fit fit = fit_of_a_ramp();
+        append_splats(&fit);
+        for (int step = 0; step < 4; step++) {
+            fit.has_old_lists = true;
+            assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
+            if (released)
+                gscl_fit_release_scratch(&fit);
+            if (step == 0)
+                assert_true((fit.pyramid.levels[1].memory == NULL) == (released == 1));
+            assert_int_equal(gscl_fit_set_level(&fit, step), GSCL_OK);
+        }
+        assert_int_equal(gscl_fit_target_samples(&fit, 0, 66 * 35, half[released]), GSCL_OK);
+        assert_int_equal(gscl_fit_error(&fit, error[released]), GSCL_OK);
+        assert_int_equal(gscl_fit_read(&fit, params[released]), GSCL_OK);
+        gscl_fit_free(&fit);
+    }
+    assert_memory_equal(params[0], params[1], sizeof params[0]);
+    assert_memory_equal(half[0], half[1], sizeof half[0]);
+    assert_memory_equal(error[0], error[1], sizeof error[0]);
+}
+
 /* Splats are moved and removed together with their moments and ages. */
 static void test_reordering_keeps_the_optimiser(void **unused) {
     (void)unused;
@@ -274,6 +301,7 @@ int main(void) {
         cmocka_unit_test(test_levels_end_at_the_smallest_side),
         cmocka_unit_test(test_levels_are_means_of_pixels),
         cmocka_unit_test(test_levels_are_clamped),
+        cmocka_unit_test(test_released_scratch_comes_back),
         cmocka_unit_test(test_reordering_keeps_the_optimiser),
         cmocka_unit_test(test_fixed_splats_stay),
         cmocka_unit_test(test_new_splats_end_skipping),

@@ -301,7 +301,7 @@ static void test_reused_buffers_change_nothing(void **state) {
         open_scene(&reused, contexts[m], GSF_BLEND_NORMALIZED, false, true, TRANSLUCENT);
         for (int pass = 0; pass < 8; pass++) /* enough to fill all groups, were they not emptied */
             check_call(&reused, gscl_scalar_rdo_pass(&reused.rdo, &reused.fit, &reused.coded, &settings));
-        const cl_mem rendering = reused.rdo.rendering.memory, codes = reused.rdo.device_codes.memory;
+        const cl_mem weights = reused.rdo.weights.memory, codes = reused.rdo.device_codes.memory;
         const gscl_scalar_rdo rdo = reused.rdo;
         reused.rdo = (gscl_scalar_rdo){0};
         close_scene(&reused);
@@ -314,7 +314,7 @@ static void test_reused_buffers_change_nothing(void **state) {
             check_call(&fresh, gscl_scalar_rdo_pass(&fresh.rdo, &fresh.fit, &fresh.coded, &settings));
             gscl_scalar_rdo_free(&fresh.rdo, fresh.context);
         }
-        assert_ptr_equal(reused.rdo.rendering.memory, rendering);
+        assert_ptr_equal(reused.rdo.weights.memory, weights);
         assert_ptr_equal(reused.rdo.device_codes.memory, codes);
         check_same_files(&reused, &fresh);
         close_scene(&reused);

@@ -226,11 +226,15 @@ gscl_result gscl_renderer_end_lengths(gscl_renderer *r, double growth, gscl_list
     return set_row_capacity(r, gscl_lists_capacity((size_t)expected));
 }
 
+gscl_result gscl_renderer_reserve_image(gscl_renderer *r) {
+    const size_t floats = (size_t)gscl_renderer_plane(r) * (size_t)r->channels;
+    return gscl_buffer_reserve_image(r->context, &r->image, floats * sizeof(float));
+}
+
 gscl_result gscl_renderer_draw(gscl_renderer *r) {
     cl_kernel kernel;
     const gscl_image_shape shape = gscl_renderer_shape(r);
-    size_t floats = (size_t)gscl_renderer_plane(r) * (size_t)r->channels;
-    GSCL_TRY(gscl_buffer_reserve_image(r->context, &r->image, floats * sizeof(float)));
+    GSCL_TRY(gscl_renderer_reserve_image(r));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_forward", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),

@@ -70,7 +70,9 @@ gscl_result gscl_renderer_end_lengths(gscl_renderer *renderer, double growth, gs
 /* Whether lists of this capacity have room for the entries that are needed and for some more, and such a capacity. */
 bool gscl_lists_have_room(size_t needed, size_t capacity);
 size_t gscl_lists_capacity(size_t needed);
-/* Draws the binned splats into renderer->image: planes of width * height floats. */
+/* Makes room for renderer->image: planes of width * height floats. */
+gscl_result gscl_renderer_reserve_image(gscl_renderer *renderer);
+/* Draws the binned splats into it. */
 gscl_result gscl_renderer_draw(gscl_renderer *renderer);
 /* Projects, bins and draws. */
 gscl_result gscl_renderer_render(gscl_renderer *renderer);

@@ -83,6 +83,14 @@ gscl_result gscl_fit_set_flat_background(gscl_fit *f, const gscl_flat_background
     return gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background);
 }
 
+void gscl_fit_release_scratch(gscl_fit *f) {
+    gscl_buffer_free(&f->gradient_slots);
+    gscl_buffer_free(&f->links);
+    gscl_buffer_free(&f->error);
+    gscl_pyramid_release_smaller(&f->pyramid, f->level);
+    f->has_old_lists = true; /* filling them makes the slots and links again */
+}
+
 uint32_t gscl_fit_level_width(const gscl_fit *f) {
     return gscl_pyramid_width(&f->pyramid, f->level);
 }
@@ -112,6 +120,7 @@ gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
         f->level_target = NULL;
     }
     f->level = level;
+    GSCL_TRY(gscl_pyramid_restore(&f->pyramid, level));
     GSCL_TRY(gscl_renderer_set_view(&f->renderer, f->level, 0, 0, gscl_fit_level_width(f), gscl_fit_level_height(f)));
     size_t tiles = gscl_renderer_tiles(&f->renderer);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->tile_loss, tiles * sizeof(float)));

@@ -84,6 +84,9 @@ gscl_result gscl_fit_set_level(gscl_fit *fit, int level);
 gscl_result gscl_fit_set_rows(gscl_fit *fit, int step);
 /* Draws the rows after the present ones, in turn, from the next projection of the splats on, which need new lists. */
 void gscl_fit_next_rows(gscl_fit *fit);
+/* Releases what steps and errors need and make again: gradient slots, links and a plane of errors; and the smaller
+ * levels, which gscl_fit_set_level makes again.  In passes over a large picture these would take a fifth of the memory. */
+void gscl_fit_release_scratch(gscl_fit *fit);
 /* Size of the current level in pixels. */
 uint32_t gscl_fit_level_width(const gscl_fit *fit);
 uint32_t gscl_fit_level_height(const gscl_fit *fit);

@@ -33,13 +33,12 @@ gscl_result gscl_pyramid_halve(const gscl_pyramid *p, int level, size_t channel,
                        GSCL_ARG_BUFFER(*to), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
 }
 
-/* Makes the next smaller level, whose buffer has room for `planes` planes. */
-static gscl_result pyramid_add_level(gscl_pyramid *p, size_t planes) {
-    int level = p->last_level++;
-    GSCL_TRY(gscl_buffer_reserve_image(p->context, &p->levels[level + 1],
-                                       gscl_pyramid_pixels(p, level + 1) * planes * sizeof(float)));
+/* Makes a level from the next larger one. */
+static gscl_result pyramid_make_level(gscl_pyramid *p, int level) {
+    GSCL_TRY(gscl_buffer_reserve_image(p->context, &p->levels[level],
+                                       gscl_pyramid_pixels(p, level) * p->planes * sizeof(float)));
     for (size_t k = 0; k < (size_t)p->channels; k++)
-        GSCL_TRY(gscl_pyramid_halve(p, level, k, &p->levels[level], &p->levels[level + 1]));
+        GSCL_TRY(gscl_pyramid_halve(p, level - 1, k, &p->levels[level - 1], &p->levels[level]));
     return GSCL_OK;
 }
 
@@ -50,13 +49,14 @@ gscl_result gscl_pyramid_create(gscl_pyramid *p, gscl_context *context, uint32_t
     p->height = height;
     p->first_level = p->last_level = first_level;
     p->channels = channels;
-    size_t count = (size_t)channels + (size_t)weighted, plane = gscl_pyramid_pixels(p, first_level) * sizeof(float);
+    p->planes = (size_t)channels + (size_t)weighted;
+    size_t plane = gscl_pyramid_pixels(p, first_level) * sizeof(float);
     gscl_buffer *first = &p->levels[first_level];
-    GSCL_TRY(gscl_buffer_reserve_image(context, first, plane * count));
+    GSCL_TRY(gscl_buffer_reserve_image(context, first, plane * p->planes));
     GSCL_TRY(gscl_buffer_write(context, first, 0, planes, plane * (size_t)channels));
     uint32_t shorter = width < height ? width : height, min_side = (uint32_t)gscl_fit_tunables.min_level_side;
     while (p->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, p->last_level + 1) >= min_side)
-        GSCL_TRY(pyramid_add_level(p, count));
+        GSCL_TRY(pyramid_make_level(p, ++p->last_level));
     return GSCL_OK;
 }
 
@@ -66,6 +66,22 @@ gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *p) {
         GSCL_TRY(
             gscl_buffer_zero(p->context, &p->levels[level], (size_t)p->channels * plane, GSCL_WEIGHTED_LUMA * plane));
     }
+    return GSCL_OK;
+}
+
+void gscl_pyramid_release_smaller(gscl_pyramid *p, int level) {
+    if (p->planes > (size_t)p->channels)
+        return;
+    for (int i = level + 1; i <= p->last_level; i++)
+        gscl_buffer_free(&p->levels[i]);
+}
+
+gscl_result gscl_pyramid_restore(gscl_pyramid *p, int level) {
+    int larger = level;
+    while (!p->levels[larger].memory) /* the first level is never released */
+        larger--;
+    while (larger < level)
+        GSCL_TRY(pyramid_make_level(p, ++larger));
     return GSCL_OK;
 }
 

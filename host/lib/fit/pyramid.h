@@ -11,6 +11,7 @@ typedef struct gscl_pyramid {
     uint32_t width, height;      /* of the full-size image */
     int first_level, last_level; /* levels that exist, from the largest to the smallest image */
     int channels;
+    size_t planes;                       /* that each level has room for */
     gscl_buffer levels[GSCL_MAX_LEVELS]; /* planes of each level, then a plane of weights where weights are built */
 } gscl_pyramid;
 
@@ -19,9 +20,13 @@ typedef struct gscl_pyramid {
  * `pyramid` must be zeroed. */
 gscl_result gscl_pyramid_create(gscl_pyramid *pyramid, gscl_context *context, uint32_t width, uint32_t height,
                                 int first_level, int channels, int weighted, const float *planes);
-/* Accepts a zeroed pyramid. */
 /* Sets the planes of weights to 0. */
 gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *pyramid);
+/* Releases the levels smaller than this one, unless they have weights. */
+void gscl_pyramid_release_smaller(gscl_pyramid *pyramid, int level);
+/* Makes a level again if it was released, and those between it and the larger ones that are left. */
+gscl_result gscl_pyramid_restore(gscl_pyramid *pyramid, int level);
+/* Accepts a zeroed pyramid. */
 void gscl_pyramid_free(gscl_pyramid *pyramid);
 
 /* Size of a level in pixels. */

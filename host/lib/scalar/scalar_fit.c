@@ -215,6 +215,7 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
     options.texture = s->coded->file.header.has_texture;
     gscl_renderer_set_options(&s->fit.renderer, &options);
     gscl_stage(s->encoder->context, GSCL_STAGE_REFIT);
+    gscl_scalar_rdo_release_plane(&s->rdo);
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_scalar_set_quantiser(s));
     GSCL_TRY(gscl_density_grow(&s->fit, new_splats, &s->random));

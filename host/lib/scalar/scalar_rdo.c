@@ -22,8 +22,7 @@ typedef struct rdo_pass {
 
 /* The device may still copy from and to the arrays, after an error. */
 void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo, gscl_context *context) {
-    gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_tasks, &rdo->rendering,
-                              &rdo->weights};
+    gscl_buffer *buffers[] = {&rdo->device_codes, &rdo->device_tables, &rdo->device_tasks, &rdo->weights};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(context, rdo->codes);
@@ -31,6 +30,10 @@ void gscl_scalar_rdo_free(gscl_scalar_rdo *rdo, gscl_context *context) {
     free(rdo->params);
     gscl_rdo_groups_free(&rdo->groups, context);
     *rdo = (gscl_scalar_rdo){0};
+}
+
+void gscl_scalar_rdo_release_plane(gscl_scalar_rdo *rdo) {
+    gscl_buffer_free(&rdo->weights);
 }
 
 static gscl_result reserve_splats(gscl_scalar_rdo *rdo, gscl_context *context, size_t count) {
@@ -73,19 +76,20 @@ static gscl_result rdo_draw(rdo_pass *p) {
     const gscl_image_shape shape = gscl_renderer_shape(r);
     const size_t plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
     cl_kernel kernel;
+    gscl_fit_release_scratch(p->fit);
     GSCL_TRY(gscl_renderer_set_steps(r, NULL));
     GSCL_TRY(gscl_fit_replace(p->fit, rdo->params, p->count));
     GSCL_TRY(gscl_renderer_bin(r, false));
     GSCL_TRY(gscl_renderer_begin_lengths(r));
-    GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->rendering, plane * (size_t)r->channels));
+    GSCL_TRY(gscl_renderer_reserve_image(r));
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->weights, plane));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_begin", &kernel));
     GSCL_TRY(GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                          GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
-                         GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(rdo->rendering), GSCL_ARG_BUFFER(rdo->weights),
+                         GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->weights),
                          GSCL_ARG(shape)));
-    GSCL_TRY(gscl_fit_renew_model_at(p->fit, &rdo->rendering, gscl_scalar_tunables.curvature_of_passes));
-    return gscl_fit_begin_distortion(p->fit, &rdo->rendering);
+    GSCL_TRY(gscl_fit_renew_model_at(p->fit, &r->image, gscl_scalar_tunables.curvature_of_passes));
+    return gscl_fit_begin_distortion(p->fit, &r->image);
 }
 
 /* Visits all splats of a group at once: none touches another's pixels. */
@@ -98,8 +102,8 @@ static gscl_result rdo_visit_group(rdo_pass *p, int group) {
     shared.start = (cl_int)start;
     return GSCL_LAUNCH(r->context, p->visit, count, gscl_rdo_group_size(r->context), GSCL_ARG(shared),
                        GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
-                       GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(rdo->rendering),
-                       GSCL_ARG_BUFFER(rdo->weights), GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(p->fit->distortion));
+                       GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->weights),
+                       GSCL_ARG_BUFFER(*target), GSCL_ARG_BUFFER(p->fit->distortion));
 }
 
 /* Takes the codes that were read, without the splats that were dropped. */

@@ -15,7 +15,7 @@ typedef struct gscl_scalar_rdo {
     gscl_rdo_tables *tables;
     gscl_rdo_groups groups;
     gscl_buffer device_codes, device_tables, device_tasks;
-    gscl_buffer rendering, weights; /* planes of the rendering, and its sums of weights */
+    gscl_buffer weights; /* sums of weights of the rendering, which is the renderer's image */
 } gscl_scalar_rdo;
 
 /* Accepts a zeroed object. */
@@ -32,6 +32,9 @@ typedef struct gscl_scalar_rdo_settings {
      * is seen as a grating that is not in the image. */
     double min_explained;
 } gscl_scalar_rdo_settings;
+
+/* Releases the plane of the passes, which the next one makes again. */
+void gscl_scalar_rdo_release_plane(gscl_scalar_rdo *rdo);
 
 /* The settings of encodes at this lambda_scale: splats may be dropped, artefacts have their price. */
 gscl_scalar_rdo_settings gscl_scalar_rdo_default_settings(double lambda_scale);
