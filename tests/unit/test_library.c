@@ -511,14 +511,14 @@ static void test_background_of_drawings(void **state) {
 
 /* ---- Textures ---- */
 
-/* A wave of 3 pixels in a round window, which a few splats without texture cannot represent. */
+/* A wave of 3 pixels in a round window of 20 stripes, more than the splats of a small file can represent one by one. */
 static gscl_image striped_image(void) {
-    gscl_image image = synthetic_image(SYNTHETIC_FLAT, 96, 64, 1, GSCL_SAMPLE_U8);
+    gscl_image image = synthetic_image(SYNTHETIC_FLAT, 128, 96, 1, GSCL_SAMPLE_U8);
     uint8_t *pixels = image.pixels;
-    for (int y = 0; y < 64; y++) {
-        for (int x = 0; x < 96; x++) {
-            const double window = exp(-((x - 48.0) * (x - 48.0) + (y - 32.0) * (y - 32.0)) / 600.0);
-            pixels[96 * y + x] = (uint8_t)(128.0 + 100.0 * window * cos(1.9 * x + 1.0 * y));
+    for (int y = 0; y < 96; y++) {
+        for (int x = 0; x < 128; x++) {
+            const double window = exp(-((x - 64.0) * (x - 64.0) + (y - 48.0) * (y - 48.0)) / 1200.0);
+            pixels[128 * y + x] = (uint8_t)(128.0 + 100.0 * window * cos(1.9 * x + 1.0 * y));
         }
     }
     return image;
