@@ -12,11 +12,6 @@ static bool has_slack(const gscl_scalar_state *s, double share) {
     return (double)s->size < share * (double)s->bytes;
 }
 
-/* The share of the budget above which a file is full.  A fit without passes of its own is not worth many of them here. */
-static double full_share(const gscl_scalar_state *s) {
-    return s->passes > 0 ? tunables->full_share : tunables->full_share_of_drafts;
-}
-
 /* Lowers the price so far that a pass is expected to use the bytes that are left. */
 static void lower_price(gscl_scalar_state *s) {
     const double aim = (double)s->bytes * tunables->final_aim;
@@ -27,7 +22,7 @@ static void lower_price(gscl_scalar_state *s) {
 /* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as the fit stands it. */
 static gscl_result use_slack(gscl_scalar_state *s) {
     bool may_add = true;
-    for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, full_share(s)); pass++) {
+    for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, s->full_share); pass++) {
         s->keep_all = true; /* new splats would be the first to be dropped */
         if (may_add && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
             s->lambda_scale = fmin(s->lambda_scale, 1);
@@ -88,7 +83,7 @@ static gscl_result search_price(price_search *p, gscl_scalar_state *s) {
         GSCL_TRY(gscl_kept_codes_keep(&p->above, s, NAN));
     for (int pass = 0; pass < tunables->max_final_passes && !is_done; pass++) {
         GSCL_TRY(try_price(p, s));
-        is_done = s->size <= s->bytes && !has_slack(s, full_share(s));
+        is_done = s->size <= s->bytes && !has_slack(s, s->full_share);
         if (!is_done && p->high > 0)
             GSCL_TRY(gscl_kept_codes_restore(&p->above, s));
     }

@@ -1,14 +1,19 @@
 #include "scalar/tunables.h"
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
-    /* steps, passes, finest, surplus, lambda_scale, rounds, starts */
-    {60, 0, 1, 1.12, 1.0, 0, 1},      {100, 2, 0, 1.08, 0.5, 0, 1},   {230, 3, 0, 1.08, 0.5, 0, 1},
-    {430, 3, 0, 1.08, 0.5, 24, 1},    {720, 4, 0, 1.08, 0.5, 24, 1},  {1150, 4, 0, 1.08, 0.5, 24, 2},
-    {1900, 5, 0, 1.08, 0.5, 24, 4},   {3200, 6, 0, 1.08, 0.5, 24, 7}, {5600, 9, 0, 1.08, 0.5, 24, 12},
-    {9600, 12, 0, 1.08, 0.5, 24, 20},
+    /* steps, passes, finest, surplus, lambda_scale, full_share, rounds, starts */
+    {60, 0, 1, 1.12, 1.0, 0.985, 0, 1},     {100, 2, 0, 1.08, 0.5, 0.996, 0, 1},
+    {230, 3, 0, 1.08, 0.5, 0.996, 0, 1},    {430, 3, 0, 1.08, 0.5, 0.996, 24, 1},
+    {720, 4, 0, 1.08, 0.5, 0.996, 24, 1},   {1150, 4, 0, 1.08, 0.5, 0.996, 24, 2},
+    {1900, 5, 0, 1.08, 0.5, 0.996, 24, 4},  {3200, 6, 0, 1.08, 0.5, 0.996, 24, 7},
+    {5600, 9, 0, 1.08, 0.5, 0.996, 24, 12}, {9600, 12, 0, 1.08, 0.5, 0.996, 24, 20},
 };
 
-const gscl_effort_preset gscl_probe_preset = {.steps = 180, .passes = 2, .surplus = 1.08, .lambda_scale = 0.5};
+const gscl_effort_preset gscl_probe_preset = {.steps = 180,
+                                              .passes = 2,
+                                              .surplus = 1.08,
+                                              .lambda_scale = 0.5,
+                                              .full_share = 0.985};
 
 const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .start_share = 0.3,
@@ -82,8 +87,6 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .min_textured_share = 0.01,
 
     .budget_aim = 0.99,
-    .full_share = 0.996,
-    .full_share_of_drafts = 0.985,
     .densify_below = 0.97,
     .densify_steps_divisor = 12,
     .max_densify_steps = 80,
