@@ -12,9 +12,14 @@ static bool has_slack(const gscl_scalar_state *s, double share) {
     return (double)s->size < share * (double)s->bytes;
 }
 
+/* Bytes, in the middle of the sizes of a full file. */
+static double aimed_size(const gscl_scalar_state *s) {
+    return (1 + s->full_share) / 2 * (double)s->bytes;
+}
+
 /* Lowers the price so far that a pass is expected to use the bytes that are left. */
 static void lower_price(gscl_scalar_state *s) {
-    const double aim = (double)s->bytes * tunables->final_aim;
+    const double aim = aimed_size(s);
     const double factor = fmax(pow((double)s->size / aim, tunables->refund_gain), tunables->slack_factor);
     s->lambda_scale = fmax(s->lambda_scale * factor, tunables->min_lambda_scale);
 }
@@ -66,11 +71,11 @@ static double next_price(const price_search *p, double aim) {
 
 static gscl_result try_price(price_search *p, gscl_scalar_state *s) {
     const size_t before = s->size;
-    const double lambda_scale = s->lambda_scale, aim = (double)s->bytes * tunables->final_aim;
+    const double lambda_scale = s->lambda_scale, aim = aimed_size(s);
     GSCL_TRY(gscl_scalar_pass(s, false));
     GSCL_TRY(note_size(p, s, lambda_scale));
     if (p->high == 0) {
-        gscl_scalar_update_lambda(s, before, aim, tunables->final_lambda_gain);
+        gscl_scalar_update_lambda(s, before, aim, s->final_gain);
         return GSCL_OK;
     }
     s->lambda_scale = next_price(p, aim);

@@ -107,6 +107,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .max_splats = bytes ? e->max_splats : GSCL_MAX_SPLATS,
                              .passes = plan->preset->passes,
                              .full_share = plan->preset->full_share,
+                             .final_gain = plan->preset->final_gain,
                              .finest = pixels > gscl_scalar_tunables.small_image_pixels ? plan->preset->finest : 0,
                              /* In blend alpha a splat changes all others under it, which the passes do not follow. */
                              .has_choice = e->settings.blend != GSCL_BLEND_ALPHA,

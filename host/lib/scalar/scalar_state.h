@@ -34,6 +34,7 @@ typedef struct gscl_scalar_state {
     int steps;              /* of the fit */
     int passes;             /* rate-distortion passes, besides the first and those that meet the budget */
     double full_share;      /* share of the budget above which the file is full */
+    double final_gain;      /* of the price by the excess over the budget, in the last passes */
     int finest;             /* level of the pyramid that is fitted last, counted from the source's */
     int rounds;             /* of the search of a small file; 0: none */
     int start_index;        /* of the starts of a search */

@@ -1,19 +1,16 @@
 #include "scalar/tunables.h"
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
-    /* steps, passes, finest, surplus, lambda_scale, full_share, rounds, starts */
-    {60, 0, 1, 1.12, 1.0, 0.985, 0, 1},     {100, 2, 0, 1.08, 0.5, 0.996, 0, 1},
-    {230, 3, 0, 1.08, 0.5, 0.996, 0, 1},    {430, 3, 0, 1.08, 0.5, 0.996, 24, 1},
-    {720, 4, 0, 1.08, 0.5, 0.996, 24, 1},   {1150, 4, 0, 1.08, 0.5, 0.996, 24, 2},
-    {1900, 5, 0, 1.08, 0.5, 0.996, 24, 4},  {3200, 6, 0, 1.08, 0.5, 0.996, 24, 7},
-    {5600, 9, 0, 1.08, 0.5, 0.996, 24, 12}, {9600, 12, 0, 1.08, 0.5, 0.996, 24, 20},
+    /* steps, passes, finest, surplus, lambda_scale, full_share, final_gain, rounds, starts */
+    {60, 0, 1, 1.12, 1.0, 0.985, 4, 0, 1},     {100, 2, 0, 1.08, 0.5, 0.996, 4, 0, 1},
+    {230, 3, 0, 1.08, 0.5, 0.996, 4, 0, 1},    {430, 3, 0, 1.08, 0.5, 0.996, 4, 24, 1},
+    {720, 4, 0, 1.08, 0.5, 0.996, 4, 24, 1},   {1150, 4, 0, 1.08, 0.5, 0.996, 4, 24, 2},
+    {1900, 5, 0, 1.08, 0.5, 0.996, 4, 24, 4},  {3200, 6, 0, 1.08, 0.5, 0.996, 4, 24, 7},
+    {5600, 9, 0, 1.08, 0.5, 0.996, 4, 24, 12}, {9600, 12, 0, 1.08, 0.5, 0.996, 4, 24, 20},
 };
 
-const gscl_effort_preset gscl_probe_preset = {.steps = 180,
-                                              .passes = 2,
-                                              .surplus = 1.08,
-                                              .lambda_scale = 0.5,
-                                              .full_share = 0.985};
+const gscl_effort_preset gscl_probe_preset =
+    {.steps = 180, .passes = 2, .surplus = 1.08, .lambda_scale = 0.5, .full_share = 0.96, .final_gain = 8};
 
 const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .start_share = 0.3,
@@ -93,9 +90,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .max_densifications = 4,
     .max_densify_growth = 2.0,
     .lambda_gain = 2.0,
-    .final_lambda_gain = 4.0,
     .excess_exponent = 1.5,
-    .final_aim = 0.998,
     .refund_gain = 12.0,
     .slack_factor = 0.5,
     .max_final_passes = 12,
