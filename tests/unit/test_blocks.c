@@ -237,9 +237,10 @@ static void test_targets_of_bare_files(void **state) {
     assert_true(f.size <= 100 && f.size >= 92 && report.bytes == f.size);
     gscl_free(f.bytes);
     settings.target = GSCL_TARGET_PSNR;
-    settings.target_value = 33; /* some 340 bytes; below 100 bytes each splat changes the PSNR by half a decibel or more */
+    settings.target_value = 23;
     f = encode(&settings, &report);
-    if (report.psnr < 33 || report.psnr > 33.3 || report.bytes != f.size)
+    /* No upper limit: one splat changes the PSNR of these shapes by a decibel. */
+    if (report.psnr < 23 || report.bytes != f.size)
         fail_msg("%g dB, %zu bytes, %llu in the report", report.psnr, f.size, (unsigned long long)report.bytes);
     gscl_free(f.bytes);
 }

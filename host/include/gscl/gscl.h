@@ -303,7 +303,7 @@ typedef enum gscl_target {
                               not used */
     GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, never exceeded */
     GSCL_TARGET_BYTES = 2, /* bytes of the whole file, never exceeded */
-    GSCL_TARGET_PSNR = 3,  /* dB, exceeded by at most 0.3 */
+    GSCL_TARGET_PSNR = 3,  /* dB, exceeded by at most 0.3; by more where a single splat changes it by more */
     GSCL_TARGET_SPLATS = 4 /* number of splats, 0..GSCL_MAX_SPLATS */
 } gscl_target;
 

@@ -78,12 +78,18 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->passes_end = t->search_passes_share;
 }
 
+/* The share of an effort's steps and passes that an image of this size has. */
+static double share_of_size(const gscl_scalar_state *s) {
+    const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
+    const double size = fmax(s->source_pixels / t->large_image_pixels, 1);
+    return fmax(pow(size, -t->large_image_exponent), t->least_share);
+}
+
 /* Steps of the fit: more where splats are far apart, fewer of large images. */
 static int choose_steps(const gscl_scalar_state *s, const gscl_scalar_plan *plan, double spacing) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
     const double steps = s->rounds > 0 ? t->search_first_steps : plan->preset->steps;
-    const double size = fmax(s->source_pixels / t->large_image_pixels, 1);
-    return (int)(steps * (1 + t->wide_steps * spacing) * fmax(pow(size, -t->large_image_exponent), t->least_steps));
+    return (int)(steps * (1 + t->wide_steps * spacing) * share_of_size(s));
 }
 
 /* The number of splats before and after densification, and the steps of the fit. */
@@ -92,6 +98,7 @@ static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const double spacing = fmin(fmax(gscl_scalar_relative_spacing(s) - 1, 0), 1);
     s->surplus = s->has_choice ? plan->preset->surplus + t->wide_surplus * spacing : 1.0;
     s->steps = choose_steps(s, plan, spacing);
+    s->passes = (int)lround(plan->preset->passes * share_of_size(s));
     const size_t own = s->target - (s->fixed_count < s->target ? s->fixed_count : s->target);
     s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }
@@ -105,7 +112,6 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .source_pixels = pixels,
                              .bytes = bytes,
                              .max_splats = bytes ? e->max_splats : GSCL_MAX_SPLATS,
-                             .passes = plan->preset->passes,
                              .full_share = plan->preset->full_share,
                              .final_gain = plan->preset->final_gain,
                              .finest = pixels > gscl_scalar_tunables.small_image_pixels ? plan->preset->finest : 0,

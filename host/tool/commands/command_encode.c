@@ -138,7 +138,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "DB",
          .min_real = 1.0,
          .max_real = 100.0,
-         .help = "PSNR to reach in dB, exceeded by at most 0.3"},
+         .help = "PSNR to reach in dB, exceeded by at most 0.3, or by what the last splat brings"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
