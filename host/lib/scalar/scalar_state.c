@@ -98,7 +98,7 @@ static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const double spacing = fmin(fmax(gscl_scalar_relative_spacing(s) - 1, 0), 1);
     s->surplus = s->has_choice ? plan->preset->surplus + t->wide_surplus * spacing : 1.0;
     s->steps = choose_steps(s, plan, spacing);
-    s->passes = (int)lround(plan->preset->passes * share_of_size(s));
+    s->passes = (int)ceil(plan->preset->passes * share_of_size(s));
     const size_t own = s->target - (s->fixed_count < s->target ? s->fixed_count : s->target);
     s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }

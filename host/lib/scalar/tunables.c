@@ -4,7 +4,7 @@ const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
     /* steps, passes, finest, surplus, lambda_scale, full_share, final_gain, rounds, starts */
     {60, 0, 1, 1.12, 1.0, 0.985, 4, 0, 1},     {100, 2, 0, 1.08, 0.5, 0.996, 4, 0, 1},
     {230, 3, 0, 1.08, 0.5, 0.996, 4, 0, 1},    {430, 3, 0, 1.08, 0.5, 0.996, 4, 24, 1},
-    {720, 4, 0, 1.08, 0.5, 0.996, 4, 24, 1},   {1150, 4, 0, 1.08, 0.5, 0.996, 4, 24, 2},
+    {720, 4, 0, 1.08, 0.5, 0.996, 4, 24, 1},   {1250, 4, 0, 1.08, 0.5, 0.996, 4, 24, 2},
     {1900, 5, 0, 1.08, 0.5, 0.996, 4, 24, 4},  {3200, 6, 0, 1.08, 0.5, 0.996, 4, 24, 7},
     {5600, 9, 0, 1.08, 0.5, 0.996, 4, 24, 12}, {9600, 12, 0, 1.08, 0.5, 0.996, 4, 24, 20},
 };
@@ -19,7 +19,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .wide_surplus = 0.2,
     .wide_steps = 0.6,
     .large_image_pixels = 4e6,
-    .large_image_exponent = 0.25,
+    .large_image_exponent = 0.29,
     .least_share = 0.6,
     .densify_rounds = 12,
     .densify_until = 0.6,
