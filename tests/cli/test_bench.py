@@ -49,11 +49,11 @@ class Bench(ToolTest):
                 self.assertGreaterEqual(kernel["build_seconds"], 0, kernel)
 
     def test_encodes_hardly_wait_for_the_device(self):
-        """At most 60 times an encode, and 18 times more for each of the four fits of a search for effects."""
+        """At most 60 times an encode, and 32 times more for each of the two fits of the search for effects."""
         for run in self.measured()["codec"]:
             waits = {stage["name"]: stage["waits"] for stage in run["stages"]}
             self.assertEqual(run["waits"], sum(waits.values()), run)
-            self.assertLessEqual(waits.pop("effect search", 0), 4 * 18, run)
+            self.assertLessEqual(waits.pop("effect search", 0), 2 * 32, run)
             self.assertTrue(0 < sum(waits.values()) <= (60 if run["operation"] == "encode" else 2), run)
             self.assertGreater(run["launches"], run["waits"])
 
