@@ -12,34 +12,35 @@
 #include "session/encode_trace.h"
 
 /* The stages of the default profile. */
-static gscl_result run_stages(gscl_scalar_state *s) {
+static gscl_result run_stages(gscl_scalar_state *s, gscl_search_pool *pool) {
     GSCL_TRY(gscl_scalar_fit(s));
     gscl_stage(s->encoder->context, GSCL_STAGE_QUANTISE);
     GSCL_TRY(gscl_scalar_quantise(s));
     if (s->has_choice) {
         GSCL_TRY(gscl_scalar_choose_codes(s));
         GSCL_TRY(gscl_scalar_meet_budget(s));
-        GSCL_TRY(gscl_scalar_search(s));
+        GSCL_TRY(gscl_scalar_search(s, pool));
     }
     return gscl_scalar_trim(s);
 }
 
-/* Keeps the result of a start where it is better than those before, by the pixels of the source. */
-static gscl_result keep_start(gscl_scalar_state *s, gscl_kept_codes *best) {
+/* Keeps the result of a search where it is better than those before, by the pixels of the source. */
+static gscl_result keep_result(gscl_scalar_state *s, gscl_kept_codes *best) {
     double error;
     GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
     GSCL_TRY(gscl_scalar_measure(s, &error));
-    const bool better = s->start_index == 0 || error < best->error;
+    const bool better = best->count == 0 || error < best->error;
     return better ? gscl_kept_codes_keep(best, s, error) : GSCL_OK;
 }
 
-/* Encodes the layer from several starts, of which lower efforts make the first ones alone. */
+/* Encodes the layer.  A small file is searched from several starts, of which lower efforts make the first ones alone, with
+ * the same results. */
 static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_plan *plan,
-                              gscl_kept_codes *best) {
+                              gscl_search_pool *pool, gscl_kept_codes *best) {
     const gsf_header header = plan->coded->file.header;
     const double from = e->progress.from, to = e->progress.to;
     gscl_scalar_begin(s, e, plan, 0);
-    const int starts = s->rounds > 0 ? plan->preset->starts : 1;
+    const int starts = s->starts;
     for (int start = 0; start < starts; start++) {
         if (start > 0) {
             e->trace = NULL; /* the points show one fit */
@@ -49,9 +50,9 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
         }
         gscl_progress_stage(&e->progress, from + (to - from) * start / starts,
                             from + (to - from) * (start + 1) / starts);
-        GSCL_TRY(run_stages(s));
-        if (starts > 1)
-            GSCL_TRY(keep_start(s, best));
+        GSCL_TRY(run_stages(s, pool));
+        if (starts > 1 && s->ends_search)
+            GSCL_TRY(keep_result(s, best));
     }
     if (starts > 1)
         GSCL_TRY(gscl_kept_codes_restore(best, s));
@@ -62,12 +63,14 @@ static gscl_result run_starts(gscl_scalar_state *s, gscl_encoder *e, const gscl_
 
 static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
     gscl_scalar_state state;
+    gscl_search_pool pool = {0};
     gscl_kept_codes best = {0};
     gscl_encode_trace *trace = e->trace;
-    gscl_result result = run_starts(&state, e, plan, &best);
+    gscl_result result = run_starts(&state, e, plan, &pool, &best);
     e->trace = trace;
     if (result == GSCL_OK)
         result = gscl_trace_coded_image(e, &state.fit, state.coded, state.steps);
+    gscl_search_pool_free(&pool);
     gscl_kept_codes_free(&best);
     gscl_scalar_end(&state);
     return result;

@@ -14,6 +14,7 @@
  *   search.h: stage "search", of small files
  *   search_plan.h: its levels and rounds
  *   search_state.h: what its two parts share
+ *   search_pool.h: the results that a search combines
  *   kept_codes.h: copies of codes
  *   probe_fit.c: short fits by which effects are decided
  *   tunables.h: effort presets, and the numbers that were found by trying */

@@ -229,15 +229,25 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
     return gscl_scalar_quantise(s);
 }
 
-gscl_result gscl_scalar_measure(gscl_scalar_state *s, double *error) {
+/* Projects the coded splats as they are: they are quantised already. */
+static gscl_result project_codes(gscl_scalar_state *s) {
     gscl_kernel_options options = s->fit.renderer.options;
-    *error = INFINITY;
-    if (s->coded->file.header.splat_count == 0)
-        return GSCL_OK;
     options.texture = s->coded->file.header.has_texture;
     gscl_renderer_set_options(&s->fit.renderer, &options);
     GSCL_TRY(gscl_scalar_load(s));
-    GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL)); /* the splats are quantised already */
-    GSCL_TRY(gscl_renderer_project(&s->fit.renderer));
+    GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL));
+    return gscl_renderer_project(&s->fit.renderer);
+}
+
+gscl_result gscl_scalar_measure(gscl_scalar_state *s, double *error) {
+    *error = INFINITY;
+    if (s->coded->file.header.splat_count == 0)
+        return GSCL_OK;
+    GSCL_TRY(project_codes(s));
     return gscl_fit_rendering_error(&s->fit, error);
+}
+
+gscl_result gscl_scalar_measure_pixels(gscl_scalar_state *s, float *error) {
+    GSCL_TRY(project_codes(s));
+    return gscl_fit_error(&s->fit, error);
 }

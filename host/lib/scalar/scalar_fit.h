@@ -10,5 +10,7 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *state);
 gscl_result gscl_scalar_refit(gscl_scalar_state *state, size_t new_splats, int steps);
 /* Squared error of the coded image, added over the current level; INFINITY without splats. */
 gscl_result gscl_scalar_measure(gscl_scalar_state *state, double *error);
+/* The same of each pixel of the current level, of a coded image that has splats. */
+gscl_result gscl_scalar_measure_pixels(gscl_scalar_state *state, float *error);
 
 #endif

@@ -51,7 +51,7 @@ int gscl_scalar_weighting(const gscl_scalar_state *s) {
 /* Small files are searched.  Layers of a progressive file are not, because the splats before them do not change. */
 static bool is_searched(const gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     return s->has_choice && s->bytes > 0 && s->bytes < (size_t)gscl_scalar_tunables.max_search_bytes &&
-           plan->preset->rounds > 0 && plan->coded->file.header.enhancement_layers == 0 &&
+           plan->preset->searches > 0 && plan->coded->file.header.enhancement_layers == 0 &&
            s->encoder->settings.loss == GSCL_LOSS_L2 && gscl_scalar_weighting(s) != GSCL_WEIGHTED_LUMA;
 }
 
@@ -69,7 +69,11 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     if (!is_searched(s, plan))
         return;
     s->finest = gscl_search_level(s->source_pixels, s->target);
-    s->rounds = gscl_search_rounds(s->source_pixels, s->finest, plan->preset->rounds);
+    s->is_searched = true;
+    s->starts = plan->preset->searches * t->search_starts;
+    s->ends_search = (s->start_index + 1) % t->search_starts == 0;
+    s->rounds = gscl_search_rounds(s->source_pixels, s->finest, t->search_rounds);
+    s->combinations = gscl_search_rounds(s->source_pixels, s->finest, t->search_combinations);
     s->passes = t->search_first_passes;
     s->waves_at_end = s->textures && gscl_effect_is_on(&s->encoder->effects, GSCL_EFFECT_TEXTURE,
                                                        s->bytes >= (size_t)t->search_wave_bytes);
@@ -88,7 +92,7 @@ static double share_of_size(const gscl_scalar_state *s) {
 /* Steps of the fit: more where splats are far apart, fewer of large images. */
 static int choose_steps(const gscl_scalar_state *s, const gscl_scalar_plan *plan, double spacing) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
-    const double steps = s->rounds > 0 ? t->search_first_steps : plan->preset->steps;
+    const double steps = s->is_searched ? t->search_first_steps : plan->preset->steps;
     return (int)(steps * (1 + t->wide_steps * spacing) * share_of_size(s));
 }
 
@@ -121,6 +125,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .fixed_count = plan->fixed_count,
                              .layer = plan->layer,
                              .coded = plan->coded,
+                             .starts = 1,
                              .start_index = start_index,
                              .random = e->settings.seed + (uint64_t)start_index,
                              .textures = plan->layer == plan->coded->file.header.enhancement_layers && /* the last */
@@ -133,7 +138,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
     choose_quantiser_steps(s, plan->all);
     s->target = choose_target(s, plan->target);
     choose_search(s, plan);
-    s->is_last_fit = plan->is_last && s->rounds == 0; /* a search may fit again */
+    s->is_last_fit = plan->is_last && !s->is_searched; /* a search may fit again */
     choose_counts(s, plan);
 }
 

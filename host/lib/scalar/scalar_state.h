@@ -36,8 +36,12 @@ typedef struct gscl_scalar_state {
     double full_share;      /* share of the budget above which the file is full */
     double final_gain;      /* of the price by the excess over the budget, in the last passes */
     int finest;             /* level of the pyramid that is fitted last, counted from the source's */
-    int rounds;             /* of the search of a small file; 0: none */
-    int start_index;        /* of the starts of a search */
+    bool is_searched;       /* the file is small */
+    int starts;             /* of all its searches */
+    int start_index;        /* of this state among them */
+    bool ends_search;       /* this start is the last of a search */
+    int rounds;             /* of each start */
+    int combinations;       /* rounds after the last start of a search */
     bool waves_at_end;      /* the search tries textures in its last part */
     double fit_end;         /* share of the time, at which the fit ends */
     double passes_end;      /* the same of the passes; the search follows */

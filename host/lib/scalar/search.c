@@ -34,14 +34,28 @@ static double missing_splats(const gscl_search *q) {
     return tunables->search_added * q->best.count + 8 * bytes / tunables->expected_bits_per_splat;
 }
 
-/* Another image: some splats of the best one are replaced, and all are fitted. */
-static gscl_result make_candidate(gscl_search *q) {
+static bool has_valid_count(const gscl_scalar_state *s) {
+    const uint32_t splats = s->coded->file.header.splat_count;
+    return splats > 0 && splats <= s->max_splats;
+}
+
+/* Another image: a part of the best one comes from another result of the pool (with `combines`, where one promises a
+ * gain), or some of its splats are removed; others are added, and all are fitted. */
+static gscl_result make_candidate(gscl_search *q, bool combines) {
     gscl_scalar_state *s = q->s;
+    bool is_combined = false;
     GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
-    const size_t removed = random_count(s, tunables->search_removed * q->best.count);
-    size_t added = removed + random_count(s, missing_splats(q));
+    if (combines)
+        GSCL_TRY(gscl_search_pool_combine(q->pool, s, &is_combined));
+    if (is_combined && !has_valid_count(s)) {
+        GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
+        is_combined = false;
+    }
+    const size_t removed = is_combined ? 0 : random_count(s, tunables->search_removed * q->best.count);
+    size_t added = random_count(s, missing_splats(q));
     remove_splats(s, removed);
     const size_t left = s->coded->file.header.splat_count;
+    added += q->best.count > left ? q->best.count - left : 0;
     if (left + added > s->max_splats)
         added = s->max_splats > left ? s->max_splats - left : 0;
     GSCL_TRY(gscl_scalar_refit(s, added, tunables->search_steps));
@@ -60,8 +74,11 @@ static gscl_result choose_candidate_codes(gscl_search *q, double *error) {
     return gscl_scalar_measure(s, error);
 }
 
-static double cost(const gscl_search *q, double error, size_t size) {
-    return error + q->lambda * 8 * (double)size;
+/* The error that an image is expected to have at the size of the budget.  Far from it, the last codes gain less by the
+ * bit than they do in the mean. */
+static double scaled_error(const gscl_search *q, double error, size_t size) {
+    const double excess = log((double)size / (double)q->s->bytes);
+    return error * exp(tunables->search_size_slope * excess + tunables->search_size_curvature * excess * excess);
 }
 
 /* The price of all later rounds follows the size, too: the candidates have the size of the budget in the mean.  Below
@@ -72,12 +89,12 @@ static void update_price(gscl_search *q) {
     q->lambda = fmax(q->lambda, tunables->min_lambda_scale * q->best.error / (2 * 8 * bytes));
 }
 
-static gscl_result search_round(gscl_search *q) {
+static gscl_result search_round(gscl_search *q, bool combines) {
     gscl_scalar_state *s = q->s;
     double error;
-    GSCL_TRY(make_candidate(q));
+    GSCL_TRY(make_candidate(q, combines));
     GSCL_TRY(choose_candidate_codes(q, &error));
-    if (cost(q, error, s->size) < cost(q, q->best.error, q->best.size)) {
+    if (scaled_error(q, error, s->size) < scaled_error(q, q->best.error, q->best.size)) {
         GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
         GSCL_TRY(gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps));
     }
@@ -88,7 +105,8 @@ static gscl_result search_round(gscl_search *q) {
 static gscl_result report_round(const gscl_search *q, int round) {
     const gscl_scalar_state *s = q->s;
     gscl_progress_state *progress = &s->encoder->progress;
-    const double share = (round + 1.0) / (s->rounds + 1.0); /* the last part takes the time of some rounds */
+    const int rounds = s->rounds + (s->ends_search ? s->combinations + 1 : 0); /* the end takes the time of some */
+    const double share = (round + 1.0) / rounds;
     progress->splats = q->best.count;
     gscl_log(s->encoder->context, GSCL_LOG_DEBUG, "%.2f s, round %d: %u splats, %zu bytes; best %u splats, %zu bytes",
              gscl_now() - progress->start_s, round + 1, s->coded->file.header.splat_count, s->size, q->best.count,
@@ -96,71 +114,67 @@ static gscl_result report_round(const gscl_search *q, int round) {
     return gscl_progress_report(s->encoder->context, progress, s->passes_end + (1 - s->passes_end) * share);
 }
 
-/* Whether the search of this effort or a lower one ends after so many rounds of this start. */
-static bool ends_an_effort(const gscl_scalar_state *s, int rounds) {
-    if (s->start_index > 0)
-        return rounds == s->rounds;
-    for (int effort = 0; effort <= GSCL_MAX_EFFORT; effort++)
-        if (rounds == gscl_search_rounds(s->source_pixels, s->finest, gscl_effort_presets[effort].rounds))
-            return true;
-    return false;
+/* The best image of the pool becomes the one that is changed. */
+static gscl_result take_best_of_pool(gscl_search *q) {
+    const gscl_search_pool *pool = q->pool;
+    const gscl_kept_codes *best = &pool->members[0].codes;
+    for (size_t i = 1; i < pool->count; i++) {
+        const gscl_kept_codes *codes = &pool->members[i].codes;
+        if (scaled_error(q, codes->error, codes->size) < scaled_error(q, best->error, best->size))
+            best = codes;
+    }
+    GSCL_TRY(gscl_kept_codes_restore(best, q->s));
+    return gscl_kept_codes_keep(&q->best, q->s, best->error);
 }
 
-/* Keeps q->best as a result of the search where it is better than those before, by the pixels of the source. */
-static gscl_result keep_result(gscl_search *q) {
-    gscl_scalar_state *s = q->s;
-    GSCL_TRY(gscl_search_set_level(q, 0));
-    const bool fits = q->best.count > 0 && q->best.size <= s->bytes;
-    const bool is_worse = q->ended.size <= s->bytes && q->best.error >= q->ended.error;
-    if (q->ended.count > 0 && (!fits || is_worse))
-        return GSCL_OK;
-    GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
-    return gscl_kept_codes_keep(&q->ended, s, q->best.error);
+static gscl_result add_best_to_pool(gscl_search *q) {
+    GSCL_TRY(gscl_kept_codes_restore(&q->best, q->s));
+    return gscl_search_pool_add(q->pool, q->s, q->best.error);
 }
 
-/* The last part of an effort's search.  A higher effort ends all lower ones, too, and keeps the best result, so that it
- * is never worse. */
-static gscl_result end_effort(gscl_search *q) {
-    gscl_scalar_state *s = q->s;
-    const double lambda = q->lambda;
-    GSCL_TRY(gscl_kept_codes_restore(&q->best, s));
-    GSCL_TRY(gscl_kept_codes_keep(&q->resumed, s, q->best.error));
-    GSCL_TRY(gscl_search_to_budget(q, &q->best));
-    GSCL_TRY(gscl_search_meet_budget(q));
-    GSCL_TRY(keep_result(q));
-    q->lambda = lambda;
-    q->within.count = 0;
-    q->elongation_is_free = false;
-    s->textures = false;
-    GSCL_TRY(gscl_kept_codes_restore(&q->resumed, s));
-    GSCL_TRY(gscl_kept_codes_keep(&q->best, s, q->resumed.error));
-    return gscl_fit_set_level(&s->fit, s->source->first_level + s->finest);
-}
-
-static gscl_result run_search(gscl_search *q) {
+/* The rounds of one start, whose result the pool keeps. */
+static gscl_result explore(gscl_search *q) {
     gscl_scalar_state *s = q->s;
     double error;
-    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level + s->finest));
     GSCL_TRY(gscl_scalar_measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
     q->lambda = tunables->search_first_price * error / (2 * 8 * (double)s->bytes);
     for (int round = 0; round < s->rounds; round++) {
-        GSCL_TRY(search_round(q));
-        if (ends_an_effort(s, round + 1))
-            GSCL_TRY(end_effort(q));
+        GSCL_TRY(search_round(q, false));
         GSCL_TRY(report_round(q, round));
     }
-    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
-    return gscl_kept_codes_restore(&q->ended, s);
+    return add_best_to_pool(q);
 }
 
-gscl_result gscl_scalar_search(gscl_scalar_state *s) {
-    gscl_search q = {.s = s};
-    if (s->rounds == 0 || s->coded->file.header.splat_count == 0)
+/* The rounds after the last start of a search: every second one combines. */
+static gscl_result combine(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    GSCL_TRY(take_best_of_pool(q));
+    for (int round = 0; round < s->combinations; round++) {
+        GSCL_TRY(search_round(q, round % 2 == 0));
+        GSCL_TRY(report_round(q, s->rounds + round));
+    }
+    GSCL_TRY(add_best_to_pool(q));
+    GSCL_TRY(gscl_search_to_budget(q, &q->best));
+    return gscl_search_meet_budget(q);
+}
+
+static gscl_result run_search(gscl_search *q) {
+    gscl_scalar_state *s = q->s;
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level + s->finest));
+    GSCL_TRY(explore(q));
+    if (s->ends_search)
+        GSCL_TRY(combine(q));
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
+    return gscl_kept_codes_restore(&q->best, s);
+}
+
+gscl_result gscl_scalar_search(gscl_scalar_state *s, gscl_search_pool *pool) {
+    gscl_search q = {.s = s, .pool = pool};
+    if (!s->is_searched || s->coded->file.header.splat_count == 0)
         return GSCL_OK;
     const gscl_result result = run_search(&q);
-    gscl_kept_codes *const kept[] = {&q.best, &q.resumed, &q.ended, &q.within};
-    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; i++)
-        gscl_kept_codes_free(kept[i]);
+    gscl_kept_codes_free(&q.best);
+    gscl_kept_codes_free(&q.within);
     return result;
 }

@@ -4,12 +4,12 @@
 
 #include "scalar/kept_codes.h"
 #include "scalar/scalar_state.h"
+#include "scalar/search_pool.h"
 
 typedef struct gscl_search {
     gscl_scalar_state *s;
-    gscl_kept_codes best;    /* of the lowest cost so far; the next candidates are made of it */
-    gscl_kept_codes resumed; /* q->best at the end of a lower effort, from which the next one goes on */
-    gscl_kept_codes ended;   /* of the lowest error at the source's level, over the ends of all efforts so far */
+    gscl_search_pool *pool;
+    gscl_kept_codes best;    /* of the lowest scaled error so far; the next candidates are made of it */
     gscl_kept_codes within;  /* of the lowest error within the budget so far; its count is 0 while there is none */
     double lambda;           /* price of a bit, as squared error added over the current level */
     bool elongation_is_free; /* no price for artefacts of shape: where it leaves no use for the last bytes */

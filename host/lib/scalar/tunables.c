@@ -1,12 +1,11 @@
 #include "scalar/tunables.h"
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
-    /* steps, passes, finest, surplus, lambda_scale, full_share, final_gain, rounds, starts */
-    {60, 0, 1, 1.12, 1.0, 0.985, 4, 0, 1},     {100, 2, 0, 1.08, 0.5, 0.996, 4, 0, 1},
-    {230, 3, 0, 1.08, 0.5, 0.996, 4, 0, 1},    {430, 3, 0, 1.08, 0.5, 0.996, 4, 24, 1},
-    {720, 4, 0, 1.08, 0.5, 0.996, 4, 24, 1},   {1250, 4, 0, 1.08, 0.5, 0.996, 4, 24, 2},
-    {1900, 5, 0, 1.08, 0.5, 0.996, 4, 24, 4},  {3200, 6, 0, 1.08, 0.5, 0.996, 4, 24, 7},
-    {5600, 9, 0, 1.08, 0.5, 0.996, 4, 24, 12}, {9600, 12, 0, 1.08, 0.5, 0.996, 4, 24, 20},
+    /* steps, passes, finest, surplus, lambda_scale, full_share, final_gain, searches */
+    {60, 0, 1, 1.12, 1.0, 0.985, 4, 0},     {100, 2, 0, 1.08, 0.5, 0.996, 4, 0},  {230, 3, 0, 1.08, 0.5, 0.996, 4, 0},
+    {430, 3, 0, 1.08, 0.5, 0.996, 4, 1},    {720, 4, 0, 1.08, 0.5, 0.996, 4, 1},  {1250, 4, 0, 1.08, 0.5, 0.996, 4, 2},
+    {1900, 5, 0, 1.08, 0.5, 0.996, 4, 4},   {3200, 6, 0, 1.08, 0.5, 0.996, 4, 7}, {5600, 9, 0, 1.08, 0.5, 0.996, 4, 12},
+    {9600, 12, 0, 1.08, 0.5, 0.996, 4, 20},
 };
 
 const gscl_effort_preset gscl_probe_preset =
@@ -57,6 +56,12 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_first_passes = 6,
     .search_pixels = 24000,
     .search_distance = 16.0,
+    .search_starts = 2,
+    .search_rounds = 8,
+    .search_combinations = 20,
+    .search_taken_weight = 0.5,
+    .search_size_slope = 0.48,
+    .search_size_curvature = 5.0,
     .search_removed = 0.02,
     .search_added = 0.03,
     .search_steps = 200,

@@ -15,9 +15,7 @@ typedef struct gscl_effort_preset {
                             0.996 takes 1.3 times the time of those without */
     double final_gain; /* of the price by the excess over the budget in the last passes (gscl_scalar_update_lambda):
                             8 and 14 cost 0.03 and 0.05 dB at 0.183 bits a pixel and take as long */
-    int rounds;        /* of the search, of small files */
-    int starts;        /* of which the best search is kept: on six pictures at 150 bytes, 360 rounds of one start gain
-                            0.04 dB over 40 */
+    int searches;      /* of a small file */
 } gscl_effort_preset;
 
 extern const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1];
@@ -82,12 +80,19 @@ struct gscl_scalar_tunables {
     double fit_share;             /* share of the time, for the progress report */
 
     /* The search of small files.  Tried on eight pictures of the Kodak set at 60 to 500 bytes; dB are their means. */
-    int max_search_bytes;      /* bytes of the first file that is not searched: at 700 the search earns 0.08 dB for 1.3
-                                  times the time, and the tune psnr passes visual in SSIMULACRA 2 on small images */
-    int search_first_steps;    /* of the fit before the search, in all efforts */
-    int search_first_passes;   /* passes before the search, in all efforts */
-    double search_pixels;      /* of the level of the search, at least; with 6000 two pictures lost 0.14 dB */
-    double search_distance;    /* pixels of that level from splat to splat, at least; with 10 500 bytes lose 0.03 dB */
+    int max_search_bytes;    /* bytes of the first file that is not searched: at 700 the search earns 0.08 dB for 1.3
+                                times the time, and the tune psnr passes visual in SSIMULACRA 2 on small images */
+    int search_first_steps;  /* of the fit before the search, in all efforts */
+    int search_first_passes; /* passes before the search, in all efforts */
+    double search_pixels;    /* of the level of the search, at least; with 6000 two pictures lost 0.14 dB */
+    double search_distance;  /* pixels of that level from splat to splat, at least; with 10 500 bytes lose 0.03 dB */
+    int search_starts;       /* of a search, whose results are combined; 3 with 6 rounds each are 0.02 dB worse */
+    int search_rounds;       /* of each start */
+    int search_combinations; /* rounds after the last start of a search, of which every second one combines; none that
+                                combines costs 0.04 dB at 100 bytes, all of them 0.045 */
+    double search_taken_weight;   /* of the gain of a part, each time that it has been taken */
+    double search_size_slope;     /* of the logarithm of the error, by that of the size */
+    double search_size_curvature; /* the same, by its square; 0 keeps images that are far too small */
     double search_removed;     /* share of the splats that a round removes; 0 to 0.05 are as good, 0.08 costs 0.05 dB */
     double search_added;       /* share of the splats that it adds besides; 0.03 to 0.05 are as good */
     int search_steps;          /* of the fit in a round; 120 in more rounds are as good, 60 cost 0.05 dB */
