@@ -19,6 +19,7 @@
 
 PURE size_t get_global_id(uint dimension);
 PURE size_t get_local_id(uint dimension);
+PURE size_t get_local_size(uint dimension);
 PURE size_t get_group_id(uint dimension);
 BUILTIN __attribute__((convergent)) void barrier(uint fences);
 

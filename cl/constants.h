@@ -150,9 +150,9 @@
 #define GSCL_BENCHMARK_CHAINS 10   /* independent chains: more than latency times units of a processor */
 #define GSCL_BENCHMARK_LENGTH 4096 /* multiply-adds of each chain */
 
-/* Taps of the Gaussian window of SSIM along each axis (cl/ssim.cl). */
-#define GSCL_SUM_ITEMS 64 /* work-items of a group of cl/sums.cl: a power of 2 */
+#define GSCL_SUM_ITEMS 64 /* work-items of a group of cl/sums.cl, most of one of cl/group_sum.cl: a power of 2 */
 
+/* Taps of the Gaussian window of SSIM along each axis (cl/ssim.cl). */
 #define GSCL_SSIM_WINDOW 11
 /* Zeros around the planes of cl/ssim.cl, on each side: room for a window and a pixel vector. */
 #define GSCL_SSIM_MARGIN 16

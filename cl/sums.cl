@@ -1,5 +1,5 @@
 /* Sums over an image, of work-groups of GSCL_SUM_ITEMS work-items, and what a fit takes from them.  All are trees in an order
- * that does not depend on the device, so that the same input always gives the same sum. */
+ * that does not depend on the device (group_sum.cl), so that the same input always gives the same sum. */
 
 /* A sum that keeps what rounding lost (Kahan): of each work-item, which adds up many numbers of a large image. */
 typedef struct {
@@ -11,18 +11,6 @@ inline long_sum long_sum_add(long_sum s, float number) {
     s.lost = (t - s.sum) - y;
     s.sum = t;
     return s;
-}
-
-/* The sum of the numbers of all work-items of the group. */
-inline float group_sum(float number, __local float *sums) {
-    int item = (int)get_local_id(0);
-    sums[item] = number;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int distance = GSCL_SUM_ITEMS / 2; distance > 0; distance /= 2) {
-        if (item < distance) sums[item] += sums[item + distance];
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    return sums[0];
 }
 
 /* Squared error of the pixels of each work-group, `share` neighbours; the last group may have fewer. */

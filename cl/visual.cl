@@ -19,7 +19,8 @@
  * 1 / |e|, and of the error.  It holds for changes that are the same over a window or finer; for others it is too large.
  *
  * Padded planes here have rows of `stride` floats, GSCL_SSIM_MARGIN zeros on each side, as in ssim.cl; plain ones have
- * none.  Kernels whose name ends in _row take a row of the image as one work-item, the others LANES pixels. */
+ * none.  Kernels whose name ends in _row take a row of the image as a work-group, of one work-item on CPUs; a work-item of
+ * the others takes LANES pixels. */
 #define TAPS 9
 #define MARGIN GSCL_SSIM_MARGIN
 #define HALF_WINDOW (TAPS / 2)
@@ -200,11 +201,11 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
                                __global const float *restrict rendering, __global const float *restrict target,
                                gscl_visual_scale s, __global float *restrict moments,
                                __global float *restrict row_sums) {
-    int y = (int)get_global_id(0);
-    if (y >= s.height) return;
+    __local float shared[GSCL_VISUAL_SUMS * GSCL_SUM_ITEMS];
+    const int y = (int)get_group_id(0), step = (int)get_local_size(0) * LANES;
     pix sums[GSCL_VISUAL_SUMS];
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) sums[j] = (pix)(0.0f);
-    for (int x = 0; x < s.width; x += LANES) {
+    for (int x = (int)get_local_id(0) * LANES; x < s.width; x += step) {
         size_t at = padded_at(s, x, y), to = plain_at(s, x, y);
         for (int j = 0; j < 3; j++)
             pix_store_clipped(column_sum(rows + j * padded_plane(s), at, s.stride), moments + j * plain_plane(s) + to,
@@ -223,22 +224,30 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
         pix error = select(zero, t.y - t.x, inside), square = error * error;
         sums[GSCL_VISUAL_PEAKS] = fma(square * square, square, sums[GSCL_VISUAL_PEAKS]);
     }
-    for (int j = 0; j < GSCL_VISUAL_SUMS; j++) row_sums[y * GSCL_VISUAL_SUMS + j] = pix_sum(sums[j]);
+    float totals[GSCL_VISUAL_SUMS];
+    for (int j = 0; j < GSCL_VISUAL_SUMS; j++) totals[j] = pix_sum(sums[j]);
+    group_sums(totals, GSCL_VISUAL_SUMS, shared);
+    for (int j = (int)get_local_id(0); j < GSCL_VISUAL_SUMS; j += (int)get_local_size(0))
+        row_sums[y * GSCL_VISUAL_SUMS + j] = totals[j];
 }
 
 /* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3, by an error shares[PEAKS] times
- * its 5th power.  Also adds the loss of the scale to *loss.  One work-item. */
+ * its 5th power.  Also adds the loss of the scale to *loss.  One work-group, of GSCL_SUM_ITEMS work-items. */
 __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s, gscl_visual_weights weights,
                             float unit, __global float *restrict shares, __global float *restrict loss) {
+    __local float shared[GSCL_VISUAL_SUMS * GSCL_SUM_ITEMS];
     /* Copied, because Mesa's compiler fails on a run-time index into a struct that was passed by value. */
     const float by_sum[GSCL_VISUAL_SUMS] = {weights.weight[0], weights.weight[1], weights.weight[2], weights.weight[3],
                                             weights.weight[4], weights.weight[5], weights.weight[6]};
-    float pixels = (float)s.width * (float)s.height, total = 0.0f;
+    float sums[GSCL_VISUAL_SUMS], pixels = (float)s.width * (float)s.height, total = 0.0f;
+    for (int j = 0; j < GSCL_VISUAL_SUMS; j++) sums[j] = 0.0f;
+    for (int y = (int)get_local_id(0); y < s.height; y += GSCL_SUM_ITEMS)
+        for (int j = 0; j < GSCL_VISUAL_SUMS; j++) sums[j] += row_sums[y * GSCL_VISUAL_SUMS + j];
+    group_sums(sums, GSCL_VISUAL_SUMS, shared);
+    if (get_local_id(0) > 0) return;
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) {
-        float sum = 0.0f;
-        for (int y = 0; y < s.height; y++) sum += row_sums[y * GSCL_VISUAL_SUMS + j];
         float power = j == GSCL_VISUAL_PEAKS ? 6.0f : j % 2 ? 4.0f : 1.0f;
-        float norm = exp2(log2(fmax(sum / pixels, 1e-30f)) / power), weight = by_sum[j];
+        float norm = exp2(log2(fmax(sums[j] / pixels, 1e-30f)) / power), weight = by_sum[j];
         total = fma(weight, norm, total);
         shares[j] = unit * weight / pixels * exp2((1.0f - power) * log2(norm));
     }

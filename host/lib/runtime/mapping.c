@@ -55,6 +55,10 @@ size_t gscl_rdo_group_size(const gscl_context *context) {
     return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_rdo_items : 1;
 }
 
+size_t gscl_row_group_size(const gscl_context *context) {
+    return context->gpu_mapping ? GSCL_SUM_ITEMS : 1;
+}
+
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {
     const int lanes = gscl_mapping_lanes(context);
     const size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;

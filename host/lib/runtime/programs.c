@@ -45,8 +45,8 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "slots.cl",
                                "fit.cl", "update.cl", "rdo_items.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
     [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
-    [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "visual.cl"},
-    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "sums.cl"},
+    [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
+    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "sums.cl"},
     [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
     [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "accuracy.cl"},
 };
