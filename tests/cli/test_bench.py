@@ -47,6 +47,7 @@ class Bench(ToolTest):
                 self.assertTrue(0 <= stage["kernel_seconds"] <= stage["seconds"], stage)
             for kernel in run["kernels"]:
                 self.assertGreaterEqual(kernel["build_seconds"], 0, kernel)
+                self.assertTrue(0 < kernel["fewest_items"] <= kernel["mean_items"], kernel)
 
     def test_encodes_hardly_wait_for_the_device(self):
         """At most 60 times an encode, and 32 times more for each of the two fits of the search for effects."""

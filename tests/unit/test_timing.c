@@ -22,14 +22,14 @@ static gscl_context *new_context(bool timing) {
     return context;
 }
 
-/* Encodes a gradient and decodes it again. */
-static void encode_and_decode(gscl_context *context) {
+/* Encodes a gradient of at most HEIGHT rows and decodes it again. */
+static void encode_and_decode_rows(gscl_context *context, uint32_t rows) {
     uint8_t pixels[WIDTH * HEIGHT], *bytes;
     size_t size;
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         pixels[i] = (uint8_t)(5 * (i % WIDTH) + i / WIDTH);
     const gscl_image image = {
-        .width = WIDTH, .height = HEIGHT, .channels = 1, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
+        .width = WIDTH, .height = rows, .channels = 1, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
     gscl_image decoded = {0};
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
@@ -38,6 +38,10 @@ static void encode_and_decode(gscl_context *context) {
     assert_int_equal(gscl_decode(context, bytes, size, NULL, &decoded), GSCL_OK);
     gscl_free(decoded.pixels);
     gscl_free(bytes);
+}
+
+static void encode_and_decode(gscl_context *context) {
+    encode_and_decode_rows(context, HEIGHT);
 }
 
 static const gscl_timing *find_timing(const gscl_context *context, const char *name, bool is_kernel) {
@@ -72,6 +76,25 @@ static void test_stages_and_kernels(void **state) {
     gscl_context_free(&context);
 }
 
+/* A decode launches raster_samples once, with work-items for all pixels. */
+static void test_work_items(void **state) {
+    (void)state;
+    gscl_context *context = new_context(true);
+    encode_and_decode(context);
+    for (const gscl_timing *row = gscl_context_timings(context); row; row = row->next)
+        assert_true((row->fewest_items > 0) == row->is_kernel && row->items >= row->count * row->fewest_items);
+    const uint64_t large = find_timing(context, "raster_samples", true)->items;
+    gscl_context_reset_timings(context);
+    encode_and_decode_rows(context, HEIGHT / 2);
+    const uint64_t small = find_timing(context, "raster_samples", true)->items;
+    encode_and_decode(context);
+    const gscl_timing *both = find_timing(context, "raster_samples", true);
+    assert_true(small < large);
+    assert_int_equal(both->fewest_items, small);
+    assert_int_equal(both->items, small + large);
+    gscl_context_free(&context);
+}
+
 /* Every kernel runs within a stage. */
 static void test_kernels_are_in_stages(void **state) {
     (void)state;
@@ -92,7 +115,8 @@ static void test_reset(void **state) {
     encode_and_decode(context);
     gscl_context_reset_timings(context);
     for (const gscl_timing *row = gscl_context_timings(context); row; row = row->next)
-        assert_true(row->count == 0 && row->seconds == 0 && row->kernel_seconds == 0 && row->waits == 0);
+        assert_true(row->count == 0 && row->seconds == 0 && row->kernel_seconds == 0 && row->waits == 0 &&
+                    row->items == 0 && row->fewest_items == 0);
     encode_and_decode(context);
     assert_int_equal(find_timing(context, "write", false)->count, 1);
     assert_true(find_timing(context, "fit, full size", false)->waits > 0);
@@ -131,6 +155,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_timings_without_the_setting),
         cmocka_unit_test(test_stages_and_kernels),
+        cmocka_unit_test(test_work_items),
         cmocka_unit_test(test_kernels_are_in_stages),
         cmocka_unit_test(test_reset),
         cmocka_unit_test(test_benchmark_refuses),

@@ -45,6 +45,8 @@ typedef struct gscl_timing {
                                        it, unless it came from a cache; resetting keeps it; of a stage: 0 */
     uint64_t waits; /* of a stage: calls in which the host waited for the device (blocking copies, clFinish), those at
                        the end of a stage included; of a kernel: 0 */
+    uint64_t items; /* of a kernel: work-items of all its launches; of a stage: 0 */
+    uint64_t fewest_items; /* of a kernel: work-items of its smallest launch; of a stage: 0 */
 } gscl_timing;
 
 /* Returns the first row of a list, first stages, then kernels in the order of their first launch.  NULL for a context that

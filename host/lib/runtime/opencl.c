@@ -264,7 +264,7 @@ gscl_result gscl_launch_(gscl_context *context, cl_kernel kernel, size_t groups,
     const double start_s = may_build ? gscl_now() : 0;
     if (may_build)
         gscl_report_build(context, true);
-    cl_event *event = gscl_timing_event(context, kernel); /* may wait */
+    cl_event *event = gscl_timing_event(context, kernel, global_size); /* may wait */
     error = gscl_queue_note_work(
         context, CL_FALSE,
         clEnqueueNDRangeKernel(context->queue, kernel, 1, NULL, &global_size, &group_size, 0, NULL, event));

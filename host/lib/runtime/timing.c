@@ -94,7 +94,13 @@ void gscl_timing_settle(gscl_context *context) {
         gscl_queue_finish(context);
 }
 
-cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
+static void timing_add_items(gscl_timing *row, uint64_t items) {
+    if (row->items == 0 || items < row->fewest_items)
+        row->fewest_items = items;
+    row->items += items;
+}
+
+cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel, size_t items) {
     struct gscl_timings *t = context->timings;
     if (!t)
         return NULL;
@@ -103,6 +109,7 @@ cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel) {
     gscl_timing *row = timing_row_of_kernel(t, kernel);
     if (!row)
         return NULL;
+    timing_add_items(row, items);
     t->pending[t->pending_count] = NULL;
     t->pending_rows[t->pending_count] = row;
     return &t->pending[t->pending_count++];

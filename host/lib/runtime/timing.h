@@ -13,8 +13,8 @@
 /* Waits for the device and adds up the times of its kernels, where they are measured (gscl_context.settle). */
 void gscl_timing_settle(gscl_context *context);
 
-/* Where to put the event of a kernel that is being launched; NULL when nothing is measured. */
-cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel);
+/* Where to put the event of a kernel that is being launched with `items` work-items; NULL when nothing is measured. */
+cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel, size_t items);
 
 /* Adds the time of a launch that may have built its kernel, where kernels are measured. */
 void gscl_timing_add_build(gscl_context *context, cl_kernel kernel, double seconds);

@@ -33,7 +33,8 @@ static void print_rows(const bench_codec *codec, bool kernels, unsigned runs, do
             printf("%10.3f ms outside kernels%6.0f waits", 1e3 * (seconds - row->kernel_seconds / runs),
                    (double)row->waits / runs);
         else
-            printf("%10.0f ms first launches", 1e3 * row->build_seconds);
+            printf("%10.0f ms first launches%10.0f work-items, at least%8.0f", 1e3 * row->build_seconds,
+                   (double)row->items / (double)row->count, (double)row->fewest_items);
         printf("\n");
     }
 }
@@ -58,6 +59,8 @@ static void write_rows(const bench_codec *codec, bool kernels, unsigned runs) {
         json_real(codec->json, "seconds", row->seconds / runs);
         if (kernels) {
             json_real(codec->json, "build_seconds", row->build_seconds);
+            json_real(codec->json, "mean_items", (double)row->items / (double)row->count);
+            json_integer(codec->json, "fewest_items", row->fewest_items);
         } else {
             json_real(codec->json, "kernel_seconds", row->kernel_seconds / runs);
             json_real(codec->json, "waits", (double)row->waits / runs);
@@ -99,6 +102,8 @@ static gscl_result bench_encode(const bench_codec *codec, double bpp, double *se
     gscl_encode_settings_default(&settings);
     settings.target = GSCL_TARGET_BPP;
     settings.target_value = bpp;
+    settings.effort = codec->effort;
+    settings.tune = codec->tune;
     for (unsigned i = 0; i <= codec->encodes; i++) {
         uint8_t *written;
         if (i <= 1)

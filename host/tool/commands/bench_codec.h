@@ -10,7 +10,9 @@ typedef struct bench_codec {
     gscl_context *context; /* with timing */
     const gscl_image *image;
     unsigned encodes, decodes; /* runs of each that are measured */
-    json_writer *json;         /* NULL: a table on standard output */
+    int effort;
+    gscl_tune tune;
+    json_writer *json; /* NULL: a table on standard output */
 } bench_codec;
 
 /* Measures all rates and reports each of them. */

@@ -20,7 +20,8 @@
 
 typedef struct bench_options {
     device_choice choice;
-    uint64_t repetitions, encodes;
+    uint64_t repetitions, encodes, effort;
+    int tune; /* gscl_tune */
     bool as_json;
     const char *image_name; /* NULL: the synthetic image */
 } bench_options;
@@ -136,6 +137,8 @@ static int bench_image(const bench_options *bench, const gscl_image *image, gscl
                                .image = image,
                                .encodes = (unsigned)bench->encodes,
                                .decodes = (unsigned)bench->repetitions,
+                               .effort = (int)bench->effort,
+                               .tune = (gscl_tune)bench->tune,
                                .json = output->as_json ? &output->json : NULL};
     const gscl_result result = bench_codec_run(&codec);
     return result == GSCL_OK ? EXIT_SUCCESS
@@ -189,6 +192,18 @@ static option_outcome parse_bench(bench_options *bench, int argc, char **argv) {
          .min_integer = 1,
          .max_integer = 100,
          .help = "measured runs of the encoder at each rate (default 3)"},
+        {.name = "effort",
+         .kind = OPTION_INTEGER,
+         .value = &bench->effort,
+         .argument = "N",
+         .max_integer = GSCL_MAX_EFFORT,
+         .help = "of the encoder (default 5)"},
+        {.name = "tune",
+         .kind = OPTION_WORD,
+         .value = &bench->tune,
+         .words = tune_words,
+         .argument = "T",
+         .help = "of the encoder (default psnr)"},
         DEVICE_OPTIONS(bench->choice),
         {.name = "json", .kind = OPTION_FLAG, .value = &bench->as_json, .help = "write JSON"},
     };
@@ -210,7 +225,7 @@ static option_outcome parse_bench(bench_options *bench, int argc, char **argv) {
 }
 
 int command_bench(int argc, char **argv) {
-    bench_options bench = {.choice.timing = true, .repetitions = 20, .encodes = 3};
+    bench_options bench = {.choice.timing = true, .repetitions = 20, .encodes = 3, .effort = GSCL_DEFAULT_EFFORT};
     const option_outcome outcome = parse_bench(&bench, argc, argv);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
