@@ -74,7 +74,6 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->ends_search = (s->start_index + 1) % t->search_starts == 0;
     s->rounds = gscl_search_rounds(s->source_pixels, s->finest, t->search_rounds);
     s->combinations = gscl_search_rounds(s->source_pixels, s->finest, t->search_combinations);
-    s->passes = t->search_first_passes;
     s->waves_at_end = s->textures && gscl_effect_is_on(&s->encoder->effects, GSCL_EFFECT_TEXTURE,
                                                        s->bytes >= (size_t)t->search_wave_bytes);
     s->textures = false;
@@ -102,7 +101,7 @@ static void choose_counts(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const double spacing = fmin(fmax(gscl_scalar_relative_spacing(s) - 1, 0), 1);
     s->surplus = s->has_choice ? plan->preset->surplus + t->wide_surplus * spacing : 1.0;
     s->steps = choose_steps(s, plan, spacing);
-    s->passes = (int)ceil(plan->preset->passes * share_of_size(s));
+    s->passes = (int)ceil((s->is_searched ? t->search_first_passes : plan->preset->passes) * share_of_size(s));
     const size_t own = s->target - (s->fixed_count < s->target ? s->fixed_count : s->target);
     s->start = s->fixed_count + (size_t)ceil((double)own * t->start_share);
 }
