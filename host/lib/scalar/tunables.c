@@ -2,7 +2,7 @@
 
 const gscl_effort_preset gscl_effort_presets[GSCL_MAX_EFFORT + 1] = {
     /* steps, passes, finest, surplus, lambda_scale, full_share, final_gain, searches */
-    {60, 0, 1, 1.12, 1.0, 0.985, 4, 0},     {100, 2, 0, 1.08, 0.5, 0.996, 4, 0},  {230, 3, 0, 1.08, 0.5, 0.996, 4, 0},
+    {60, 0, 1, 1.12, 1.0, 0.985, 4, 0},     {100, 2, 0, 1.08, 0.5, 0.996, 4, 0},  {200, 3, 0, 1.08, 0.5, 0.996, 4, 0},
     {430, 3, 0, 1.08, 0.5, 0.996, 4, 1},    {720, 4, 0, 1.08, 0.5, 0.996, 4, 1},  {1250, 4, 0, 1.08, 0.5, 0.996, 4, 2},
     {1900, 5, 0, 1.08, 0.5, 0.996, 4, 4},   {3200, 6, 0, 1.08, 0.5, 0.996, 4, 7}, {5600, 9, 0, 1.08, 0.5, 0.996, 4, 12},
     {9600, 12, 0, 1.08, 0.5, 0.996, 4, 20},
@@ -16,10 +16,10 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .expected_bits_per_splat = 32.0,
     .min_bits_per_splat = 26.0,
     .wide_surplus = 0.2,
-    .wide_steps = 0.6,
+    .wide_steps = 0.9,
     .large_image_pixels = 4e6,
-    .large_image_exponent = 0.29,
-    .least_share = 0.6,
+    .large_image_exponent = 0.41,
+    .least_share = 0.47,
     .densify_rounds = 12,
     .densify_until = 0.6,
     .measure_round = 8,
