@@ -1,12 +1,13 @@
 /* Binning: for every tile the ascending list of the splats whose outline touches it.
  *
- * Each row of tiles is filled by one work-group, which goes over the splats in their order, so the lists come out sorted
- * without atomics and the same input always gives the same lists.  Each row of tiles owns `row_capacity` entries.
- * Further entries are left out; the host reads their number from row_totals and grows the lists.
+ * A work-group goes over the splats in their order, so the lists come out sorted without atomics and the same input always
+ * gives the same lists.  Each row of tiles owns `row_capacity` entries.  Further entries are left out; the host reads their
+ * number from row_totals and grows the lists.
  *
- * Build option BIN_ITEMS, the work-items of a group.  1 on CPUs: the only one takes splat after splat and appends it to
- * the lists of its tiles.  On GPUs each takes one splat of a block to find its tiles, then one tile to append to it those
- * splats of the block that touch it. */
+ * Build options BAND_ITEMS and BIN_ITEMS, the work-items of a group that lists the splats of a band, and that fills lists.
+ * Both are 1 on CPUs: the only one takes splat after splat and appends it to the lists of a row of tiles.  On GPUs each
+ * tile has a group, whose work-items take a splat each: they count those that touch the tile, and in a second kernel,
+ * which begins behind the counts of the tiles to the left, scatter them to the places that a scan gives them. */
 
 /* Tiles of a row whose rows of pixels are found together. */
 #define BIN_LANES 4
@@ -136,11 +137,11 @@ __kernel void bin(__global const float *restrict projected, __global const float
 }
 #else
 /* Adds to each work-item's number those of the work-items before it, its own included. */
-inline int scan_items(int number, __local int *restrict sums) {
+inline int scan_items(int number, int items, __local int *restrict sums) {
     int item = (int)get_local_id(0);
     sums[item] = number;
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (int distance = 1; distance < BIN_ITEMS; distance *= 2) {
+    for (int distance = 1; distance < items; distance *= 2) {
         int other = item >= distance ? sums[item - distance] : 0;
         barrier(CLK_LOCAL_MEM_FENCE);
         sums[item] += other;
@@ -151,81 +152,81 @@ inline int scan_items(int number, __local int *restrict sums) {
 
 __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
                         __global int *restrict listed_counts) {
-    __local int sums[BIN_ITEMS];
+    __local int sums[BAND_ITEMS];
     int item = (int)get_local_id(0), band = (int)get_group_id(0), first = band * band_rows, n = 0;
     listed += (size_t)band * count;
-    for (int base = 0; base < count; base += BIN_ITEMS) {
+    for (int base = 0; base < count; base += BAND_ITEMS) {
         int i = base + item;
         bool touches = i < count && box_touches_rows(boxes[min(i, count - 1)], first, first + band_rows - 1);
-        int number = scan_items(touches, sums);
+        int number = scan_items(touches, BAND_ITEMS, sums);
         if (touches) listed[n + number - 1] = i;
-        n += sums[BIN_ITEMS - 1];
+        n += sums[BAND_ITEMS - 1];
         barrier(CLK_LOCAL_MEM_FENCE);
     }
     if (item == 0) listed_counts[band] = n;
 }
 
-/* A row of tiles, as its work-items fill it. */
-typedef struct {
-    __global const float *projected, *ellipse_bounds;
-    __global const int4 *boxes;
-    __global int2 *ranges; /* of its tiles: the first entry and, behind the entries so far, the next one */
-    int tiles_x, ty;
-    int end; /* of the entries of the row */
-} tile_row;
-
-/* Goes over the splats of a row, block by block.  `entries`: where they are entered; NULL: they are counted. */
-inline void row_pass(tile_row row, splat_source source, __global uint *entries, __local int *splats,
-                     __local int2 *block) {
-    int item = (int)get_local_id(0);
-    for (int start = 0; start < source.count; start += BIN_ITEMS) {
-        size_t own = (size_t)source.list[min(start + item, source.count - 1)];
-        splats[item] = (int)own;
-        block[item] = tiles_of_row(row.projected, row.ellipse_bounds, row.boxes, own, row.ty);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        int count = min(source.count - start, BIN_ITEMS);
-        for (int tx = item; tx < row.tiles_x; tx += BIN_ITEMS) {
-            int next = row.ranges[tx].y;
-            for (int k = 0; k < count; k++) {
-                int2 tiles = block[k];
-                if (tx < tiles.x || tx > tiles.y) continue;
-                size_t i = (size_t)splats[k];
-                int first[BIN_LANES] = {0}, last[BIN_LANES] = {0};
-                if (entries) /* else all are counted, which may be too many */
-                    rows_touched(row.projected + i * GSCL_PROJECTED, row.ellipse_bounds + i * GSCL_BOUNDS, tx, row.ty,
-                                 first, last);
-                if (first[0] > last[0] || (entries && next >= row.end)) continue;
-                if (entries) entries[next] = GSCL_ENTRY((uint)i, (uint)first[0], (uint)last[0]);
-                next++;
-            }
-            row.ranges[tx].y = next;
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
+/* Whether a splat touches tile `tx` of row `ty`, as far as its ends within the row say. */
+inline bool touches_tile(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                         __global const int4 *restrict boxes, size_t i, int tx, int ty) {
+    int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, i, ty);
+    return tx >= tiles.x && tx <= tiles.y;
 }
 
+/* Counts the splats of each tile.  One work-group per tile. */
+__kernel void bin_count(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                        __global const int4 *restrict boxes, __global const int *restrict listed,
+                        __global const int *restrict listed_counts, gscl_bin_settings t,
+                        __global int *restrict tile_counts) {
+    __local int sums[BIN_ITEMS];
+    const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x;
+    splat_source source = source_of_row(listed, listed_counts, t, ty);
+    int own = 0;
+    for (int j = (int)get_local_id(0); j < source.count; j += BIN_ITEMS)
+        own += touches_tile(projected, ellipse_bounds, boxes, (size_t)source.list[j], tx, ty) ? 1 : 0;
+    scan_items(own, BIN_ITEMS, sums);
+    if (get_local_id(0) == 0) tile_counts[tile] = sums[BIN_ITEMS - 1];
+}
+
+/* Makes the entry of splat `i` in the list of a tile; false where it touches none of its rows. */
+inline bool entry_of_tile(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                          __global const int4 *restrict boxes, size_t i, int tx, int ty, uint *restrict entry) {
+    int first[BIN_LANES], last[BIN_LANES]; /* of this tile and those to its right, which have groups of their own */
+    if (!touches_tile(projected, ellipse_bounds, boxes, i, tx, ty)) return false;
+    rows_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, tx, ty, first, last);
+    *entry = GSCL_ENTRY((uint)i, (uint)first[0], (uint)last[0]);
+    return first[0] <= last[0];
+}
+
+/* Fills the list of each tile behind those of the tiles to its left.  One work-group per tile; lists that would not fit
+ * are cut short. */
 __kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
                   __global const int4 *restrict boxes, __global const int *restrict listed,
-                  __global const int *restrict listed_counts, gscl_bin_settings t, __global uint *restrict entries,
+                  __global const int *restrict listed_counts, gscl_bin_settings t,
+                  __global const int *restrict tile_counts, __global uint *restrict entries,
                   __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
-    __local int sums[BIN_ITEMS], splats[BIN_ITEMS];
-    __local int2 block[BIN_ITEMS]; /* tiles of each splat of a block */
-    const int ty = (int)get_group_id(0), item = (int)get_local_id(0), base = ty * t.row_capacity;
-    tile_row row = {projected, ellipse_bounds,       boxes, tile_ranges + (size_t)ty * t.tiles_x, t.tiles_x,
-                    ty,        base + t.row_capacity};
+    __local int sums[BIN_ITEMS];
+    const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x, item = (int)get_local_id(0);
+    const int base = ty * t.row_capacity, end = base + t.row_capacity;
     splat_source source = source_of_row(listed, listed_counts, t, ty);
-    for (int tx = item; tx < t.tiles_x; tx += BIN_ITEMS) row.ranges[tx] = (int2)(0, 0);
-    row_pass(row, source, NULL, splats, block);
-    /* Counts become the first entry of each tile; lists that would not fit are cut short. */
-    int total = 0;
-    for (int start = 0; start < t.tiles_x; start += BIN_ITEMS) {
-        int tx = start + item, count = tx < t.tiles_x ? row.ranges[tx].y : 0;
-        int before = total + scan_items(count, sums) - count;
-        if (tx < t.tiles_x) row.ranges[tx] = (int2)(min(base + before, row.end));
-        total += sums[BIN_ITEMS - 1];
-        barrier(CLK_LOCAL_MEM_FENCE);
+    int before = 0;
+    for (int i = item; i < tx; i += BIN_ITEMS) before += tile_counts[tile - tx + i];
+    scan_items(before, BIN_ITEMS, sums);
+    before = sums[BIN_ITEMS - 1];
+    const int begin = min(base + before, end);
+    int next = begin;
+    for (int start = 0; start < source.count; start += BIN_ITEMS) {
+        size_t i = (size_t)source.list[min(start + item, source.count - 1)];
+        uint entry = 0;
+        bool touches =
+            start + item < source.count && entry_of_tile(projected, ellipse_bounds, boxes, i, tx, ty, &entry);
+        barrier(CLK_LOCAL_MEM_FENCE); /* all have read the last sum */
+        int to = next + scan_items(touches, BIN_ITEMS, sums) - 1;
+        if (touches && to < end) entries[to] = entry;
+        next = min(next + sums[BIN_ITEMS - 1], end);
     }
-    if (item == 0) row_totals[ty] = total;
-    row_pass(row, source, entries, splats, block);
+    if (item > 0) return;
+    tile_ranges[tile] = (int2)(begin, next);
+    if (tx == t.tiles_x - 1) row_totals[ty] = before + tile_counts[tile];
 }
 #endif

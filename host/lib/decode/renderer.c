@@ -32,9 +32,9 @@ void gscl_renderer_set_options(gscl_renderer *r, const gscl_kernel_options *opti
 }
 
 void gscl_renderer_free(gscl_renderer *r) {
-    gscl_buffer *buffers[] = {&r->params,  &r->steps,         &r->projected,  &r->ellipse_bounds, &r->boxes,
-                              &r->entries, &r->tile_ranges,   &r->row_totals, &r->background,     &r->image,
-                              &r->listed,  &r->listed_counts, &r->samples};
+    gscl_buffer *buffers[] = {&r->params,  &r->steps,       &r->projected,     &r->ellipse_bounds, &r->boxes,
+                              &r->entries, &r->tile_counts, &r->tile_ranges,   &r->row_totals,     &r->background,
+                              &r->image,   &r->listed,      &r->listed_counts, &r->samples};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(r->context, r->totals); /* NULL in a renderer that was never created */
@@ -168,21 +168,42 @@ static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(cl_int)));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_bin_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
+    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_band_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
                        GSCL_ARG(r->count), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
                        GSCL_ARG_BUFFER(r->listed_counts));
 }
 
-static gscl_result launch_bin(gscl_renderer *r) {
+/* Fills the lists by a work-item for each row of tiles. */
+static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings) {
     cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
+                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+}
+
+/* Fills the lists by a work-group for each tile. */
+static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings) {
+    const size_t tiles = gscl_renderer_tiles(r), group = gscl_bin_group_size(r->context);
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, tiles * sizeof(cl_int)));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_count", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
+                         GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
+                         GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->tile_counts)));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
+                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->tile_counts),
+                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+}
+
+static gscl_result launch_bin(gscl_renderer *r) {
     gscl_bin_settings settings = {
         .splats = r->count, .tiles_x = r->view.tiles_x, .tiles_y = r->view.tiles_y, .row_capacity = r->row_capacity};
     GSCL_TRY(list_bands(r, &settings.band_rows));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, gscl_bin_group_size(r->context),
-                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes),
-                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+    return gscl_bin_group_size(r->context) > 1 ? bin_tiles(r, settings) : bin_rows(r, settings);
 }
 
 /* The first capacity: an estimate, or that of the buffer. */

@@ -25,7 +25,8 @@ typedef struct gscl_renderer {
     cl_int totals_read;         /* rows that were read: those of the view at that time */
     uint64_t totals_wait;       /* waits of the context when they were last read: a later one has ended the copy */
     gscl_staging staged_params, staged_steps, staged_background;
-    gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_ranges, row_totals, background, image;
+    gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_counts, tile_ranges, row_totals,
+        background, image;
     gscl_buffer listed, listed_counts; /* splats by bands of rows of tiles */
     gscl_buffer samples;
 } gscl_renderer;

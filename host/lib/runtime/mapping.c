@@ -35,6 +35,10 @@ size_t gscl_tile_group_size(const gscl_context *context) {
     return (size_t)(GSCL_TILE / gscl_mapping_lanes(context)) * (size_t)(GSCL_TILE / gscl_mapping_rows(context));
 }
 
+size_t gscl_band_group_size(const gscl_context *context) {
+    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
+}
+
 size_t gscl_bin_group_size(const gscl_context *context) {
     return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_bin_items : 1;
 }

@@ -17,7 +17,9 @@ int gscl_mapping_cached_rows(const gscl_context *context);
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind);
 /* Work-items of a group that draws one tile. */
 size_t gscl_tile_group_size(const gscl_context *context);
-/* Work-items of a group that lists the splats of a row of tiles (cl/bin.cl). */
+/* Work-items of a group that lists the splats of a band of rows of tiles (cl/bin.cl). */
+size_t gscl_band_group_size(const gscl_context *context);
+/* Work-items of a group that lists the splats of a tile; 1 where a work-item lists those of a row of tiles. */
 size_t gscl_bin_group_size(const gscl_context *context);
 /* Work-items of a group that numbers links, and splats of each (cl/slots.cl). */
 size_t gscl_scan_group_size(const gscl_context *context);

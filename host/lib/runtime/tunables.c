@@ -8,6 +8,7 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .cpu_scan_length = 64,
     .gpu_lanes = 4,
     .gpu_rows = 1,
+    .gpu_band_items = 256,
     .gpu_bin_items = 64,
     .gpu_scan_items = 64,
     .gpu_slot_items = 32,

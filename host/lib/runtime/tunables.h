@@ -13,7 +13,8 @@ struct gscl_runtime_tunables {
     int cpu_scan_length; /* splats: whose links to gradient slots a work-item numbers, CPU mapping */
     int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 1, 4 or 16 */
     int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
-    int gpu_bin_items;   /* work-items: of a group that fills a row of tiles, GPU mapping; a power of 2 */
+    int gpu_band_items;  /* work-items: of a group that lists the splats of a band, GPU mapping; a power of 2 */
+    int gpu_bin_items;   /* work-items: of a group that fills the list of a tile, GPU mapping; a power of 2 */
     int gpu_scan_items;  /* work-items: of a group that numbers links to gradient slots, GPU mapping; a power of 2 */
     int gpu_slot_items; /* work-items: of a group that sums the slots of a splat, GPU mapping; at least 11, the sums of a
                              slot */
