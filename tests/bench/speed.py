@@ -85,6 +85,28 @@ def stage_table(report, operation):
     return table(head, [*rows, total])
 
 
+def encodes_of(report):
+    return [run for run in report["codec"] if run["operation"] == "encode"]
+
+
+def counts_line(report):
+    counts = [f"{run['launches']} launches and {run['waits']} waits at {run['bpp']} bpp" for run in encodes_of(report)]
+    return f"Launches of kernels by an encode, and its waits for the device: {', '.join(counts)}.\n"
+
+
+def items_cells(run, name):
+    row = next((row for row in run["kernels"] if row["name"] == name), None)
+    return [str(row["count"]), f"{row['mean_items']:.0f}", str(row["fewest_items"])] if row else ["", "", ""]
+
+
+def items_table(report):
+    """The work-items of each kernel of an encode: means over its launches, and the fewest of any."""
+    runs = encodes_of(report)
+    names = dict.fromkeys(row["name"] for run in runs for row in run["kernels"])
+    head = ["kernel", *(text for run in runs for text in (f"launches at {run['bpp']} bpp", "mean items", "fewest"))]
+    return table(head, [[name, *(cell for run in runs for cell in items_cells(run, name))] for name in names])
+
+
 # ---- Whole processes -------------------------------------------------------------------------------
 
 def process_row(gscl, images, rate, work):
@@ -158,6 +180,10 @@ def section_parts(arguments, work):
     yield growth_table(arguments.gscl, images, work)
     yield f"Time by stage, {images[0].stem}:\n"
     yield from (stage_table(bench, operation) for operation in ("encode", "decode"))
+    yield counts_line(bench)
+    yield f"Work-items of the kernels of an encode of {images[0].stem} in the mapping for GPUs:\n"
+    for_gpus = Run(arguments.gscl, "bench", images[0], "--json", "--mapping", "gpu", "--encodes", 1, "--repetitions", 1)
+    yield items_table(json.loads(for_gpus.output))
     yield ("Kernels, 768x512; the share of the multiply-add peak counts 28 operations per evaluation when drawing "
            "and 100 in a fit step:\n")
     yield from kernel_tables(bench)
