@@ -117,7 +117,7 @@ __kernel void bin(__global const float *restrict projected, __global const float
     int total = 0, open = 0, base = ty * t.row_capacity, end = base + t.row_capacity;
     for (int tx = 0; tx < tiles_x; tx++) {
         int2 change = ranges[tx];
-        ranges[tx] = (int2)(min(base + total, end));
+        ranges[tx] = (int2)(base + min(total, t.row_capacity));
         open += change.x;
         total += open;
         open -= change.y;
@@ -213,7 +213,7 @@ __kernel void bin(__global const float *restrict projected, __global const float
     for (int i = item; i < tx; i += BIN_ITEMS) before += tile_counts[tile - tx + i];
     scan_items(before, BIN_ITEMS, sums);
     before = sums[BIN_ITEMS - 1];
-    const int begin = min(base + before, end);
+    const int begin = base + min(before, t.row_capacity);
     int next = begin;
     for (int start = 0; start < source.count; start += BIN_ITEMS) {
         size_t i = (size_t)source.list[min(start + item, source.count - 1)];

@@ -33,15 +33,17 @@ struct gscl_scalar_tunables {
     double wide_surplus;            /* surplus added where splats are far apart */
     double wide_steps;              /* share of the steps added where splats are far apart and steps take little time;
                                        0.6 costs 0.03 dB at 0.042 and 0.066 bits, and saves 9 % of the time there */
-    double large_image_pixels;      /* pixels; larger images have a smaller share of an effort's steps and passes, so */
-    double
-        large_image_exponent; /* that an encode ends in time: (pixels / large_image_pixels) ^ -large_image_exponent */
-    double least_share;       /* but at least this.  On 25 megapixels at 0.1 bits 3 instead of 4 passes cost 0.02 dB for
-                                 x0.91 of the time, 0.47 instead of 0.54 with 2 passes 0.01 dB for x0.96 */
-    int densify_rounds;       /* rounds in which the other splats are added */
-    double densify_until;     /* share of the steps, after which the number of splats stays; 0.48 costs 0.03 dB
+    /* Larger images have a smaller share of an effort's steps and passes, so that an encode ends in time:
+     * (pixels / large_image_pixels) ^ -large_image_exponent, but at least least_share.  On 25 megapixels at 0.1 bits 3
+     * instead of 4 passes cost 0.02 dB for x0.91 of the time; 0.47 instead of 0.54 of the steps, with 2 passes, cost 0.01 dB
+     * for x0.96. */
+    double large_image_pixels;
+    double large_image_exponent;
+    double least_share;
+    int densify_rounds;   /* rounds in which the other splats are added */
+    double densify_until; /* share of the steps, after which the number of splats stays; 0.48 costs 0.03 dB
                                        and 3 % of the time, 0.7 costs 0.06 dB */
-    int measure_round;        /* after this round measured bits per splat replace the estimate */
+    int measure_round;    /* after this round measured bits per splat replace the estimate */
 
     /* Levels of the pyramid. */
     int small_image_pixels;    /* pixels; up to this size the finest level takes hardly any time */
