@@ -117,13 +117,14 @@ def process_row(gscl, images, rate, work):
         Run(gscl, "decode", coded, "-o", work / "decoded.png")
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     with tempfile.TemporaryDirectory() as cache:
-        cold = Run(gscl, "decode", coded, "-o", work / "decoded.png", env={"POCL_CACHE_DIR": cache})
+        empty = {"POCL_CACHE_DIR": cache, "XDG_CACHE_HOME": cache}
+        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, "-q", env=empty)
     return [rate, f"{mean(encodes, 'wall_s'):.2f}", f"{mean(encodes, 'cpu_s') / mean(encodes, 'wall_s'):.2f}",
-            f"{mean(decodes, 'wall_s'):.3f}", f"{cold.wall_s:.2f}"]
+            f"{cold.wall_s:.2f}", f"{mean(decodes, 'wall_s'):.3f}"]
 
 
 def process_table(gscl, images, work):
-    return table(["bits per pixel", "encode s", f"of {CORES} cores", "decode s", "decode s, kernels not yet built"],
+    return table(["bits per pixel", "encode s", f"of {CORES} cores", "first, builds kernels", "decode s"],
                  [process_row(gscl, images, rate, work) for rate in RATES])
 
 
