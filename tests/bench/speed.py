@@ -69,42 +69,44 @@ def kernel_tables(report):
                      for splats in (500, 2500)])
 
 
-def stage_cells(run, name):
-    stage = next((stage for stage in run["stages"] if stage["name"] == name), None)
-    if not stage:
-        return ["", ""]
+def runs_of(report, operation):
+    return [run for run in report["codec"] if run["operation"] == operation]
+
+
+def named_rows(runs, key, cells_of, width):
+    """A row for each name in the lists run[key], with `width` cells of each run: empty where a run lacks the name."""
+    lists = [{row["name"]: row for row in run[key]} for run in runs]
+    names = dict.fromkeys(name for rows in lists for name in rows)
+    return [[name, *(cell for rows in lists for cell in (cells_of(rows[name]) if name in rows else [""] * width))]
+            for name in names]
+
+
+def stage_cells(stage):
     return [f"{1e3 * stage['seconds']:.2f}", f"{1e3 * (stage['seconds'] - stage['kernel_seconds']):.2f}"]
 
 
 def stage_table(report, operation):
-    runs = [run for run in report["codec"] if run["operation"] == operation]
-    names = dict.fromkeys(stage["name"] for run in runs for stage in run["stages"])
+    runs = runs_of(report, operation)
     head = [f"{operation} stage", *(text for run in runs for text in (f"ms at {run['bpp']} bpp", "outside kernels"))]
-    rows = [[name, *(cell for run in runs for cell in stage_cells(run, name))] for name in names]
+    rows = named_rows(runs, "stages", stage_cells, 2)
     total = ["**all**", *(text for run in runs for text in (f"**{1e3 * run['median_s']:.1f}**", ""))]
     return table(head, [*rows, total])
 
 
-def encodes_of(report):
-    return [run for run in report["codec"] if run["operation"] == "encode"]
-
-
 def counts_line(report):
-    counts = [f"{run['launches']} launches and {run['waits']} waits at {run['bpp']} bpp" for run in encodes_of(report)]
+    counts = [f"{run['launches']} launches and {run['waits']} waits at {run['bpp']} bpp" for run in runs_of(report, "encode")]
     return f"Launches of kernels by an encode, and its waits for the device: {', '.join(counts)}.\n"
 
 
-def items_cells(run, name):
-    row = next((row for row in run["kernels"] if row["name"] == name), None)
-    return [str(row["count"]), f"{row['mean_items']:.0f}", str(row["fewest_items"])] if row else ["", "", ""]
+def items_cells(kernel):
+    return [str(kernel["count"]), f"{kernel['mean_items']:.0f}", str(kernel["fewest_items"])]
 
 
 def items_table(report):
     """The work-items of each kernel of an encode: means over its launches, and the fewest of any."""
-    runs = encodes_of(report)
-    names = dict.fromkeys(row["name"] for run in runs for row in run["kernels"])
+    runs = runs_of(report, "encode")
     head = ["kernel", *(text for run in runs for text in (f"launches at {run['bpp']} bpp", "mean items", "fewest"))]
-    return table(head, [[name, *(cell for run in runs for cell in items_cells(run, name))] for name in names])
+    return table(head, named_rows(runs, "kernels", items_cells, 3))
 
 
 # ---- Whole processes -------------------------------------------------------------------------------
