@@ -136,31 +136,17 @@ __kernel void bin(__global const float *restrict projected, __global const float
     }
 }
 #else
-/* Adds to each work-item's number those of the work-items before it, its own included. */
-inline int scan_items(int number, int items, __local int *restrict sums) {
-    int item = (int)get_local_id(0);
-    sums[item] = number;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int distance = 1; distance < items; distance *= 2) {
-        int other = item >= distance ? sums[item - distance] : 0;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sums[item] += other;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    return sums[item];
-}
-
 __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
                         __global int *restrict listed_counts) {
-    __local int sums[BAND_ITEMS];
+    __local long sums[BAND_ITEMS];
     int item = (int)get_local_id(0), band = (int)get_group_id(0), first = band * band_rows, n = 0;
     listed += (size_t)band * count;
     for (int base = 0; base < count; base += BAND_ITEMS) {
         int i = base + item;
         bool touches = i < count && box_touches_rows(boxes[min(i, count - 1)], first, first + band_rows - 1);
-        int number = scan_items(touches, BAND_ITEMS, sums);
+        int number = (int)group_scan(touches, BAND_ITEMS, sums);
         if (touches) listed[n + number - 1] = i;
-        n += sums[BAND_ITEMS - 1];
+        n += (int)sums[BAND_ITEMS - 1];
         barrier(CLK_LOCAL_MEM_FENCE);
     }
     if (item == 0) listed_counts[band] = n;
@@ -178,14 +164,14 @@ __kernel void bin_count(__global const float *restrict projected, __global const
                         __global const int4 *restrict boxes, __global const int *restrict listed,
                         __global const int *restrict listed_counts, gscl_bin_settings t,
                         __global int *restrict tile_counts) {
-    __local int sums[BIN_ITEMS];
+    __local long sums[BIN_ITEMS];
     const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x;
     splat_source source = source_of_row(listed, listed_counts, t, ty);
     int own = 0;
     for (int j = (int)get_local_id(0); j < source.count; j += BIN_ITEMS)
         own += touches_tile(projected, ellipse_bounds, boxes, (size_t)source.list[j], tx, ty) ? 1 : 0;
-    scan_items(own, BIN_ITEMS, sums);
-    if (get_local_id(0) == 0) tile_counts[tile] = sums[BIN_ITEMS - 1];
+    group_scan(own, BIN_ITEMS, sums);
+    if (get_local_id(0) == 0) tile_counts[tile] = (int)sums[BIN_ITEMS - 1];
 }
 
 /* Makes the entry of splat `i` in the list of a tile; false where it touches none of its rows. */
@@ -205,14 +191,14 @@ __kernel void bin(__global const float *restrict projected, __global const float
                   __global const int *restrict listed_counts, gscl_bin_settings t,
                   __global const int *restrict tile_counts, __global uint *restrict entries,
                   __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
-    __local int sums[BIN_ITEMS];
+    __local long sums[BIN_ITEMS];
     const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x, item = (int)get_local_id(0);
     const int base = ty * t.row_capacity, end = base + t.row_capacity;
     splat_source source = source_of_row(listed, listed_counts, t, ty);
     int before = 0;
     for (int i = item; i < tx; i += BIN_ITEMS) before += tile_counts[tile - tx + i];
-    scan_items(before, BIN_ITEMS, sums);
-    before = sums[BIN_ITEMS - 1];
+    group_scan(before, BIN_ITEMS, sums);
+    before = (int)sums[BIN_ITEMS - 1];
     const int begin = base + min(before, t.row_capacity);
     int next = begin;
     for (int start = 0; start < source.count; start += BIN_ITEMS) {
@@ -221,9 +207,9 @@ __kernel void bin(__global const float *restrict projected, __global const float
         bool touches =
             start + item < source.count && entry_of_tile(projected, ellipse_bounds, boxes, i, tx, ty, &entry);
         barrier(CLK_LOCAL_MEM_FENCE); /* all have read the last sum */
-        int to = next + scan_items(touches, BIN_ITEMS, sums) - 1;
+        int to = next + (int)group_scan(touches, BIN_ITEMS, sums) - 1;
         if (touches && to < end) entries[to] = entry;
-        next = min(next + sums[BIN_ITEMS - 1], end);
+        next = min(next + (int)sums[BIN_ITEMS - 1], end);
     }
     if (item > 0) return;
     tile_ranges[tile] = (int2)(begin, next);

@@ -34,25 +34,6 @@ inline gscl_link_grid link_grid(int4 box, long before, int capacity) {
     return grid;
 }
 
-/* Adds to each work-item's number those of the work-items before it, its own included. */
-inline long links_scan(long number, __local long *restrict sums) {
-#if SCAN_ITEMS > 1
-    int item = (int)get_local_id(0);
-    sums[item] = number;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int distance = 1; distance < SCAN_ITEMS; distance *= 2) {
-        long other = item >= distance ? sums[item - distance] : 0;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sums[item] += other;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    return sums[item];
-#else
-    sums[0] = number;
-    return number;
-#endif
-}
-
 /* The boxes of a work-item: SCAN_LENGTH neighbours. */
 inline int2 scan_part(int count) {
     int begin = (int)get_global_id(0) * SCAN_LENGTH;
@@ -65,7 +46,7 @@ __kernel void count_links(__global const int4 *restrict boxes, int count, __glob
     int2 part = scan_part(count);
     long own = 0;
     for (int i = part.x; i < part.y; i++) own += box_tiles(boxes[i]);
-    links_scan(own, sums);
+    group_scan(own, SCAN_ITEMS, sums);
     if (get_local_id(0) == 0) totals[get_group_id(0)] = sums[SCAN_ITEMS - 1];
 }
 
@@ -76,13 +57,13 @@ __kernel void number_links(__global const int4 *restrict boxes, int count, __glo
     int2 part = scan_part(count);
     long own = 0, earlier = 0;
     for (int group = (int)get_local_id(0); group < (int)get_group_id(0); group += SCAN_ITEMS) earlier += totals[group];
-    links_scan(earlier, sums);
+    group_scan(earlier, SCAN_ITEMS, sums);
     long before = sums[SCAN_ITEMS - 1]; /* of all groups before this one */
 #if SCAN_ITEMS > 1
     barrier(CLK_LOCAL_MEM_FENCE);
 #endif
     for (int i = part.x; i < part.y; i++) own += box_tiles(boxes[i]);
-    before += links_scan(own, sums) - own;
+    before += group_scan(own, SCAN_ITEMS, sums) - own;
     for (int i = part.x; i < part.y; i++) {
         grids[i] = link_grid(boxes[i], before, capacity);
         before += box_tiles(boxes[i]);
