@@ -25,6 +25,7 @@ BUILTIN __attribute__((convergent)) void barrier(uint fences);
 
 /* Functions of a floating-point type and of the integer type of its size. */
 #define OF_FLOATS(real, integer)                   \
+    PURE real atan2(real, real);                   \
     PURE real ceil(real);                          \
     PURE real cos(real);                           \
     PURE real exp(real);                           \

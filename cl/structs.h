@@ -106,6 +106,24 @@ typedef struct gscl_adam_settings {
     gscl_limits limits;
 } gscl_adam_settings;
 
+/* Placing splats on a level of the pyramid (cl/placement.cl). */
+typedef struct gscl_placement_settings {
+    cl_int width, height, channels; /* of the level: pixels */
+    cl_float scale;                 /* full-size pixels of a pixel */
+    cl_int strip;                   /* height of a strip of the walk, pixels */
+    cl_int columns;                 /* of all strips */
+    cl_float density_scale;         /* factor on the densities; their box sums become means */
+    cl_int has_background;          /* 0 or 1: a flat background needs no first splats away from edges */
+    cl_float tolerance;             /* between colours of the background */
+    cl_int first, count;            /* the place of the first new splat, and their number */
+    /* Sigma of a splat, full-size pixels: that of a distance of 1 between samples, times this distance within bounds. */
+    cl_float axis, least_distance, most_distance;
+    cl_float opacity;                          /* logit */
+    cl_int is_rotated;                         /* 0 or 1: splats have an angle */
+    cl_float min_axis, edge_stretch, min_edge; /* gscl_fit_tunables */
+    cl_int max_edge_radius;
+} gscl_placement_settings;
+
 /* The planes of an image in cl/ssim.cl. */
 typedef struct gscl_ssim_shape {
     cl_int width, height, channels;

@@ -25,6 +25,17 @@ __kernel void sum_squared_error(__global const float *restrict rendering, __glob
     if (get_local_id(0) == 0) group_sums[get_group_id(0)] = total;
 }
 
+/* The sum of a plane's values, likewise. */
+__kernel void sum_plane(__global const float *restrict plane, int count, int share,
+                        __global float *restrict group_sums) {
+    __local float sums[GSCL_SUM_ITEMS];
+    int first = (int)get_group_id(0) * share, end = min(count - first, share);
+    long_sum own = {0.0f, 0.0f};
+    for (int i = (int)get_local_id(0); i < end; i += GSCL_SUM_ITEMS) own = long_sum_add(own, plane[first + i]);
+    float total = group_sum(own.sum, sums);
+    if (get_local_id(0) == 0) group_sums[get_group_id(0)] = total;
+}
+
 /* Adds up the sums of groups, and `factor` times another number.  One work-group. */
 __kernel void sum_groups(__global const float *restrict group_sums, int count, float factor,
                          __global const float *restrict other, __global float *restrict total) {

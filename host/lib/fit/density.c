@@ -7,98 +7,86 @@
 #include "cl/constants.h"
 #include "fit/placement.h"
 #include "fit/tunables.h"
-#include "image/box_sum.h"
-#include "image/flat_background.h"
+#include "image/tunables.h"
 #include "runtime/timing.h"
 
 #define SPLIT_FACTOR 1.6f /* the paper's released code */
 
-/* Writes the magnitude of the image's gradient into the density: central differences, all channels. */
-static void gradient_magnitude(gscl_placement *p) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    for (int y = 0; y < p->height; y++)
-        for (int x = 0; x < p->width; x++) {
-            int left = x ? x - 1 : x, right = x < p->width - 1 ? x + 1 : x;
-            int up = y ? y - 1 : y, down = y < p->height - 1 ? y + 1 : y;
-            float sum = 0;
-            for (int k = 0; k < p->channels; k++) {
-                const float *t = p->target + (size_t)k * pixels;
-                float gx = t[y * p->width + right] - t[y * p->width + left];
-                float gy = t[down * p->width + x] - t[up * p->width + x];
-                sum += gx * gx + gy * gy;
-            }
-            p->density[y * p->width + x] = sqrtf(sum);
-        }
+/* ---- Densities ---- */
+
+/* Number of pixels of the level outside the flat background, which need splats. */
+static float non_flat_area(const gscl_fit *f) {
+    const float share = fmaxf(1.0f - (float)f->flat.pixels, gscl_fit_tunables.min_non_flat_pixels);
+    return share * (float)gscl_fit_level_pixels(f);
 }
 
-/* Adds to the density of the pixels that need splats, which those of a flat background away from edges do not: there
- * they would cost time without any gain. */
-static gscl_result add_outside_background(const gscl_fit *f, gscl_placement *p, float density) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    float *near_edges = malloc(pixels * sizeof *near_edges);
-    if (!near_edges)
-        return gscl_fail_memory(f->context);
-    memcpy(near_edges, p->density, pixels * sizeof *near_edges);
-    float distance = sqrtf(gscl_placement_area(p, f) / (float)p->count);
-    int radius = (int)(gscl_fit_tunables.background_distance * distance) + 1;
-    gscl_box_sum(near_edges, p->width, p->height, radius, p->scratch);
-    for (size_t i = 0; i < pixels; i++)
-        if (near_edges[i] > 0 || !gscl_matches_background(p->target, pixels, p->channels, f->background, i))
-            p->density[i] += density;
-    free(near_edges);
-    return GSCL_OK;
+/* Replaces each value of the density by the sum of those at most `radius` columns and rows away; `flags`: by the number of
+ * those that are not 0. */
+static gscl_result launch_box_sum(gscl_fit *f, gscl_placement_settings settings, cl_int radius, cl_int flags) {
+    const size_t width = (size_t)settings.width, height = (size_t)settings.height;
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->row_sums, width * height * sizeof(float)));
+    GSCL_TRY(gscl_placement_kernel(f->context, "box_rows", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel,
+                         gscl_groups(gscl_groups(width, GSCL_BOX_LENGTH) * height, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                         GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings), GSCL_ARG(radius), GSCL_ARG(flags),
+                         GSCL_ARG_BUFFER(f->row_sums)));
+    GSCL_TRY(gscl_placement_kernel(f->context, "box_columns", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups(width * gscl_groups(height, GSCL_BOX_LENGTH), GSCL_IMAGE_GROUP),
+                       GSCL_IMAGE_GROUP, GSCL_ARG_BUFFER(f->row_sums), GSCL_ARG(settings), GSCL_ARG(radius),
+                       GSCL_ARG_BUFFER(f->error));
 }
 
-/* Makes the density of the first splats from the edges in p->density: half of them follow the edges, half are spread
- * evenly. */
-static gscl_result seed_density(const gscl_fit *f, gscl_placement *p) {
-    size_t pixels = (size_t)p->width * (size_t)p->height;
-    double total = 0;
-    for (size_t i = 0; i < pixels; i++)
-        total += p->density[i];
-    for (size_t i = 0; i < pixels; i++)
-        p->density[i] = total > 0 ? 0.5f * (float)(p->density[i] / total) : 0.5f / (float)pixels;
-    if (f->flat.pixels > 0)
-        return add_outside_background(f, p, 0.5f / (float)pixels);
-    for (size_t i = 0; i < pixels; i++)
-        p->density[i] += 0.5f / (float)pixels;
-    return GSCL_OK;
+static gscl_result launch_edge_strength(gscl_fit *f, gscl_placement_settings settings) {
+    const size_t pixels = gscl_fit_level_pixels(f);
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
+    GSCL_TRY(gscl_placement_kernel(f->context, "edge_strength", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                       GSCL_ARG_BUFFER(f->pyramid.levels[f->level]), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->error));
 }
 
-static gscl_result seed_splats(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
-    GSCL_TRY(gscl_placement_create(p, f, count, true));
-    GSCL_TRY(gscl_placement_read_target(p, f, 0));
-    const gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
-    gradient_magnitude(p);
-    GSCL_TRY(seed_density(f, p));
-    gscl_placement_accumulate(p);
-    for (size_t i = 0; i < count; i++) {
-        size_t pixel = gscl_placement_sample(p, i, random);
-        float sigma = gscl_fit_tunables.seed_axis * p->scale * gscl_placement_distance(p, pixel);
-        gscl_placement_splat(p, pixel, sigma, 0.0f, random, params + i * GSCL_PARAMS);
+/* Makes the density of the first splats. */
+static gscl_result seed_density(gscl_fit *f, gscl_placement_settings settings) {
+    cl_kernel kernel;
+    GSCL_TRY(launch_edge_strength(f, settings));
+    GSCL_TRY(gscl_fit_sum_error(f));
+    if (settings.has_background) {
+        const float distance = sqrtf(non_flat_area(f) / (float)settings.count);
+        GSCL_TRY(launch_box_sum(f, settings, (cl_int)(gscl_fit_tunables.background_distance * distance) + 1, 1));
     }
-    gscl_stage(f->context, before);
-    return gscl_fit_append(f, params, count);
+    GSCL_TRY(gscl_placement_kernel(f->context, "seed_density", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, gscl_groups(gscl_fit_level_pixels(f), GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
+                       GSCL_ARG_BUFFER(f->pyramid.levels[f->level]), GSCL_ARG_BUFFER(f->renderer.background),
+                       GSCL_ARG(settings), GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->error));
 }
 
-static gscl_result add_by_error(gscl_fit *f, gscl_placement *p, size_t count, uint64_t *random, float *params) {
-    GSCL_TRY(gscl_placement_create(p, f, count, false));
-    GSCL_TRY(gscl_fit_error(f, p->density));
-    const gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY); /* the device has nothing to do now */
+static gscl_result seed_splats(gscl_fit *f, size_t count, uint64_t *random) {
+    gscl_placement_settings settings = gscl_placement_begin(f, count);
+    settings.density_scale = 1.0f;
+    settings.has_background = f->flat.pixels > 0;
+    settings.tolerance = gscl_image_tunables.colour_tolerance;
+    settings.axis = gscl_fit_tunables.seed_axis * settings.scale;
+    settings.most_distance = (float)(settings.width + settings.height);
+    GSCL_TRY(seed_density(f, settings));
+    return gscl_placement_append(f, settings, random);
+}
+
+static gscl_result add_by_error(gscl_fit *f, size_t count, uint64_t *random) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
-    float area = gscl_placement_area(p, f), distance = sqrtf(area / (float)((size_t)f->renderer.count + count));
-    float mean_distance = sqrtf(area / (float)count); /* of the new splats */
-    gscl_box_sum(p->density, p->width, p->height, (int)(t->error_radius * distance) + 1, p->scratch);
-    gscl_placement_accumulate(p);
-    for (size_t i = 0; i < count; i++) {
-        size_t pixel = gscl_placement_sample(p, i, random);
-        float spread = gscl_placement_distance(p, pixel) / mean_distance;
-        float sigma = t->new_axis * distance * p->scale * fminf(fmaxf(spread, 1.0f), t->max_spread);
-        GSCL_TRY(gscl_placement_read_target(p, f, (int)(pixel / (size_t)p->width)));
-        gscl_placement_splat(p, pixel, sigma, t->new_opacity, random, params + i * GSCL_PARAMS);
-    }
-    gscl_stage(f->context, before);
-    return gscl_fit_append(f, params, count);
+    gscl_placement_settings settings = gscl_placement_begin(f, count);
+    const float area = non_flat_area(f), distance = sqrtf(area / (float)((size_t)f->renderer.count + count));
+    const float mean_distance = sqrtf(area / (float)count); /* of the new splats */
+    const cl_int radius = (cl_int)(t->error_radius * distance) + 1;
+    settings.density_scale = 1.0f / ((2.0f * (float)radius + 1.0f) * (2.0f * (float)radius + 1.0f));
+    settings.axis = t->new_axis * distance * settings.scale / mean_distance;
+    settings.least_distance = mean_distance;
+    settings.most_distance = t->max_spread * mean_distance;
+    settings.opacity = t->new_opacity;
+    GSCL_TRY(gscl_fit_begin_error(f));
+    GSCL_TRY(gscl_fit_sum_error(f));
+    GSCL_TRY(launch_box_sum(f, settings, radius, 0));
+    return gscl_placement_append(f, settings, random);
 }
 
 /* ---- Clone and split ---- */
@@ -194,23 +182,21 @@ gscl_result gscl_density_densify(gscl_fit *f, size_t count) {
 
 /* ---- Entry points ---- */
 
-typedef gscl_result placer(gscl_fit *, gscl_placement *, size_t, uint64_t *, float *);
+typedef gscl_result placer(gscl_fit *, size_t, uint64_t *);
 
-static gscl_result with_placement(placer *place_splats, gscl_fit *f, size_t count, uint64_t *random) {
+static gscl_result place_in_stage(placer *place_splats, gscl_fit *f, size_t count, uint64_t *random) {
     if (count == 0)
         return GSCL_OK;
-    gscl_placement p = {0};
-    float *params = calloc(count, GSCL_PARAMS * sizeof(float));
-    gscl_result result = params ? place_splats(f, &p, count, random, params) : gscl_fail_memory(f->context);
-    gscl_placement_free(&p);
-    free(params);
+    const gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
+    const gscl_result result = place_splats(f, count, random);
+    gscl_stage(f->context, before);
     return result;
 }
 
 gscl_result gscl_density_seed(gscl_fit *f, size_t count, uint64_t *random) {
-    return with_placement(seed_splats, f, count, random);
+    return place_in_stage(seed_splats, f, count, random);
 }
 
 gscl_result gscl_density_grow(gscl_fit *f, size_t count, uint64_t *random) {
-    return with_placement(add_by_error, f, count, random);
+    return place_in_stage(add_by_error, f, count, random);
 }

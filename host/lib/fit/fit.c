@@ -66,15 +66,14 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
     gscl_buffer *buffers[] = {
-        &f->gradients,  &f->first_moment, &f->second_moment, &f->ages,           &f->gradient_slots, &f->links,
-        &f->link_grids, &f->link_totals,  &f->links_needed,  &f->tile_loss,      &f->control,        &f->error,
-        &f->error_sums, &f->distortion,   &f->derivative,    &f->adapted_target, &f->model};
+        &f->gradients,  &f->first_moment,   &f->second_moment, &f->ages,           &f->gradient_slots, &f->links,
+        &f->link_grids, &f->link_totals,    &f->links_needed,  &f->tile_loss,      &f->control,        &f->error,
+        &f->error_sums, &f->row_sums,       &f->density_total, &f->column_weights, &f->group_weights,  &f->distortion,
+        &f->derivative, &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */
     f->reading = NULL;
-    free(f->level_target);
-    f->level_target = NULL;
 }
 
 gscl_result gscl_fit_set_flat_background(gscl_fit *f, const gscl_flat_background *flat) {
@@ -87,6 +86,7 @@ void gscl_fit_release_scratch(gscl_fit *f) {
     gscl_buffer_free(&f->gradient_slots);
     gscl_buffer_free(&f->links);
     gscl_buffer_free(&f->error);
+    gscl_buffer_free(&f->row_sums);
     gscl_pyramid_release_smaller(&f->pyramid, f->level);
     f->has_old_lists = true; /* filling them makes the slots and links again */
 }
@@ -115,10 +115,6 @@ gscl_stage_id gscl_fit_stage(const gscl_fit *f, int level) {
 
 gscl_result gscl_fit_set_level(gscl_fit *f, int level) {
     level = clamped_level(f, level);
-    if (level != f->level) {
-        free(f->level_target);
-        f->level_target = NULL;
-    }
     f->level = level;
     GSCL_TRY(gscl_pyramid_restore(&f->pyramid, level));
     GSCL_TRY(gscl_renderer_set_view(&f->renderer, f->level, 0, 0, gscl_fit_level_width(f), gscl_fit_level_height(f)));

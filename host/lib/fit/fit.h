@@ -37,6 +37,7 @@ typedef struct gscl_fit {
     size_t link_capacity;
     bool has_old_lists;      /* of other splats, or of another level */
     bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended */
+    cl_int known_splats;     /* whose lengths were read */
     int steps_since_bin;     /* steps with the present lists */
     int steps_since_control; /* steps since the device followed their lengths (gscl_fit_control) */
     int steps_since_wait;    /* steps since the host read them */
@@ -50,10 +51,11 @@ typedef struct gscl_fit {
     double known_loss;                 /* mean loss per sample of a step, when the host last read it; 0: not yet */
     double known_low_splats;           /* gscl_fit_control.low_splats of that time */
     struct gscl_fit_readings *reading; /* where copies from the device go that are not waited for */
-    gscl_buffer error;                 /* scratch: a plane of squared errors */
+    gscl_buffer error;                 /* scratch: a plane of squared errors, or a density of new splats */
     gscl_buffer error_sums;            /* scratch: sums of its parts */
+    gscl_buffer row_sums;              /* scratch: a plane of its box sums along the rows */
     gscl_buffer distortion;            /* gscl_fit_begin_distortion: a float */
-    float *level_target;               /* planes of the present level; NULL: not read (gscl_fit_target_planes) */
+    gscl_buffer density_total, column_weights, group_weights; /* sums of a density (fit/placement.h) */
 
     float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
     gscl_ssim ssim;
@@ -109,15 +111,14 @@ gscl_result gscl_fit_renew_model(gscl_fit *fit);
 gscl_result gscl_fit_renew_model_at(gscl_fit *fit, const gscl_buffer *rendering, float curvature);
 /* The current level's target: its planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
-/* Reads `count` samples of the current level's planes of the source, which lie one after another, from `first` on. */
-gscl_result gscl_fit_target_samples(gscl_fit *fit, size_t first, size_t count, float *samples);
-/* The current level's planes of the source, which are read once and stay with the fit until its level changes. */
-gscl_result gscl_fit_target_planes(gscl_fit *fit, const float **planes);
 
 /* ---- fit_splats.c: the splats and the state of the optimiser for each ---- */
 
 /* Appends splats (GSCL_PARAMS floats each) with new optimiser state. */
 gscl_result gscl_fit_append(gscl_fit *fit, const float *params, size_t count);
+/* The same in two parts, between which the device writes the parameters of the new splats: behind the others. */
+gscl_result gscl_fit_begin_append(gscl_fit *fit, size_t count);
+gscl_result gscl_fit_end_append(gscl_fit *fit, size_t count);
 /* Replaces all splats, with new optimiser state. */
 gscl_result gscl_fit_replace(gscl_fit *fit, const float *params, size_t count);
 /* Permutes the splats, with their optimiser state: place i < kept receives splat order[i].  The others are removed. */
@@ -159,9 +160,13 @@ gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
 /* Sums it into the control on the device. */
 gscl_result gscl_fit_sum_loss(gscl_fit *fit);
-/* Renders the current splats (through the quantiser) and reads the squared error of each pixel of the level, added over
- * channels and weighted. */
+/* Renders the current splats (through the quantiser) and writes the squared error of each pixel of the level, added over
+ * channels and weighted, into fit->error, without waiting. */
+gscl_result gscl_fit_begin_error(gscl_fit *fit);
+/* The same, and reads it. */
 gscl_result gscl_fit_error(gscl_fit *fit, float *error);
+/* Sums fit->error into fit->density_total, without waiting. */
+gscl_result gscl_fit_sum_error(gscl_fit *fit);
 /* Renders likewise; the sum over the level, or what gscl_fit_distortion says. */
 gscl_result gscl_fit_rendering_error(gscl_fit *fit, double *sum);
 /* The sum that rate-distortion passes trade against bits, at planes of the level's size: (weighted) squared errors against the

@@ -78,6 +78,7 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
         return GSCL_OK; /* their lengths are no longer of interest */
     const int steps = f->steps_since_wait;
     f->has_known_lengths = true;
+    f->known_splats = f->renderer.count;
     f->steps_since_wait = 0;
     GSCL_TRY(gscl_renderer_end_lengths(&f->renderer, 1, state));
     if (f->renderer.count > 0)
@@ -89,12 +90,14 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
 }
 
 /* New splats take up to twice their share of a list, where many come to lie in one row of tiles.  If it is still too short, the
- * last of them are left out until the host looks again. */
+ * last of them are left out until the host looks again: at once where a part of the splats is new to it. */
 gscl_result gscl_fit_expect_splats(gscl_fit *f, size_t count) {
     gscl_lists_state state = GSCL_LISTS_KEPT;
     if (!f->has_known_lengths || f->renderer.count == 0)
         return GSCL_OK;
-    const double growth = 1 + 2.0 * (double)count / f->renderer.count;
+    const double new_splats = (double)count + f->renderer.count - f->known_splats;
+    const double growth = 1 + 2.0 * new_splats / f->known_splats;
+    f->has_known_lengths = new_splats < gscl_fit_tunables.max_new_splats * f->known_splats;
     GSCL_TRY(gscl_renderer_end_lengths(&f->renderer, growth, &state));
     return grow_links(f, growth, &state);
 }

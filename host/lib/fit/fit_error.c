@@ -36,6 +36,11 @@ static gscl_result launch_error(gscl_fit *f) {
                        GSCL_ARG(channels), GSCL_ARG(weighted), GSCL_ARG(count), GSCL_ARG_BUFFER(f->error));
 }
 
+gscl_result gscl_fit_begin_error(gscl_fit *f) {
+    GSCL_TRY(gscl_fit_render(f));
+    return launch_error(f);
+}
+
 /* All that the host needs to know is read at once.  If a list was too short, the next rendering has room. */
 gscl_result gscl_fit_error(gscl_fit *f, float *error) {
     gscl_lists_state state;
@@ -59,24 +64,50 @@ typedef struct error_sum {
     const gscl_buffer *added; /* a float that is added twice, or NULL */
 } error_sum;
 
+/* How a sum over pixels is shared by work-groups. */
+typedef struct sum_parts {
+    cl_int pixels, share; /* of all groups, and of each */
+    cl_int groups;
+} sum_parts;
+
+static sum_parts parts_of(size_t pixels) {
+    const size_t few = gscl_groups(pixels, PIXELS_OF_GROUP), most = few < MAX_GROUPS ? few : MAX_GROUPS;
+    const size_t share = gscl_groups(pixels, most);
+    return (sum_parts){(cl_int)pixels, (cl_int)share, (cl_int)gscl_groups(pixels, share)};
+}
+
+/* Adds the sums of the groups, and twice *added unless it is NULL, into *to. */
+static gscl_result launch_sum_groups(gscl_fit *f, sum_parts parts, const gscl_buffer *added, gscl_buffer *to) {
+    const cl_float factor = added ? 2.0f : 0.0f;
+    const gscl_buffer *other = added ? added : &f->error_sums;
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(f->context, to, sizeof(float)));
+    GSCL_TRY(gscl_image_kernel(f->context, "sum_groups", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error_sums), GSCL_ARG(parts.groups),
+                       GSCL_ARG(factor), GSCL_ARG_BUFFER(*other), GSCL_ARG_BUFFER(*to));
+}
+
+gscl_result gscl_fit_sum_error(gscl_fit *f) {
+    const sum_parts parts = parts_of(gscl_fit_level_pixels(f));
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
+    GSCL_TRY(gscl_image_kernel(f->context, "sum_plane", &kernel));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error),
+                         GSCL_ARG(parts.pixels), GSCL_ARG(parts.share), GSCL_ARG_BUFFER(f->error_sums)));
+    return launch_sum_groups(f, parts, NULL, &f->density_total);
+}
+
 /* Sums squared errors into f->distortion. */
 static gscl_result launch_sum(gscl_fit *f, const error_sum *s) {
+    const sum_parts parts = parts_of(gscl_pyramid_pixels(&f->pyramid, s->level));
+    const cl_int channels = f->renderer.channels;
     cl_kernel kernel;
-    const size_t pixels = gscl_pyramid_pixels(&f->pyramid, s->level);
-    const size_t few = gscl_groups(pixels, PIXELS_OF_GROUP), most = few < MAX_GROUPS ? few : MAX_GROUPS;
-    const cl_int channels = f->renderer.channels, count = (cl_int)pixels, share = (cl_int)gscl_groups(pixels, most);
-    const cl_int groups = (cl_int)gscl_groups(pixels, (size_t)share);
-    const cl_float factor = s->added ? 2.0f : 0.0f;
-    const gscl_buffer *added = s->added ? s->added : &f->error_sums;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->distortion, sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_squared_error", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(*s->planes),
-                         GSCL_ARG_BUFFER(*s->target), GSCL_ARG(channels), GSCL_ARG(s->weighted), GSCL_ARG(count),
-                         GSCL_ARG(share), GSCL_ARG_BUFFER(f->error_sums)));
-    GSCL_TRY(gscl_image_kernel(f->context, "sum_groups", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error_sums), GSCL_ARG(groups),
-                       GSCL_ARG(factor), GSCL_ARG_BUFFER(*added), GSCL_ARG_BUFFER(f->distortion));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(*s->planes),
+                         GSCL_ARG_BUFFER(*s->target), GSCL_ARG(channels), GSCL_ARG(s->weighted), GSCL_ARG(parts.pixels),
+                         GSCL_ARG(parts.share), GSCL_ARG_BUFFER(f->error_sums)));
+    return launch_sum_groups(f, parts, s->added, &f->distortion);
 }
 
 static gscl_result read_sum(gscl_fit *f, double *sum) {

@@ -22,12 +22,14 @@ static gscl_result splats_reserve(gscl_fit *f, size_t count) {
     return GSCL_OK;
 }
 
-gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
+gscl_result gscl_fit_begin_append(gscl_fit *f, size_t count) {
+    GSCL_TRY(splats_reserve(f, (size_t)f->renderer.count + count));
+    return gscl_fit_expect_splats(f, count);
+}
+
+gscl_result gscl_fit_end_append(gscl_fit *f, size_t count) {
     gscl_renderer *r = &f->renderer;
-    size_t used = (size_t)r->count;
-    GSCL_TRY(splats_reserve(f, used + count));
-    GSCL_TRY(gscl_fit_expect_splats(f, count));
-    GSCL_TRY(gscl_buffer_write_staged(f->context, &r->staged_params, &r->params, used * ROW, params, count * ROW));
+    const size_t used = (size_t)r->count;
     GSCL_TRY(gscl_buffer_zero(f->context, &f->first_moment, used * ROW, count * ROW));
     GSCL_TRY(gscl_buffer_zero(f->context, &f->second_moment, used * ROW, count * ROW));
     GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(cl_int), count * sizeof(cl_int)));
@@ -36,6 +38,14 @@ gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
     /* The losses of the tiles were those of other splats. */
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(r), &f->control));
     return gscl_renderer_project(r);
+}
+
+gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
+    gscl_renderer *r = &f->renderer;
+    GSCL_TRY(gscl_fit_begin_append(f, count));
+    GSCL_TRY(gscl_buffer_write_staged(f->context, &r->staged_params, &r->params, (size_t)r->count * ROW, params,
+                                      count * ROW));
+    return gscl_fit_end_append(f, count);
 }
 
 gscl_result gscl_fit_replace(gscl_fit *f, const float *params, size_t count) {

@@ -1,5 +1,3 @@
-#include <stdlib.h>
-
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/ssim_weights.h"
@@ -55,29 +53,4 @@ gscl_result gscl_fit_renew_model(gscl_fit *f) {
         return GSCL_OK;
     GSCL_TRY(gscl_fit_render(f));
     return gscl_fit_renew_model_at(f, &f->renderer.image, gscl_fit_tunables.curvature_of_steps);
-}
-
-gscl_result gscl_fit_target_samples(gscl_fit *f, size_t first, size_t count, float *samples) {
-    return gscl_buffer_read(f->context, &f->pyramid.levels[f->level], first * sizeof(float), samples,
-                            count * sizeof(float));
-}
-
-static gscl_result read_level(gscl_fit *f) {
-    const size_t size = gscl_fit_level_pixels(f) * (size_t)f->renderer.channels * sizeof(float);
-    float *planes = malloc(size);
-    if (!planes)
-        return gscl_fail_memory(f->context);
-    const gscl_result result = gscl_fit_target_samples(f, 0, size / sizeof *planes, planes);
-    if (result == GSCL_OK)
-        f->level_target = planes;
-    else
-        gscl_release_after_copies(f->context, planes);
-    return result;
-}
-
-gscl_result gscl_fit_target_planes(gscl_fit *f, const float **planes) {
-    if (!f->level_target)
-        GSCL_TRY(read_level(f));
-    *planes = f->level_target;
-    return GSCL_OK;
 }

@@ -15,6 +15,11 @@ static inline uint64_t gscl_random(uint64_t *state) {
     return z ^ (z >> 31);
 }
 
+/* Goes on as if `draws` numbers had been taken, which a kernel takes (cl/placement.cl). */
+static inline void gscl_random_skip(uint64_t *state, uint64_t draws) {
+    *state += draws * 0x9e3779b97f4a7c15u;
+}
+
 /* Uniform in [0, 1), 24 bits. */
 static inline float gscl_random_unit(uint64_t *state) {
     return (float)(gscl_random(state) >> 40) * 0x1p-24f;

@@ -17,7 +17,8 @@ static size_t bin_of(const float *planes, size_t pixels, int channels, size_t at
     return bin;
 }
 
-bool gscl_matches_background(const float *planes, size_t pixels, int channels, const float colour[4], size_t at) {
+/* Whether pixel `at` has the colour; `pixels`: number of pixels of a plane. */
+static bool has_colour(const float *planes, size_t pixels, int channels, const float colour[4], size_t at) {
     for (int k = 0; k < channels; k++)
         if (fabsf(planes[(size_t)k * pixels + at] - colour[k]) > gscl_image_tunables.colour_tolerance)
             return false;
@@ -59,7 +60,7 @@ static double flat_tiles(const float *planes, size_t width, size_t height, int c
             bool same = true;
             for (size_t y = top; y < bottom && same; y++)
                 for (size_t x = left; x < right && same; x++)
-                    same = gscl_matches_background(planes, width * height, channels, colour, y * width + x);
+                    same = has_colour(planes, width * height, channels, colour, y * width + x);
             tiles++;
             flat_count += same;
         }
@@ -75,7 +76,7 @@ bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t hei
     if ((double)members < gscl_image_tunables.min_background * (double)pixels)
         return true;
     for (size_t i = 0; i < pixels; i++)
-        same += gscl_matches_background(planes, pixels, channels, flat->colour, i);
+        same += has_colour(planes, pixels, channels, flat->colour, i);
     if ((double)same < gscl_image_tunables.min_background * (double)pixels)
         return true;
     flat->pixels = (double)same / (double)pixels;

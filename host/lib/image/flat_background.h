@@ -19,7 +19,5 @@ bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t hei
 /* About the part of the pixels of non-flat tiles that have the colour of the background: small where a single border
  * divides the background from the remaining image. */
 double gscl_background_share_of_non_flat_tiles(const gscl_flat_background *flat);
-/* Whether pixel `at` has the colour; `pixels`: number of pixels of a plane. */
-bool gscl_matches_background(const float *planes, size_t pixels, int channels, const float colour[4], size_t at);
 
 #endif

@@ -33,6 +33,7 @@ typedef enum gscl_program_kind {
     GSCL_PROGRAM_SSIM,       /* the SSIM loss */
     GSCL_PROGRAM_VISUAL,     /* the visual loss */
     GSCL_PROGRAM_IMAGE,      /* pyramid and losses over whole images */
+    GSCL_PROGRAM_PLACEMENT,  /* where splats are added */
     GSCL_PROGRAM_BENCHMARK,  /* multiply_add and copy: the device's peak rates */
     GSCL_PROGRAM_ACCURACY,   /* project_double and raster_forward in double precision */
     GSCL_PROGRAM_KINDS
