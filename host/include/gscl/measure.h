@@ -43,8 +43,8 @@ typedef struct gscl_timing {
     double kernel_seconds;          /* of a stage: the device's clock over all of its kernels; of a kernel: 0 */
     double build_seconds; /* kernel: wall clock of its first launches, in which some OpenCL implementations build
                                        it, unless it came from a cache; resetting keeps it; of a stage: 0 */
-    uint64_t waits; /* of a stage: calls in which the host waited for the device (blocking copies, clFinish), those at
-                       the end of a stage included; of a kernel: 0 */
+    uint64_t waits; /* of a stage: calls in which the host waited for the device (blocking copies, clFinish), without
+                       those at the end of a stage, which only measuring makes; of a kernel: 0 */
     uint64_t items; /* of a kernel: work-items of all its launches; of a stage: 0 */
     uint64_t fewest_items; /* of a kernel: work-items of its smallest launch; of a stage: 0 */
 } gscl_timing;

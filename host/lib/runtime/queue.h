@@ -11,5 +11,7 @@ cl_int gscl_queue_note_work(gscl_context *context, cl_bool blocking, cl_int erro
 
 /* Waits until the queue is empty, unless nothing was enqueued since the last wait; accepts a context without a queue. */
 cl_int gscl_queue_finish(gscl_context *context);
+/* The same, which only measuring asks for: it does not count for the stage. */
+cl_int gscl_queue_settle(gscl_context *context);
 
 #endif

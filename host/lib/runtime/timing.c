@@ -42,7 +42,7 @@ static double event_seconds(cl_event event) {
 /* Waits until all kernels have ended and adds up their times. */
 static void timing_collect(gscl_context *context) {
     struct gscl_timings *t = context->timings;
-    gscl_queue_finish(context); /* the next checked call reports a failure */
+    gscl_queue_settle(context); /* the next checked call reports a failure */
     for (size_t i = 0; i < t->pending_count; i++) {
         if (!t->pending[i])
             continue; /* the launch failed */
@@ -91,7 +91,7 @@ void gscl_timing_settle(gscl_context *context) {
     if (context->timings)
         timing_collect(context);
     else
-        gscl_queue_finish(context);
+        gscl_queue_settle(context);
 }
 
 static void timing_add_items(gscl_timing *row, uint64_t items) {
