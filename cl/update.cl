@@ -1,10 +1,13 @@
-/* From gradient slots to parameters: gradients, Adam, and the projection for the next step. */
+/* From gradient slots to parameters: gradients and Adam.
+ *
+ * A work-item takes SPLAT_LANES splats, or, where SLOT_ITEMS > 1, a work-group takes one. */
 
 #if SLOT_ITEMS == 1
 /* Sums the slots of splats `first` to `first + lanes_used`, SLOT floats each, row by row of tiles and so always in the
  * same order. */
 inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
-                      __global const int *restrict links, __global const float *restrict slots) {
+                      __global const int *restrict links, __global const float *restrict slots,
+                      __local float *restrict unused) {
     for (int k = 0; k < SPLAT_LANES * SLOT; k++) sums[k] = 0.0f;
     for (int lane = 0; lane < lanes_used; lane++) {
         gscl_link_grid grid = grids[first + (size_t)lane];
@@ -19,8 +22,10 @@ inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __glob
 #else
 #define SUMMED_AT_ONCE (SLOT_ITEMS / SLOT) /* slots whose floats the work-items of a group read at once */
 /* The same for one splat by all work-items of a group, each of which adds one sum of every SUMMED_AT_ONCE-th slot. */
-inline void slots_sum(float *restrict sums, gscl_link_grid grid, __global const int *restrict links,
-                      __global const float *restrict slots, __local float *restrict shared) {
+inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
+                      __global const int *restrict links, __global const float *restrict slots,
+                      __local float *restrict shared) {
+    const gscl_link_grid grid = grids[first];
     int item = (int)get_local_id(0);
     float own = 0.0f;
     if (item < SUMMED_AT_ONCE * SLOT)
@@ -109,14 +114,14 @@ ALWAYS_INLINE vfloat adam_update(vfloat gradient, vfloat rate, vfloat correct1, 
 /* One step of Adam on the parameters `p`, with the bias correction of each splat's own age.  Moments of the centre are
  * in the splat's own frame. */
 inline void adam(vfloat *restrict p, __global float *restrict first_moment, __global float *restrict second_moment,
-                 vfloat age, __global const float *restrict gradient, float rate) {
+                 vfloat age, const vfloat *restrict gradient, float rate) {
     vfloat correct1 = rate / (1.0f - exp2(GSCL_ADAM_LOG2_BETA1 * age)),
            correct2 = 1.0f / (1.0f - exp2(GSCL_ADAM_LOG2_BETA2 * age));
     vfloat c = ROTATION ? cos(p[GSCL_THETA]) : (vfloat)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (vfloat)(0.0f);
     vfloat steps[FITTED], rates[FITTED];
     learning_rates(rates, p);
     UNROLL
-    for (int k = 0; k < FITTED; k++) steps[k] = LOAD_LANES(gradient + k, GSCL_PARAMS);
+    for (int k = 0; k < FITTED; k++) steps[k] = gradient[k];
     rotate_by(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
     UNROLL
     for (int k = 0; k < FITTED; k++)
@@ -143,30 +148,23 @@ inline void clamp_params(vfloat *restrict p, gscl_limits b) {
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
-/* Writes the gradients of SPLAT_LANES splats, GSCL_PARAMS floats each.  Those of parameters that are not fitted are
- * left as they are.  Where SLOT_ITEMS > 1, a work-group does so for one splat. */
-__kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps,
-                               gscl_gather_settings settings, __global const float *restrict projected,
-                               __global const gscl_link_grid *restrict grids, __global const int *restrict links,
-                               __global const float *restrict slots, __global float *restrict gradients) {
-    float sums[SPLAT_LANES * SLOT];
-    vfloat gradient[FITTED];
+/* The first splat of a work-item or work-group, and how many there are for its lanes: none behind the last splat. */
+inline size_t own_splats(int count, int *restrict lanes_used) {
 #if SLOT_ITEMS > 1
-    __local float shared[SLOT_ITEMS];
     size_t i = get_group_id(0);
-    const int lanes_used = 1;
-    slots_sum(sums, grids[i], links, slots, shared);
-    if (get_local_id(0) > 0) return;
 #else
     size_t i = get_global_id(0) * SPLAT_LANES;
-    if (i >= (size_t)settings.splats) return;
-    int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);
-    slots_sum(sums, i, lanes_used, grids, links, slots);
 #endif
+    *lanes_used = min(count - (int)i, SPLAT_LANES);
+    return i;
+}
+
+/* The gradients of splats from `i` on, as they were drawn, from the sums of their slots. */
+inline void splat_gradient(vfloat *restrict gradient, const float *restrict sums, __global const float *restrict params,
+                           __global const float *restrict steps, gscl_view view,
+                           __global const float *restrict projected, size_t i, int lanes_used) {
     splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps);
-    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, settings.view);
-    UNROLL
-    for (int k = 0; k < FITTED; k++) store_lanes(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
+    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, view);
 }
 
 /* Gives the first `fixed` lanes the parameters that are stored. */
@@ -174,29 +172,21 @@ inline void keep_params(vfloat *restrict p, __global const float *restrict param
     for (int k = 0; k < FITTED; k++) p[k] = select(p[k], LOAD_PARAM(params, k, lanes_used), LANES_BELOW(fixed));
 }
 
-/* One step of Adam from the gradients, then the projection of the (quantised) result. */
-__kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
+/* One step of Adam for splats from `i` on. */
+inline void step_params(__global float *restrict params, __global float *restrict first_moment,
                         __global float *restrict second_moment, __global int *restrict ages,
-                        __global const float *restrict gradients, __global const float *restrict steps,
-                        gscl_adam_settings settings, __global const gscl_fit_control *restrict control,
-                        __global float *restrict projected, __global float *restrict ellipse_bounds,
-                        __global int4 *restrict boxes) {
-    size_t i = get_global_id(0) * SPLAT_LANES, at = i * GSCL_PARAMS;
-    if (i >= (size_t)settings.splats) return;
+                        const vfloat *restrict gradient, gscl_adam_settings settings, size_t i, int lanes_used) {
+    const size_t at = i * GSCL_PARAMS;
     vfloat p[FITTED];
-    int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);
     UNROLL
     for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, lanes_used);
     vint age = LOAD_LANES_INT(ages + i) + 1;
     store_lanes_int(age, ages + i, 1);
-    adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradients + at,
+    adam(p, first_moment + at, second_moment + at, MASK_TAIL(TO_VFLOAT(age), lanes_used), gradient,
          settings.limits.rate);
-    settings.limits.log_max = control->log_max;
     clamp_params(p, settings.limits);
     if ((int)i < settings.fixed) keep_params(p, params + at, settings.fixed - (int)i, lanes_used);
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) store_lanes(p[k], params + at + k, GSCL_PARAMS);
-    splat_store_projected(splat_quantise(splat_load(params + at, lanes_used), steps), settings.view, i, projected,
-                          ellipse_bounds, boxes);
 }

@@ -53,7 +53,7 @@ def kernel_row(measurements, blend, splats):
     rows = {row["name"]: row for row in measurements if (row.get("blend"), row.get("splats")) == (blend, splats)}
     rates = [f"{rows[name]['work_per_s'] * 1e-9:.2f} ({100 * rows[name]['share_of_peak']:.0f} %)"
              for name in ("raster_forward", "fit step")]
-    times = [f"{1e3 * rows[name]['median_s']:.2f}" for name in ("bin", "fit_tiles", "gather_gradients", "adam_step")]
+    times = [f"{1e3 * rows[name]['median_s']:.2f}" for name in ("bin", "fit_tiles", "step_splats")]
     return [blend, str(splats), *rates, *times, f"{rows['raster_forward']['work_per_needed']:.2f}"]
 
 
@@ -63,8 +63,8 @@ def kernel_tables(report):
         device = {row["name"]: row["work_per_s"] * 1e-9 for row in measurements if "blend" not in row}
         yield (f"`--mapping {mapping['mapping']}`: multiply-adds at {device['multiply_add']:.0f} Gflop/s, "
                f"copies at {device['copy']:.0f} GB/s.\n")
-        yield table(["blend", "splats", "draw, Geval/s", "fit step, Geval/s", "bin ms", "fit_tiles ms", "gather ms",
-                     "adam ms", "evals per pixel inside"],
+        yield table(["blend", "splats", "draw, Geval/s", "fit step, Geval/s", "bin ms", "fit_tiles ms", "step_splats ms",
+                     "evals per pixel inside"],
                     [kernel_row(measurements, blend, splats) for blend in ("normalized", "alpha", "sum")
                      for splats in (500, 2500)])
 

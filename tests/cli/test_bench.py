@@ -4,7 +4,7 @@ import unittest
 from tool import ToolTest, main
 
 BLENDS = ("normalized", "alpha", "sum")
-KERNELS = ("raster_forward", "bin", "fit_tiles", "gather_gradients", "adam_step", "fit step")
+KERNELS = ("raster_forward", "bin", "fit_tiles", "step_splats", "fit step")
 
 
 class Bench(ToolTest):

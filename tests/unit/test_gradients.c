@@ -354,6 +354,46 @@ static void test_every_second_row(void **state) {
     }
 }
 
+/* Three steps, of one kernel each or of two; reads the parameters and the projected splats. */
+static void take_steps(gscl_context *in, const fit_case *c, bool in_parts, float *params, float *projected) {
+    gscl_fit fit;
+    check_call(in, c->name, gscl_fit_create(&fit, in, &c->options, WIDTH, HEIGHT, 0, c->target));
+    check_call(in, c->name, gscl_fit_append(&fit, c->params, c->count));
+    fit.fixed = 1;
+    for (int step = 0; step < 3; step++) {
+        fit.has_old_lists = true;
+        if (in_parts) {
+            check_call(in, c->name, gscl_fit_differentiate(&fit));
+            check_call(in, c->name, gscl_fit_adam(&fit, &fit.renderer.params, 1.0f));
+        } else {
+            check_call(in, c->name, gscl_fit_step(&fit, 1.0f, 1));
+        }
+    }
+    check_call(in, c->name, gscl_fit_read(&fit, params));
+    check_call(in, c->name,
+               gscl_buffer_read(in, &fit.renderer.projected, 0, projected, c->count * GSCL_PROJECTED * sizeof(float)));
+    gscl_fit_free(&fit);
+}
+
+static void test_a_step_is_its_parts(void **state) {
+    (void)state;
+    static float params[2][MANY * GSCL_PARAMS], projected[2][MANY * GSCL_PROJECTED];
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        const fit_case *c = ordinary_case(blend, 3, 0, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, 0);
+        for (int m = 0; m < 2; m++) {
+            memset(projected, 0, sizeof projected);
+            for (int in_parts = 0; in_parts < 2; in_parts++)
+                take_steps(contexts[m], c, in_parts, params[in_parts], projected[in_parts]);
+            assert_memory_equal(params[0], params[1], c->count * GSCL_PARAMS * sizeof(float));
+            assert_memory_equal(params[0], c->params, 10 * sizeof(float)); /* the fixed one, but its wave */
+            assert_memory_not_equal(params[0] + GSCL_PARAMS, c->params + GSCL_PARAMS, sizeof(float));
+            for (size_t i = 0; i < c->count * GSCL_PROJECTED; i++)
+                if (i % GSCL_PROJECTED < GSCL_PROJECTED_COLOUR + 3)
+                    assert_true(projected[0][i] == projected[1][i]);
+        }
+    }
+}
+
 /* A tile without error is skipped for some steps, and computed again for gscl_fit_gradients. */
 static void test_tiles_without_error_are_skipped(void **state) {
     (void)state;
@@ -631,6 +671,7 @@ int main(void) {
         cmocka_unit_test(test_sum),
         cmocka_unit_test(test_blurred_levels),
         cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_a_step_is_its_parts),
         cmocka_unit_test(test_every_second_row),
         cmocka_unit_test(test_tiles_without_error_are_skipped),
         cmocka_unit_test(test_textures),

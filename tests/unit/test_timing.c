@@ -64,7 +64,7 @@ static void test_no_timings_without_the_setting(void **state) {
 static void test_stages_and_kernels(void **state) {
     (void)state;
     static const char *const stages[] = {"prepare", "pyramid", "entropy coding", "write", "entropy decoding", "draw"};
-    static const char *const kernels[] = {"bin", "fit_tiles", "gather_gradients", "adam_step", "raster_samples"};
+    static const char *const kernels[] = {"bin", "fit_tiles", "step_splats", "raster_samples"};
     gscl_context *context = new_context(true);
     encode_and_decode(context);
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {

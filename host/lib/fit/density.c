@@ -26,12 +26,12 @@ static gscl_result launch_box_sum(gscl_fit *f, gscl_placement_settings settings,
     const size_t width = (size_t)settings.width, height = (size_t)settings.height;
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->row_sums, width * height * sizeof(float)));
-    GSCL_TRY(gscl_placement_kernel(f->context, "box_rows", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "box_rows", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel,
                          gscl_groups(gscl_groups(width, GSCL_BOX_LENGTH) * height, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
                          GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings), GSCL_ARG(radius), GSCL_ARG(flags),
                          GSCL_ARG_BUFFER(f->row_sums)));
-    GSCL_TRY(gscl_placement_kernel(f->context, "box_columns", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "box_columns", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(width * gscl_groups(height, GSCL_BOX_LENGTH), GSCL_IMAGE_GROUP),
                        GSCL_IMAGE_GROUP, GSCL_ARG_BUFFER(f->row_sums), GSCL_ARG(settings), GSCL_ARG(radius),
                        GSCL_ARG_BUFFER(f->error));
@@ -41,7 +41,7 @@ static gscl_result launch_edge_strength(gscl_fit *f, gscl_placement_settings set
     const size_t pixels = gscl_fit_level_pixels(f);
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
-    GSCL_TRY(gscl_placement_kernel(f->context, "edge_strength", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "edge_strength", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
                        GSCL_ARG_BUFFER(f->pyramid.levels[f->level]), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->error));
 }
@@ -55,7 +55,7 @@ static gscl_result seed_density(gscl_fit *f, gscl_placement_settings settings) {
         const float distance = sqrtf(non_flat_area(f) / (float)settings.count);
         GSCL_TRY(launch_box_sum(f, settings, (cl_int)(gscl_fit_tunables.background_distance * distance) + 1, 1));
     }
-    GSCL_TRY(gscl_placement_kernel(f->context, "seed_density", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "seed_density", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(gscl_fit_level_pixels(f), GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
                        GSCL_ARG_BUFFER(f->pyramid.levels[f->level]), GSCL_ARG_BUFFER(f->renderer.background),
                        GSCL_ARG(settings), GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->error));

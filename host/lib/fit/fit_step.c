@@ -24,30 +24,62 @@ static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
                        GSCL_ARG_BUFFER(f->skip.skip_until));
 }
 
+/* The work-groups of a kernel that sums the gradient slots of each splat. */
+typedef struct slot_groups {
+    size_t count, size;
+} slot_groups;
+
+static slot_groups slot_groups_of(const gscl_fit *f, gscl_program_kind kind) {
+    const size_t splats = (size_t)f->renderer.count, items = gscl_slot_group_size(f->context);
+    return items > 1
+               ? (slot_groups){splats, items}
+               : (slot_groups){gscl_groups(splats, GSCL_SPLATS_PER_GROUP), gscl_splat_group_size(f->context, kind)};
+}
+
+/* The splats as they were drawn. */
+static gscl_gather_settings gather_settings(const gscl_fit *f) {
+    return (gscl_gather_settings){.splats = f->renderer.count, .view = f->renderer.view};
+}
+
+static gscl_adam_settings adam_settings(gscl_fit *f, float rate) {
+    f->limits.rate = rate;
+    return (gscl_adam_settings){
+        .splats = f->renderer.count, .fixed = (cl_int)f->fixed, .view = f->renderer.view, .limits = f->limits};
+}
+
 /* Sums the gradient slots of each splat into its gradients. */
 static gscl_result launch_gather(gscl_fit *f) {
     gscl_renderer *r = &f->renderer;
+    const gscl_gather_settings settings = gather_settings(f);
+    const slot_groups groups = slot_groups_of(f, GSCL_PROGRAM_GRADIENTS);
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "gather_gradients", &kernel));
-    const gscl_gather_settings settings = {.splats = r->count, .view = r->view};
-    const size_t slot_items = gscl_slot_group_size(f->context);
-    const bool has_groups = slot_items > 1; /* of one splat each */
-    return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, has_groups ? 1 : GSCL_SPLATS_PER_GROUP),
-                       has_groups ? slot_items : gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT),
-                       GSCL_ARG_BUFFER(r->params), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(f->link_grids), GSCL_ARG_BUFFER(f->links),
-                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->gradients));
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "gather_gradients", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, groups.count, groups.size, GSCL_ARG_BUFFER(r->params),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(f->link_grids), GSCL_ARG_BUFFER(f->links), GSCL_ARG_BUFFER(f->gradient_slots),
+                       GSCL_ARG_BUFFER(f->gradients));
+}
+
+/* Sums the gradient slots and takes a step of Adam; projects the result for `settings`.view. */
+static gscl_result launch_step(gscl_fit *f, gscl_gather_settings drawn, gscl_adam_settings settings) {
+    gscl_renderer *r = &f->renderer;
+    const slot_groups groups = slot_groups_of(f, GSCL_PROGRAM_FIT);
+    cl_kernel kernel;
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "step_splats", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, groups.count, groups.size, GSCL_ARG_BUFFER(r->params),
+                       GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
+                       GSCL_ARG_BUFFER(r->steps), GSCL_ARG(drawn), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control),
+                       GSCL_ARG_BUFFER(f->link_grids), GSCL_ARG_BUFFER(f->links), GSCL_ARG_BUFFER(f->gradient_slots),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }
 
 gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
     gscl_renderer *r = &f->renderer;
+    const gscl_adam_settings settings = adam_settings(f, rate);
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "adam_step", &kernel));
-    f->limits.rate = rate;
-    const gscl_adam_settings settings = {
-        .splats = r->count, .fixed = (cl_int)f->fixed, .view = r->view, .limits = f->limits};
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "adam_step", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
-                       gscl_splat_group_size(f->context, GSCL_PROGRAM_FIT), GSCL_ARG_BUFFER(*params),
+                       gscl_splat_group_size(f->context, GSCL_PROGRAM_GRADIENTS), GSCL_ARG_BUFFER(*params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
                        GSCL_ARG_BUFFER(f->gradients), GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings),
                        GSCL_ARG_BUFFER(f->control), GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds),
@@ -113,8 +145,8 @@ static gscl_result refresh_lists(gscl_fit *f) {
     return is_check_due ? bin_and_check(f) : gscl_fit_bin(f, false);
 }
 
-/* Gradients with the present lists of the tiles. */
-static gscl_result differentiate(gscl_fit *f) {
+/* Compares the rendering with the target, with the present lists of the tiles. */
+static gscl_result compare(gscl_fit *f) {
     const bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
     if (is_external)
         GSCL_TRY(differentiate_loss(f));
@@ -123,12 +155,13 @@ static gscl_result differentiate(gscl_fit *f) {
     f->steps_since_bin++;
     f->steps_since_control++;
     f->steps_since_wait++;
-    return launch_gather(f);
+    return GSCL_OK;
 }
 
 gscl_result gscl_fit_differentiate(gscl_fit *f) {
     GSCL_TRY(refresh_lists(f));
-    return differentiate(f);
+    GSCL_TRY(compare(f));
+    return launch_gather(f);
 }
 
 gscl_result gscl_fit_step(gscl_fit *f, float rate, int row_step) {
@@ -136,11 +169,12 @@ gscl_result gscl_fit_step(gscl_fit *f, float rate, int row_step) {
     GSCL_TRY(gscl_fit_set_rows(f, is_external ? 1 : row_step));
     if (f->has_old_lists || f->steps_since_bin >= gscl_fit_tunables.bin_interval)
         GSCL_TRY(refresh_lists(f));
-    GSCL_TRY(differentiate(f));
+    GSCL_TRY(compare(f));
+    const gscl_gather_settings drawn = gather_settings(f);
     /* Other rows need other lists, which are due now. */
     if (f->steps_since_bin >= gscl_fit_tunables.bin_interval)
         gscl_fit_next_rows(f);
-    return gscl_fit_adam(f, &f->renderer.params, rate);
+    return launch_step(f, drawn, adam_settings(f, rate));
 }
 
 gscl_result gscl_fit_gradients(gscl_fit *f, float *gradients) {

@@ -8,11 +8,6 @@
 
 #define COLUMNS_OF_GROUP ((size_t)GSCL_SUM_ITEMS * GSCL_COLUMNS_OF_ITEM)
 
-gscl_result gscl_placement_kernel(gscl_context *context, const char *name, cl_kernel *kernel) {
-    static const gscl_kernel_options none = {0};
-    return gscl_kernel(context, GSCL_PROGRAM_PLACEMENT, &none, name, kernel);
-}
-
 gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
     const cl_int width = (cl_int)gscl_fit_level_width(f), height = (cl_int)gscl_fit_level_height(f);
@@ -38,11 +33,11 @@ static gscl_result add_up_columns(gscl_fit *f, gscl_placement_settings settings)
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->column_weights, columns * sizeof(cl_ulong)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->group_weights, groups * sizeof(cl_ulong)));
-    GSCL_TRY(gscl_placement_kernel(f->context, "weigh_columns", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "weigh_columns", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings),
                          GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->column_weights),
                          GSCL_ARG_BUFFER(f->group_weights)));
-    GSCL_TRY(gscl_placement_kernel(f->context, "add_columns", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "add_columns", &kernel));
     return GSCL_LAUNCH(f->context, kernel, groups, GSCL_SUM_ITEMS, GSCL_ARG(settings),
                        GSCL_ARG_BUFFER(f->group_weights), GSCL_ARG_BUFFER(f->column_weights));
 }
@@ -54,7 +49,7 @@ gscl_result gscl_placement_append(gscl_fit *f, gscl_placement_settings settings,
     gscl_random_skip(random, 3 * (uint64_t)count);
     GSCL_TRY(add_up_columns(f, settings));
     GSCL_TRY(gscl_fit_begin_append(f, count));
-    GSCL_TRY(gscl_placement_kernel(f->context, "place_splats", &kernel));
+    GSCL_TRY(gscl_image_kernel(f->context, "place_splats", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, count, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->pyramid.levels[f->level]),
                          GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->density_total),
                          GSCL_ARG_BUFFER(f->column_weights), GSCL_ARG(seed), GSCL_ARG_BUFFER(f->renderer.params)));

@@ -7,9 +7,6 @@
 /* Settings for `count` splats on the fit's level.  Their size, opacity and density_scale are left to the caller. */
 gscl_placement_settings gscl_placement_begin(const gscl_fit *fit, size_t count);
 
-/* A kernel of cl/placement.cl. */
-gscl_result gscl_placement_kernel(gscl_context *context, const char *name, cl_kernel *kernel);
-
 /* Appends splats by systematic sampling of the density of each pixel, fit->error, whose values before box sums add up to
  * fit->density_total.  The level is cut into strips about as high as the mean distance of the new splats, which are walked to
  * and fro, column by column, and every count-th part of the density on this way gets one splat.  Splats thus keep apart from

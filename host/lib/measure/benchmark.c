@@ -221,7 +221,7 @@ static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
     b->rounds = gscl_fit_tunables.bin_interval;
     GSCL_TRY(take_samples(b, "fit step", run_fit_steps, fit));
     b->rounds = 1;
-    static const char *const parts[] = {"bin", "fit_tiles", "gather_gradients", "adam_step"};
+    static const char *const parts[] = {"bin", "fit_tiles", "step_splats"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         report_samples(b, parts[i], evaluations, 0);
     report_samples(b, "fit step", evaluations, gscl_measure_tunables.step_flop * evaluations);

@@ -34,6 +34,7 @@ static const program_traits traits_of_kinds[GSCL_PROGRAM_KINDS] = {
     [GSCL_PROGRAM_PROJECT] = {.has_channels = true, .has_splats = true, .has_precision = true},
     [GSCL_PROGRAM_RENDER] = {.has_channels = true, .has_splats = true, .has_blend = true, .has_precision = true},
     [GSCL_PROGRAM_FIT] = {true, true, true, true, true, true},
+    [GSCL_PROGRAM_GRADIENTS] = {true, true, true, true, true, true},
     [GSCL_PROGRAM_SCALAR_RDO] = {true, true, true, true, false, true},
     [GSCL_PROGRAM_CODEBOOK] = {true, true, true, true, true, true},
     [GSCL_PROGRAM_SSIM] = {.has_channels = true},

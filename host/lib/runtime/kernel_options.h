@@ -24,16 +24,16 @@ typedef struct gscl_kernel_options {
 
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
-    GSCL_PROGRAM_PROJECT, /* project: from parameters to projected splats */
-    GSCL_PROGRAM_BIN,     /* bin_bands, bin: the lists of tiles */
-    GSCL_PROGRAM_RENDER,  /* raster_forward, and raster_samples, the end of a decode */
-    GSCL_PROGRAM_FIT, /* count_links, number_links, clear_links, link_entries, fit_tiles, sum_loss, gather_gradients, adam_step */
+    GSCL_PROGRAM_PROJECT,    /* project: from parameters to projected splats */
+    GSCL_PROGRAM_BIN,        /* bin_bands, bin: the lists of tiles */
+    GSCL_PROGRAM_RENDER,     /* raster_forward, and raster_samples, the end of a decode */
+    GSCL_PROGRAM_FIT,        /* count_links, number_links, clear_links, link_entries, fit_tiles, step_splats */
+    GSCL_PROGRAM_GRADIENTS,  /* gather_gradients, adam_step: the parts of step_splats */
     GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_visit */
     GSCL_PROGRAM_CODEBOOK,   /* fitting through codebooks, and choosing their words */
     GSCL_PROGRAM_SSIM,       /* the SSIM loss */
     GSCL_PROGRAM_VISUAL,     /* the visual loss */
-    GSCL_PROGRAM_IMAGE,      /* pyramid and losses over whole images */
-    GSCL_PROGRAM_PLACEMENT,  /* where splats are added */
+    GSCL_PROGRAM_IMAGE,      /* pyramid, losses over whole images, and where splats are added */
     GSCL_PROGRAM_BENCHMARK,  /* multiply_add and copy: the device's peak rates */
     GSCL_PROGRAM_ACCURACY,   /* project_double and raster_forward in double precision */
     GSCL_PROGRAM_KINDS

@@ -26,7 +26,8 @@ int gscl_mapping_cached_rows(const gscl_context *context) {
 /* Explicit vectors take longer to build.  Only a fit runs its kernels often enough to make up for it. */
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind) {
     const int lanes = mapping_quirks(context)->splat_lanes;
-    if (kind != GSCL_PROGRAM_FIT || context->gpu_mapping)
+    const bool is_of_a_fit = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_GRADIENTS;
+    if (!is_of_a_fit || context->gpu_mapping)
         return 1;
     return lanes ? lanes : gscl_runtime_tunables.cpu_splat_lanes;
 }

@@ -13,7 +13,7 @@
 #include "runtime/tunables.h"
 
 #define MAX_FILES 20   /* source files of a program */
-#define MAX_KERNELS 16 /* of a program */
+#define MAX_KERNELS 24 /* of a program */
 /* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
 #define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
 
@@ -38,7 +38,9 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "bin.cl"},
     [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "samples.cl"},
     [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "group_scan.cl",
-                          "slots.cl", "fit.cl", "update.cl"},
+                          "slots.cl", "fit.cl", "update.cl", "step.cl"},
+    [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", "splat_lanes.cl", "project.cl", "group_scan.cl", "slots.cl",
+                                "update.cl", "gradients.cl"},
     [GSCL_PROGRAM_SCALAR_RDO] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "rdo_items.cl",
                                  "outline.cl", "scalar_codes.cl", "rdo_planes.cl", "rdo_colour.cl", "rdo_moves.cl",
                                  "rdo_model.cl", "texture.cl", "scalar_rdo.cl"},
@@ -47,8 +49,7 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
                                "codebook_rdo.cl"},
     [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
     [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
-    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "sums.cl"},
-    [GSCL_PROGRAM_PLACEMENT] = {COMMON_FILES, "group_sum.cl", "group_scan.cl", "placement.cl"},
+    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "placement.cl"},
     [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
     [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "accuracy.cl"},
 };

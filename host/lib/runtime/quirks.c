@@ -25,8 +25,8 @@ static const gscl_quirks quirks[] = {
      .cpu = {.lanes = 1, .rows = 4, .splat_lanes = 1},
      .gpu = {.lanes = 1, .rows = 1, .splat_lanes = 1}},
 
-    /* Intel's CPU runtime 2026.22 compiles gather_gradients and adam_step with vectors of 16 splats for longer than all
-     * other kernels of a fit together, and it has no cache: an encode of one picture would not make up for it. */
+    /* Intel's CPU runtime 2026.22 compiles step_splats with vectors of 16 splats for longer than all other kernels of a fit
+     * together, and it has no cache: an encode of one picture would not make up for it. */
     {.platform = "Intel(R) OpenCL", .cpu = {.splat_lanes = 1}},
 
     {.platform = NULL},
