@@ -6,8 +6,8 @@
  *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   group_scan.cl, group_sum.cl: prefix sums and sums over a work-group
  *   project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
- *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to gradients, and a step of the
- *     optimiser
+ *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to
+ *     gradients, and a step of the optimiser
  *   placement.cl: where splats are added
  *   rdo_items.cl, outline.cl, scalar_codes.cl, rdo_planes.cl, rdo_colour.cl, rdo_moves.cl, rdo_model.cl, texture.cl,
  *     scalar_rdo.cl: rate-distortion optimisation of scalar codes

@@ -22,7 +22,7 @@ struct gscl_fit_tunables {
     int max_wait_interval;
     double wait_pixels;
     /* New splats, as a part of those whose lists the host knows, with which it waits for the lists of all: an encode
-     * adds three times those that it begins with. */
+     * adds three times those that it begins with.  0.1 measures the same and waits more often. */
     double max_new_splats;
     /* Mean number of splats a non-flat tile may have at the first level, at smaller levels (which have fewer tiles),
      * and at any level with alpha blending (where splats hide each other and need to be many).  Above it the bound on
