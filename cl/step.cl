@@ -7,18 +7,10 @@ __kernel void step_splats(__global float *restrict params, __global float *restr
                           __global const float *restrict slots, __global float *restrict projected,
                           __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     __local float shared[SLOT_ITEMS];
-    float sums[SPLAT_LANES * SLOT];
     vfloat gradient[FITTED];
+    size_t i;
     int lanes_used;
-    const size_t i = own_splats(settings.splats, &lanes_used);
-#if SLOT_ITEMS == 1
-    if (lanes_used <= 0) return;
-#endif
-    slots_sum(sums, i, lanes_used, grids, links, slots, shared);
-    if (SLOT_ITEMS > 1 && get_local_id(0) > 0) return;
-    splat_gradient(gradient, sums, params, steps, drawn.view, projected, i, lanes_used);
-    settings.limits.log_max = control->log_max;
-    step_params(params, first_moment, second_moment, ages, gradient, settings, i, lanes_used);
-    splat_store_projected(splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps), settings.view, i,
-                          projected, ellipse_bounds, boxes);
+    if (gather(gradient, params, steps, drawn, projected, grids, links, slots, shared, &i, &lanes_used))
+        take_step(params, first_moment, second_moment, ages, gradient, steps, settings, control, projected,
+                  ellipse_bounds, boxes, i, lanes_used);
 }

@@ -1,4 +1,4 @@
-/* From gradient slots to parameters: gradients and Adam.
+/* From gradient slots to parameters: gradients, Adam, and the projection for the next step.
  *
  * A work-item takes SPLAT_LANES splats, or, where SLOT_ITEMS > 1, a work-group takes one. */
 
@@ -148,23 +148,26 @@ inline void clamp_params(vfloat *restrict p, gscl_limits b) {
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
-/* The first splat of a work-item or work-group, and how many there are for its lanes: none behind the last splat. */
-inline size_t own_splats(int count, int *restrict lanes_used) {
+/* The gradients of the splats of a work-item, as they were drawn: of splat *i and the ones after it, *lanes_used in all.
+ * False for a work-item that has nothing left to do: it is behind the last splat, or another of its work-group goes on. */
+inline bool gather(vfloat *restrict gradient, __global const float *restrict params,
+                   __global const float *restrict steps, gscl_gather_settings drawn,
+                   __global const float *restrict projected, __global const gscl_link_grid *restrict grids,
+                   __global const int *restrict links, __global const float *restrict slots,
+                   __local float *restrict shared, size_t *restrict i, int *restrict lanes_used) {
+    float sums[SPLAT_LANES * SLOT];
 #if SLOT_ITEMS > 1
-    size_t i = get_group_id(0);
+    *i = get_group_id(0);
 #else
-    size_t i = get_global_id(0) * SPLAT_LANES;
+    *i = get_global_id(0) * SPLAT_LANES;
+    if (*i >= (size_t)drawn.splats) return false;
 #endif
-    *lanes_used = min(count - (int)i, SPLAT_LANES);
-    return i;
-}
-
-/* The gradients of splats from `i` on, as they were drawn, from the sums of their slots. */
-inline void splat_gradient(vfloat *restrict gradient, const float *restrict sums, __global const float *restrict params,
-                           __global const float *restrict steps, gscl_view view,
-                           __global const float *restrict projected, size_t i, int lanes_used) {
-    splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, lanes_used), steps);
-    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, view);
+    *lanes_used = min(drawn.splats - (int)*i, SPLAT_LANES);
+    slots_sum(sums, *i, *lanes_used, grids, links, slots, shared);
+    if (SLOT_ITEMS > 1 && get_local_id(0) > 0) return false; /* before anything is read that the first one writes */
+    splat s = splat_quantise(splat_load(params + *i * GSCL_PARAMS, *lanes_used), steps);
+    gradient_from_sums(gradient, sums, s, projected + *i * GSCL_PROJECTED, drawn.view);
+    return true;
 }
 
 /* Gives the first `fixed` lanes the parameters that are stored. */
@@ -172,12 +175,16 @@ inline void keep_params(vfloat *restrict p, __global const float *restrict param
     for (int k = 0; k < FITTED; k++) p[k] = select(p[k], LOAD_PARAM(params, k, lanes_used), LANES_BELOW(fixed));
 }
 
-/* One step of Adam for splats from `i` on. */
-inline void step_params(__global float *restrict params, __global float *restrict first_moment,
-                        __global float *restrict second_moment, __global int *restrict ages,
-                        const vfloat *restrict gradient, gscl_adam_settings settings, size_t i, int lanes_used) {
+/* One step of Adam for splats from `i` on, then the projection of the (quantised) result. */
+inline void take_step(__global float *restrict params, __global float *restrict first_moment,
+                      __global float *restrict second_moment, __global int *restrict ages,
+                      const vfloat *restrict gradient, __global const float *restrict steps,
+                      gscl_adam_settings settings, __global const gscl_fit_control *restrict control,
+                      __global float *restrict projected, __global float *restrict ellipse_bounds,
+                      __global int4 *restrict boxes, size_t i, int lanes_used) {
     const size_t at = i * GSCL_PARAMS;
     vfloat p[FITTED];
+    settings.limits.log_max = control->log_max;
     UNROLL
     for (int k = 0; k < FITTED; k++) p[k] = LOAD_PARAM(params + at, k, lanes_used);
     vint age = LOAD_LANES_INT(ages + i) + 1;
@@ -189,4 +196,6 @@ inline void step_params(__global float *restrict params, __global float *restric
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) store_lanes(p[k], params + at + k, GSCL_PARAMS);
+    splat_store_projected(splat_quantise(splat_load(params + at, lanes_used), steps), settings.view, i, projected,
+                          ellipse_bounds, boxes);
 }
