@@ -249,6 +249,28 @@ static void test_lists_grow(void **unused) {
 }
 
 /* The sums of a large image, whose last work-group has fewer pixels, against double precision. */
+/* Splats that are appended after most of the others were removed, or to none, have lists of their own. */
+static void test_lists_of_few_splats(void **unused) {
+    (void)unused;
+    const size_t order[] = {3};
+    for (size_t kept = 0; kept < 2; kept++) {
+        gscl_fit fit = fit_of_a_ramp();
+        append_splats(&fit);
+        assert_int_equal(gscl_fit_bin(&fit, true), GSCL_OK);
+        assert_int_equal(gscl_fit_reorder(&fit, order, kept), GSCL_OK);
+        if (kept == 0)
+            assert_int_equal(gscl_fit_bin(&fit, true), GSCL_OK);
+        for (int i = 0; i < 2; i++) {
+            const float params[GSCL_PARAMS] = {20, 20, 1, 1};
+            assert_int_equal(gscl_fit_append(&fit, params, 1), GSCL_OK);
+            assert_true(fit.link_capacity < 100000);
+        }
+        assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
+        assert_int_equal(fit.renderer.count, kept + 2);
+        gscl_fit_free(&fit);
+    }
+}
+
 static void test_sums_of_errors(void **unused) {
     (void)unused;
     enum { SIDE = 1100, PIXELS = SIDE * SIDE };
@@ -310,6 +332,7 @@ int main(void) {
         cmocka_unit_test(test_steps_do_not_wait),
         cmocka_unit_test(test_long_lists_bound_axes),
         cmocka_unit_test(test_lists_grow),
+        cmocka_unit_test(test_lists_of_few_splats),
         cmocka_unit_test(test_sums_of_errors),
         cmocka_unit_test(test_staged_copies),
     };

@@ -36,8 +36,8 @@ typedef struct gscl_fit {
     gscl_buffer gradient_slots, links, link_grids, link_totals, links_needed;
     size_t link_capacity;
     bool has_old_lists;      /* of other splats, or of another level */
-    bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended */
-    cl_int known_splats;     /* whose lengths were read */
+    bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended since */
+    cl_int known_splats;     /* then: the splats of these lists, at least one */
     int steps_since_bin;     /* steps with the present lists */
     int steps_since_control; /* steps since the device followed their lengths (gscl_fit_control) */
     int steps_since_wait;    /* steps since the host read them */

@@ -77,7 +77,7 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
     if (f->has_old_lists)
         return GSCL_OK; /* their lengths are no longer of interest */
     const int steps = f->steps_since_wait;
-    f->has_known_lengths = true;
+    f->has_known_lengths = f->renderer.count > 0;
     f->known_splats = f->renderer.count;
     f->steps_since_wait = 0;
     GSCL_TRY(gscl_renderer_end_lengths(&f->renderer, 1, state));
@@ -90,10 +90,10 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
 }
 
 /* New splats take up to twice their share of a list, where many come to lie in one row of tiles.  If it is still too short, the
- * last of them are left out until the host looks again: at once where a part of the splats is new to it. */
+ * last of them are left out until the host looks again, which the next filling of the lists does where many are new to it. */
 gscl_result gscl_fit_expect_splats(gscl_fit *f, size_t count) {
     gscl_lists_state state = GSCL_LISTS_KEPT;
-    if (!f->has_known_lengths || f->renderer.count == 0)
+    if (!f->has_known_lengths)
         return GSCL_OK;
     const double new_splats = (double)count + f->renderer.count - f->known_splats;
     const double growth = 1 + 2.0 * new_splats / f->known_splats;

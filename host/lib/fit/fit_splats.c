@@ -74,6 +74,8 @@ gscl_result gscl_fit_reorder(gscl_fit *f, const size_t *order, size_t kept) {
     GSCL_TRY(reorder_rows(f, &f->first_moment, ROW, order, kept));
     GSCL_TRY(reorder_rows(f, &f->second_moment, ROW, order, kept));
     GSCL_TRY(reorder_rows(f, &f->ages, sizeof(cl_int), order, kept));
+    if (kept < (size_t)f->renderer.count)
+        f->has_known_lengths = false; /* they were those of more splats */
     f->renderer.count = (cl_int)kept;
     f->has_old_lists = true;
     return gscl_renderer_project(&f->renderer);
