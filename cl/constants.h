@@ -8,7 +8,7 @@
  *   project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
  *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to
  *     gradients, and a step of the optimiser
- *   placement.cl: where splats are added
+ *   random.h, placement.cl: where splats are added
  *   rdo_items.cl, outline.cl, scalar_codes.cl, rdo_planes.cl, rdo_colour.cl, rdo_moves.cl, rdo_model.cl, texture.cl,
  *     scalar_rdo.cl: rate-distortion optimisation of scalar codes
  *   codebook.cl, codebook_rdo.cl: codebooks of the paper profile
@@ -155,6 +155,8 @@
 /* Pixels of a line that a work-item sums windows of, and columns of the walk that it adds up (cl/placement.cl). */
 #define GSCL_BOX_LENGTH 16
 #define GSCL_COLUMNS_OF_ITEM 4
+#define GSCL_PLACEMENT_DRAWS \
+    3 /* random numbers for a splat: of its place in the density, and of the point of its pixel */
 
 #define GSCL_SUM_ITEMS 64 /* work-items of a group of cl/sums.cl, most of one of cl/group_sum.cl: a power of 2 */
 

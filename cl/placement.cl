@@ -88,15 +88,16 @@ inline int2 column_at(gscl_placement_settings t, int column) {
 }
 
 /* The density of a pixel as a whole number, so that its sums are exact: 2^51 for the total of densities before box sums. */
-inline ulong weight_of(float density, float total) {
-    return total > 0.0f ? (ulong)(fmin(fmax(density / total, 0.0f), 2.0f) * 0x1p51f) : 1ul;
+inline ulong weight_at(__global const float *restrict density, gscl_placement_settings t, float total, int x, int y) {
+    const float value = density[(size_t)y * t.width + x] * t.density_scale;
+    return total > 0.0f ? (ulong)(fmin(fmax(value / total, 0.0f), 2.0f) * 0x1p51f) : 1ul;
 }
 
 inline ulong column_weight(__global const float *restrict density, gscl_placement_settings t, float total, int column) {
     const int2 at = column_at(t, column);
     const int end = min(at.y + t.strip, t.height);
     ulong sum = 0;
-    for (int y = at.y; y < end; y++) sum += weight_of(density[(size_t)y * t.width + at.x] * t.density_scale, total);
+    for (int y = at.y; y < end; y++) sum += weight_at(density, t, total, at.x, y);
     return sum;
 }
 
@@ -133,15 +134,10 @@ __kernel void add_columns(gscl_placement_settings t, __global const ulong *restr
     for (int i = own.x; i < own.y; i++) weights[i] = before += weights[i];
 }
 
-/* Draw `draw` of the generator of fit/random.h from state `seed` on: 24 bits. */
-inline uint random_bits(ulong seed, ulong draw) {
-    ulong z = seed + (draw + 1) * 0x9e3779b97f4a7c15ul;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ul;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebul;
-    return (uint)((z ^ (z >> 31)) >> 40);
+/* The state of the random generator for draw `draw` of new splat i. */
+inline ulong random_state(ulong seed, int i, int draw) {
+    return seed + (GSCL_PLACEMENT_DRAWS * (ulong)i + (ulong)draw + 1) * GSCL_RANDOM_STEP;
 }
-
-inline float random_unit(ulong seed, ulong draw) { return (float)random_bits(seed, draw) * 0x1p-24f; }
 
 /* The column of the walk in which the cumulative weight passes `value`. */
 inline int find_column(__global const ulong *restrict weights, int columns, ulong value) {
@@ -156,7 +152,7 @@ inline int find_column(__global const ulong *restrict weights, int columns, ulon
 
 /* The pixel of sample i: random within its part of the density. */
 inline int2 sample_pixel(__global const float *restrict density, gscl_placement_settings t, float total,
-                         __global const ulong *restrict weights, int i, uint random) {
+                         __global const ulong *restrict weights, int i, ulong random) {
     const ulong part = weights[t.columns - 1] / (ulong)t.count;
     const ulong value = part * (ulong)i + (part >> 24) * random + (((part & 0xfffffful) * random) >> 24);
     const int column = find_column(weights, t.columns, value);
@@ -164,7 +160,7 @@ inline int2 sample_pixel(__global const float *restrict density, gscl_placement_
     const int last = min(at.y + t.strip, t.height) - 1;
     ulong sum = column > 0 ? weights[column - 1] : 0;
     for (; at.y < last; at.y++) {
-        sum += weight_of(density[(size_t)at.y * t.width + at.x] * t.density_scale, total);
+        sum += weight_at(density, t, total, at.x, at.y);
         if (sum > value) break;
     }
     return at;
@@ -173,7 +169,7 @@ inline int2 sample_pixel(__global const float *restrict density, gscl_placement_
 /* The distance between samples where the density is that of this pixel: pixels of the level. */
 inline float sample_distance(__global const float *restrict density, gscl_placement_settings t, float total,
                              ulong all_weights, int2 at) {
-    const ulong weight = weight_of(density[(size_t)at.y * t.width + at.x] * t.density_scale, total);
+    const ulong weight = weight_at(density, t, total, at.x, at.y);
     return weight > 0 ? sqrt((float)all_weights / ((float)weight * (float)t.count)) : (float)(t.width + t.height);
 }
 
@@ -217,7 +213,7 @@ __kernel void place_splats(__global const float *restrict planes, __global const
     __local int pixel; /* of the level */
     const int i = (int)get_group_id(0), item = (int)get_local_id(0);
     if (item == 0) {
-        const int2 sample = sample_pixel(density, t, *total, weights, i, random_bits(seed, 3 * (ulong)i));
+        const int2 sample = sample_pixel(density, t, *total, weights, i, gscl_random_bits_of(random_state(seed, i, 0)));
         pixel = sample.y * t.width + sample.x;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -233,8 +229,8 @@ __kernel void place_splats(__global const float *restrict planes, __global const
     if (item > 0) return;
     params += ((size_t)t.first + i) * GSCL_PARAMS;
     for (int k = 0; k < GSCL_PARAMS; k++) params[k] = 0.0f;
-    params[GSCL_X] = ((float)at.x + random_unit(seed, 3 * (ulong)i + 1)) * t.scale;
-    params[GSCL_Y] = ((float)at.y + random_unit(seed, 3 * (ulong)i + 2)) * t.scale;
+    params[GSCL_X] = ((float)at.x + gscl_random_unit_of(random_state(seed, i, 1))) * t.scale;
+    params[GSCL_Y] = ((float)at.y + gscl_random_unit_of(random_state(seed, i, 2))) * t.scale;
     params[GSCL_LOG_S1] = params[GSCL_LOG_S2] = log(sigma);
     params[GSCL_OPACITY] = t.opacity;
     for (int k = 0; k < t.channels; k++)

@@ -46,7 +46,7 @@ gscl_result gscl_placement_append(gscl_fit *f, gscl_placement_settings settings,
     const size_t count = (size_t)settings.count;
     const cl_ulong seed = *random;
     cl_kernel kernel;
-    gscl_random_skip(random, 3 * (uint64_t)count);
+    gscl_random_skip(random, GSCL_PLACEMENT_DRAWS * (uint64_t)count);
     GSCL_TRY(add_up_columns(f, settings));
     GSCL_TRY(gscl_fit_begin_append(f, count));
     GSCL_TRY(gscl_image_kernel(f->context, "place_splats", &kernel));

@@ -12,7 +12,7 @@ gscl_placement_settings gscl_placement_begin(const gscl_fit *fit, size_t count);
  * and fro, column by column, and every count-th part of the density on this way gets one splat.  Splats thus keep apart from
  * each other, which independent samples do not.
  *
- * `random` gives three numbers for each splat: its place in its part of the density, and the point of the pixel. */
+ * `random` gives GSCL_PLACEMENT_DRAWS numbers for each splat. */
 gscl_result gscl_placement_append(gscl_fit *fit, gscl_placement_settings settings, uint64_t *random);
 
 #endif

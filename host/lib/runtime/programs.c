@@ -49,7 +49,8 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
                                "codebook_rdo.cl"},
     [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
     [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
-    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "placement.cl"},
+    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "random.h",
+                            "placement.cl"},
     [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
     [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "accuracy.cl"},
 };
