@@ -146,9 +146,10 @@ static double score_before(const gscl_image *a, const gscl_image *b, float backg
     double sum;
     for (int which = 0; which < 2; which++)
         for (size_t i = 0; i < pixels; i++) {
-            const gscl_pixel p = gscl_image_pixel(images[which], (uint32_t)i % a->width, (uint32_t)i / a->width);
+            gscl_pixels p;
+            gscl_image_read(images[which], (uint32_t)i % a->width, (uint32_t)i / a->width, 1, &p);
             for (int c = 0; c < 3; c++)
-                planes[which][(size_t)c * pixels + i] = p.colour[c] + (1.0f - p.alpha) * background;
+                planes[which][(size_t)c * pixels + i] = p.colour[c][0] + (1.0f - p.alpha[0]) * background;
         }
     assert_int_equal(gscl_ssimulacra2_sum(planes[0], planes[1], a->width, a->height, 3, &sum), GSCL_OK);
     return gscl_ssimulacra2_score(sum);

@@ -19,16 +19,18 @@ static gsf_header describe_image(const gscl_encoder *e, const gscl_image *image)
                         .height = image->height};
 }
 
-/* The coded image without splats has one colour. */
-static void set_background_only(gscl_encoder *e, gscl_pixel p) {
+/* The coded image without splats has one colour, that of the first pixel. */
+static void set_background_only(gscl_encoder *e, const gscl_image *image) {
     gsf_coded_image *file = &e->coded.file;
+    gscl_pixels first;
+    gscl_image_read(image, 0, 0, 1, &first);
     file->bare = true;
     const int colours = e->header.has_chroma ? 3 : 1;
     file->header = e->header;
     for (int k = 0; k < colours; k++)
-        file->background[k] = gscl_quantise_background(&file->header, p.colour[k]);
+        file->background[k] = gscl_quantise_background(&file->header, first.colour[k][0]);
     if (file->header.has_alpha)
-        file->background[colours] = gscl_quantise_background(&file->header, p.alpha);
+        file->background[colours] = gscl_quantise_background(&file->header, first.alpha[0]);
 }
 
 gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
@@ -37,7 +39,7 @@ gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
     e->effects = gscl_effects_of_settings(&e->settings, &e->content);
     e->header = describe_image(e, image);
     gscl_effects_set_channels(&e->effects, &e->header);
-    set_background_only(e, gscl_image_pixel(image, 0, 0));
+    set_background_only(e, image);
     const size_t pixels = (size_t)image->width * image->height;
     /* Of so few pixels more than two splats for each are of no use; they only move the others away from their best. */
     const size_t useful_splats = pixels < 6 ? 2 * pixels : pixels / 2 + 8;

@@ -15,38 +15,41 @@ static const unsigned char *row_of(const gscl_image *image, uint32_t y) {
     return (const unsigned char *)image->pixels + (size_t)y * gscl_image_stride(image);
 }
 
-static float sample_at(const unsigned char *row, gscl_sample sample, size_t i) {
-    if (sample == GSCL_SAMPLE_U8)
-        return (float)row[i] / 255.0f;
-    if (sample == GSCL_SAMPLE_U16)
-        return (float)((const uint16_t *)(const void *)row)[i] / 65535.0f;
-    return ((const float *)(const void *)row)[i];
-}
-
 static float clamp_unit(float x) {
     return x < 0.0f ? 0.0f : x > 1.0f ? 1.0f : x;
 }
 
-static bool has_alpha(const gscl_image *image) {
-    return image->channels == 2 || image->channels == 4;
-}
-
-/* Clamped to 0..1 and premultiplied. */
-static gscl_pixel pixel_at(const gscl_image *image, const unsigned char *row, uint32_t x) {
-    gscl_pixel p;
-    size_t at = (size_t)x * image->channels;
-    int colours = image->channels >= 3 ? 3 : 1;
-    p.alpha = has_alpha(image) ? clamp_unit(sample_at(row, image->sample, at + (size_t)colours)) : 1.0f;
-    float factor = image->premultiplied ? 1.0f : p.alpha;
-    for (int k = 0; k < 3; k++) {
-        float c = clamp_unit(sample_at(row, image->sample, at + (size_t)(k < colours ? k : 0))) * factor;
-        p.colour[k] = c < p.alpha ? c : p.alpha;
+/* `count` samples from number `first` of a row on, clamped to 0..1. */
+static void read_samples(const unsigned char *row, gscl_sample sample, size_t first, size_t count, float *values) {
+    if (sample == GSCL_SAMPLE_U8) {
+        const uint8_t *samples = row + first;
+        for (size_t i = 0; i < count; i++)
+            values[i] = (float)samples[i] / 255.0f;
+    } else if (sample == GSCL_SAMPLE_U16) {
+        const uint16_t *samples = (const uint16_t *)(const void *)row + first;
+        for (size_t i = 0; i < count; i++)
+            values[i] = (float)samples[i] / 65535.0f;
+    } else {
+        const float *samples = (const float *)(const void *)row + first;
+        for (size_t i = 0; i < count; i++)
+            values[i] = clamp_unit(samples[i]);
     }
-    return p;
 }
 
-gscl_pixel gscl_image_pixel(const gscl_image *image, uint32_t x, uint32_t y) {
-    return pixel_at(image, row_of(image, y), x);
+void gscl_image_read(const gscl_image *image, uint32_t x, uint32_t y, size_t count, gscl_pixels *pixels) {
+    const size_t channels = image->channels, colours = channels >= 3 ? 3 : 1;
+    const bool has_alpha = channels % 2 == 0;
+    float values[4 * GSCL_MAX_READ];
+    read_samples(row_of(image, y), image->sample, x * channels, count * channels, values);
+    for (size_t i = 0; i < count; i++)
+        pixels->alpha[i] = has_alpha ? values[i * channels + colours] : 1.0f;
+    for (size_t k = 0; k < 3; k++) {
+        const float *colour = values + (k < colours ? k : 0);
+        for (size_t i = 0; i < count; i++) {
+            const float alpha = pixels->alpha[i], c = colour[i * channels] * (image->premultiplied ? 1.0f : alpha);
+            pixels->colour[k][i] = c < alpha ? c : alpha;
+        }
+    }
 }
 
 static gscl_result check_kind(gscl_context *context, const gscl_image *image) {
@@ -80,47 +83,77 @@ static gscl_result check_finite(gscl_context *context, const gscl_image *image) 
     return GSCL_OK;
 }
 
+/* Notes what a pixel of some says of the content.  `first`: the first pixel of the image. */
+static void examine_pixels(const gscl_pixels *p, size_t count, const gscl_pixels *first, gscl_content *content) {
+    for (size_t i = 0; i < count; i++) {
+        const float red = p->colour[0][i], green = p->colour[1][i], blue = p->colour[2][i], alpha = p->alpha[i];
+        content->chroma |= red != green || green != blue;
+        content->alpha |= alpha < 1.0f;
+        content->flat &= red == first->colour[0][0] && green == first->colour[1][0] && blue == first->colour[2][0] &&
+                         alpha == first->alpha[0];
+    }
+}
+
 gscl_result gscl_image_examine(gscl_context *context, const gscl_image *image, gscl_content *content) {
+    gscl_pixels first, pixels;
     GSCL_TRY(check_kind(context, image));
     GSCL_TRY(check_finite(context, image));
-    gscl_pixel first = gscl_image_pixel(image, 0, 0);
+    gscl_image_read(image, 0, 0, 1, &first);
     *content = (gscl_content){.flat = true, .high_bit_depth = image->sample != GSCL_SAMPLE_U8};
-    for (uint32_t y = 0; y < image->height; y++) {
-        const unsigned char *row = row_of(image, y);
-        for (uint32_t x = 0; x < image->width; x++) {
-            gscl_pixel p = pixel_at(image, row, x);
-            if (p.colour[0] != p.colour[1] || p.colour[1] != p.colour[2])
-                content->chroma = true;
-            if (p.alpha < 1.0f)
-                content->alpha = true;
-            if (memcmp(&p, &first, sizeof p) != 0)
-                content->flat = false;
+    for (uint32_t y = 0; y < image->height; y++)
+        for (uint32_t x = 0; x < image->width; x += GSCL_MAX_READ) {
+            const size_t count = gscl_image_read_count(image, x);
+            gscl_image_read(image, x, y, count, &pixels);
+            examine_pixels(&pixels, count, &first, content);
         }
-    }
     return GSCL_OK;
 }
 
+/* Replaces three colours by their mean, which is exact where they are equal. */
+static void make_grey(gscl_pixels *p, size_t count) {
+    float *grey = p->colour[0];
+    for (size_t i = 0; i < count; i++)
+        grey[i] += ((p->colour[1][i] - grey[i]) + (p->colour[2][i] - grey[i])) / 3.0f;
+}
+
+/* Adds pixels of a row, from `x` on, to the row of a plane in which 2^level of them are one. */
+static void add_to_row(const float *values, uint32_t x, size_t count, int level, float *row) {
+    if (level == 0)
+        memcpy(row + x, values, count * sizeof *row);
+    else
+        for (size_t i = 0; i < count; i++)
+            row[(x + i) >> level] += values[i];
+}
+
+/* Divides the sums of a row by the number of pixels in each.  `rows`: rows of the image in it. */
+static void divide_row(float *row, uint32_t width, const gscl_image *image, int level, uint32_t rows) {
+    const uint32_t side = 1u << level;
+    for (uint32_t x = 0; x < width; x++) {
+        const uint32_t left = image->width - x * side;
+        row[x] /= (float)((left < side ? left : side) * rows);
+    }
+}
+
 void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int level, float *planes) {
-    uint32_t width = gscl_level_size(image->width, level), height = gscl_level_size(image->height, level);
-    uint32_t side = 1u << level;
-    size_t plane = (size_t)width * height;
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++) {
-            float sum[4] = {0}, count = 0;
-            for (uint32_t v = y * side; v < (y + 1) * side && v < image->height; v++)
-                for (uint32_t u = x * side; u < (x + 1) * side && u < image->width; u++) {
-                    gscl_pixel p = pixel_at(image, row_of(image, v), u);
-                    if (colours == 1) /* exact where the colours are equal */
-                        p.colour[0] += ((p.colour[1] - p.colour[0]) + (p.colour[2] - p.colour[0])) / 3.0f;
-                    for (int k = 0; k < colours; k++)
-                        sum[k] += p.colour[k];
-                    sum[3] += p.alpha;
-                    count += 1.0f;
-                }
-            float *to = planes + (size_t)y * width + x;
-            for (int k = 0; k < colours; k++)
-                to[(size_t)k * plane] = sum[k] / count;
-            if (alpha)
-                to[(size_t)colours * plane] = sum[3] / count;
+    const uint32_t width = gscl_level_size(image->width, level), height = gscl_level_size(image->height, level);
+    const uint32_t side = 1u << level;
+    const size_t plane = (size_t)width * height;
+    const int channels = colours + alpha;
+    gscl_pixels pixels;
+    for (int k = 0; k < channels && level > 0; k++)
+        memset(planes + (size_t)k * plane, 0, plane * sizeof *planes);
+    for (uint32_t y = 0; y < image->height; y++) {
+        float *row = planes + (size_t)(y >> level) * width;
+        for (uint32_t x = 0; x < image->width; x += GSCL_MAX_READ) {
+            const size_t count = gscl_image_read_count(image, x);
+            gscl_image_read(image, x, y, count, &pixels);
+            if (colours == 1)
+                make_grey(&pixels, count);
+            for (int k = 0; k < channels; k++)
+                add_to_row(k < colours ? pixels.colour[k] : pixels.alpha, x, count, level, row + (size_t)k * plane);
         }
+        if (level > 0 && (y % side == side - 1 || y == image->height - 1))
+            for (int k = 0; k < channels; k++)
+                divide_row(row + (size_t)k * plane, width, image, level, y % side + 1);
+    }
 }

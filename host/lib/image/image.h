@@ -29,10 +29,19 @@ size_t gscl_sample_size(gscl_sample sample);
 /* Bytes from row to row. */
 size_t gscl_image_stride(const gscl_image *image);
 
-/* A pixel, clamped to 0..1 and premultiplied.  Grey has three equal colours; without an alpha channel alpha is 1. */
-typedef struct gscl_pixel {
-    float colour[3], alpha;
-} gscl_pixel;
-gscl_pixel gscl_image_pixel(const gscl_image *image, uint32_t x, uint32_t y);
+/* Pixels side by side, clamped to 0..1 and premultiplied.  Grey has three equal colours; without an alpha channel alpha
+ * is 1. */
+#define GSCL_MAX_READ 256u
+typedef struct gscl_pixels {
+    float colour[3][GSCL_MAX_READ], alpha[GSCL_MAX_READ];
+} gscl_pixels;
+
+/* Reads `count` pixels of row y, from x on; 1 to GSCL_MAX_READ, all within the row. */
+void gscl_image_read(const gscl_image *image, uint32_t x, uint32_t y, size_t count, gscl_pixels *pixels);
+
+/* The number of pixels that can be read at once from x on. */
+static inline size_t gscl_image_read_count(const gscl_image *image, uint32_t x) {
+    return image->width - x < GSCL_MAX_READ ? image->width - x : GSCL_MAX_READ;
+}
 
 #endif
