@@ -25,29 +25,36 @@ static bool has_colour(const float *planes, size_t pixels, int channels, const f
     return true;
 }
 
-/* The mean colour of the fullest bin of the histogram, most of which is the flat background if there is one.
- * `members`: the pixels in the bin.  False: out of memory. */
-static bool fullest_bin(const float *planes, size_t pixels, int channels, float colour[4], size_t *members) {
-    size_t bins = (size_t)1 << (gscl_image_tunables.histogram_bits * channels), fullest = 0;
+/* The fullest bin of the histogram, most of which is the flat background if there is one.  `members`: the pixels in it.
+ * False: out of memory. */
+static bool find_fullest_bin(const float *planes, size_t pixels, int channels, size_t *fullest, size_t *members) {
+    const size_t bins = (size_t)1 << (gscl_image_tunables.histogram_bits * channels);
     uint32_t *counts = calloc(bins, sizeof *counts);
     if (!counts)
         return false;
     for (size_t i = 0; i < pixels; i++)
         counts[bin_of(planes, pixels, channels, i)]++;
+    *fullest = 0;
     for (size_t b = 1; b < bins; b++)
-        fullest = counts[b] > counts[fullest] ? b : fullest;
-    *members = counts[fullest];
+        *fullest = counts[b] > counts[*fullest] ? b : *fullest;
+    *members = counts[*fullest];
     free(counts);
+    return true;
+}
+
+/* The mean colour of the pixels in a bin of the histogram. */
+static void find_mean_colour(const float *planes, size_t pixels, int channels, size_t bin, float colour[4]) {
     double sums[4] = {0};
+    size_t members = 0;
     for (size_t i = 0; i < pixels; i++) {
-        if (bin_of(planes, pixels, channels, i) != fullest)
+        if (bin_of(planes, pixels, channels, i) != bin)
             continue;
+        members++;
         for (int k = 0; k < channels; k++)
             sums[k] += planes[(size_t)k * pixels + i];
     }
     for (int k = 0; k < channels; k++)
-        colour[k] = (float)(sums[k] / (double)*members);
-    return true;
+        colour[k] = (float)(sums[k] / (double)members);
 }
 
 /* The share of the tiles in which all pixels have this colour. */
@@ -69,12 +76,13 @@ static double flat_tiles(const float *planes, size_t width, size_t height, int c
 
 bool gscl_find_flat_background(const float *planes, uint32_t width, uint32_t height, int channels,
                                gscl_flat_background *flat) {
-    size_t pixels = (size_t)width * height, members, same = 0;
+    size_t pixels = (size_t)width * height, bin, members, same = 0;
     *flat = (gscl_flat_background){.pixels = 0};
-    if (!fullest_bin(planes, pixels, channels, flat->colour, &members))
+    if (!find_fullest_bin(planes, pixels, channels, &bin, &members))
         return false;
     if ((double)members < gscl_image_tunables.min_background * (double)pixels)
         return true;
+    find_mean_colour(planes, pixels, channels, bin, flat->colour);
     for (size_t i = 0; i < pixels; i++)
         same += has_colour(planes, pixels, channels, flat->colour, i);
     if ((double)same < gscl_image_tunables.min_background * (double)pixels)
