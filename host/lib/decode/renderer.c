@@ -117,9 +117,9 @@ gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
 
 gscl_result gscl_renderer_project(gscl_renderer *r) {
     cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_PROJECT, &r->options, "project", &kernel));
+    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "project", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
-                       gscl_splat_group_size(r->context, GSCL_PROGRAM_PROJECT), GSCL_ARG_BUFFER(r->params),
+                       gscl_splat_group_size(r->context, GSCL_PROGRAM_RENDER), GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }

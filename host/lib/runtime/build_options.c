@@ -31,7 +31,6 @@ typedef struct program_traits {
 } program_traits;
 
 static const program_traits traits_of_kinds[GSCL_PROGRAM_KINDS] = {
-    [GSCL_PROGRAM_PROJECT] = {.has_channels = true, .has_splats = true, .has_precision = true},
     [GSCL_PROGRAM_RENDER] = {.has_channels = true, .has_splats = true, .has_blend = true, .has_precision = true},
     [GSCL_PROGRAM_FIT] = {true, true, true, true, true, true},
     [GSCL_PROGRAM_GRADIENTS] = {true, true, true, true, true, true},

@@ -34,9 +34,8 @@ struct gscl_program {
 
 /* Source files of each kind, in the order in which the compiler reads them. */
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_PROJECT] = {COMMON_FILES, "pixel.cl", "splat_lanes.cl", "project.cl"},
     [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "bin.cl"},
-    [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "samples.cl"},
+    [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "samples.cl"},
     [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "group_scan.cl",
                           "slots.cl", "fit.cl", "update.cl", "step.cl"},
     [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", "splat_lanes.cl", "project.cl", "group_scan.cl", "slots.cl",
