@@ -48,8 +48,9 @@ int fault_live_blocks(void) {
     return live_blocks;
 }
 
+/* The library calls from two threads while another one builds programs. */
 static bool fails(fault_kind kind, const char *call) {
-    const int number = ++counts[kind];
+    const int number = __atomic_add_fetch(&counts[kind], 1, __ATOMIC_RELAXED);
     const bool failed = kind == failing_kind && failing_number > 0 &&
                         (failing_forever ? number >= failing_number : number == failing_number);
     if (failed)

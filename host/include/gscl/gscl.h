@@ -23,7 +23,8 @@
  *    release function accepts NULL.
  *  - A context is used by one thread at a time; different contexts are independent of each other.  Functions without a
  *    context may be called from any thread.  A debug build of the library ends the program with a message when two calls
- *    use one context at the same time.
+ *    use one context at the same time.  gscl_encode may build kernels in a thread of its own, which receives no signals and
+ *    has ended when the call returns.
  *  - Otherwise the library never prints, exits, reads the environment or keeps global state.  The OpenCL implementation that it
  *    uses may do all of these.
  *  - Images are stored row by row from the top left; x points to the right and y down.  Pixel (i, j) has its centre at

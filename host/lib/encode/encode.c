@@ -10,6 +10,7 @@
 #include "encode/psnr_search.h"
 #include "encode/settings.h"
 #include "encode/tunables.h"
+#include "runtime/prefetch.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
 #include "scalar/encode_scalar.h"
@@ -154,6 +155,7 @@ static void encoder_begin(gscl_encoder *e, gscl_encode_trace *trace, gscl_encode
 static void encoder_end(gscl_encoder *e) {
     gscl_source_free(&e->source);
     gscl_coded_image_free(&e->coded);
+    gscl_prefetch_end(e->context);
     gscl_stage(e->context, GSCL_STAGE_NONE);
     if (e->trace)
         gscl_encode_trace_end(e->trace, e->context);

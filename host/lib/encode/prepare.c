@@ -5,6 +5,7 @@
 #include "decode/blend.h"
 #include "decode/quantise.h"
 #include "encode/tunables.h"
+#include "runtime/prefetch.h"
 #include "session/effects.h"
 
 /* The header of the image, still without effects (gscl_effects_set_header). */
@@ -33,6 +34,12 @@ static void set_background_only(gscl_encoder *e, const gscl_image *image) {
         file->background[colours] = gscl_quantise_background(&file->header, first.alpha[0]);
 }
 
+/* The programs that are the same for all images. */
+static void prefetch_programs(gscl_context *context) {
+    const gscl_program_request requests[] = {{.kind = GSCL_PROGRAM_IMAGE}, {.kind = GSCL_PROGRAM_BIN}};
+    gscl_prefetch(context, requests, sizeof requests / sizeof *requests);
+}
+
 gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
     GSCL_TRY(gscl_image_examine(e->context, image, &e->content));
     GSCL_TRY(gscl_effects_check(e->context, &e->settings, image));
@@ -44,7 +51,10 @@ gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
     /* Of so few pixels more than two splats for each are of no use; they only move the others away from their best. */
     const size_t useful_splats = pixels < 6 ? 2 * pixels : pixels / 2 + 8;
     e->max_splats = useful_splats > GSCL_MAX_SPLATS ? GSCL_MAX_SPLATS : useful_splats;
-    return e->content.flat ? GSCL_OK : gscl_source_create(&e->source, e->context, image, &e->header);
+    if (e->content.flat)
+        return GSCL_OK;
+    prefetch_programs(e->context);
+    return gscl_source_create(&e->source, e->context, image, &e->header);
 }
 
 /* Bytes of the file around its picture, and those of them that are blocks. */

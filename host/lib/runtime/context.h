@@ -9,10 +9,11 @@
 
 #define GSCL_MESSAGE_SIZE 512
 
-struct gscl_program; /* programs.c */
-struct gscl_timings; /* timing.c */
-struct gscl_parked;  /* opencl.c */
-struct gscl_quirks;  /* quirks.h */
+struct gscl_program;  /* program.h */
+struct gscl_prefetch; /* prefetch.c */
+struct gscl_timings;  /* timing.c */
+struct gscl_parked;   /* opencl.c */
+struct gscl_quirks;   /* quirks.h */
 
 /* Wall-clock time and number of runs of one stage. */
 typedef struct gscl_stage_time_sum {
@@ -44,6 +45,7 @@ struct gscl_context {
     bool is_cpu;                      /* the device is a CPU */
     bool gpu_mapping;                 /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
     struct gscl_program *programs;    /* built so far, a list */
+    struct gscl_prefetch *prefetch;   /* programs that another thread builds, or NULL */
     bool own_builtins;                /* programs declare built-in functions with cl/builtins.h (programs.c) */
     char *cache_folder;               /* where built programs are kept (program_cache.h), or NULL */
     gscl_build_callback build;        /* may be NULL */

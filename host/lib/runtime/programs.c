@@ -1,213 +1,48 @@
 #include "runtime/programs.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "runtime/build_options.h"
-#include "runtime/cl_names.h"
-#include "runtime/kernel_sources.h"
 #include "runtime/opencl.h"
-#include "runtime/program_cache.h"
-#include "runtime/timing.h"
-#include "runtime/tunables.h"
+#include "runtime/prefetch.h"
+#include "runtime/program.h"
 
-#define MAX_FILES 20   /* source files of a program */
-#define MAX_KERNELS 24 /* of a program */
-/* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
-#define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
-
-struct gscl_program {
-    struct gscl_program *next;
-    gscl_program_kind kind;
-    char options[GSCL_MAX_BUILD_OPTIONS];
-    cl_program program;
-    bool is_new; /* it was built from its sources rather than found built */
-    size_t kernel_count;
-    struct {
-        const char *name;
-        cl_kernel kernel;
-    } kernels[MAX_KERNELS];
-};
-
-#define COMMON_FILES "builtins.h", "constants.h", "structs.h", "macros.h"
-
-/* Source files of each kind, in the order in which the compiler reads them. */
-static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "bin.cl"},
-    [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "group_scan.cl",
-                          "slots.cl", "fit.cl", "update.cl", "step.cl"},
-    [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", "splat_lanes.cl", "project.cl", "group_scan.cl", "slots.cl",
-                                "update.cl", "gradients.cl"},
-    [GSCL_PROGRAM_SCALAR_RDO] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "rdo_items.cl",
-                                 "outline.cl", "scalar_codes.cl", "rdo_planes.cl", "rdo_colour.cl", "rdo_moves.cl",
-                                 "rdo_model.cl", "texture.cl", "scalar_rdo.cl"},
-    [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", "splat_lanes.cl", "project.cl", "group_scan.cl",
-                               "slots.cl", "fit.cl", "update.cl", "rdo_items.cl", "outline.cl", "codebook.cl",
-                               "codebook_rdo.cl"},
-    [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
-    [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
-    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "random.h",
-                            "placement.cl"},
-    [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
-    [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "accuracy.cl"},
-};
-
-static const struct gscl_kernel_source *find_source(const char *name) {
-    for (size_t i = 0; i < gscl_kernel_source_count; i++)
-        if (strcmp(gscl_kernel_sources[i].name, name) == 0)
-            return &gscl_kernel_sources[i];
-    return NULL;
-}
-
-/* The compiler's log, to be freed; NULL when it cannot be read. */
-static char *program_build_log(const gscl_context *context, const struct gscl_program *program) {
-    size_t size = 0;
-    if (clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) != CL_SUCCESS)
-        return NULL;
-    char *log = calloc(size + 1, 1);
-    if (log &&
-        clGetProgramBuildInfo(program->program, context->device, CL_PROGRAM_BUILD_LOG, size, log, NULL) != CL_SUCCESS) {
-        free(log);
-        log = NULL;
-    }
-    return log;
-}
-
-/* Logs the compiler's messages; the first line becomes the message of the error. */
-static gscl_result program_build_fail(gscl_context *context, const struct gscl_program *program, cl_int error) {
-    char *log = program_build_log(context, program);
-    gscl_log(context, GSCL_LOG_ERROR, "kernel build with %s: %s", program->options, log ? log : "");
-    const gscl_result result =
-        gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "%s could not build the kernels (%s) with %s: %.*s",
-                  context->info.device_name, gscl_cl_error_name(error), program->options,
-                  log ? (int)strcspn(log, "\n") : 0, log ? log : "");
-    free(log);
+/* Takes the program that another thread has built, or makes it. */
+static gscl_result make_program(gscl_context *context, gscl_program_kind kind, const char *options,
+                                struct gscl_program **made) {
+    *made = gscl_prefetch_take(context, kind, options);
+    if (*made)
+        return GSCL_OK;
+    GSCL_TRY(gscl_program_create(context, kind, options, made));
+    const gscl_result result = gscl_program_make(context, *made);
+    if (result != GSCL_OK)
+        gscl_program_free(*made);
     return result;
 }
 
-/* The source files of a program. */
-typedef struct program_sources {
-    size_t count;
-    const char *texts[MAX_FILES];
-    size_t lengths[MAX_FILES];
-} program_sources;
-
-static gscl_result program_find_sources(gscl_context *context, gscl_program_kind kind, program_sources *sources) {
-    const char *const *names = program_files[kind];
-    for (sources->count = 0; sources->count < MAX_FILES && names[sources->count]; sources->count++) {
-        const struct gscl_kernel_source *source = find_source(names[sources->count]);
-        if (!source)
-            return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "kernel source %s is not in this build",
-                             names[sources->count]);
-        sources->texts[sources->count] = source->text;
-        sources->lengths[sources->count] = source->length;
-    }
-    return GSCL_OK;
-}
-
-/* Creates and builds the program, in place of one that was created before.  `extra`: options beyond its own. */
-static gscl_result program_try_build(gscl_context *context, struct gscl_program *program, program_sources *sources,
-                                     const char *extra, cl_int *error) {
-    char options[GSCL_MAX_BUILD_OPTIONS + sizeof OWN_BUILTINS];
-    snprintf(options, sizeof options, "%s%s", program->options, extra); /* always fits */
-    if (program->program)
-        clReleaseProgram(program->program);
-    program->program =
-        clCreateProgramWithSource(context->cl, (cl_uint)sources->count, sources->texts, sources->lengths, error);
-    if (*error != CL_SUCCESS)
-        return gscl_cl_fail(context, *error, "clCreateProgramWithSource");
-    *error = clBuildProgram(program->program, 1, &context->device, options, NULL, NULL);
-    return GSCL_OK;
-}
-
-/* Builds with cl/builtins.h where it is of use; that file has no double precision. */
-static gscl_result program_build(gscl_context *context, struct gscl_program *program, program_sources *sources) {
-    cl_int error = CL_BUILD_PROGRAM_FAILURE;
-    if (context->own_builtins && program->kind != GSCL_PROGRAM_ACCURACY) {
-        GSCL_TRY(program_try_build(context, program, sources, OWN_BUILTINS, &error));
-        context->own_builtins = error == CL_SUCCESS;
-        if (error != CL_SUCCESS)
-            gscl_log(context, GSCL_LOG_DEBUG, "cl/builtins.h is not enough for %s", program->options);
-    }
-    if (error != CL_SUCCESS)
-        GSCL_TRY(program_try_build(context, program, sources, "", &error));
-    return error == CL_SUCCESS ? GSCL_OK : program_build_fail(context, program, error);
-}
-
-/* Builds the program, and tells the caller of it. */
-static gscl_result program_build_reported(gscl_context *context, struct gscl_program *program,
-                                          program_sources *sources) {
-    gscl_report_build(context, true);
-    const gscl_result result = program_build(context, program, sources);
-    gscl_report_build(context, false);
-    return result;
-}
-
-/* Takes the program from the cache, or builds it. */
-static gscl_result program_make(gscl_context *context, struct gscl_program *program) {
-    const double start = gscl_now();
-    program_sources sources;
-    char key[GSCL_PROGRAM_KEY_SIZE];
-    GSCL_TRY(program_find_sources(context, program->kind, &sources));
-    const bool has_key =
-        gscl_program_key(context, program->options, sources.texts, sources.lengths, sources.count, key);
-    program->program = has_key ? gscl_program_load(context, key, program->options) : NULL;
-    const bool found = program->program != NULL;
-    gscl_result result = found ? GSCL_OK : program_build_reported(context, program, &sources);
-    program->is_new = !found && gscl_now() - start > gscl_runtime_tunables.found_build_s;
-    if (result == GSCL_OK && has_key && !found)
-        gscl_program_save(context, key, program->program);
-    gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built",
-             1e3 * (gscl_now() - start), program->options);
-    return result;
-}
-
-static void program_free(struct gscl_program *program) {
-    for (size_t i = 0; i < program->kernel_count; i++)
-        clReleaseKernel(program->kernels[i].kernel);
-    if (program->program)
-        clReleaseProgram(program->program);
-    free(program);
-}
-
-static gscl_result program_get(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+static gscl_result get_program(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                                struct gscl_program **found) {
     char text[GSCL_MAX_BUILD_OPTIONS];
     GSCL_TRY(gscl_build_options(context, kind, options, text));
-    for (struct gscl_program *p = context->programs; p; p = p->next)
-        if (p->kind == kind && strcmp(p->options, text) == 0) {
-            *found = p;
-            return GSCL_OK;
-        }
-    struct gscl_program *program = calloc(1, sizeof *program);
-    if (!program)
-        return gscl_fail_memory(context);
-    program->kind = kind;
-    memcpy(program->options, text, sizeof text);
-    gscl_result result = program_make(context, program);
-    if (result != GSCL_OK) {
-        program_free(program);
-        return result;
-    }
-    program->next = context->programs;
-    context->programs = program;
-    *found = program;
+    *found = gscl_program_find(context, kind, text);
+    if (*found)
+        return GSCL_OK;
+    GSCL_TRY(make_program(context, kind, text, found));
+    gscl_program_keep(context, *found);
     return GSCL_OK;
 }
 
 gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                         const char *name, cl_kernel *kernel) {
     struct gscl_program *program;
-    GSCL_TRY(program_get(context, kind, options, &program));
+    GSCL_TRY(get_program(context, kind, options, &program));
     for (size_t i = 0; i < program->kernel_count; i++)
         if (strcmp(program->kernels[i].name, name) == 0) {
             *kernel = program->kernels[i].kernel;
             return GSCL_OK;
         }
-    if (program->kernel_count == MAX_KERNELS)
-        return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "a program has more than %d kernels", MAX_KERNELS);
+    if (program->kernel_count == GSCL_MAX_KERNELS)
+        return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "a program has more than %d kernels", GSCL_MAX_KERNELS);
     cl_int error;
     *kernel = clCreateKernel(program->program, name, &error);
     if (error != CL_SUCCESS)
@@ -220,9 +55,10 @@ gscl_result gscl_kernel(gscl_context *context, gscl_program_kind kind, const gsc
 }
 
 void gscl_programs_free(gscl_context *context) {
+    gscl_prefetch_end(context);
     while (context->programs) {
         struct gscl_program *next = context->programs->next;
-        program_free(context->programs);
+        gscl_program_free(context->programs);
         context->programs = next;
     }
 }

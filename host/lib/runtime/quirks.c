@@ -6,9 +6,14 @@
 
 static const gscl_quirks quirks[] = {
     /* PoCL 3.1 reads a megabyte of declarations before each program, even if its cache has the kernels: 0.2 s for each of
-     * the six programs of an encode.  cl/builtins.h declares what the kernels use.
+     * the seven programs of an encode.  cl/builtins.h declares what the kernels use, and still each takes 8 to 17 ms, one
+     * at a time, but beside the kernels of others.
      * Any PoCL builds slow generic kernels for CL_PROGRAM_BINARIES, and has a cache. */
-    {.platform = "Portable Computing Language", .version = "PoCL 3.", .own_builtins = true, .own_cache = true},
+    {.platform = "Portable Computing Language",
+     .version = "PoCL 3.",
+     .own_builtins = true,
+     .own_cache = true,
+     .builds_aside = true},
     {.platform = "Portable Computing Language", .own_cache = true},
 
     /* NVIDIA's driver has a cache. */

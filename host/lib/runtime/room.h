@@ -14,7 +14,9 @@
  *   quirks.h: what some OpenCL implementations need otherwise
  *   device_list.h, device.h: listing and choosing devices
  *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for
- *   programs.h, kernel_sources.h: building kernels and looking them up
+ *   program.h, kernel_sources.h: building a program
+ *   prefetch.h: building programs ahead of their use
+ *   programs.h: looking kernels up
  *   binary_store.h, binary_store_trim.h, program_cache.h: programs that are kept from process to process
  *   tunables.h: the numbers that were found by trying
  *   struct_size.h: structs of programs that were compiled with an older header

@@ -7,6 +7,7 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 #include "fit/density.h"
+#include "runtime/prefetch.h"
 #include "runtime/timing.h"
 #include "session/encode_trace.h"
 
@@ -33,6 +34,17 @@ static bool hides_background(const gscl_scalar_state *s) {
            s->target >= (size_t)tunables->min_covering_splats;
 }
 
+/* The programs of the fit, and then those of the passes after it: first without waves, then with them. */
+static void prefetch_programs(const gscl_scalar_state *s, const gscl_kernel_options *options) {
+    gscl_kernel_options textured = *options;
+    textured.texture = true;
+    const gscl_program_request requests[] = {
+        {GSCL_PROGRAM_RENDER, *options}, {GSCL_PROGRAM_FIT, *options},        {GSCL_PROGRAM_SCALAR_RDO, *options},
+        {GSCL_PROGRAM_RENDER, textured}, {GSCL_PROGRAM_SCALAR_RDO, textured},
+    };
+    gscl_prefetch(s->encoder->context, requests, !s->has_choice ? 2 : !s->textures ? 3 : 5);
+}
+
 static gscl_result create_fit(gscl_scalar_state *s) {
     const gscl_encoder *e = s->encoder;
     const gscl_source *source = s->source;
@@ -40,6 +52,7 @@ static gscl_result create_fit(gscl_scalar_state *s) {
     gscl_kernel_options options = gscl_coded_image_options(&file->header);
     options.loss = e->loss_kind;
     options.weighted = gscl_scalar_weighting(s);
+    prefetch_programs(s, &options);
     GSCL_TRY(gscl_fit_create(&s->fit, e->context, &options, source->image_width, source->image_height,
                              source->first_level, source->planes));
     if (s->is_last_fit)

@@ -1,0 +1,174 @@
+#include "runtime/prefetch.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "runtime/build_options.h"
+#include "runtime/program.h"
+#include "runtime/quirks.h"
+
+struct gscl_prefetch {
+    cl_context cl;
+    cl_device_id device;
+    bool own_builtins;
+    pthread_t thread;
+    pthread_mutex_t lock; /* guards all below */
+    pthread_cond_t changed;
+    size_t count, done; /* programs that were asked for; those of them that were built, or could not be */
+    bool is_ending;     /* no further program is to be built */
+    struct gscl_program *programs[GSCL_MAX_PREFETCHED]; /* NULL: taken.  The thread has those from `done` on */
+};
+
+/* Waits for a program to build; NULL at the end. */
+static struct gscl_program *next_program(struct gscl_prefetch *p) {
+    pthread_mutex_lock(&p->lock);
+    while (p->done == p->count && !p->is_ending)
+        pthread_cond_wait(&p->changed, &p->lock);
+    struct gscl_program *next = p->is_ending ? NULL : p->programs[p->done];
+    pthread_mutex_unlock(&p->lock);
+    return next;
+}
+
+static void note_done(struct gscl_prefetch *p) {
+    pthread_mutex_lock(&p->lock);
+    p->done++;
+    pthread_cond_broadcast(&p->changed);
+    pthread_mutex_unlock(&p->lock);
+}
+
+static void *build_programs(void *opaque) {
+    struct gscl_prefetch *p = opaque;
+    for (struct gscl_program *program = next_program(p); program; program = next_program(p)) {
+        gscl_program_build_aside(p->cl, p->device, p->own_builtins, program);
+        note_done(p);
+    }
+    return NULL;
+}
+
+/* Starts the thread, which leaves the signals of the process to the threads of the caller. */
+static bool start_thread(struct gscl_prefetch *p) {
+    sigset_t all, before;
+    sigfillset(&all);
+    if (pthread_sigmask(SIG_SETMASK, &all, &before) != 0)
+        return false;
+    const bool started = pthread_create(&p->thread, NULL, build_programs, p) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return started;
+}
+
+static void free_prefetch(struct gscl_prefetch *p) {
+    for (size_t i = 0; i < p->count; i++)
+        if (p->programs[i])
+            gscl_program_free(p->programs[i]);
+    pthread_cond_destroy(&p->changed);
+    pthread_mutex_destroy(&p->lock);
+    free(p);
+}
+
+static struct gscl_prefetch *begin(const gscl_context *context) {
+    struct gscl_prefetch *p = calloc(1, sizeof *p);
+    if (!p)
+        return NULL;
+    p->cl = context->cl;
+    p->device = context->device;
+    p->own_builtins = context->own_builtins;
+    pthread_mutex_init(&p->lock, NULL);
+    pthread_cond_init(&p->changed, NULL);
+    if (start_thread(p))
+        return p;
+    free_prefetch(p);
+    return NULL;
+}
+
+/* The place of a program among those that were asked for and not taken; -1 where it is none of them. */
+static int find_requested(const struct gscl_prefetch *p, gscl_program_kind kind, const char *options) {
+    for (int i = 0; p && i < (int)p->count; i++)
+        if (p->programs[i] && p->programs[i]->kind == kind && strcmp(p->programs[i]->options, options) == 0)
+            return i;
+    return -1;
+}
+
+/* A program of the request; NULL where the context has or gets it, or where it cannot be created, which fails again, with a
+ * message, when it is needed. */
+static struct gscl_program *create_requested(gscl_context *context, const gscl_program_request *request) {
+    char options[GSCL_MAX_BUILD_OPTIONS];
+    struct gscl_program *program = NULL;
+    if (gscl_build_options(context, request->kind, &request->options, options) == GSCL_OK &&
+        !gscl_program_find(context, request->kind, options) &&
+        find_requested(context->prefetch, request->kind, options) < 0)
+        (void)!gscl_program_create(context, request->kind, options, &program);
+    gscl_forget_message(context);
+    return program;
+}
+
+static void add_request(gscl_context *context, const gscl_program_request *request) {
+    struct gscl_program *program = create_requested(context, request);
+    if (!program)
+        return;
+    if (!context->prefetch)
+        context->prefetch = begin(context);
+    struct gscl_prefetch *p = context->prefetch;
+    if (!p || p->count == GSCL_MAX_PREFETCHED) {
+        gscl_program_free(program);
+        return;
+    }
+    pthread_mutex_lock(&p->lock);
+    p->programs[p->count++] = program;
+    pthread_cond_broadcast(&p->changed);
+    pthread_mutex_unlock(&p->lock);
+}
+
+void gscl_prefetch(gscl_context *context, const gscl_program_request *requests, size_t count) {
+    for (size_t i = 0; i < count && context->quirks->builds_aside; i++)
+        add_request(context, &requests[i]);
+}
+
+/* Waits until program i was built, and tells the caller where that takes time. */
+static void wait_for(gscl_context *context, size_t i) {
+    struct gscl_prefetch *p = context->prefetch;
+    pthread_mutex_lock(&p->lock);
+    const bool waits = p->done <= i;
+    pthread_mutex_unlock(&p->lock);
+    if (!waits)
+        return;
+    gscl_report_build(context, true);
+    pthread_mutex_lock(&p->lock);
+    while (p->done <= i)
+        pthread_cond_wait(&p->changed, &p->lock);
+    pthread_mutex_unlock(&p->lock);
+    gscl_report_build(context, false);
+}
+
+struct gscl_program *gscl_prefetch_take(gscl_context *context, gscl_program_kind kind, const char *options) {
+    struct gscl_prefetch *p = context->prefetch;
+    const int i = find_requested(p, kind, options);
+    if (i < 0)
+        return NULL;
+    wait_for(context, (size_t)i);
+    struct gscl_program *program = p->programs[i];
+    if (!program->program)
+        return NULL;
+    gscl_log(context, GSCL_LOG_DEBUG, "built a program aside in %.0f ms: %s", 1e3 * program->build_s, program->options);
+    p->programs[i] = NULL;
+    return program;
+}
+
+void gscl_prefetch_end(gscl_context *context) {
+    struct gscl_prefetch *p = context->prefetch;
+    if (!p)
+        return;
+    pthread_mutex_lock(&p->lock);
+    p->is_ending = true;
+    pthread_cond_broadcast(&p->changed);
+    pthread_mutex_unlock(&p->lock);
+    pthread_join(p->thread, NULL);
+    for (size_t i = 0; i < p->done; i++)
+        if (p->programs[i] && p->programs[i]->program) {
+            gscl_program_keep(context, p->programs[i]);
+            p->programs[i] = NULL;
+        }
+    context->prefetch = NULL;
+    free_prefetch(p);
+}

@@ -1,0 +1,43 @@
+/* One program: its sources, and building it. */
+#ifndef GSCL_LIB_PROGRAM_H
+#define GSCL_LIB_PROGRAM_H
+
+#include <CL/cl.h>
+
+#include "runtime/build_options.h"
+#include "runtime/context.h"
+
+#define GSCL_MAX_KERNELS 24 /* of a program */
+
+struct gscl_program {
+    struct gscl_program *next;
+    gscl_program_kind kind;
+    char options[GSCL_MAX_BUILD_OPTIONS];
+    cl_program program; /* NULL: not built yet */
+    bool is_new;        /* it was built from its sources rather than found built */
+    double build_s;     /* seconds that building or loading it took */
+    size_t kernel_count;
+    struct {
+        const char *name;
+        cl_kernel kernel;
+    } kernels[GSCL_MAX_KERNELS];
+};
+
+/* Creates a program of a kind with these options of gscl_build_options, to be built. */
+gscl_result gscl_program_create(gscl_context *context, gscl_program_kind kind, const char *options,
+                                struct gscl_program **program);
+void gscl_program_free(struct gscl_program *program);
+
+/* The program of a kind with these options that the context keeps; NULL where it keeps none. */
+struct gscl_program *gscl_program_find(const gscl_context *context, gscl_program_kind kind, const char *options);
+/* Gives a built program to the context. */
+void gscl_program_keep(gscl_context *context, struct gscl_program *program);
+
+/* Takes the program from the cache (program_cache.h), or builds it and tells the caller of it. */
+gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program);
+
+/* Builds the program without a message, for any thread.  `own_builtins`: as in the context.  Where it fails, the program
+ * stays as it is. */
+void gscl_program_build_aside(cl_context cl, cl_device_id device, bool own_builtins, struct gscl_program *program);
+
+#endif
