@@ -524,9 +524,9 @@ static gscl_image striped_image(void) {
     return image;
 }
 
-/* The PSNR of a file of at most 300 bytes. */
-static double psnr_of(const gscl_image *image, int effort, uint64_t seed, uint32_t *effects) {
-    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 300);
+/* The PSNR of a file of at most `bytes` bytes. */
+static double psnr_of(const gscl_image *image, size_t bytes, int effort, uint64_t seed, uint32_t *effects) {
+    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, (double)bytes);
     gscl_encode_report report = {.struct_size = sizeof report};
     gscl_info info = {.struct_size = sizeof info};
     file f = {NULL, 0};
@@ -534,7 +534,7 @@ static double psnr_of(const gscl_image *image, int effort, uint64_t seed, uint32
     settings.seed = seed;
     assert_result(gscl_encode(context, image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
     assert_int_equal(gscl_probe(f.bytes, f.size, NULL, &info), GSCL_OK);
-    assert_true(f.size <= 300);
+    assert_true(f.size <= bytes);
     *effects = info.effects;
     gscl_free(f.bytes);
     return report.psnr;
@@ -548,14 +548,27 @@ static void test_textures(void **state) {
     gscl_image stripes = striped_image();
     double without = 0, with = 0;
     for (uint64_t seed = 1; seed <= 4; seed++) {
-        without = fmax(without, psnr_of(&stripes, 0, seed, &effects));
+        without = fmax(without, psnr_of(&stripes, 300, 0, seed, &effects));
         assert_false(effects & GSCL_EFFECT_TEXTURE);
-        const double found = psnr_of(&stripes, 5, seed, &effects);
+        const double found = psnr_of(&stripes, 300, 5, seed, &effects);
         if (effects & GSCL_EFFECT_TEXTURE)
             with = fmax(with, found);
     }
     if (!(with > without + 3.0))
         fail_msg("%.2f dB with textures, %.2f dB without", with, without);
+    synthetic_image_free(&stripes);
+}
+
+/* Too few splats for the stripes may be worse than none. */
+static void test_few_splats_are_no_worse_than_none(void **state) {
+    (void)state;
+    uint32_t effects;
+    gscl_image stripes = striped_image();
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        const double flat = psnr_of(&stripes, 20, 0, seed, &effects), few = psnr_of(&stripes, 90, 5, seed, &effects);
+        if (!(few > flat - 0.01))
+            fail_msg("%.2f dB in 90 bytes, %.2f dB without splats", few, flat);
+    }
     synthetic_image_free(&stripes);
 }
 
@@ -884,6 +897,7 @@ int main(void) {
         cmocka_unit_test(test_background_of_textures),
         cmocka_unit_test(test_background_of_drawings),
         cmocka_unit_test(test_textures),
+        cmocka_unit_test(test_few_splats_are_no_worse_than_none),
         cmocka_unit_test(test_flat_images),
         cmocka_unit_test(test_long_images),
         cmocka_unit_test(test_progress_and_cancel),

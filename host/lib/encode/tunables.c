@@ -3,7 +3,7 @@
 const struct gscl_encode_tunables gscl_encode_tunables = {
     .auto_bpp = 0.125,
     .auto_bytes = 256.0,
-    .few_splats = 2,
+    .few_splats = 40,
 
     .min_probe_bytes = 100,
     .probe_bits = 34,
