@@ -38,11 +38,18 @@ static bool hides_background(const gscl_scalar_state *s) {
 static void prefetch_programs(const gscl_scalar_state *s, const gscl_kernel_options *options) {
     gscl_kernel_options textured = *options;
     textured.texture = true;
-    const gscl_program_request requests[] = {
-        {GSCL_PROGRAM_RENDER, *options}, {GSCL_PROGRAM_FIT, *options},        {GSCL_PROGRAM_SCALAR_RDO, *options},
-        {GSCL_PROGRAM_RENDER, textured}, {GSCL_PROGRAM_SCALAR_RDO, textured},
-    };
-    gscl_prefetch(s->encoder->context, requests, !s->has_choice ? 2 : !s->textures ? 3 : 5);
+    gscl_program_request requests[6] = {{GSCL_PROGRAM_RENDER, *options}, {GSCL_PROGRAM_FIT, *options}};
+    size_t count = 2;
+    if (options->weighted != GSCL_WEIGHTED_NOT)
+        requests[count++] = (gscl_program_request){
+            options->weighted == GSCL_WEIGHTED_LUMA ? GSCL_PROGRAM_VISUAL : GSCL_PROGRAM_SSIM, *options};
+    if (s->has_choice)
+        requests[count++] = (gscl_program_request){GSCL_PROGRAM_SCALAR_RDO, *options};
+    if (s->has_choice && s->textures) {
+        requests[count++] = (gscl_program_request){GSCL_PROGRAM_RENDER, textured};
+        requests[count++] = (gscl_program_request){GSCL_PROGRAM_SCALAR_RDO, textured};
+    }
+    gscl_prefetch(s->encoder->context, requests, count);
 }
 
 static gscl_result create_fit(gscl_scalar_state *s) {
