@@ -83,7 +83,7 @@ static gscl_result check_finite(gscl_context *context, const gscl_image *image) 
     return GSCL_OK;
 }
 
-/* Notes what a pixel of some says of the content.  `first`: the first pixel of the image. */
+/* Notes what these pixels say of the content.  `first`: the first pixel of the image. */
 static void examine_pixels(const gscl_pixels *p, size_t count, const gscl_pixels *first, gscl_content *content) {
     for (size_t i = 0; i < count; i++) {
         const float red = p->colour[0][i], green = p->colour[1][i], blue = p->colour[2][i], alpha = p->alpha[i];

@@ -46,7 +46,7 @@ struct gscl_context {
     bool gpu_mapping;                 /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
     struct gscl_program *programs;    /* built so far, a list */
     struct gscl_prefetch *prefetch;   /* programs that another thread builds, or NULL */
-    bool own_builtins;                /* programs declare built-in functions with cl/builtins.h (programs.c) */
+    bool own_builtins;                /* programs declare built-in functions with cl/builtins.h (program.c) */
     char *cache_folder;               /* where built programs are kept (program_cache.h), or NULL */
     gscl_build_callback build;        /* may be NULL */
     void *build_opaque;

@@ -12,7 +12,7 @@ typedef struct gscl_work_shape {
 typedef struct gscl_quirks {
     const char *platform; /* part of the platform's name; NULL: any platform */
     const char *version;  /* part of the platform's version; NULL: any version */
-    bool own_builtins;    /* programs declare built-in functions with cl/builtins.h (programs.c) */
+    bool own_builtins;    /* programs declare built-in functions with cl/builtins.h (program.c) */
     bool own_cache;       /* it keeps programs from one process to the next itself (program_cache.h) */
     bool builds_aside;    /* it builds programs while another thread uses the context (prefetch.h) */
     bool one_blend;       /* kernels contain the loop over a tile's splats once (cl/raster.cl) */
