@@ -33,7 +33,7 @@ static void count_builds(void *opaque, gscl_log_level level, const char *text) {
     log_counts *counts = opaque;
     (void)level;
     counts->built += strncmp(text, "built a program in", 18) == 0;
-    counts->aside += strncmp(text, "built a program aside", 21) == 0;
+    counts->aside += strncmp(text, "in another thread: built a program in", 37) == 0;
 }
 
 static gscl_context *open_with(const gscl_quirks *quirks, log_counts *counts) {

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,24 +10,41 @@
 #include "runtime/program.h"
 #include "runtime/quirks.h"
 
+#define MAX_MESSAGES 2 /* of a program: how it was built, and what became of the cache */
+
+/* A program that was asked for. */
+typedef struct prefetch_request {
+    struct gscl_program *program; /* NULL: taken */
+    size_t message_count;
+    gscl_log_level levels[MAX_MESSAGES];
+    char messages[MAX_MESSAGES][GSCL_MESSAGE_SIZE]; /* for the caller's log, which is not for this thread */
+} prefetch_request;
+
 struct gscl_prefetch {
-    cl_context cl;
-    cl_device_id device;
-    bool own_builtins;
+    gscl_context context; /* a copy, for the thread alone: it reports to nobody, and its messages are kept */
     pthread_t thread;
     pthread_mutex_t lock; /* guards all below */
     pthread_cond_t changed;
-    size_t count, done; /* programs that were asked for; those of them that were built, or could not be */
+    size_t count, done; /* programs that were asked for; those of them that were built, or not */
     bool is_ending;     /* no further program is to be built */
-    struct gscl_program *programs[GSCL_MAX_PREFETCHED]; /* NULL: taken.  The thread has those from `done` on */
+    prefetch_request requests[GSCL_MAX_PREFETCHED]; /* the thread has those from `done` on */
 };
+
+static void keep_message(void *opaque, gscl_log_level level, const char *text) {
+    struct gscl_prefetch *p = opaque;
+    prefetch_request *r = &p->requests[p->done]; /* which this thread alone changes */
+    if (r->message_count == MAX_MESSAGES)
+        return;
+    r->levels[r->message_count] = level;
+    snprintf(r->messages[r->message_count++], GSCL_MESSAGE_SIZE, "%s", text);
+}
 
 /* Waits for a program to build; NULL at the end. */
 static struct gscl_program *next_program(struct gscl_prefetch *p) {
     pthread_mutex_lock(&p->lock);
     while (p->done == p->count && !p->is_ending)
         pthread_cond_wait(&p->changed, &p->lock);
-    struct gscl_program *next = p->is_ending ? NULL : p->programs[p->done];
+    struct gscl_program *next = p->is_ending ? NULL : p->requests[p->done].program;
     pthread_mutex_unlock(&p->lock);
     return next;
 }
@@ -41,7 +59,8 @@ static void note_done(struct gscl_prefetch *p) {
 static void *build_programs(void *opaque) {
     struct gscl_prefetch *p = opaque;
     for (struct gscl_program *program = next_program(p); program; program = next_program(p)) {
-        gscl_program_build_aside(p->cl, p->device, p->own_builtins, program);
+        if (gscl_program_make(&p->context, program) != GSCL_OK)
+            gscl_program_drop(program);
         note_done(p);
     }
     return NULL;
@@ -60,8 +79,8 @@ static bool start_thread(struct gscl_prefetch *p) {
 
 static void free_prefetch(struct gscl_prefetch *p) {
     for (size_t i = 0; i < p->count; i++)
-        if (p->programs[i])
-            gscl_program_free(p->programs[i]);
+        if (p->requests[i].program)
+            gscl_program_free(p->requests[i].program);
     pthread_cond_destroy(&p->changed);
     pthread_mutex_destroy(&p->lock);
     free(p);
@@ -71,9 +90,10 @@ static struct gscl_prefetch *begin(const gscl_context *context) {
     struct gscl_prefetch *p = calloc(1, sizeof *p);
     if (!p)
         return NULL;
-    p->cl = context->cl;
-    p->device = context->device;
-    p->own_builtins = context->own_builtins;
+    p->context = *context;
+    p->context.log = keep_message;
+    p->context.log_opaque = p;
+    p->context.build = NULL;
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->changed, NULL);
     if (start_thread(p))
@@ -85,7 +105,8 @@ static struct gscl_prefetch *begin(const gscl_context *context) {
 /* The place of a program among those that were asked for and not taken; -1 where it is none of them. */
 static int find_requested(const struct gscl_prefetch *p, gscl_program_kind kind, const char *options) {
     for (int i = 0; p && i < (int)p->count; i++)
-        if (p->programs[i] && p->programs[i]->kind == kind && strcmp(p->programs[i]->options, options) == 0)
+        if (p->requests[i].program && p->requests[i].program->kind == kind &&
+            strcmp(p->requests[i].program->options, options) == 0)
             return i;
     return -1;
 }
@@ -95,10 +116,11 @@ static int find_requested(const struct gscl_prefetch *p, gscl_program_kind kind,
 static struct gscl_program *create_requested(gscl_context *context, const gscl_program_request *request) {
     char options[GSCL_MAX_BUILD_OPTIONS];
     struct gscl_program *program = NULL;
-    if (gscl_build_options(context, request->kind, &request->options, options) == GSCL_OK &&
-        !gscl_program_find(context, request->kind, options) &&
-        find_requested(context->prefetch, request->kind, options) < 0)
-        (void)!gscl_program_create(context, request->kind, options, &program);
+    const bool is_new = gscl_build_options(context, request->kind, &request->options, options) == GSCL_OK &&
+                        !gscl_program_find(context, request->kind, options) &&
+                        find_requested(context->prefetch, request->kind, options) < 0;
+    if (is_new && gscl_program_create(context, request->kind, options, &program) != GSCL_OK)
+        program = NULL;
     gscl_forget_message(context);
     return program;
 }
@@ -115,7 +137,7 @@ static void add_request(gscl_context *context, const gscl_program_request *reque
         return;
     }
     pthread_mutex_lock(&p->lock);
-    p->programs[p->count++] = program;
+    p->requests[p->count++].program = program;
     pthread_cond_broadcast(&p->changed);
     pthread_mutex_unlock(&p->lock);
 }
@@ -141,17 +163,23 @@ static void wait_for(gscl_context *context, size_t i) {
     gscl_report_build(context, false);
 }
 
+/* Passes the messages of a program on, whose owner changes. */
+static void hand_over(const gscl_context *context, prefetch_request *r) {
+    for (size_t i = 0; i < r->message_count; i++)
+        gscl_log(context, r->levels[i], "in another thread: %s", r->messages[i]);
+    r->program = NULL;
+}
+
 struct gscl_program *gscl_prefetch_take(gscl_context *context, gscl_program_kind kind, const char *options) {
     struct gscl_prefetch *p = context->prefetch;
     const int i = find_requested(p, kind, options);
     if (i < 0)
         return NULL;
     wait_for(context, (size_t)i);
-    struct gscl_program *program = p->programs[i];
+    struct gscl_program *program = p->requests[i].program;
     if (!program->program)
         return NULL;
-    gscl_log(context, GSCL_LOG_DEBUG, "built a program aside in %.0f ms: %s", 1e3 * program->build_s, program->options);
-    p->programs[i] = NULL;
+    hand_over(context, &p->requests[i]);
     return program;
 }
 
@@ -165,9 +193,9 @@ void gscl_prefetch_end(gscl_context *context) {
     pthread_mutex_unlock(&p->lock);
     pthread_join(p->thread, NULL);
     for (size_t i = 0; i < p->done; i++)
-        if (p->programs[i] && p->programs[i]->program) {
-            gscl_program_keep(context, p->programs[i]);
-            p->programs[i] = NULL;
+        if (p->requests[i].program && p->requests[i].program->program) {
+            gscl_program_keep(context, p->requests[i].program);
+            hand_over(context, &p->requests[i]);
         }
     context->prefetch = NULL;
     free_prefetch(p);

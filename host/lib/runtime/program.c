@@ -92,40 +92,25 @@ static gscl_result build_fail(gscl_context *context, const struct gscl_program *
     return result;
 }
 
-/* Creates the program from its sources, in place of one that was created before.  Returns an OpenCL error. */
-static cl_int create_from_sources(cl_context cl, struct gscl_program *program, program_sources *sources) {
-    cl_int error;
-    if (program->program)
-        clReleaseProgram(program->program);
-    program->program = clCreateProgramWithSource(cl, (cl_uint)sources->count, sources->texts, sources->lengths, &error);
-    return error;
-}
-
-/* Builds a program that was created.  `extra`: options beyond its own.  Returns an OpenCL error. */
-static cl_int build_created(cl_device_id device, const struct gscl_program *program, const char *extra) {
-    char options[GSCL_MAX_BUILD_OPTIONS + sizeof OWN_BUILTINS];
-    snprintf(options, sizeof options, "%s%s", program->options, extra); /* always fits */
-    return clBuildProgram(program->program, 1, &device, options, NULL, NULL);
-}
-
+/* Creates and builds the program, in place of one that was created before.  `extra`: options beyond its own. */
 static gscl_result try_build(gscl_context *context, struct gscl_program *program, program_sources *sources,
                              const char *extra, cl_int *error) {
-    *error = create_from_sources(context->cl, program, sources);
+    char options[GSCL_MAX_BUILD_OPTIONS + sizeof OWN_BUILTINS];
+    snprintf(options, sizeof options, "%s%s", program->options, extra); /* always fits */
+    if (program->program)
+        clReleaseProgram(program->program);
+    program->program =
+        clCreateProgramWithSource(context->cl, (cl_uint)sources->count, sources->texts, sources->lengths, error);
     if (*error != CL_SUCCESS)
         return gscl_cl_fail(context, *error, "clCreateProgramWithSource");
-    *error = build_created(context->device, program, extra);
+    *error = clBuildProgram(program->program, 1, &context->device, options, NULL, NULL);
     return GSCL_OK;
 }
 
-/* cl/builtins.h has no double precision. */
-static bool may_use_own_builtins(const struct gscl_program *program) {
-    return program->kind != GSCL_PROGRAM_ACCURACY;
-}
-
-/* Builds with cl/builtins.h where it is of use. */
+/* Builds with cl/builtins.h where it is of use; that file has no double precision. */
 static gscl_result build(gscl_context *context, struct gscl_program *program, program_sources *sources) {
     cl_int error = CL_BUILD_PROGRAM_FAILURE;
-    if (context->own_builtins && may_use_own_builtins(program)) {
+    if (context->own_builtins && program->kind != GSCL_PROGRAM_ACCURACY) {
         GSCL_TRY(try_build(context, program, sources, OWN_BUILTINS, &error));
         context->own_builtins = error == CL_SUCCESS;
         if (error != CL_SUCCESS)
@@ -154,11 +139,17 @@ gscl_result gscl_program_create(gscl_context *context, gscl_program_kind kind, c
     return GSCL_OK;
 }
 
-void gscl_program_free(struct gscl_program *program) {
+void gscl_program_drop(struct gscl_program *program) {
     for (size_t i = 0; i < program->kernel_count; i++)
         clReleaseKernel(program->kernels[i].kernel);
+    program->kernel_count = 0;
     if (program->program)
         clReleaseProgram(program->program);
+    program->program = NULL;
+}
+
+void gscl_program_free(struct gscl_program *program) {
+    gscl_program_drop(program);
     free(program);
 }
 
@@ -174,14 +165,8 @@ void gscl_program_keep(gscl_context *context, struct gscl_program *program) {
     context->programs = program;
 }
 
-/* Notes how long it took to make the program. */
-static void note_time(struct gscl_program *program, double start_s, bool is_built) {
-    program->build_s = gscl_now() - start_s;
-    program->is_new = is_built && program->build_s > gscl_runtime_tunables.found_build_s;
-}
-
 gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program) {
-    const double start_s = gscl_now();
+    const double start = gscl_now();
     program_sources sources;
     char key[GSCL_PROGRAM_KEY_SIZE];
     const char *missing = find_sources(program->kind, &sources);
@@ -192,23 +177,10 @@ gscl_result gscl_program_make(gscl_context *context, struct gscl_program *progra
     program->program = has_key ? gscl_program_load(context, key, program->options) : NULL;
     const bool found = program->program != NULL;
     const gscl_result result = found ? GSCL_OK : build_reported(context, program, &sources);
-    note_time(program, start_s, !found);
+    program->is_new = !found && gscl_now() - start > gscl_runtime_tunables.found_build_s;
     if (result == GSCL_OK && has_key && !found)
         gscl_program_save(context, key, program->program);
-    gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built", 1e3 * program->build_s,
-             program->options);
+    gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built",
+             1e3 * (gscl_now() - start), program->options);
     return result;
-}
-
-void gscl_program_build_aside(cl_context cl, cl_device_id device, bool own_builtins, struct gscl_program *program) {
-    const double start_s = gscl_now();
-    program_sources sources;
-    if (find_sources(program->kind, &sources) || create_from_sources(cl, program, &sources) != CL_SUCCESS)
-        return;
-    if (build_created(device, program, own_builtins && may_use_own_builtins(program) ? OWN_BUILTINS : "") !=
-        CL_SUCCESS) {
-        clReleaseProgram(program->program);
-        program->program = NULL;
-    }
-    note_time(program, start_s, true);
 }

@@ -15,7 +15,6 @@ struct gscl_program {
     char options[GSCL_MAX_BUILD_OPTIONS];
     cl_program program; /* NULL: not built yet */
     bool is_new;        /* it was built from its sources rather than found built */
-    double build_s;     /* seconds that building or loading it took */
     size_t kernel_count;
     struct {
         const char *name;
@@ -27,6 +26,8 @@ struct gscl_program {
 gscl_result gscl_program_create(gscl_context *context, gscl_program_kind kind, const char *options,
                                 struct gscl_program **program);
 void gscl_program_free(struct gscl_program *program);
+/* Makes a program again one that is to be built. */
+void gscl_program_drop(struct gscl_program *program);
 
 /* The program of a kind with these options that the context keeps; NULL where it keeps none. */
 struct gscl_program *gscl_program_find(const gscl_context *context, gscl_program_kind kind, const char *options);
@@ -35,9 +36,5 @@ void gscl_program_keep(gscl_context *context, struct gscl_program *program);
 
 /* Takes the program from the cache (program_cache.h), or builds it and tells the caller of it. */
 gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program);
-
-/* Builds the program without a message, for any thread.  `own_builtins`: as in the context.  Where it fails, the program
- * stays as it is. */
-void gscl_program_build_aside(cl_context cl, cl_device_id device, bool own_builtins, struct gscl_program *program);
 
 #endif
