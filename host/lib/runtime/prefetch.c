@@ -1,3 +1,4 @@
+#define _XOPEN_SOURCE 700 /* pthread_sigmask, sigaltstack */
 #include "runtime/prefetch.h"
 
 #include <pthread.h>
@@ -56,13 +57,19 @@ static void note_done(struct gscl_prefetch *p) {
     pthread_mutex_unlock(&p->lock);
 }
 
+/* LLVM, which PoCL compiles with, gives the first thread that calls it a stack for signals.  It is taken back at the end of
+ * this thread: AddressSanitizer releases a thread's stack, and ends the program where it is not the one that it made. */
 static void *build_programs(void *opaque) {
     struct gscl_prefetch *p = opaque;
+    stack_t signal_stack;
+    const bool has_stack = sigaltstack(NULL, &signal_stack) == 0;
     for (struct gscl_program *program = next_program(p); program; program = next_program(p)) {
         if (gscl_program_make(&p->context, program) != GSCL_OK)
             gscl_program_drop(program);
         note_done(p);
     }
+    if (has_stack)
+        sigaltstack(&signal_stack, NULL);
     return NULL;
 }
 
