@@ -48,7 +48,7 @@ int fault_live_blocks(void) {
     return live_blocks;
 }
 
-/* The library calls from two threads while another one builds programs. */
+/* Two threads of the library call at the same time while one of them builds programs (runtime/prefetch.h). */
 static bool fails(fault_kind kind, const char *call) {
     const int number = __atomic_add_fetch(&counts[kind], 1, __ATOMIC_RELAXED);
     const bool failed = kind == failing_kind && failing_number > 0 &&

@@ -48,6 +48,14 @@ static gscl_context *open_with(const gscl_quirks *quirks, log_counts *counts) {
     return context;
 }
 
+/* A context that was asked for the two programs, in this order. */
+static gscl_context *open_asking_for_image_and_bin(log_counts *counts) {
+    gscl_context *context = open_with(&aside, counts);
+    const gscl_program_request requests[] = {image_request, bin_request};
+    gscl_prefetch(context, requests, LENGTH(requests));
+    return context;
+}
+
 static void need(gscl_context *context, const gscl_program_request *request, const char *kernel_name) {
     cl_kernel kernel;
     assert_int_equal(gscl_kernel(context, request->kind, &request->options, kernel_name, &kernel), GSCL_OK);
@@ -64,9 +72,7 @@ static size_t count_programs(const gscl_context *context) {
 static void test_programs_are_taken(void **state) {
     (void)state;
     log_counts counts;
-    gscl_context *context = open_with(&aside, &counts);
-    const gscl_program_request requests[] = {image_request, bin_request};
-    gscl_prefetch(context, requests, LENGTH(requests));
+    gscl_context *context = open_asking_for_image_and_bin(&counts);
     need(context, &bin_request, "bin");
     need(context, &image_request, "sum_squared_error");
     need(context, &image_request, "halve");
@@ -80,9 +86,7 @@ static void test_programs_are_taken(void **state) {
 static void test_programs_are_kept(void **state) {
     (void)state;
     log_counts counts;
-    gscl_context *context = open_with(&aside, &counts);
-    const gscl_program_request requests[] = {image_request, bin_request};
-    gscl_prefetch(context, requests, LENGTH(requests));
+    gscl_context *context = open_asking_for_image_and_bin(&counts);
     need(context, &bin_request, "bin"); /* the last one: both are built */
     gscl_prefetch_end(context);
     assert_null(context->prefetch);
@@ -127,9 +131,7 @@ static void test_many_requests(void **state) {
 static void test_requests_are_dropped(void **state) {
     (void)state;
     log_counts counts;
-    gscl_context *context = open_with(&aside, &counts);
-    const gscl_program_request requests[] = {image_request, bin_request};
-    gscl_prefetch(context, requests, LENGTH(requests));
+    gscl_context *context = open_asking_for_image_and_bin(&counts);
     gscl_context_free(&context);
     assert_null(context);
 }

@@ -39,7 +39,7 @@ static void read_samples(const unsigned char *row, gscl_sample sample, size_t fi
 void gscl_image_read(const gscl_image *image, uint32_t x, uint32_t y, size_t count, gscl_pixels *pixels) {
     const size_t channels = image->channels, colours = channels >= 3 ? 3 : 1;
     const bool has_alpha = channels % 2 == 0;
-    float values[4 * GSCL_MAX_READ] = {0};
+    float values[4 * GSCL_MAX_READ] = {0}; /* set for analysers, which cannot tell that all that is used is read */
     read_samples(row_of(image, y), image->sample, x * channels, count * channels, values);
     for (size_t i = 0; i < count; i++)
         pixels->alpha[i] = has_alpha ? values[i * channels + colours] : 1.0f;

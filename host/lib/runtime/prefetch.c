@@ -11,7 +11,7 @@
 #include "runtime/program.h"
 #include "runtime/quirks.h"
 
-#define MAX_MESSAGES 2 /* of a program: how it was built, and what became of the cache */
+#define MAX_MESSAGES 3 /* of a program: whether cl/builtins.h is enough, the cache, and the time that it took */
 
 /* A program that was asked for. */
 typedef struct prefetch_request {

@@ -6,8 +6,8 @@
 
 static const gscl_quirks quirks[] = {
     /* PoCL 3.1 reads a megabyte of declarations before each program, even if its cache has the kernels: 0.2 s for each of
-     * the seven programs of an encode.  cl/builtins.h declares what the kernels use, and still each takes 8 to 17 ms, one
-     * at a time, but beside the kernels of others.
+     * the seven programs of an encode.  cl/builtins.h declares what the kernels use; each still takes 8 to 20 ms.  PoCL
+     * builds one program at a time, but runs kernels meanwhile.
      * Any PoCL builds slow generic kernels for CL_PROGRAM_BINARIES, and has a cache. */
     {.platform = "Portable Computing Language",
      .version = "PoCL 3.",
