@@ -56,7 +56,8 @@ typedef struct {
 inline projected_splat splat_project(splat s, gscl_view view) {
     const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
     projected_splat a;
-    vfloat c = ROTATION ? cos(s.theta) : (vfloat)(1.0f), n = ROTATION ? sin(s.theta) : (vfloat)(0.0f);
+    const unit_vector d = axis_direction(s.theta);
+    const vfloat c = d.x, n = d.y;
     vfloat s1 = axis_at_level(s.s1, view.blur) * view.inv_scale, s2 = axis_at_level(s.s2, view.blur) * view.inv_scale;
     vfloat i1 = to_frame / s1, i2 = to_frame / s2;
     const float down = view.row_scale, down2 = down * down; /* pixels are 1 / down as high as wide */
@@ -153,10 +154,10 @@ inline vfloat cell_centre(vfloat x, vfloat step) { return (floor(x / step) + 0.5
 /* Rounds the centre to cells that are divided into `parts` across the major axis, which has the angle `theta`.
  * Rounding along the other axis of the image moves the centre along the major axis. */
 inline void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat theta) {
-    vfloat c = ROTATION ? cos(theta) : (vfloat)(1.0f), n = ROTATION ? sin(theta) : (vfloat)(0.0f);
-    vint steep = fabs(n) > fabs(c);
+    const unit_vector d = axis_direction(theta);
+    vint steep = fabs(d.y) > fabs(d.x);
     vfloat along = steep ? s->y : s->x, across = steep ? s->x : s->y;
-    vfloat slope = parts > 1.0f ? (steep ? c / n : n / c) : (vfloat)(0.0f);
+    vfloat slope = parts > 1.0f ? (steep ? d.x / d.y : d.y / d.x) : (vfloat)(0.0f);
     vfloat rounded = cell_centre(along, cell);
     across = cell_centre(across + (rounded - along) * slope, cell / parts);
     s->x = steep ? across : rounded;

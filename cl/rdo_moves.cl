@@ -8,15 +8,15 @@
 #define MOVE_Y 11
 #define MOVE_OPACITY 13
 
-/* One step along x or y.  Across the cells of the class it goes along the major axis, else to the next part of a cell.
- * False when it leaves the image. */
-inline bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, float theta) {
+/* One step along x or y.  Across the cells of the class it goes along the major axis, whose direction is `d`, else to the
+ * next part of a cell.  False when it leaves the image. */
+inline bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, unit_vector d) {
     int *moved = &c->code[along_x ? GSCL_CODE_X : GSCL_CODE_Y];
     int *other = &c->code[along_x ? GSCL_CODE_Y : GSCL_CODE_X];
     int parts = along_x ? g->parts.y : g->parts.x, other_cells = along_x ? g->cells.y : g->cells.x;
     *moved += step;
     if (parts > 1) {
-        float slope = along_x ? sin(theta) / cos(theta) : cos(theta) / sin(theta);
+        float slope = along_x ? d.y / d.x : d.x / d.y;
         *other += (int)rint((float)(step * parts) * slope);
     }
     return *moved >= 0 && *moved < (along_x ? g->cells.x : g->cells.y) && *other >= 0 && *other < other_cells;
@@ -37,7 +37,8 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry 
     splat_grid g = codes_grid(c, majors, aspects);
     if (move == MOVE_X || move == MOVE_X + 1 || move == MOVE_Y || move == MOVE_Y + 1) {
         bool along_x = move == MOVE_X || move == MOVE_X + 1;
-        return centre_move(c, along_x, move == (along_x ? MOVE_X : MOVE_Y) ? 1 : -1, &g, codes_theta(c, aspects));
+        return centre_move(c, along_x, move == (along_x ? MOVE_X : MOVE_Y) ? 1 : -1, &g,
+                           axis_direction(codes_theta(c, aspects)));
     }
     if (move == 0) return true;
     float2 centre = codes_centre(c, &g);
@@ -55,7 +56,7 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry 
         c->code[GSCL_CODE_ANGLE] = (c->code[GSCL_CODE_ANGLE] + (move == MOVE_ANGLE ? 1 : angles - 1)) % angles;
     }
     g = codes_grid(c, majors, aspects);
-    codes_set_centre(c, centre, &g, codes_theta(c, aspects));
+    codes_set_centre(c, centre, &g, axis_direction(codes_theta(c, aspects)));
     return true;
 }
 

@@ -28,6 +28,7 @@ typedef struct {
     float2 step; /* pixels */
 } splat_grid;
 
+/* The angle of the major axis. */
 inline float codes_theta(const gscl_codes *c, __global const gscl_aspect_entry *aspects) {
     return ROTATION ? (float)c->code[GSCL_CODE_ANGLE] * M_PI_F / (float)aspects[c->code[GSCL_CODE_ASPECT]].angles
                     : 0.0f;
@@ -51,14 +52,14 @@ inline float2 codes_centre(const gscl_codes *c, const splat_grid *g) {
     return (float2)(((float)c->code[GSCL_CODE_X] + 0.5f) * g->step.x, ((float)c->code[GSCL_CODE_Y] + 0.5f) * g->step.y);
 }
 
-/* Quantises a centre.  Rounding to a cell of the class moves it along the major axis. */
-inline void codes_set_centre(gscl_codes *c, float2 at, const splat_grid *g, float theta) {
+/* Quantises a centre.  Rounding to a cell of the class moves it along the major axis, whose direction is `d`. */
+inline void codes_set_centre(gscl_codes *c, float2 at, const splat_grid *g, unit_vector d) {
     if (g->parts.x > 1) {
         int y = clamp((int)(at.y / g->step.y), 0, g->cells.y - 1);
-        at.x += (((float)y + 0.5f) * g->step.y - at.y) * cos(theta) / sin(theta);
+        at.x += (((float)y + 0.5f) * g->step.y - at.y) * d.x / d.y;
     } else if (g->parts.y > 1) {
         int x = clamp((int)(at.x / g->step.x), 0, g->cells.x - 1);
-        at.y += (((float)x + 0.5f) * g->step.x - at.x) * sin(theta) / cos(theta);
+        at.y += (((float)x + 0.5f) * g->step.x - at.x) * d.y / d.x;
     }
     c->code[GSCL_CODE_X] = clamp((int)(at.x / g->step.x), 0, g->cells.x - 1);
     c->code[GSCL_CODE_Y] = clamp((int)(at.y / g->step.y), 0, g->cells.y - 1);
@@ -98,9 +99,9 @@ inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *m
     s.wave_x = s.wave_y = 0.0f;
     if (c->code[GSCL_CODE_AMPLITUDE] > 0) {
         float frequency = wave_frequency(c->code[GSCL_CODE_WAVE]);
-        float direction = (float)c->code[GSCL_CODE_DIRECTION] * (M_PI_F / GSCL_DIRECTIONS);
-        s.wave_x = frequency * cos(direction);
-        s.wave_y = frequency * sin(direction);
+        unit_vector d = direction_of((float)c->code[GSCL_CODE_DIRECTION] * (M_PI_F / GSCL_DIRECTIONS));
+        s.wave_x = frequency * d.x;
+        s.wave_y = frequency * d.y;
     }
     s.wave_phase = (float)c->code[GSCL_CODE_PHASE] * (1.0f / GSCL_PHASES);
     s.wave_amplitude = wave_amplitude(c->code[GSCL_CODE_AMPLITUDE], t);

@@ -97,9 +97,9 @@ inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuat
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
     gscl_codes other = *c;
     for (int phase = 0; phase < GSCL_PHASES; phase++) {
-        float turn = (float)phase * (2.0f * M_PI_F / GSCL_PHASES), co = cos(turn), si = sin(turn);
-        float l = fma(co, w->error_cos, si * w->error_sin);
-        float q = co * co * w->cos2 + 2.0f * co * si * w->both + si * si * w->sin2;
+        unit_vector d = direction_of((float)phase * (2.0f * M_PI_F / GSCL_PHASES));
+        float l = fma(d.x, w->error_cos, d.y * w->error_sin);
+        float q = d.x * d.x * w->cos2 + 2.0f * d.x * d.y * w->both + d.y * d.y * w->sin2;
         if (!(l < 0.0f)) continue;
         other.code[GSCL_CODE_PHASE] = phase;
         float nearest = rint(-l / (fmax(q, 1e-12f) * step));

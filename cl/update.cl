@@ -117,17 +117,17 @@ inline void adam(vfloat *restrict p, __global float *restrict first_moment, __gl
                  vfloat age, const vfloat *restrict gradient, float rate) {
     vfloat correct1 = rate / (1.0f - exp2(GSCL_ADAM_LOG2_BETA1 * age)),
            correct2 = 1.0f / (1.0f - exp2(GSCL_ADAM_LOG2_BETA2 * age));
-    vfloat c = ROTATION ? cos(p[GSCL_THETA]) : (vfloat)(1.0f), s = ROTATION ? sin(p[GSCL_THETA]) : (vfloat)(0.0f);
+    const unit_vector d = axis_direction(p[GSCL_THETA]);
     vfloat steps[FITTED], rates[FITTED];
     learning_rates(rates, p);
     UNROLL
     for (int k = 0; k < FITTED; k++) steps[k] = gradient[k];
-    rotate_by(&steps[GSCL_X], &steps[GSCL_Y], c, -s);
+    rotate_by(&steps[GSCL_X], &steps[GSCL_Y], d.x, -d.y);
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k))
             steps[k] = adam_update(steps[k], rates[k], correct1, correct2, first_moment + k, second_moment + k);
-    rotate_by(&steps[GSCL_X], &steps[GSCL_Y], c, s);
+    rotate_by(&steps[GSCL_X], &steps[GSCL_Y], d.x, d.y);
     UNROLL
     for (int k = 0; k < FITTED; k++)
         if (IS_FITTED(k)) p[k] -= steps[k];

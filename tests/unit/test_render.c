@@ -1,4 +1,5 @@
-/* The renderer: rendering directly to samples equals rendering to floats, also when the lists of splats overflow first. */
+/* The renderer: rendering directly to samples equals rendering to floats, also when the lists of splats overflow first;
+ * and the directions of splats are those of their angles. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -69,7 +70,47 @@ static void test_overflowing_lists_are_drawn_again(void **unused) {
         check_overflowing_lists(contexts[i]);
 }
 
+#define ANGLES 1000
+#define SIDE 16 /* pixels */
+
+/* Angles of all quarter turns, near them and between them; a fifth of them as large as cl/direction.cl accepts. */
+static float angle_of(int i) {
+    const float angle = (float)(i - ANGLES / 2) * 0.0314159f;
+    return i % 5 ? angle : 6000.0f * angle;
+}
+
+static void check_directions(gscl_context *context) {
+    static float params[ANGLES * GSCL_PARAMS], projected[ANGLES * GSCL_PROJECTED];
+    const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = CHANNELS};
+    const float background[4] = {0};
+    gscl_renderer r;
+    for (int i = 0; i < ANGLES; i++) { /* sigma is 1: exp(0) */
+        params[i * GSCL_PARAMS + GSCL_X] = params[i * GSCL_PARAMS + GSCL_Y] = SIDE / 2;
+        params[i * GSCL_PARAMS + GSCL_THETA] = angle_of(i);
+    }
+    check_call(context, gscl_renderer_create(&r, context, &options));
+    check_call(context, gscl_renderer_set_view(&r, 0, 0, 0, SIDE, SIDE));
+    check_call(context, gscl_renderer_set_splats(&r, params, ANGLES, background));
+    check_call(context, gscl_renderer_render(&r));
+    check_call(context, gscl_buffer_read(context, &r.projected, 0, projected, sizeof projected));
+    const double length = sqrt(0.5 / log(2)); /* of a direction, in the units of the projection */
+    for (int i = 0; i < ANGLES; i++) {
+        const float *p = projected + i * GSCL_PROJECTED;
+        assert_true(fabs(p[GSCL_PROJECTED_UX] / length - cos((double)angle_of(i))) < 2e-7);
+        assert_true(fabs(p[GSCL_PROJECTED_UY] / length - sin((double)angle_of(i))) < 2e-7);
+        assert_true(fabs(p[GSCL_PROJECTED_VX] / length + sin((double)angle_of(i))) < 2e-7);
+    }
+    gscl_renderer_free(&r);
+}
+
+static void test_directions_are_exact(void **unused) {
+    (void)unused;
+    for (int i = 0; i < 2; i++)
+        check_directions(contexts[i]);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_overflowing_lists_are_drawn_again)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_overflowing_lists_are_drawn_again),
+                                       cmocka_unit_test(test_directions_are_exact)};
     return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }
