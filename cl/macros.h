@@ -5,6 +5,11 @@
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
+#ifdef SOFTWARE_FMA
+/* Where fma() is computed with integers: in a hundred instructions, which a compiler has to handle at each call. */
+#define fma(a, b, c) ((a) * (b) + (c))
+#endif
+
 /* For functions that run for each row of each splat: a call would pass their values through memory.  They have no
  * `restrict` parameters and return no structs, because Oclgrind does not support what inlining makes of these. */
 #define ALWAYS_INLINE __attribute__((always_inline)) inline

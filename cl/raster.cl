@@ -230,7 +230,6 @@ inline void canvas_add(canvas *c, const canvas *before) {
     }
 }
 
-#ifndef ONE_BLEND
 /* Adds a tile's splats in runs, because the rounding errors of a sum grow with the number of its terms.  Not inlined, so
  * that it takes no registers where it is not called. */
 __attribute__((noinline)) void canvas_blend_runs(canvas *c, pix px, real py, int row0,
@@ -245,7 +244,6 @@ __attribute__((noinline)) void canvas_blend_runs(canvas *c, pix px, real py, int
         *c = run;
     }
 }
-#endif
 
 /* Draws a tile. */
 inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict splats,
@@ -254,15 +252,6 @@ inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict 
     real py = (float)p.y + 0.5f;
     int count = range.y - range.x;
     canvas_begin(c, background);
-#ifdef ONE_BLEND /* the same sums, for compilers that inline every call: half the code */
-    for (int done = 0; done < count; done += GSCL_RUN) {
-        canvas before = *c;
-        int n = min(count - done, GSCL_RUN), first = BLEND == GSCL_ALPHA ? count - done - n : done;
-        if (count > GSCL_RUN) canvas_clear(c);
-        canvas_blend(c, px, py, p.row0, splats, entries + range.x + first, n, NULL);
-        if (count > GSCL_RUN) canvas_add(c, &before);
-    }
-#else
     if (count <= GSCL_RUN) {
         canvas_blend(c, px, py, p.row0, splats, entries + range.x, count, NULL);
     } else {
@@ -270,7 +259,6 @@ inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict 
         canvas_blend_runs(&sums, px, py, p.row0, splats, entries + range.x, count);
         *c = sums;
     }
-#endif
     canvas_end(c, background);
 }
 

@@ -116,6 +116,20 @@ static void test_lanes_follow_the_platform(void **state) {
     gscl_context_free(&unknown);
 }
 
+static void test_mesa_has_no_single_work_items(void **state) {
+    (void)state;
+    gscl_context *forced = open_as("rusticl", GSCL_MAPPING_CPU), *chosen = open_as("rusticl", GSCL_MAPPING_AUTO);
+    gscl_context *unknown = open_as("Somebody's", GSCL_MAPPING_AUTO);
+    assert_true(gscl_rdo_group_size(forced) > 1);
+    assert_true(gscl_row_group_size(forced) > 1);
+    assert_true(chosen->gpu_mapping);
+    assert_false(unknown->gpu_mapping);
+    assert_int_equal(gscl_rdo_group_size(unknown), 1);
+    gscl_context_free(&forced);
+    gscl_context_free(&chosen);
+    gscl_context_free(&unknown);
+}
+
 static void test_versions_are_told_apart(void **state) {
     (void)state;
     const char *const pocl = "Portable Computing Language";
@@ -123,7 +137,7 @@ static void test_versions_are_told_apart(void **state) {
     assert_false(gscl_quirks_find(pocl, "OpenCL 3.0 PoCL 4.0  Linux")->own_builtins);
     assert_true(gscl_quirks_find(pocl, "OpenCL 3.0 PoCL 4.0  Linux")->own_cache);
     assert_false(gscl_quirks_find("Intel(R) OpenCL", "OpenCL 3.0 LINUX")->own_cache);
-    assert_true(gscl_quirks_find("rusticl", "OpenCL 3.0 ")->one_blend);
+    assert_true(gscl_quirks_find("rusticl", "OpenCL 3.0 ")->software_fma);
     assert_false(gscl_quirks_find("Somebody's", "PoCL 3.1")->own_builtins);
 }
 
@@ -131,7 +145,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_versions_are_told_apart), cmocka_unit_test(test_lanes_follow_the_platform),
         cmocka_unit_test(test_rusticl_cpu_mapping),     cmocka_unit_test(test_rusticl_gpu_mapping),
-        cmocka_unit_test(test_intel_cpu_mapping),
+        cmocka_unit_test(test_intel_cpu_mapping),       cmocka_unit_test(test_mesa_has_no_single_work_items),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

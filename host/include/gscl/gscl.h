@@ -113,7 +113,8 @@ GSCL_API void gscl_free(void *memory);
 
 /* ---- Devices and contexts ------------------------------------------------------------------ */
 
-/* How kernels map pixels to work-items.  AUTO is CPU for CPU devices and GPU for all others. */
+/* How kernels map pixels to work-items.  AUTO is CPU for CPU devices and GPU for all others, but for
+ * CPU devices whose implementation treats them like GPUs. */
 typedef enum gscl_mapping { GSCL_MAPPING_AUTO = 0, GSCL_MAPPING_CPU = 1, GSCL_MAPPING_GPU = 2 } gscl_mapping;
 
 /* An OpenCL device.  All texts end with a zero byte. */

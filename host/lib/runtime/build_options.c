@@ -58,8 +58,8 @@ static void append_mapping(gscl_text *text, const gscl_context *context, gscl_pr
                          gscl_slot_group_size(context));
     if (kind == GSCL_PROGRAM_SCALAR_RDO)
         gscl_text_append(text, " -DRDO_ITEMS=%zu", gscl_rdo_group_size(context));
-    if (traits->has_blend && context->quirks->one_blend)
-        gscl_text_append(text, " -DONE_BLEND");
+    if (context->quirks->software_fma)
+        gscl_text_append(text, " -DSOFTWARE_FMA");
 }
 
 static void append_specialisation(gscl_text *text, const program_traits *traits, const gscl_kernel_options *options) {

@@ -9,6 +9,15 @@ static const gscl_work_shape *mapping_quirks(const gscl_context *context) {
     return context->gpu_mapping ? &context->quirks->gpu : &context->quirks->cpu;
 }
 
+bool gscl_mapping_auto(const gscl_context *context) {
+    return !context->is_cpu || context->quirks->wide_groups;
+}
+
+/* Whether groups have as many work-items as on a GPU where a single one could do their work. */
+static bool has_wide_groups(const gscl_context *context) {
+    return context->gpu_mapping || context->quirks->wide_groups;
+}
+
 int gscl_mapping_lanes(const gscl_context *context) {
     const int lanes = mapping_quirks(context)->lanes;
     return lanes ? lanes : context->gpu_mapping ? gscl_runtime_tunables.gpu_lanes : gscl_runtime_tunables.cpu_lanes;
@@ -37,31 +46,31 @@ size_t gscl_tile_group_size(const gscl_context *context) {
 }
 
 size_t gscl_band_group_size(const gscl_context *context) {
-    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
+    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
 }
 
 size_t gscl_bin_group_size(const gscl_context *context) {
-    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_bin_items : 1;
+    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_bin_items : 1;
 }
 
 size_t gscl_scan_group_size(const gscl_context *context) {
-    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_scan_items : 1;
+    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_scan_items : 1;
 }
 
 int gscl_scan_length(const gscl_context *context) {
-    return context->gpu_mapping ? 1 : gscl_runtime_tunables.cpu_scan_length;
+    return has_wide_groups(context) ? 1 : gscl_runtime_tunables.cpu_scan_length;
 }
 
 size_t gscl_slot_group_size(const gscl_context *context) {
-    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_slot_items : 1;
+    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_slot_items : 1;
 }
 
 size_t gscl_rdo_group_size(const gscl_context *context) {
-    return context->gpu_mapping ? (size_t)gscl_runtime_tunables.gpu_rdo_items : 1;
+    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_rdo_items : 1;
 }
 
 size_t gscl_row_group_size(const gscl_context *context) {
-    return context->gpu_mapping ? GSCL_SUM_ITEMS : 1;
+    return has_wide_groups(context) ? GSCL_SUM_ITEMS : 1;
 }
 
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {

@@ -7,6 +7,8 @@
 
 #define GSCL_MAX_SPLAT_LANES 16
 
+/* Whether the context's device gets the GPU mapping where none is asked for. */
+bool gscl_mapping_auto(const gscl_context *context);
 /* Pixels of a row that a work-item of this context's mapping handles at once. */
 int gscl_mapping_lanes(const gscl_context *context);
 /* Rows of such pixels that a work-item handles, one after the other. */

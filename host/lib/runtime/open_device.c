@@ -1,6 +1,7 @@
 #include "runtime/open_device.h"
 
 #include "runtime/device.h"
+#include "runtime/mapping.h"
 #include "runtime/opencl.h"
 #include "runtime/program_cache.h"
 #include "runtime/programs.h"
@@ -31,7 +32,7 @@ static gscl_result create_queue(gscl_context *context) {
 gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings *settings) {
     GSCL_TRY(gscl_device_choose(context, settings->device));
     context->gpu_mapping =
-        settings->mapping == GSCL_MAPPING_AUTO ? !context->is_cpu : settings->mapping == GSCL_MAPPING_GPU;
+        settings->mapping == GSCL_MAPPING_AUTO ? gscl_mapping_auto(context) : settings->mapping == GSCL_MAPPING_GPU;
     context->settle = gscl_timing_settle;
     GSCL_TRY(gscl_program_cache_open(context, settings->cache_folder));
     if (settings->timing)

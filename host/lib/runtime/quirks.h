@@ -15,7 +15,8 @@ typedef struct gscl_quirks {
     bool own_builtins;    /* programs declare built-in functions with cl/builtins.h (program.c) */
     bool own_cache;       /* it keeps programs from one process to the next itself (program_cache.h) */
     bool builds_aside;    /* it builds programs while another thread uses the context (prefetch.h) */
-    bool one_blend;       /* kernels contain the loop over a tile's splats once (cl/raster.cl) */
+    bool software_fma;    /* its fma() is no instruction: kernels multiply and add (cl/macros.h) */
+    bool wide_groups;     /* CPUs are like GPUs: AUTO is the GPU mapping, whose groups the other has, too (mapping.c) */
     gscl_work_shape cpu, gpu;
 } gscl_quirks;
 
