@@ -13,6 +13,14 @@ typedef struct {
     float light[CHANNELS], behind, square, mixed[CHANNELS], behind_square;
 } word_error;
 
+/* Places of its sums. */
+#define WORD_BEHIND 0
+#define WORD_SQUARE 1
+#define WORD_BEHIND_SQUARE 2
+#define WORD_LIGHT 3
+#define WORD_MIXED (WORD_LIGHT + CHANNELS)
+#define WORD_SUMS (WORD_MIXED + CHANNELS)
+
 /* The splat's alpha at a row of pixels from (x, y) on. */
 inline pix word_alpha(const projected_splat *s, int x, int y) {
     pix dx = pix_offsets() + ((float)x + 0.5f - s->projected[GSCL_PROJECTED_X]);
@@ -25,18 +33,19 @@ inline void word_rdo_remove(const projected_splat *s, int4 box, __global float *
                             __global const float *restrict front, __global const float *restrict transmittance,
                             gscl_image_shape image) {
     const size_t plane = plane_size(image);
-    for (int y = box.z; y <= box.w; y++)
-        for (int x = box.x; x <= box.y; x += LANES) {
-            size_t at = (size_t)y * image.width + x;
-            pix alpha = word_alpha(s, x, y);
-            pix own = alpha * PIX_LOAD(transmittance + at), inverse = 1.0f / (1.0f - alpha);
-            UNROLL
-            for (int k = 0; k < CHANNELS; k++) {
-                pix u = PIX_LOAD(rendering + k * plane + at) - PIX_LOAD(front + k * plane + at) -
-                        own * s->projected[GSCL_PROJECTED_COLOUR + k];
-                pix_store_clipped(u * inverse, rendering + k * plane + at, box.y - x + 1);
-            }
+    FOR_ROWS(y, box.z, box.w)
+    FOR_VECTORS(x, box.x, box.y) {
+        size_t at = (size_t)y * image.width + x;
+        int lanes = box.y - x + 1;
+        pix alpha = word_alpha(s, x, y);
+        pix own = alpha * RDO_LOAD(transmittance + at, lanes), inverse = 1.0f / (1.0f - alpha);
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) {
+            pix u = RDO_LOAD(rendering + k * plane + at, lanes) - RDO_LOAD(front + k * plane + at, lanes) -
+                    own * s->projected[GSCL_PROJECTED_COLOUR + k];
+            pix_store_clipped(u * inverse, rendering + k * plane + at, lanes);
         }
+    }
 }
 
 /* Adds a splat within its box: U becomes P, and F and T include the splat. */
@@ -44,57 +53,62 @@ inline void word_rdo_commit(const projected_splat *s, int4 box, __global float *
                             __global float *restrict front, __global float *restrict transmittance,
                             gscl_image_shape image) {
     const size_t plane = plane_size(image);
-    for (int y = box.z; y <= box.w; y++)
-        for (int x = box.x; x <= box.y; x += LANES) {
-            size_t at = (size_t)y * image.width + x;
-            int lanes = box.y - x + 1;
-            pix alpha = word_alpha(s, x, y);
-            pix t = PIX_LOAD(transmittance + at), own = t * alpha;
-            UNROLL
-            for (int k = 0; k < CHANNELS; k++) {
-                pix u = PIX_LOAD(rendering + k * plane + at), f = PIX_LOAD(front + k * plane + at);
-                pix light = own * s->projected[GSCL_PROJECTED_COLOUR + k];
-                pix_store_clipped(f + light + u * (1.0f - alpha), rendering + k * plane + at, lanes);
-                pix_store_clipped(f + light, front + k * plane + at, lanes);
-            }
-            pix_store_clipped(t - own, transmittance + at, lanes);
+    FOR_ROWS(y, box.z, box.w)
+    FOR_VECTORS(x, box.x, box.y) {
+        size_t at = (size_t)y * image.width + x;
+        int lanes = box.y - x + 1;
+        pix alpha = word_alpha(s, x, y);
+        pix t = RDO_LOAD(transmittance + at, lanes), own = t * alpha;
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) {
+            pix u = RDO_LOAD(rendering + k * plane + at, lanes), f = RDO_LOAD(front + k * plane + at, lanes);
+            pix light = own * s->projected[GSCL_PROJECTED_COLOUR + k];
+            pix_store_clipped(f + light + u * (1.0f - alpha), rendering + k * plane + at, lanes);
+            pix_store_clipped(f + light, front + k * plane + at, lanes);
         }
+        pix_store_clipped(t - own, transmittance + at, lanes);
+    }
 }
 
 /* The error of all colour words for one shape and position; P holds U. */
 inline word_error word_rdo_evaluate(const projected_splat *s, __global const float *restrict rendering,
                                     __global const float *restrict front, __global const float *restrict transmittance,
-                                    __global const float *restrict target, gscl_image_shape image) {
+                                    __global const float *restrict target, gscl_image_shape image,
+                                    __local float *shared) {
     const size_t plane = plane_size(image);
     outline o = outline_of(s, image.width, image.height);
-    pix light[CHANNELS], mixed[CHANNELS], behind = (pix)(0.0f), square = (pix)(0.0f), behind_square = (pix)(0.0f);
-    for (int k = 0; k < CHANNELS; k++) light[k] = mixed[k] = (pix)(0.0f);
-    for (int y = o.rows.x; y <= o.rows.y; y++) {
+    pix sums[WORD_SUMS];
+    float totals[WORD_SUMS];
+    UNROLL
+    for (int k = 0; k < WORD_SUMS; k++) sums[k] = (pix)(0.0f);
+    FOR_ROWS(y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
-        for (int x = columns.x; x <= columns.y; x += LANES) {
+        FOR_VECTORS(x, columns.x, columns.y) {
             size_t at = (size_t)y * image.width + x;
-            pix g = projected_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, s) *
-                    pix_inside(columns.y - x + 1);
-            pix gt = g * PIX_LOAD(transmittance + at);
-            square = fma(gt, gt, square);
+            int lanes = columns.y - x + 1;
+            pix g =
+                projected_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, s) * pix_inside(lanes);
+            pix gt = g * RDO_LOAD(transmittance + at, lanes);
+            sums[WORD_SQUARE] = fma(gt, gt, sums[WORD_SQUARE]);
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
-                pix u = PIX_LOAD(rendering + k * plane + at);
-                pix e = PIX_LOAD(front + k * plane + at) + u - PIX_LOAD(target + k * plane + at), gu = g * u;
-                light[k] = fma(gt, e, light[k]);
-                behind = fma(gu, e, behind);
-                mixed[k] = fma(gt, gu, mixed[k]);
-                behind_square = fma(gu, gu, behind_square);
+                pix u = RDO_LOAD(rendering + k * plane + at, lanes), gu = g * u;
+                pix e = RDO_LOAD(front + k * plane + at, lanes) + u - PIX_LOAD(target + k * plane + at);
+                sums[WORD_LIGHT + k] = fma(gt, e, sums[WORD_LIGHT + k]);
+                sums[WORD_BEHIND] = fma(gu, e, sums[WORD_BEHIND]);
+                sums[WORD_MIXED + k] = fma(gt, gu, sums[WORD_MIXED + k]);
+                sums[WORD_BEHIND_SQUARE] = fma(gu, gu, sums[WORD_BEHIND_SQUARE]);
             }
         }
     }
+    items_sum(sums, WORD_SUMS, totals, shared);
     word_error w;
-    w.behind = pix_sum(behind);
-    w.square = pix_sum(square);
-    w.behind_square = pix_sum(behind_square);
+    w.behind = totals[WORD_BEHIND];
+    w.square = totals[WORD_SQUARE];
+    w.behind_square = totals[WORD_BEHIND_SQUARE];
     for (int k = 0; k < CHANNELS; k++) {
-        w.light[k] = pix_sum(light[k]);
-        w.mixed[k] = pix_sum(mixed[k]);
+        w.light[k] = totals[WORD_LIGHT + k];
+        w.mixed[k] = totals[WORD_MIXED + k];
     }
     return w;
 }
@@ -137,9 +151,10 @@ inline int2 word_rdo_move(int2 cell, int move) {
     return cell + (int2)(move == 1 ? 1 : move == 2 ? -1 : 0, move == 3 ? 1 : move == 4 ? -1 : 0);
 }
 
-/* Optimises cell and colour word of each splat of a batch, one work-item a splat.  The shape stays, since another shape
- * would change the drawing order.  A splat that is not worth its bits is dropped: its shape becomes -1.  `boxes`: first
- * and last column, first and last row of the pixels that may change for each splat. */
+/* Optimises cell and colour word of each splat of a batch, each with a work-group of RDO_ITEMS work-items, which all meet
+ * at the same barriers.  The shape stays, since another shape would change the drawing order.  A splat that is not worth
+ * its bits is dropped: its shape becomes -1.  `boxes`: first and last column, first and last row of the pixels that may
+ * change for each splat. */
 __kernel void word_rdo(__global const int *restrict batch, __global int2 *restrict cells,
                        __global int2 *restrict indices, __global const int4 *restrict boxes,
                        __global const float *restrict shapes, __global const float *restrict colours,
@@ -147,31 +162,37 @@ __kernel void word_rdo(__global const int *restrict batch, __global int2 *restri
                        __global float *restrict rendering, __global float *restrict front,
                        __global float *restrict transmittance, __global const float *restrict target,
                        gscl_word_rdo_settings settings) {
-    const int i = batch[get_global_id(0)];
+    __local float shared[RDO_SHARED];
+    const int i = batch[get_group_id(0)];
     const int4 box = boxes[i];
     const int2 cell = cells[i], index = indices[i];
     __global const float *shape = shapes + index.x * GSCL_BOOK_DIMS;
     int2 best_cell = cell, best_index = (int2)(-1, 0);
     projected_splat s = word_project(cell, shape, colours + index.y * GSCL_BOOK_DIMS, &settings);
     word_rdo_remove(&s, box, rendering, front, transmittance, settings.image);
+    RDO_SYNCHRONISE(); /* all pixels are without the splat */
     float best = settings.cost_of_dropping;
     const float fixed_cost = settings.lambda * (shape_bits[index.x] + settings.position_bits);
     for (int move = 0; move < WORD_RDO_MOVES; move++) {
         int2 at = word_rdo_move(cell, move);
         int colour = 0;
-        if (at.x < 0 || at.y < 0 || at.x > settings.last_x || at.y > settings.last_y) continue;
+        bool is_inside = at.x >= 0 && at.y >= 0 && at.x <= settings.last_x && at.y <= settings.last_y;
+        if (RDO_ITEMS == 1 && !is_inside) continue;
         s = word_project(at, shape, colours, &settings);
-        word_error w = word_rdo_evaluate(&s, rendering, front, transmittance, target, settings.image);
+        word_error w = word_rdo_evaluate(&s, rendering, front, transmittance, target, settings.image, shared);
         float cost =
             word_rdo_best_colour(&w, colours, colour_bits, settings.colours, settings.lambda, &colour) + fixed_cost;
-        if (cost < best) {
+        if (is_inside && cost < best) {
             best = cost;
             best_cell = at;
             best_index = (int2)(index.x, colour);
         }
     }
-    indices[i] = best_index;
-    cells[i] = best_cell;
+    RDO_SYNCHRONISE(); /* all have read the planes and the codes */
+    if (RDO_ITEM == 0) {
+        indices[i] = best_index;
+        cells[i] = best_cell;
+    }
     s = word_project(best_cell, shape, colours + best_index.y * GSCL_BOOK_DIMS, &settings);
     if (best_index.x < 0) s.projected[GSCL_PROJECTED_OPACITY] = 0.0f;
     word_rdo_commit(&s, box, rendering, front, transmittance, settings.image);

@@ -7,6 +7,7 @@
 
 #include "codebook/tunables.h"
 #include "decode/ellipse.h"
+#include "runtime/mapping.h"
 
 static gscl_context *context_of(const gscl_codebook_rdo *rdo) {
     return rdo->codebook->fit->context;
@@ -196,8 +197,8 @@ static gscl_result rdo_run_batch(gscl_codebook_rdo *rdo, size_t count) {
     GSCL_TRY(gscl_buffer_write(r->context, &rdo->device_batch, 0, rdo->batch, count * sizeof *rdo->batch));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "word_rdo", &kernel));
     return GSCL_LAUNCH(
-        r->context, kernel, count, 1, GSCL_ARG_BUFFER(rdo->device_batch), GSCL_ARG_BUFFER(rdo->device_cells),
-        GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(rdo->device_boxes),
+        r->context, kernel, count, gscl_rdo_group_size(r->context), GSCL_ARG_BUFFER(rdo->device_batch),
+        GSCL_ARG_BUFFER(rdo->device_cells), GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(rdo->device_boxes),
         GSCL_ARG_BUFFER(c->books[GSCL_BOOK_SHAPE].stored), GSCL_ARG_BUFFER(c->books[GSCL_BOOK_COLOUR].stored),
         GSCL_ARG_BUFFER(rdo->device_bits[GSCL_BOOK_SHAPE]), GSCL_ARG_BUFFER(rdo->device_bits[GSCL_BOOK_COLOUR]),
         GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->front), GSCL_ARG_BUFFER(rdo->transmittance),

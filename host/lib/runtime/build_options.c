@@ -56,7 +56,7 @@ static void append_mapping(gscl_text *text, const gscl_context *context, gscl_pr
         gscl_text_append(text, " -DCACHED_ROWS=%d -DSCAN_ITEMS=%zu -DSCAN_LENGTH=%d -DSLOT_ITEMS=%zu",
                          gscl_mapping_cached_rows(context), gscl_scan_group_size(context), gscl_scan_length(context),
                          gscl_slot_group_size(context));
-    if (kind == GSCL_PROGRAM_SCALAR_RDO)
+    if (kind == GSCL_PROGRAM_SCALAR_RDO || kind == GSCL_PROGRAM_CODEBOOK)
         gscl_text_append(text, " -DRDO_ITEMS=%zu", gscl_rdo_group_size(context));
     if (context->quirks->software_fma)
         gscl_text_append(text, " -DSOFTWARE_FMA");
