@@ -27,7 +27,6 @@ BUILTIN __attribute__((convergent)) void barrier(uint fences);
 #define OF_FLOATS(real, integer)                   \
     PURE real atan2(real, real);                   \
     PURE real ceil(real);                          \
-    PURE real cos(real);                           \
     PURE real exp(real);                           \
     PURE real exp2(real);                          \
     PURE real fabs(real);                          \
@@ -36,7 +35,6 @@ BUILTIN __attribute__((convergent)) void barrier(uint fences);
     PURE real log2(real);                          \
     PURE real rint(real);                          \
     PURE real sign(real);                          \
-    PURE real sin(real);                           \
     PURE real sqrt(real);                          \
     PURE real fma(real, real, real);               \
     PURE real fmax(real, real);                    \

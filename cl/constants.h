@@ -3,9 +3,9 @@
  *
  * In the order in which to read them:
  *   constants.h, structs.h: what the host reads as well
- *   builtins.h, macros.h, pixel.cl, splat_lanes.cl, direction.cl: vectors of pixels and of splats
+ *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   group_scan.cl, group_sum.cl: prefix sums and sums over a work-group
- *   project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
+ *   direction.cl, project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
  *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to
  *     gradients, and a step of the optimiser
  *   random.h, placement.cl: where splats are added
