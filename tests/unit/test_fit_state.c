@@ -248,7 +248,6 @@ static void test_lists_grow(void **unused) {
     assert_memory_equal(error[0], error[1], sizeof error[0]);
 }
 
-/* The sums of a large image, whose last work-group has fewer pixels, against double precision. */
 /* Splats that are appended after most of the others were removed, or to none, have lists of their own. */
 static void test_lists_of_few_splats(void **unused) {
     (void)unused;
@@ -271,6 +270,7 @@ static void test_lists_of_few_splats(void **unused) {
     }
 }
 
+/* The sums of a large image, whose last work-group has fewer pixels, against double precision. */
 static void test_sums_of_errors(void **unused) {
     (void)unused;
     enum { SIDE = 1100, PIXELS = SIDE * SIDE };
