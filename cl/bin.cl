@@ -7,7 +7,9 @@
  * Build options BAND_ITEMS and BIN_ITEMS, the work-items of a group that lists the splats of a band, and that fills lists.
  * Both are 1 on CPUs: the only one takes splat after splat and appends it to the lists of a row of tiles.  On GPUs each
  * tile has a group, whose work-items take a splat each: they count those that touch the tile, and in a second kernel,
- * which begins behind the counts of the tiles to the left, scatter them to the places that a scan gives them. */
+ * which begins behind the counts of the tiles to the left, scatter them to the places that a scan gives them.
+ *
+ * The lists of a fit link their entries to the splats (links.cl).  Others have no links: NULL. */
 
 /* Tiles of a row whose rows of pixels are found together. */
 #define BIN_LANES 4
@@ -101,8 +103,9 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
 /* Fills the lists of one row of tiles. */
 __kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
                   __global const int4 *restrict boxes, __global const int *restrict listed,
-                  __global const int *restrict listed_counts, gscl_bin_settings t, __global uint *restrict entries,
-                  __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
+                  __global const int *restrict listed_counts, __global const gscl_link_grid *restrict grids,
+                  gscl_bin_settings t, __global uint *restrict entries, __global int2 *restrict tile_ranges,
+                  __global int *restrict row_totals, __global int *restrict links) {
     const int tiles_x = t.tiles_x, ty = (int)get_group_id(0);
     __global int2 *ranges = tile_ranges + (size_t)ty * tiles_x;
     splat_source source = source_of_row(listed, listed_counts, t, ty);
@@ -129,9 +132,13 @@ __kernel void bin(__global const float *restrict projected, __global const float
         for (int tx = tiles.x; tx <= tiles.y; tx += BIN_LANES) {
             int first[BIN_LANES], last[BIN_LANES];
             rows_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, tx, ty, first, last);
-            for (int k = 0; k < BIN_LANES && tx + k <= tiles.y; k++)
-                if (first[k] <= last[k] && ranges[tx + k].y < end)
-                    entries[ranges[tx + k].y++] = GSCL_ENTRY((uint)i, (uint)first[k], (uint)last[k]);
+            for (int k = 0; k < BIN_LANES && tx + k <= tiles.y; k++) {
+                int to = ranges[tx + k].y;
+                if (first[k] > last[k] || to >= end) continue;
+                entries[to] = GSCL_ENTRY((uint)i, (uint)first[k], (uint)last[k]);
+                link_entry(to, i, tx + k, ty, grids, links);
+                ranges[tx + k].y = to + 1;
+            }
         }
     }
 }
@@ -188,9 +195,10 @@ inline bool entry_of_tile(__global const float *restrict projected, __global con
  * are cut short. */
 __kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
                   __global const int4 *restrict boxes, __global const int *restrict listed,
-                  __global const int *restrict listed_counts, gscl_bin_settings t,
-                  __global const int *restrict tile_counts, __global uint *restrict entries,
-                  __global int2 *restrict tile_ranges, __global int *restrict row_totals) {
+                  __global const int *restrict listed_counts, __global const gscl_link_grid *restrict grids,
+                  gscl_bin_settings t, __global const int *restrict tile_counts, __global uint *restrict entries,
+                  __global int2 *restrict tile_ranges, __global int *restrict row_totals,
+                  __global int *restrict links) {
     __local long sums[BIN_ITEMS];
     const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x, item = (int)get_local_id(0);
     const int base = ty * t.row_capacity, end = base + t.row_capacity;
@@ -208,7 +216,10 @@ __kernel void bin(__global const float *restrict projected, __global const float
             start + item < source.count && entry_of_tile(projected, ellipse_bounds, boxes, i, tx, ty, &entry);
         barrier(CLK_LOCAL_MEM_FENCE); /* all have read the last sum */
         int to = next + (int)group_scan(touches, BIN_ITEMS, sums) - 1;
-        if (touches && to < end) entries[to] = entry;
+        if (touches && to < end) {
+            entries[to] = entry;
+            link_entry(to, i, tx, ty, grids, links);
+        }
         next = min(next + (int)sums[BIN_ITEMS - 1], end);
     }
     if (item > 0) return;

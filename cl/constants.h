@@ -5,7 +5,7 @@
  *   constants.h, structs.h: what the host reads as well
  *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   group_scan.cl, group_sum.cl: prefix sums and sums over a work-group
- *   direction.cl, project.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
+ *   direction.cl, project.cl, links.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
  *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to
  *     gradients, and a step of the optimiser
  *   random.h, placement.cl: where splats are added
@@ -21,6 +21,8 @@
 
 /* A tile is the unit of binning and of work: one work-group draws one tile. */
 #define GSCL_TILE 16
+/* Splats whose links are counted together (links.cl). */
+#define GSCL_LINK_BLOCK 64
 /* Splats of a tile that are summed one after another when an image is drawn (raster.cl). */
 #define GSCL_RUN 1024
 

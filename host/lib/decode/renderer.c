@@ -11,6 +11,8 @@
 
 #define PADDING_ENTRIES 8 /* after the last list: searches load vectors of entries */
 
+static const gscl_links no_links;
+
 /* Fails to compile unless kernels and public interface number the kinds of samples alike. */
 typedef char sample_kinds_agree[(int)GSCL_SAMPLE_U8 == GSCL_SAMPLE_KIND_U8 &&
                                         (int)GSCL_SAMPLE_U16 == GSCL_SAMPLE_KIND_U16 &&
@@ -174,17 +176,18 @@ static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
 }
 
 /* Fills the lists by a work-item for each row of tiles. */
-static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings) {
+static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
-                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->entries),
-                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals),
+                       GSCL_ARG_BUFFER(links->links));
 }
 
 /* Fills the lists by a work-group for each tile. */
-static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings) {
+static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
     const size_t tiles = gscl_renderer_tiles(r), group = gscl_bin_group_size(r->context);
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, tiles * sizeof(cl_int)));
@@ -195,15 +198,16 @@ static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings) {
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
-                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->tile_counts),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals));
+                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(r->tile_counts), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                       GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG_BUFFER(links->links));
 }
 
-static gscl_result launch_bin(gscl_renderer *r) {
+static gscl_result launch_bin(gscl_renderer *r, const gscl_links *links) {
     gscl_bin_settings settings = {
         .splats = r->count, .tiles_x = r->view.tiles_x, .tiles_y = r->view.tiles_y, .row_capacity = r->row_capacity};
     GSCL_TRY(list_bands(r, &settings.band_rows));
-    return gscl_bin_group_size(r->context) > 1 ? bin_tiles(r, settings) : bin_rows(r, settings);
+    return gscl_bin_group_size(r->context) > 1 ? bin_tiles(r, settings, links) : bin_rows(r, settings, links);
 }
 
 /* The first capacity: an estimate, or that of the buffer. */
@@ -222,18 +226,22 @@ size_t gscl_lists_capacity(size_t needed) {
     return needed + needed / (size_t)gscl_decode_tunables.growth_part;
 }
 
-gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
+gscl_result gscl_renderer_bin_linked(gscl_renderer *r, const gscl_links *links) {
     if (r->row_capacity == 0)
         GSCL_TRY(set_row_capacity(r, first_row_capacity(r)));
     GSCL_TRY(set_row_capacity(r, (size_t)r->row_capacity)); /* the view may have more rows than before */
-    GSCL_TRY(launch_bin(r));
+    return launch_bin(r, links);
+}
+
+gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
+    GSCL_TRY(gscl_renderer_bin_linked(r, &no_links));
     if (!exact)
         return GSCL_OK;
     gscl_lists_state state;
     GSCL_TRY(gscl_renderer_begin_lengths(r));
     GSCL_TRY(gscl_finish(r->context));
     GSCL_TRY(gscl_renderer_end_lengths(r, 1, &state));
-    return state == GSCL_LISTS_KEPT ? GSCL_OK : launch_bin(r);
+    return state == GSCL_LISTS_KEPT ? GSCL_OK : launch_bin(r, &no_links);
 }
 
 gscl_result gscl_renderer_end_lengths(gscl_renderer *r, double growth, gscl_lists_state *state) {

@@ -9,6 +9,12 @@
 #include "runtime/programs.h"
 #include "runtime/staging.h"
 
+/* The links of splats to their entries in the lists of the tiles (cl/links.cl). */
+typedef struct gscl_links {
+    gscl_buffer grids; /* where those of each splat are */
+    gscl_buffer links;
+} gscl_links;
+
 typedef struct gscl_renderer {
     gscl_context *context;
     gscl_kernel_options options; /* gscl_renderer_set_options sets these two */
@@ -61,6 +67,8 @@ gscl_result gscl_renderer_project(gscl_renderer *renderer);
 /* Fills the tiles' lists.  `exact` waits for the device and enlarges the lists where they are too short; otherwise a
  * list that overflows is cut short. */
 gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
+/* The same without waiting, and links the entries to their splats: `links` must be numbered. */
+gscl_result gscl_renderer_bin_linked(gscl_renderer *renderer, const gscl_links *links);
 /* What is known of the tiles' lists: they have room, or were cut short.  ENLARGED: they have more room now, which is empty
  * until they are filled again. */
 typedef enum gscl_lists_state { GSCL_LISTS_KEPT, GSCL_LISTS_ENLARGED, GSCL_LISTS_CUT } gscl_lists_state;

@@ -66,10 +66,10 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
     gscl_buffer *buffers[] = {
-        &f->gradients,  &f->first_moment,   &f->second_moment, &f->ages,           &f->gradient_slots, &f->links,
-        &f->link_grids, &f->link_totals,    &f->links_needed,  &f->tile_loss,      &f->control,        &f->error,
-        &f->error_sums, &f->row_sums,       &f->density_total, &f->column_weights, &f->group_weights,  &f->distortion,
-        &f->derivative, &f->adapted_target, &f->model};
+        &f->gradients,   &f->first_moment,   &f->second_moment, &f->ages,           &f->gradient_slots, &f->links.links,
+        &f->links.grids, &f->block_links,    &f->links_needed,  &f->tile_loss,      &f->control,        &f->error,
+        &f->error_sums,  &f->row_sums,       &f->density_total, &f->column_weights, &f->group_weights,  &f->distortion,
+        &f->derivative,  &f->adapted_target, &f->model};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */
@@ -84,7 +84,7 @@ gscl_result gscl_fit_set_flat_background(gscl_fit *f, const gscl_flat_background
 
 void gscl_fit_release_scratch(gscl_fit *f) {
     gscl_buffer_free(&f->gradient_slots);
-    gscl_buffer_free(&f->links);
+    gscl_buffer_free(&f->links.links);
     gscl_buffer_free(&f->error);
     gscl_buffer_free(&f->row_sums);
     gscl_pyramid_release_smaller(&f->pyramid, f->level);

@@ -32,8 +32,9 @@ typedef struct gscl_fit {
     gscl_limits limits;
 
     /* The lists of the tiles, which the renderer holds, and the gradients before they are summed: a slot for each entry
-     * of a list, and the links of splats to theirs (cl/slots.cl). */
-    gscl_buffer gradient_slots, links, link_grids, link_totals, links_needed;
+     * of a list, and the links of splats to theirs (cl/links.cl, cl/slots.cl). */
+    gscl_buffer gradient_slots, block_links, links_needed;
+    gscl_links links;
     size_t link_capacity;
     bool has_old_lists;      /* of other splats, or of another level */
     bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended since */

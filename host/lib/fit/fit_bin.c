@@ -10,39 +10,41 @@ static size_t slot_size(const gscl_fit *f) {
     return (size_t)GSCL_SLOT_SIZE(o->shape, o->opacity, f->renderer.channels, o->texture);
 }
 
+/* Counts the links of each block of splats. */
+static gscl_result count_links(gscl_fit *f) {
+    const gscl_renderer *r = &f->renderer;
+    const size_t blocks = gscl_groups((size_t)r->count, GSCL_LINK_BLOCK), items = gscl_link_group_size(f->context);
+    cl_kernel kernel;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->block_links, blocks * sizeof(cl_long)));
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_BIN, &r->options, "count_links", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, blocks, items, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
+                       GSCL_ARG_BUFFER(f->block_links));
+}
+
 /* Numbers the links of all splats; those of the last ones are left out where they do not fit. */
 static gscl_result number_links(gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
     const cl_int capacity = (cl_int)f->link_capacity;
-    const size_t items = gscl_scan_group_size(f->context);
-    const size_t groups = gscl_groups((size_t)r->count, items * (size_t)gscl_scan_length(f->context));
+    const bool has_blocks = r->count > gscl_fit_tunables.max_counted_at_once;
+    const cl_int block = has_blocks ? GSCL_LINK_BLOCK : r->count + 1;
+    const size_t groups = gscl_groups((size_t)r->count, gscl_link_splats(f->context));
     cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->link_grids, (size_t)r->count * sizeof(gscl_link_grid)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->link_totals, groups * sizeof(cl_long)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.grids, (size_t)r->count * sizeof(gscl_link_grid)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.links, f->link_capacity * sizeof(cl_int)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->links_needed, sizeof f->reading->links));
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "count_links", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, groups, items, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
-                         GSCL_ARG_BUFFER(f->link_totals)));
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "number_links", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, groups, items, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
-                       GSCL_ARG_BUFFER(f->link_totals), GSCL_ARG(capacity), GSCL_ARG_BUFFER(f->link_grids),
+    if (has_blocks)
+        GSCL_TRY(count_links(f));
+    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_BIN, &r->options, "number_links", &kernel));
+    return GSCL_LAUNCH(f->context, kernel, groups, gscl_link_group_size(f->context), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG(r->count), GSCL_ARG(block), GSCL_ARG_BUFFER(f->block_links), GSCL_ARG(capacity),
+                       GSCL_ARG_BUFFER(f->links.grids), GSCL_ARG_BUFFER(f->links.links),
                        GSCL_ARG_BUFFER(f->links_needed));
 }
 
-/* Links the entries of the tiles' lists, and makes room for a slot of each. */
-static gscl_result link_entries(gscl_fit *f) {
-    const gscl_renderer *r = &f->renderer;
-    const size_t items = gscl_slot_group_size(f->context), entries = r->entries.size / sizeof(cl_uint);
-    cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot_size(f) * sizeof(float)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links, f->link_capacity * sizeof(cl_int)));
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "clear_links", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)r->count, items, GSCL_ARG_BUFFER(f->link_grids),
-                         GSCL_ARG_BUFFER(f->links)));
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "link_entries", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, gscl_renderer_tiles(r), items, GSCL_ARG_BUFFER(f->link_grids),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG(r->view.tiles_x),
-                       GSCL_ARG_BUFFER(f->links));
+/* Makes room for a slot of each entry of the tiles' lists. */
+static gscl_result reserve_slots(gscl_fit *f) {
+    const size_t entries = f->renderer.entries.size / sizeof(cl_uint);
+    return gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot_size(f) * sizeof(float));
 }
 
 /* Enlarges the room for links where there is little left beside `growth` times those that were read. */
@@ -105,9 +107,10 @@ gscl_result gscl_fit_expect_splats(gscl_fit *f, size_t count) {
 static gscl_result fill_lists(gscl_fit *f) {
     f->has_old_lists = false;
     f->steps_since_bin = 0;
-    if (f->renderer.count > 0)
-        GSCL_TRY(number_links(f));
-    return gscl_renderer_bin(&f->renderer, false);
+    if (f->renderer.count == 0)
+        return gscl_renderer_bin(&f->renderer, false);
+    GSCL_TRY(number_links(f));
+    return gscl_renderer_bin_linked(&f->renderer, &f->links);
 }
 
 gscl_result gscl_fit_bin(gscl_fit *f, bool exact) {
@@ -120,5 +123,5 @@ gscl_result gscl_fit_bin(gscl_fit *f, bool exact) {
     }
     if (state != GSCL_LISTS_KEPT)
         GSCL_TRY(fill_lists(f));
-    return f->renderer.count > 0 ? link_entries(f) : GSCL_OK;
+    return reserve_slots(f);
 }

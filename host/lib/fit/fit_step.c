@@ -56,8 +56,8 @@ static gscl_result launch_gather(gscl_fit *f) {
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "gather_gradients", &kernel));
     return GSCL_LAUNCH(f->context, kernel, groups.count, groups.size, GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->projected),
-                       GSCL_ARG_BUFFER(f->link_grids), GSCL_ARG_BUFFER(f->links), GSCL_ARG_BUFFER(f->gradient_slots),
-                       GSCL_ARG_BUFFER(f->gradients));
+                       GSCL_ARG_BUFFER(f->links.grids), GSCL_ARG_BUFFER(f->links.links),
+                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(f->gradients));
 }
 
 /* Sums the gradient slots and takes a step of Adam; projects the result for `settings`.view. */
@@ -69,8 +69,9 @@ static gscl_result launch_step(gscl_fit *f, gscl_gather_settings drawn, gscl_ada
     return GSCL_LAUNCH(f->context, kernel, groups.count, groups.size, GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(drawn), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control),
-                       GSCL_ARG_BUFFER(f->link_grids), GSCL_ARG_BUFFER(f->links), GSCL_ARG_BUFFER(f->gradient_slots),
-                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
+                       GSCL_ARG_BUFFER(f->links.grids), GSCL_ARG_BUFFER(f->links.links),
+                       GSCL_ARG_BUFFER(f->gradient_slots), GSCL_ARG_BUFFER(r->projected),
+                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes));
 }
 
 gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {

@@ -50,11 +50,11 @@ static void append_mapping(gscl_text *text, const gscl_context *context, gscl_pr
     if (traits->has_splats)
         gscl_text_append(text, " -DSPLAT_LANES=%d", gscl_splat_lanes(context, kind));
     if (kind == GSCL_PROGRAM_BIN)
-        gscl_text_append(text, " -DBAND_ITEMS=%zu -DBIN_ITEMS=%zu", gscl_band_group_size(context),
-                         gscl_bin_group_size(context));
+        gscl_text_append(text, " -DBAND_ITEMS=%zu -DBIN_ITEMS=%zu -DLINK_ITEMS=%zu -DLINK_SPLATS=%zu",
+                         gscl_band_group_size(context), gscl_bin_group_size(context), gscl_link_group_size(context),
+                         gscl_link_splats(context));
     if (traits->has_loss)
-        gscl_text_append(text, " -DCACHED_ROWS=%d -DSCAN_ITEMS=%zu -DSCAN_LENGTH=%d -DSLOT_ITEMS=%zu",
-                         gscl_mapping_cached_rows(context), gscl_scan_group_size(context), gscl_scan_length(context),
+        gscl_text_append(text, " -DCACHED_ROWS=%d -DSLOT_ITEMS=%zu", gscl_mapping_cached_rows(context),
                          gscl_slot_group_size(context));
     if (kind == GSCL_PROGRAM_SCALAR_RDO || kind == GSCL_PROGRAM_CODEBOOK)
         gscl_text_append(text, " -DRDO_ITEMS=%zu", gscl_rdo_group_size(context));

@@ -53,12 +53,12 @@ size_t gscl_bin_group_size(const gscl_context *context) {
     return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_bin_items : 1;
 }
 
-size_t gscl_scan_group_size(const gscl_context *context) {
-    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_scan_items : 1;
+size_t gscl_link_group_size(const gscl_context *context) {
+    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_link_items : 1;
 }
 
-int gscl_scan_length(const gscl_context *context) {
-    return has_wide_groups(context) ? 1 : gscl_runtime_tunables.cpu_scan_length;
+size_t gscl_link_splats(const gscl_context *context) {
+    return has_wide_groups(context) ? 1 : (size_t)gscl_runtime_tunables.cpu_link_splats;
 }
 
 size_t gscl_slot_group_size(const gscl_context *context) {

@@ -23,9 +23,9 @@ size_t gscl_tile_group_size(const gscl_context *context);
 size_t gscl_band_group_size(const gscl_context *context);
 /* Work-items of a group that lists the splats of a tile; 1 where a work-item lists those of a row of tiles. */
 size_t gscl_bin_group_size(const gscl_context *context);
-/* Work-items of a group that numbers links, and splats of each (cl/slots.cl). */
-size_t gscl_scan_group_size(const gscl_context *context);
-int gscl_scan_length(const gscl_context *context);
+/* Work-items of a group that numbers links, and the splats that it takes (cl/links.cl). */
+size_t gscl_link_group_size(const gscl_context *context);
+size_t gscl_link_splats(const gscl_context *context);
 /* Work-items of a group that sums the slots of a splat (cl/update.cl); 1 where a work-item sums those of gscl_splat_lanes
  * splats. */
 size_t gscl_slot_group_size(const gscl_context *context);

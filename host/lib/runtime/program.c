@@ -21,17 +21,16 @@
 
 /* Source files of each kind, in the order in which the compiler reads them. */
 static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
-    [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "bin.cl"},
+    [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "links.cl", "bin.cl"},
     [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "group_scan.cl", "slots.cl", "fit.cl",
-                          "update.cl", "step.cl"},
-    [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", SPLAT_FILES, "group_scan.cl", "slots.cl", "update.cl",
-                                "gradients.cl"},
+    [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "fit.cl", "update.cl",
+                          "step.cl"},
+    [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", SPLAT_FILES, "slots.cl", "update.cl", "gradients.cl"},
     [GSCL_PROGRAM_SCALAR_RDO] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "rdo_items.cl", "outline.cl",
                                  "scalar_codes.cl", "rdo_planes.cl", "rdo_colour.cl", "rdo_moves.cl", "rdo_model.cl",
                                  "texture.cl", "scalar_rdo.cl"},
-    [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "group_scan.cl", "slots.cl",
-                               "fit.cl", "update.cl", "rdo_items.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
+    [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "fit.cl", "update.cl",
+                               "rdo_items.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
     [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
     [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
     [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "random.h",

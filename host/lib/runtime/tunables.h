@@ -10,12 +10,12 @@ struct gscl_runtime_tunables {
     int cpu_cached_rows; /* pixel vectors: Gaussians that a work-item of fit_tiles caches for its backward pass, CPU
                             mapping; 512 take 32 KB */
     int cpu_splat_lanes; /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
-    int cpu_scan_length; /* splats: whose links to gradient slots a work-item numbers, CPU mapping */
+    int cpu_link_splats; /* splats: whose links to entries of lists a work-item numbers, CPU mapping */
     int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 1, 4 or 16 */
     int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
     int gpu_band_items;  /* work-items: of a group that lists the splats of a band, GPU mapping; a power of 2 */
     int gpu_bin_items;   /* work-items: of a group that fills the list of a tile, GPU mapping; a power of 2 */
-    int gpu_scan_items;  /* work-items: of a group that numbers links to gradient slots, GPU mapping; a power of 2 */
+    int gpu_link_items;  /* work-items: of a group that numbers the links of a splat, GPU mapping; a power of 2 */
     int gpu_slot_items; /* work-items: of a group that sums the slots of a splat, GPU mapping; at least 11, the sums of a
                              slot */
     int gpu_rdo_items;  /* work-items: of a group that visits a splat in a rate-distortion pass, GPU mapping; a multiple

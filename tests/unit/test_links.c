@@ -1,0 +1,158 @@
+/* Links of splats to their entries in the lists of the tiles (cl/links.cl), in both mappings. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include <gscl/gscl.h>
+
+#include "cl/constants.h"
+#include "fit/fit.h"
+#include "fit/random.h"
+#include "fit/tunables.h"
+
+#define WIDTH 70
+#define HEIGHT 45
+#define MANY 2500 /* splats: several blocks are counted */
+#define FEW 300   /* those of more than one block, which are not counted */
+
+/* What the device made of a fit's splats. */
+typedef struct device_lists {
+    size_t count, tiles, tiles_x;
+    cl_int *boxes;
+    gscl_link_grid *grids;
+    cl_int *links;
+    cl_uint *entries;
+    cl_int *ranges; /* two of each tile */
+    cl_int needed;
+} device_lists;
+
+static void *read_all(gscl_context *context, const gscl_buffer *buffer, size_t size) {
+    void *data = malloc(size);
+    assert_non_null(data);
+    assert_true(size <= buffer->size);
+    assert_int_equal(gscl_buffer_read(context, buffer, 0, data, size), GSCL_OK);
+    return data;
+}
+
+static device_lists read_lists(const gscl_fit *fit) {
+    gscl_context *context = fit->context;
+    const gscl_renderer *r = &fit->renderer;
+    device_lists lists = {
+        .count = (size_t)r->count, .tiles = gscl_renderer_tiles(r), .tiles_x = (size_t)r->view.tiles_x};
+    lists.boxes = read_all(context, &r->boxes, lists.count * 4 * sizeof(cl_int));
+    lists.grids = read_all(context, &fit->links.grids, lists.count * sizeof(gscl_link_grid));
+    lists.links = read_all(context, &fit->links.links, fit->link_capacity * sizeof(cl_int));
+    lists.entries = read_all(context, &r->entries, r->entries.size);
+    lists.ranges = read_all(context, &r->tile_ranges, lists.tiles * 2 * sizeof(cl_int));
+    assert_int_equal(gscl_buffer_read(context, &fit->links_needed, 0, &lists.needed, sizeof lists.needed), GSCL_OK);
+    return lists;
+}
+
+static void free_lists(device_lists *lists) {
+    free(lists->boxes);
+    free(lists->grids);
+    free(lists->links);
+    free(lists->entries);
+    free(lists->ranges);
+}
+
+/* Splats of all sizes, some of them beyond the image. */
+static void append_splats(gscl_fit *fit, size_t count) {
+    static float params[MANY * GSCL_PARAMS];
+    uint64_t random = 1;
+    for (size_t i = 0; i < count; i++) {
+        float *p = params + i * GSCL_PARAMS;
+        p[GSCL_X] = (float)(WIDTH * (1.4 * gscl_random_unit(&random) - 0.2));
+        p[GSCL_Y] = (float)(HEIGHT * (1.4 * gscl_random_unit(&random) - 0.2));
+        p[GSCL_LOG_S1] = (float)(3 * gscl_random_unit(&random));
+        p[GSCL_LOG_S2] = (float)(2 * gscl_random_unit(&random));
+        p[GSCL_THETA] = (float)(3 * gscl_random_unit(&random));
+    }
+    assert_int_equal(gscl_fit_append(fit, params, count), GSCL_OK);
+}
+
+/* Links are numbered in the order of the splats; those that do not fit have none.  Returns how many there are. */
+static cl_int check_numbers(const device_lists *lists, size_t capacity) {
+    cl_int before = 0, used = 0;
+    for (size_t i = 0; i < lists->count; i++) {
+        const cl_int *box = lists->boxes + 4 * i;
+        const gscl_link_grid *grid = &lists->grids[i];
+        const bool is_empty = box[0] > box[1] || box[2] > box[3];
+        const cl_int tiles = is_empty ? 0 : (box[1] - box[0] + 1) * (box[3] - box[2] + 1);
+        const bool fits = (size_t)(before + tiles) <= capacity;
+        assert_int_equal(grid->count, fits ? tiles : 0);
+        if (fits) {
+            assert_int_equal(grid->first, before);
+            used = before + tiles;
+        }
+        before += tiles;
+    }
+    assert_int_equal(lists->needed, before);
+    return used;
+}
+
+/* Each entry is linked at its tile; all other links are -1. */
+static void check_entries(const device_lists *lists, cl_int used) {
+    cl_int linked = 0, left = 0;
+    for (size_t tile = 0; tile < lists->tiles; tile++)
+        for (cl_int i = lists->ranges[2 * tile]; i < lists->ranges[2 * tile + 1]; i++) {
+            const gscl_link_grid *grid = &lists->grids[GSCL_ENTRY_SPLAT(lists->entries[i])];
+            const cl_int x = (cl_int)(tile % lists->tiles_x), y = (cl_int)(tile / lists->tiles_x);
+            const cl_int link = grid->origin + y * grid->stride + x;
+            if (grid->count == 0)
+                continue;
+            assert_in_range(link, grid->first, grid->first + grid->count - 1);
+            assert_int_equal(lists->links[link], i);
+            linked++;
+        }
+    for (cl_int k = 0; k < used; k++)
+        left += lists->links[k] == -1;
+    assert_true(linked > (cl_int)lists->count / 2);
+    assert_int_equal(linked + left, used);
+}
+
+static void check_links(const gscl_fit *fit) {
+    device_lists lists = read_lists(fit);
+    check_entries(&lists, check_numbers(&lists, fit->link_capacity));
+    free_lists(&lists);
+}
+
+static void check_fit(gscl_context *context, size_t count) {
+    static float planes[WIDTH * HEIGHT];
+    const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
+    gscl_fit fit;
+    assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
+    append_splats(&fit, count);
+    assert_int_equal(gscl_fit_bin(&fit, true), GSCL_OK);
+    check_links(&fit);
+    fit.link_capacity = 2 * (size_t)fit.reading->links / 3; /* too few, and the host does not look */
+    assert_int_equal(gscl_fit_bin(&fit, false), GSCL_OK);
+    check_links(&fit);
+    gscl_fit_free(&fit);
+}
+
+static void test_entries_are_linked(void **unused) {
+    (void)unused;
+    static const gscl_mapping mappings[2] = {GSCL_MAPPING_CPU, GSCL_MAPPING_GPU};
+    assert_true(FEW > GSCL_LINK_BLOCK && FEW <= gscl_fit_tunables.max_counted_at_once);
+    assert_true(MANY > gscl_fit_tunables.max_counted_at_once);
+    for (int i = 0; i < 2; i++) {
+        gscl_context_settings settings;
+        gscl_context *context;
+        gscl_context_settings_default(&settings);
+        settings.mapping = mappings[i];
+        assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
+        check_fit(context, FEW);
+        check_fit(context, MANY);
+        gscl_context_free(&context);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_entries_are_linked)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
