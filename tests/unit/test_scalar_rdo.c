@@ -179,7 +179,8 @@ static double visual_distortion_of(scene *s) {
     return sum + 2 * loss;
 }
 
-/* From the minimum of squared error on, passes with a model of the visual loss lower the sum of both. */
+/* From the minimum of squared error on, passes with a model of the visual loss lower the sum of both.  In the blend normalized
+ * waves draw the target so well that its share of visual loss is not worth another code: there the sum must not rise. */
 static void test_passes_lower_the_visual_loss(void **state) {
     (void)state;
     for (int variant = 0; variant < 8; variant++) {
@@ -191,7 +192,8 @@ static void test_passes_lower_the_visual_loss(void **state) {
         s.fit.renderer.options.weighted = GSCL_WEIGHTED_LUMA;
         run_passes(&s, FREE, true);
         const double after = visual_distortion_of(&s);
-        if (!(after < before))
+        const bool is_nearly_exact = (variant & 6) == 4;
+        if (!(is_nearly_exact ? after <= before : after < before))
             fail_msg("variant %d: %.6g before, %.6g after", variant, before, after);
         close_scene(&s);
     }

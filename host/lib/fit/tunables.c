@@ -29,8 +29,8 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .background_distance = 1.5f,
     .min_non_flat_pixels = 0.02f,
     .residual_outliers = 0.01,
-    .visual_share = 0.18f,
-    .visual_peaks = 200.0f,
+    .visual_share = 0.06f,
+    .visual_peaks = 400.0f,
     .curvature_of_steps = 0.3f,
     .visual_max_pixels = 2 << 20,
 };

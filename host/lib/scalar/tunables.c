@@ -77,7 +77,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .search_fit_share = 0.2,
     .search_passes_share = 0.25,
 
-    .model_from = 0.15,
+    .model_from = 0.3,
     .model_interval = 7,
     .curvature_of_passes = 0.6f,
 
