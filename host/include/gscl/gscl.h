@@ -294,7 +294,7 @@ typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM
 typedef enum gscl_tune {
     GSCL_TUNE_PSNR = 0, /* squared error with equal weights */
     GSCL_TUNE_SSIM = 1, /* MS-SSIM: errors in smooth regions weigh more.  Default profile and loss L2 only */
-    /* What people see, by SSIMULACRA 2 and squared error: more texture, PSNR lower by 0.5 to 0.8 dB; for opaque images.
+    /* What people see, by SSIMULACRA 2 and squared error: more texture, PSNR lower by 0.1 to 0.5 dB; for opaque images.
      * Default profile and loss L2 only. */
     GSCL_TUNE_VISUAL = 2
 } gscl_tune;
