@@ -85,7 +85,8 @@ typedef struct gscl_control_settings {
     cl_float low_height; /* half the height of an outline, drawn rows; lower splats count as low */
 } gscl_control_settings;
 
-/* The links of a splat to its entries, which lie one after another (cl/links.cl): one for each tile of its box, row by row.  That of the tile (x, y) is link origin + y * stride + x. */
+/* The links of a splat to its entries, which lie one after another (cl/links.cl): one for each tile of its box, row by
+ * row.  That of the tile (x, y) is link origin + y * stride + x. */
 typedef struct gscl_link_grid {
     cl_int first, count; /* 0 links where no more fit in the buffer */
     cl_int origin, stride;
