@@ -33,8 +33,8 @@ uint32_t gsf_direction_of(uint32_t code, uint32_t count);
 
 void gsf_attributes_init(gsf_attributes *attributes, const gsf_header *header, const gsf_steps *steps);
 
-/* Codes one splat.  Splats must come in stored order, with major axis and cell of the class in place.  Fields whose effect is off are not
- * changed. */
+/* Codes one splat.  Splats must come in stored order, with major axis and cell of the class in place.  Fields whose
+ * effect is off are not changed. */
 void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat *splat);
 
 #endif

@@ -68,8 +68,8 @@ bool scene_file_decodes(const scene *s, char *message, size_t capacity) {
 
 /* ---- Descent ---- */
 
-/* `params` holds the scene's parameters and receives the fitted ones.  A first step moves the splats within the library's limits, as in any
- * fit.  Descent starts from there, with moments reset. */
+/* `params` holds the scene's parameters and receives the fitted ones.  A first step moves the splats within the
+ * library's limits, as in any fit.  Descent starts from there, with moments reset. */
 static gscl_result descend(gscl_fit *fit, const scene *s, float *params, double *before, double *after) {
     GSCL_TRY(gscl_fit_append(fit, params, s->count));
     GSCL_TRY(gscl_fit_step(fit, 0.1f, 1));

@@ -225,7 +225,8 @@ static void test_steps_of_words_lower_the_error(void **state) {
     }
 }
 
-/* With as many words as splats straight-through steps are as free as an ordinary fit, because clustering reproduces each step exactly. */
+/* With as many words as splats straight-through steps are as free as an ordinary fit, because clustering reproduces
+ * each step exactly. */
 static void test_straight_through_steps_lower_the_error(void **state) {
     (void)state;
     for (int m = 0; m < 2; m++) {

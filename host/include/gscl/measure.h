@@ -65,10 +65,11 @@ typedef struct gscl_effect_use {
                        in the paper profile */
 } gscl_effect_use;
 
-/* Writes the splats of a file again without each effect that is on, and draws them if there is an image.  It does not fit
- * splats again without the effect.  `uses` has room for GSCL_MAX_EFFECTS rows; *count is the number of rows written.
- * `settings` may be NULL for the defaults.  `image` is the encoded image with the channels of the decoded one, or NULL; `context` may be NULL when `image` is.
- * Errors as gscl_inspect, and with an image those of gscl_decode and gscl_compare. */
+/* Writes the splats of a file again without each effect that is on, and draws them if there is an image.  It does
+ * not fit splats again without the effect.  `uses` has room for GSCL_MAX_EFFECTS rows; *count is the number of rows
+ * written.  `settings` may be NULL for the defaults.  `image` is the encoded image with the channels of the decoded
+ * one, or NULL; `context` may be NULL when `image` is.  Errors as gscl_inspect, and with an image those of
+ * gscl_decode and gscl_compare. */
 GSCL_API GSCL_CHECKED gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size,
                                                        const gscl_read_settings *settings, const gscl_image *image,
                                                        gscl_effect_use *uses, size_t *count);

@@ -79,7 +79,8 @@ gscl_result gscl_fail_memory(gscl_context *context);
 
 /* Fails with GSCL_ERROR_INVALID_ARGUMENT where gscl_context_create failed: such a context only has a message. */
 gscl_result gscl_require_open(gscl_context *context);
-/* Fails likewise, and with GSCL_ERROR_NO_OPENCL and a message that names the activity ("encoding") where the context is without OpenCL. */
+/* Fails likewise, and with GSCL_ERROR_NO_OPENCL and a message that names the activity ("encoding") where the context
+ * is without OpenCL. */
 gscl_result gscl_require_opencl(gscl_context *context, const char *activity);
 
 /* Static analysers read one source file at a time; these macros state that a failure is never GSCL_OK. */

@@ -27,8 +27,8 @@ static void make_one_line(char *text) {
         text[--length] = '\0';
 }
 
-/* Prints "gscl: SUBJECT: KIND" and the text; SUBJECT may be NULL, and '' stands for one that is empty.  On a terminal it takes the place of a progress line,
- * which its next update draws again. */
+/* Prints "gscl: SUBJECT: KIND" and the text; SUBJECT may be NULL, and '' stands for one that is empty.  On a
+ * terminal it takes the place of a progress line, which its next update draws again. */
 static void print_line(const char *subject, const char *kind, const char *format, va_list arguments) {
     char line[MAX_LINE];
     int used = 0;

@@ -46,7 +46,8 @@ typedef struct batch_devices {
     uint64_t endings; /* threads of workers that ended */
 } batch_devices;
 
-/* Finds the devices.  Each can encode `worker_count` images at a time, 1..BATCH_MAX_WORKERS.  Reports errors and returns the exit code of the program; the caller frees in either case. */
+/* Finds the devices.  Each can encode `worker_count` images at a time, 1..BATCH_MAX_WORKERS.  Reports errors and
+ * returns the exit code of the program; the caller frees in either case. */
 int batch_devices_create(batch_devices *devices, const device_choice *choice, int worker_count);
 void batch_devices_free(batch_devices *devices);
 

@@ -15,9 +15,10 @@
 #include "image/image_content.h"
 
 typedef struct image_module {
-    /* Reads the first image of a file: of the file `path`, or of bytes, whose format the suffix of `path` names then.
-     * content->cmyk says on entry whether four channels are inks; a file of inks is refused otherwise.  Bytes come with
-     * their metadata taken; of that of a path, the module takes the profile, the primaries and the orientation.  The caller frees the content in any case. */
+    /* Reads the first image of a file: of the file `path`, or of bytes, whose format the suffix of `path` names
+     * then.  content->cmyk says on entry whether four channels are inks; a file of inks is refused otherwise.  Bytes
+     * come with their metadata taken; of that of a path, the module takes the profile, the primaries and the
+     * orientation.  The caller frees the content in any case. */
     bool (*read)(const char *path, const uint8_t *bytes, size_t size, image_content *content,
                  char message[IMAGE_MESSAGE_SIZE]);
     /* Writes an image to a stream, in the format that the suffix (".tif") names. */
