@@ -164,7 +164,7 @@ static double visual_distortion_of(scene *s) {
     const gscl_visual_comparison comparison = {.pyramid = &s->fit.pyramid,
                                                .options = &s->fit.renderer.options,
                                                .rendering = &s->fit.renderer.image,
-                                               .share = gscl_fit_tunables.visual_share};
+                                               .share = s->fit.visual_share};
     gscl_visual visual = {0};
     gscl_buffer derivative = {0};
     double sum, loss;
@@ -179,8 +179,8 @@ static double visual_distortion_of(scene *s) {
     return sum + 2 * loss;
 }
 
-/* From the minimum of squared error on, passes with a model of the visual loss lower the sum of both.  In the blend normalized
- * waves draw the target so well that its share of visual loss is not worth another code: there the sum must not rise. */
+/* From the minimum of squared error on, passes with a model of the visual loss lower the sum of both.  The share is large
+ * enough to be worth other codes where waves draw the target nearly as it is. */
 static void test_passes_lower_the_visual_loss(void **state) {
     (void)state;
     for (int variant = 0; variant < 8; variant++) {
@@ -188,12 +188,12 @@ static void test_passes_lower_the_visual_loss(void **state) {
         open_scene(&s, contexts[variant % 2], variant & 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, GSCL_WEIGHTED_NOT,
                    variant & 4, ELLIPSES);
         run_passes(&s, FREE, true);
+        s.fit.visual_share = 0.18f;
         const double before = visual_distortion_of(&s);
         s.fit.renderer.options.weighted = GSCL_WEIGHTED_LUMA;
         run_passes(&s, FREE, true);
         const double after = visual_distortion_of(&s);
-        const bool is_nearly_exact = (variant & 6) == 4;
-        if (!(is_nearly_exact ? after <= before : after < before))
+        if (!(after < before))
             fail_msg("variant %d: %.6g before, %.6g after", variant, before, after);
         close_scene(&s);
     }

@@ -39,6 +39,7 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
     gscl_stage(context, GSCL_STAGE_PYRAMID);
     f->context = context;
     f->ssim_weight = SSIM_WEIGHT;
+    f->visual_share = gscl_fit_tunables.visual_share;
     f->model_level = -1;
     f->limits = first_limits(width, height, options->blend);
     GSCL_TRY(gscl_renderer_create(&f->renderer, context, options));

@@ -58,7 +58,8 @@ typedef struct gscl_fit {
     gscl_buffer distortion;            /* gscl_fit_begin_distortion: a float */
     gscl_buffer density_total, column_weights, group_weights; /* sums of a density (fit/placement.h) */
 
-    float ssim_weight; /* of the SSIM term where the loss is EXTERNAL */
+    float ssim_weight;  /* of the SSIM term where the loss is EXTERNAL */
+    float visual_share; /* of the visual loss beside squared error where errors are weighted by it */
     gscl_ssim ssim;
     gscl_buffer derivative;     /* of the loss by the rendering, where the loss is EXTERNAL */
     gscl_buffer adapted_target; /* of the first level (gscl_fit_adapt_target), or empty */

@@ -38,7 +38,7 @@ gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, f
                                                .options = &f->renderer.options,
                                                .level = f->level,
                                                .rendering = rendering,
-                                               .share = gscl_fit_tunables.visual_share};
+                                               .share = f->visual_share};
     if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
         return GSCL_OK;
     if (f->model_level != f->level)
