@@ -1,10 +1,10 @@
-/* Links: where a splat's entries are in the lists of the tiles.  It has one for each tile of its box: the number of its entry
- * in the tile's list, or -1.
+/* Links: where a splat's entries are in the lists of the tiles.  It has one for each tile of its box: the number of its
+ * entry in the tile's list, or -1.
  *
  * Links are numbered and set to -1 before the lists are filled, which then links each entry (bin.cl).
  *
- * Build options LINK_ITEMS, the work-items of a group that numbers links, and LINK_SPLATS, the splats that it takes: many
- * by a single work-item on CPUs, one by many on GPUs. */
+ * Build options LINK_ITEMS, the work-items of a group that numbers links, and LINK_SPLATS, the splats that it takes:
+ * many by a single work-item on CPUs, one by many on GPUs. */
 
 /* The tiles of a box. */
 inline long box_tiles(int4 box) {
@@ -23,29 +23,33 @@ inline gscl_link_grid link_grid(int4 box, long before, int capacity) {
     return grid;
 }
 
+/* The share of a work-item in the tiles of the boxes from `first` to before `end`. */
+inline long tiles_of_item(__global const int4 *restrict boxes, int first, int end) {
+    long own = 0;
+    for (int i = first + (int)get_local_id(0); i < end; i += LINK_ITEMS) own += box_tiles(boxes[i]);
+    return own;
+}
+
 /* The tiles of the boxes of each block of GSCL_LINK_BLOCK splats.  One work-group per block. */
 __kernel void count_links(__global const int4 *restrict boxes, int count, __global long *restrict block_links) {
     __local long sums[LINK_ITEMS];
-    const int begin = (int)get_group_id(0) * GSCL_LINK_BLOCK, end = min(begin + GSCL_LINK_BLOCK, count);
-    long own = 0;
-    for (int i = begin + (int)get_local_id(0); i < end; i += LINK_ITEMS) own += box_tiles(boxes[i]);
-    group_scan(own, LINK_ITEMS, sums);
+    const int first = (int)get_group_id(0) * GSCL_LINK_BLOCK, end = min(first + GSCL_LINK_BLOCK, count);
+    group_scan(tiles_of_item(boxes, first, end), LINK_ITEMS, sums);
     if (get_local_id(0) == 0) block_links[get_group_id(0)] = sums[LINK_ITEMS - 1];
 }
 
 /* The links before splat `first`: of whole blocks of `block` splats, and of the splats behind these. */
 inline long links_before(int first, __global const int4 *restrict boxes, int block,
                          __global const long *restrict block_links, __local long *restrict sums) {
-    const int item = (int)get_local_id(0), blocks = first / block;
-    long own = 0;
-    for (int i = item; i < blocks; i += LINK_ITEMS) own += block_links[i];
-    for (int i = blocks * block + item; i < first; i += LINK_ITEMS) own += box_tiles(boxes[i]);
+    const int blocks = first / block;
+    long own = tiles_of_item(boxes, blocks * block, first);
+    for (int i = (int)get_local_id(0); i < blocks; i += LINK_ITEMS) own += block_links[i];
     group_scan(own, LINK_ITEMS, sums);
     return sums[LINK_ITEMS - 1];
 }
 
-/* Numbers the links of LINK_SPLATS splats and sets them to -1.  `block`: GSCL_LINK_BLOCK, or more than `count`, which needs no
- * counts of blocks.  *needed: links of all splats, at most 2^31 - 1. */
+/* Numbers the links of LINK_SPLATS splats and sets them to -1.  `block`: GSCL_LINK_BLOCK, or more than `count`, which
+ * needs no counts of blocks.  *needed: links of all splats, at most 2^31 - 1. */
 __kernel void number_links(__global const int4 *restrict boxes, int count, int block,
                            __global const long *restrict block_links, int capacity,
                            __global gscl_link_grid *restrict grids, __global int *restrict links,
