@@ -22,13 +22,18 @@
 
 static float planes[PLANE];
 
-static gscl_fit fit_of_a_ramp(void) {
-    const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
+/* `weighted`: GSCL_WEIGHTED_... */
+static gscl_fit weighted_fit_of_a_ramp(int weighted) {
+    const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1, .weighted = weighted};
     gscl_fit fit;
     for (int i = 0; i < PLANE; i++)
         planes[i] = 0.1f + 0.005f * (float)(i % WIDTH);
     assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
     return fit;
+}
+
+static gscl_fit fit_of_a_ramp(void) {
+    return weighted_fit_of_a_ramp(GSCL_WEIGHTED_NOT);
 }
 
 static void append_splats(gscl_fit *fit) {
@@ -105,6 +110,29 @@ static void test_released_scratch_comes_back(void **unused) {
     assert_memory_equal(params[0], params[1], sizeof params[0]);
     assert_memory_equal(half[0], half[1], sizeof half[0]);
     assert_memory_equal(error[0], error[1], sizeof error[0]);
+}
+
+/* Before there is a model, levels have weights of zero: those that were released and made again, too. */
+static void test_weights_begin_at_zero(void **unused) {
+    (void)unused;
+    static float weights[2 * PLANE];
+    gscl_fit fit = weighted_fit_of_a_ramp(GSCL_WEIGHTED_LUMA);
+    for (int released = 0; released < 2; released++) {
+        if (released) {
+            gscl_pyramid_release_smaller(&fit.pyramid, 0);
+            assert_null(fit.pyramid.levels[1].memory);
+        }
+        for (int level = 0; level < 2; level++) {
+            assert_int_equal(gscl_fit_set_level(&fit, level), GSCL_OK);
+            const size_t plane = gscl_fit_level_pixels(&fit);
+            assert_int_equal(gscl_buffer_read(context, &fit.pyramid.levels[level], plane * sizeof(float), weights,
+                                              2 * plane * sizeof(float)),
+                             GSCL_OK);
+            for (size_t i = 0; i < 2 * plane; i++)
+                assert_true(weights[i] == 0);
+        }
+    }
+    gscl_fit_free(&fit);
 }
 
 /* Splats are moved and removed together with their moments and ages. */
@@ -326,6 +354,7 @@ int main(void) {
         cmocka_unit_test(test_levels_are_means_of_pixels),
         cmocka_unit_test(test_levels_are_clamped),
         cmocka_unit_test(test_released_scratch_comes_back),
+        cmocka_unit_test(test_weights_begin_at_zero),
         cmocka_unit_test(test_reordering_keeps_the_optimiser),
         cmocka_unit_test(test_fixed_splats_stay),
         cmocka_unit_test(test_new_splats_end_skipping),

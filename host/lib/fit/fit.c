@@ -53,8 +53,6 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
                                  options->weighted, planes));
     if (options->weighted == GSCL_WEIGHTED_PIXELS)
         GSCL_TRY(gscl_weights_build(&f->pyramid, &f->ssim, options));
-    if (options->weighted == GSCL_WEIGHTED_LUMA)
-        GSCL_TRY(gscl_pyramid_zero_weights(&f->pyramid));
     mean_colour(planes, f->renderer.channels, gscl_pyramid_pixels(&f->pyramid, first_level), f->background);
     GSCL_TRY(gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background));
     return gscl_fit_set_level(f, first_level);
@@ -66,11 +64,11 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_tile_skip_free(&f->skip);
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
-    gscl_buffer *buffers[] = {
-        &f->gradients,   &f->first_moment,   &f->second_moment, &f->ages,           &f->gradient_slots, &f->links.links,
-        &f->links.grids, &f->block_links,    &f->links_needed,  &f->tile_loss,      &f->control,        &f->error,
-        &f->error_sums,  &f->row_sums,       &f->density_total, &f->column_weights, &f->group_weights,  &f->distortion,
-        &f->derivative,  &f->adapted_target, &f->model};
+    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment, &f->second_moment, &f->ages,
+                              &f->gradient_slots, &f->links.links,  &f->links.grids,   &f->block_links,
+                              &f->links_needed,   &f->tile_loss,    &f->control,       &f->error,
+                              &f->error_sums,     &f->row_sums,     &f->density_total, &f->column_weights,
+                              &f->group_weights,  &f->distortion,   &f->derivative,    &f->adapted_target};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */

@@ -65,8 +65,7 @@ typedef struct gscl_fit {
     gscl_buffer adapted_target; /* of the first level (gscl_fit_adapt_target), or empty */
 
     gscl_visual visual;
-    gscl_buffer model; /* of squared error and the visual loss (gscl_fit_renew_model) */
-    int model_level;   /* of the pyramid, or -1: there is no model */
+    int model_level; /* of the pyramid, whose weights are a model (gscl_fit_renew_model), or -1: none */
 } gscl_fit;
 
 /* ---- fit.c: the state and its level ---- */
@@ -106,8 +105,8 @@ gscl_result gscl_fit_render(gscl_fit *fit);
  * approximates that of MS-SSIM (fit/ssim_weights.h).  Has no effect where errors are not weighted, at other levels, or
  * if there is one level only. */
 gscl_result gscl_fit_adapt_target(gscl_fit *fit);
-/* Makes a quadratic model of squared error and the visual loss at the current rendering (fit/visual_loss.h), which takes
- * the place of the target of this level.  Has no effect but with GSCL_WEIGHTED_LUMA. */
+/* Makes a quadratic model of squared error and the visual loss at the current rendering (fit/visual_loss.h): the weights
+ * of this level.  Has no effect but with GSCL_WEIGHTED_LUMA. */
 gscl_result gscl_fit_renew_model(gscl_fit *fit);
 /* Likewise, at planes of the level's size and with the curvature of gscl_visual_model. */
 gscl_result gscl_fit_renew_model_at(gscl_fit *fit, const gscl_buffer *rendering, float curvature);

@@ -4,8 +4,6 @@
 #include "fit/tunables.h"
 
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *f) {
-    if (f->model_level == f->level)
-        return &f->model;
     bool is_adapted = f->level == f->pyramid.first_level && f->adapted_target.memory;
     return is_adapted ? &f->adapted_target : &f->pyramid.levels[f->level];
 }
@@ -25,14 +23,6 @@ gscl_result gscl_fit_adapt_target(gscl_fit *f) {
     return gscl_weights_adapt(p, &f->ssim, &f->renderer.options, &f->renderer.image, &f->adapted_target);
 }
 
-/* Makes room for a model of this level, behind the level's planes. */
-static gscl_result begin_model(gscl_fit *f) {
-    const gscl_buffer *planes = &f->pyramid.levels[f->level];
-    const size_t plane = gscl_fit_level_pixels(f) * sizeof(float), channels = (size_t)f->renderer.channels;
-    GSCL_TRY(gscl_buffer_reserve_image(f->context, &f->model, (channels + 2) * plane));
-    return gscl_buffer_copy(f->context, planes, &f->model, 0, channels * plane);
-}
-
 gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, float curvature) {
     const gscl_visual_comparison comparison = {.pyramid = &f->pyramid,
                                                .options = &f->renderer.options,
@@ -41,9 +31,7 @@ gscl_result gscl_fit_renew_model_at(gscl_fit *f, const gscl_buffer *rendering, f
                                                .share = f->visual_share};
     if (f->renderer.options.weighted != GSCL_WEIGHTED_LUMA)
         return GSCL_OK;
-    if (f->model_level != f->level)
-        GSCL_TRY(begin_model(f));
-    GSCL_TRY(gscl_visual_model(&f->visual, &comparison, curvature, &f->model));
+    GSCL_TRY(gscl_visual_model(&f->visual, &comparison, curvature, &f->pyramid.levels[f->level]));
     f->model_level = f->level;
     return GSCL_OK;
 }

@@ -33,10 +33,19 @@ gscl_result gscl_pyramid_halve(const gscl_pyramid *p, int level, size_t channel,
                        GSCL_ARG_BUFFER(*to), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));
 }
 
+/* Makes room for a level and its weights. */
+static gscl_result reserve_level(gscl_pyramid *p, int level) {
+    const size_t plane = gscl_pyramid_pixels(p, level) * sizeof(float), channels = (size_t)p->channels;
+    const size_t weights = (size_t)p->weighted; /* their planes */
+    GSCL_TRY(gscl_buffer_reserve_image(p->context, &p->levels[level], (channels + weights) * plane));
+    if (p->weighted != GSCL_WEIGHTED_LUMA)
+        return GSCL_OK;
+    return gscl_buffer_zero(p->context, &p->levels[level], channels * plane, weights * plane);
+}
+
 /* Makes a level from the next larger one. */
 static gscl_result pyramid_make_level(gscl_pyramid *p, int level) {
-    GSCL_TRY(gscl_buffer_reserve_image(p->context, &p->levels[level],
-                                       gscl_pyramid_pixels(p, level) * p->planes * sizeof(float)));
+    GSCL_TRY(reserve_level(p, level));
     for (size_t k = 0; k < (size_t)p->channels; k++)
         GSCL_TRY(gscl_pyramid_halve(p, level - 1, k, &p->levels[level - 1], &p->levels[level]));
     return GSCL_OK;
@@ -49,28 +58,18 @@ gscl_result gscl_pyramid_create(gscl_pyramid *p, gscl_context *context, uint32_t
     p->height = height;
     p->first_level = p->last_level = first_level;
     p->channels = channels;
-    p->planes = (size_t)channels + (size_t)weighted;
-    size_t plane = gscl_pyramid_pixels(p, first_level) * sizeof(float);
-    gscl_buffer *first = &p->levels[first_level];
-    GSCL_TRY(gscl_buffer_reserve_image(context, first, plane * p->planes));
-    GSCL_TRY(gscl_buffer_write(context, first, 0, planes, plane * (size_t)channels));
+    p->weighted = weighted;
+    GSCL_TRY(reserve_level(p, first_level));
+    GSCL_TRY(gscl_buffer_write(context, &p->levels[first_level], 0, planes,
+                               gscl_pyramid_pixels(p, first_level) * (size_t)channels * sizeof(float)));
     uint32_t shorter = width < height ? width : height, min_side = (uint32_t)gscl_fit_tunables.min_level_side;
     while (p->last_level + 1 < GSCL_MAX_LEVELS && gscl_level_size(shorter, p->last_level + 1) >= min_side)
         GSCL_TRY(pyramid_make_level(p, ++p->last_level));
     return GSCL_OK;
 }
 
-gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *p) {
-    for (int level = p->first_level; level <= p->last_level; level++) {
-        const size_t plane = gscl_pyramid_pixels(p, level) * sizeof(float);
-        GSCL_TRY(
-            gscl_buffer_zero(p->context, &p->levels[level], (size_t)p->channels * plane, GSCL_WEIGHTED_LUMA * plane));
-    }
-    return GSCL_OK;
-}
-
 void gscl_pyramid_release_smaller(gscl_pyramid *p, int level) {
-    if (p->planes > (size_t)p->channels)
+    if (p->weighted == GSCL_WEIGHTED_PIXELS)
         return;
     for (int i = level + 1; i <= p->last_level; i++)
         gscl_buffer_free(&p->levels[i]);

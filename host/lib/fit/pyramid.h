@@ -11,20 +11,20 @@ typedef struct gscl_pyramid {
     uint32_t width, height;      /* of the full-size image */
     int first_level, last_level; /* levels that exist, from the largest to the smallest image */
     int channels;
-    size_t planes;                       /* that each level has room for */
-    gscl_buffer levels[GSCL_MAX_LEVELS]; /* planes of each level, then a plane of weights where weights are built */
+    int weighted;                        /* GSCL_WEIGHTED_... */
+    gscl_buffer levels[GSCL_MAX_LEVELS]; /* planes of each level, then those of its weights */
 } gscl_pyramid;
 
 /* Builds the levels of `planes`, which are an image of the size of `first_level`, down to a shorter side of about
- * gscl_fit_tunables.min_level_side.  `weighted`: GSCL_WEIGHTED_...; each level has room for its planes.
+ * gscl_fit_tunables.min_level_side.  `weighted`: GSCL_WEIGHTED_...; each level has room for its planes, which are zeros
+ * with GSCL_WEIGHTED_LUMA, and are built by gscl_weights_build with GSCL_WEIGHTED_PIXELS.
  * `pyramid` must be zeroed. */
 gscl_result gscl_pyramid_create(gscl_pyramid *pyramid, gscl_context *context, uint32_t width, uint32_t height,
                                 int first_level, int channels, int weighted, const float *planes);
-/* Sets the planes of weights to 0. */
-gscl_result gscl_pyramid_zero_weights(const gscl_pyramid *pyramid);
-/* Releases the levels smaller than this one, unless they have weights. */
+/* Releases the levels smaller than this one, unless they have weights that were built. */
 void gscl_pyramid_release_smaller(gscl_pyramid *pyramid, int level);
-/* Makes a level again if it was released, and those between it and the larger ones that are left. */
+/* Makes a level again if it was released, and those between it and the larger ones that are left, with weights of zero
+ * where they have any. */
 gscl_result gscl_pyramid_restore(gscl_pyramid *pyramid, int level);
 /* Accepts a zeroed pyramid. */
 void gscl_pyramid_free(gscl_pyramid *pyramid);

@@ -118,7 +118,10 @@ static gscl_result change_level(gscl_scalar_state *s, int step, int due) {
     if (step > 0 && level == s->fit.level)
         return GSCL_OK;
     gscl_stage(s->encoder->context, gscl_fit_stage(&s->fit, level)); /* before the device has work again */
-    return gscl_fit_set_level(&s->fit, level);
+    GSCL_TRY(gscl_fit_set_level(&s->fit, level));
+    if (step > 0) /* smaller levels have served; of a large image they would take a third of the target's memory */
+        gscl_pyramid_release_smaller(&s->fit.pyramid, level);
+    return GSCL_OK;
 }
 
 /* ---- Number of splats ---- */
