@@ -97,6 +97,20 @@ def noise(width, height, channels=3, seed=1):
     return Image(width, height, channels, 8, samples)
 
 
+def dots_in_the_dark(width, height):
+    """Small bright dots, far apart, on nearly black noise."""
+    image = noise(width, height)
+    image.samples = [8 + b // 32 for b in image.samples]
+    places = noise(width * height // 400, 3, channels=1, seed=7)
+    for place_x, place_y, grey in zip(places.row(0), places.row(1), places.row(2)):
+        left, top = (width - 4) * place_x // 256, (height - 4) * place_y // 256
+        for y in range(top, top + 4):
+            for x in range(left, left + 4):
+                at = (y * width + x) * 3
+                image.samples[at:at + 3] = [160 + grey // 3] * 3
+    return image
+
+
 def faint_and_strong(width, height):
     """Blocks of random greys, with low contrast in the left half and high contrast in the right half."""
     block = 8

@@ -8,8 +8,8 @@ import subprocess
 import time
 import unittest
 
-from images import (Image, checkerboard, document, faint_and_strong, flat, noise, png_bytes, psnr, sawtooth, scene,
-                      textured)
+from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, noise, png_bytes, psnr,
+                      sawtooth, scene, textured)
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
 
@@ -171,6 +171,14 @@ class Settings(ToolTest):
             with self.subTest(loss=loss):
                 self.encode(image, "--bytes", "500", "--loss", loss)
                 self.assertGreater(psnr(image, self.decode()), 20)
+
+    def test_between_splats_is_the_background(self):
+        """A file of few bright splats stores its background where their mean would be seen."""
+        image = dots_in_the_dark(128, 128)
+        for seed in (1, 2, 3):
+            with self.subTest(seed=seed):
+                self.encode(image, "--bytes", "250", "--effort", "3", "--tune", "psnr", "--seed", seed)
+                self.assertGreater(psnr(image, self.decode()), 28)
 
     def figures_of_tunes(self, image, tune, *arguments):
         """What `gscl compare` measures of the image with --tune psnr, and with this tune."""

@@ -74,7 +74,7 @@ static gscl_result descend(gscl_fit *fit, const scene *s, float *params, double 
     GSCL_TRY(gscl_fit_append(fit, params, s->count));
     GSCL_TRY(gscl_fit_step(fit, 0.1f, 1));
     GSCL_TRY(gscl_fit_read(fit, params));
-    GSCL_TRY(gscl_fit_replace(fit, params, s->count));
+    GSCL_TRY(gscl_fit_replace(fit, params, s->count, fit->background));
     GSCL_TRY(gscl_fit_step(fit, 1.0f, 1));
     GSCL_TRY(gscl_fit_loss(fit, before));
     for (size_t i = scene_scaled(SCENE_STEPS, 2); i > 0; i--)

@@ -101,7 +101,7 @@ static double error_of(scene *s) {
     double sum = 0.0;
     assert_non_null(params);
     gscl_coded_image_params(&s->coded, params, background);
-    check_call(s, gscl_fit_replace(&s->fit, params, s->coded.file.header.splat_count));
+    check_call(s, gscl_fit_replace(&s->fit, params, s->coded.file.header.splat_count, background));
     check_call(s, gscl_fit_error(&s->fit, errors));
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         sum += errors[i];

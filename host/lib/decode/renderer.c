@@ -100,13 +100,17 @@ gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params
     return GSCL_OK;
 }
 
+gscl_result gscl_renderer_set_background(gscl_renderer *r, const float *background) {
+    return gscl_buffer_write_staged(r->context, &r->staged_background, &r->background, 0, background,
+                                    (size_t)r->channels * sizeof(float));
+}
+
 gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size_t count, const float *background) {
     r->count = 0;
     GSCL_TRY(gscl_renderer_reserve(r, count));
     GSCL_TRY(gscl_buffer_write_staged(r->context, &r->staged_params, &r->params, 0, params,
                                       count * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_write_staged(r->context, &r->staged_background, &r->background, 0, background,
-                                      (size_t)r->channels * sizeof(float)));
+    GSCL_TRY(gscl_renderer_set_background(r, background));
     r->count = (cl_int)count;
     return GSCL_OK;
 }

@@ -53,7 +53,9 @@ void gscl_renderer_set_rows(gscl_renderer *renderer, int step, int first);
 /* Copies `count` splats (GSCL_PARAMS floats each) and a background colour to the device, without waiting. */
 gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *params, size_t count,
                                      const float *background);
-/* The same without a copy on the host: both must stay valid until the queue has reached the copy to the device
+/* Replaces the background alone, likewise. */
+gscl_result gscl_renderer_set_background(gscl_renderer *renderer, const float *background);
+/* Like gscl_renderer_set_splats, without a copy on the host: both must stay valid until the queue has reached the copy to the device
  * (gscl_release_after_copies). */
 gscl_result gscl_renderer_set_splats_async(gscl_renderer *renderer, const float *params, size_t count,
                                            const float *background);

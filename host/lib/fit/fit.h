@@ -120,8 +120,8 @@ gscl_result gscl_fit_append(gscl_fit *fit, const float *params, size_t count);
 /* The same in two parts, between which the device writes the parameters of the new splats: behind the others. */
 gscl_result gscl_fit_begin_append(gscl_fit *fit, size_t count);
 gscl_result gscl_fit_end_append(gscl_fit *fit, size_t count);
-/* Replaces all splats, with new optimiser state. */
-gscl_result gscl_fit_replace(gscl_fit *fit, const float *params, size_t count);
+/* Replaces all splats, with new optimiser state, and the background. */
+gscl_result gscl_fit_replace(gscl_fit *fit, const float *params, size_t count, const float *background);
 /* Permutes the splats, with their optimiser state: place i < kept receives splat order[i].  The others are removed. */
 gscl_result gscl_fit_reorder(gscl_fit *fit, const size_t *order, size_t kept);
 /* Reads all parameters (renderer.count * GSCL_PARAMS floats). */
@@ -175,6 +175,8 @@ gscl_result gscl_fit_rendering_error(gscl_fit *fit, double *sum);
 gscl_result gscl_fit_distortion(gscl_fit *fit, const gscl_buffer *planes, double *sum);
 /* The same into fit->distortion, without waiting. */
 gscl_result gscl_fit_begin_distortion(gscl_fit *fit, const gscl_buffer *planes);
+/* Sum of squared errors of planes of the level's size against the level, not weighted. */
+gscl_result gscl_fit_squared_error(gscl_fit *fit, const gscl_buffer *planes, double *sum);
 /* Mean squared error of planes of the first level's size against the source, per sample and not weighted. */
 gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes, double *mse);
 

@@ -147,13 +147,22 @@ gscl_result gscl_fit_distortion(gscl_fit *f, const gscl_buffer *planes, double *
     return read_sum(f, sum);
 }
 
-gscl_result gscl_fit_mse_against_source(gscl_fit *f, const gscl_buffer *planes, double *mse) {
-    const int level = f->pyramid.first_level;
+/* Against the planes of a level alone. */
+static gscl_result squared_error_at(gscl_fit *f, const gscl_buffer *planes, int level, double *sum) {
     const error_sum s = {
         .planes = planes, .target = &f->pyramid.levels[level], .level = level, .weighted = GSCL_WEIGHTED_NOT};
-    double sum;
     GSCL_TRY(launch_sum(f, &s));
-    GSCL_TRY(read_sum(f, &sum));
+    return read_sum(f, sum);
+}
+
+gscl_result gscl_fit_squared_error(gscl_fit *f, const gscl_buffer *planes, double *sum) {
+    return squared_error_at(f, planes, f->level, sum);
+}
+
+gscl_result gscl_fit_mse_against_source(gscl_fit *f, const gscl_buffer *planes, double *mse) {
+    const int level = f->pyramid.first_level;
+    double sum;
+    GSCL_TRY(squared_error_at(f, planes, level, &sum));
     *mse = sum / ((double)gscl_pyramid_pixels(&f->pyramid, level) * f->renderer.channels);
     return GSCL_OK;
 }

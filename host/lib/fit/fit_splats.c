@@ -48,7 +48,8 @@ gscl_result gscl_fit_append(gscl_fit *f, const float *params, size_t count) {
     return gscl_fit_end_append(f, count);
 }
 
-gscl_result gscl_fit_replace(gscl_fit *f, const float *params, size_t count) {
+gscl_result gscl_fit_replace(gscl_fit *f, const float *params, size_t count, const float *background) {
+    GSCL_TRY(gscl_renderer_set_background(&f->renderer, background));
     f->renderer.count = 0;
     f->has_known_lengths = false;
     return gscl_fit_append(f, params, count);

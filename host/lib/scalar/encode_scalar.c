@@ -16,6 +16,7 @@ static gscl_result run_stages(gscl_scalar_state *s, gscl_search_pool *pool) {
     GSCL_TRY(gscl_scalar_fit(s));
     gscl_stage(s->encoder->context, GSCL_STAGE_QUANTISE);
     GSCL_TRY(gscl_scalar_quantise(s));
+    GSCL_TRY(gscl_scalar_choose_background(s));
     if (s->has_choice) {
         GSCL_TRY(gscl_scalar_choose_codes(s));
         GSCL_TRY(gscl_scalar_meet_budget(s));

@@ -27,8 +27,8 @@ static int row_step(const gscl_scalar_state *s, double fraction) {
     return has_few_steps || fraction >= tunables->all_rows_from || is_nearly_exact || has_low_splats ? 1 : 2;
 }
 
-/* Whether the file may leave the background to the mean of its splats.  In the blend normalized splats cover the image,
- * and a background of its own takes 25 bits or more. */
+/* Whether the file may leave the background to the mean of its splats.  In the blend normalized splats mostly cover the
+ * image, and a background of its own takes 25 bits or more. */
 static bool hides_background(const gscl_scalar_state *s) {
     return s->coded->file.header.blend == GSF_BLEND_NORMALIZED && s->source->background.pixels == 0 &&
            s->target >= (size_t)tunables->min_covering_splats;
@@ -260,6 +260,25 @@ static gscl_result project_codes(gscl_scalar_state *s) {
     GSCL_TRY(gscl_scalar_load(s));
     GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, NULL));
     return gscl_renderer_project(&s->fit.renderer);
+}
+
+/* Squared error of the coded image without weights or a model. */
+static gscl_result plain_error(gscl_scalar_state *s, double *error) {
+    GSCL_TRY(project_codes(s));
+    GSCL_TRY(gscl_fit_render(&s->fit));
+    return gscl_fit_squared_error(&s->fit, &s->fit.renderer.image, error);
+}
+
+gscl_result gscl_scalar_choose_background(gscl_scalar_state *s) {
+    gsf_coded_image *file = &s->coded->file;
+    double with_mean, with_stored;
+    if (!file->has_mean_background || file->header.splat_count == 0)
+        return GSCL_OK;
+    GSCL_TRY(plain_error(s, &with_mean));
+    file->has_mean_background = false;
+    GSCL_TRY(plain_error(s, &with_stored));
+    file->has_mean_background = with_mean <= tunables->max_mean_error * with_stored;
+    return GSCL_OK;
 }
 
 gscl_result gscl_scalar_measure(gscl_scalar_state *s, double *error) {

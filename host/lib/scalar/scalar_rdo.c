@@ -16,6 +16,7 @@ typedef struct rdo_pass {
     gscl_fit *fit;
     gscl_coded_image *coded;
     size_t count; /* splats before the pass */
+    float background[4];
     cl_kernel visit;
     gscl_rdo_pass shared;
 } rdo_pass;
@@ -54,11 +55,10 @@ static gscl_result rdo_prepare(rdo_pass *p, size_t *size) {
     gscl_scalar_rdo *rdo = p->rdo;
     gscl_context *context = p->fit->context;
     const gsf_coded_image *file = &p->coded->file;
-    float background[4];
     GSCL_TRY(reserve_splats(rdo, context, p->count));
     GSCL_TRY(gscl_coded_image_sort(p->coded, NULL)); /* groups depend on nothing but the codes */
     GSCL_TRY(gscl_coded_image_size(p->coded, size));
-    gscl_coded_image_params(p->coded, rdo->params, background);
+    gscl_coded_image_params(p->coded, rdo->params, p->background);
     for (size_t i = 0; i < p->count; i++)
         rdo->codes[i] = gscl_rdo_codes_of(&file->splats[i]);
     gscl_rdo_tables_make(rdo->tables, file, &p->shared.settings, rdo->codes, p->count);
@@ -78,7 +78,7 @@ static gscl_result rdo_draw(rdo_pass *p) {
     cl_kernel kernel;
     gscl_fit_release_scratch(p->fit);
     GSCL_TRY(gscl_renderer_set_steps(r, NULL));
-    GSCL_TRY(gscl_fit_replace(p->fit, rdo->params, p->count));
+    GSCL_TRY(gscl_fit_replace(p->fit, rdo->params, p->count, p->background));
     GSCL_TRY(gscl_renderer_bin(r, false));
     GSCL_TRY(gscl_renderer_begin_lengths(r));
     GSCL_TRY(gscl_renderer_reserve_image(r));

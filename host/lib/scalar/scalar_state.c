@@ -186,7 +186,7 @@ gscl_result gscl_scalar_load(gscl_scalar_state *s) {
     const size_t count = s->coded->file.header.splat_count;
     GSCL_TRY(reserve_params(s, count));
     gscl_coded_image_params(s->coded, s->params, background);
-    return gscl_fit_replace(&s->fit, s->params, count);
+    return gscl_fit_replace(&s->fit, s->params, count, background);
 }
 
 gscl_result gscl_scalar_update_size(gscl_scalar_state *s) {

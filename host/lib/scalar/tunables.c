@@ -35,6 +35,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .rounding_residual = 0.98e-6,
     .probe_distance = 12.0,
     .min_covering_splats = 4,
+    .max_mean_error = 1.003,
 
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,

@@ -58,6 +58,9 @@ struct gscl_scalar_tunables {
                                     (3/4 + 1/64) / 12 / 255^2 */
     double probe_distance;     /* pixels from splat to splat; probe fits of splats further apart use a coarser level */
     int min_covering_splats;   /* fewer splats may leave parts of the image to the background */
+    /* The mean of the splats serves as the background up to this factor of the squared error with a stored one, which takes
+     * 25 bits.  Where neither differs it is not seen. */
+    double max_mean_error;
 
     /* The fit. */
     double learning_rate;     /* factor of the learning rates in cl/update.cl */
