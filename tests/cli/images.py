@@ -97,6 +97,16 @@ def noise(width, height, channels=3, seed=1):
     return Image(width, height, channels, 8, samples)
 
 
+def waves(width, height):
+    """Smooth waves in all colours, without any detail."""
+    samples = []
+    for y in range(height):
+        for x in range(width):
+            grey = 128 + 30 * math.sin((x + 2 * y) / 60)
+            samples += [round(grey + 50 * math.sin(x / 30 + k) * math.cos(y / 25 - k)) for k in range(3)]
+    return Image(width, height, 3, 8, samples)
+
+
 def dots_in_the_dark(width, height):
     """Small bright dots, far apart, on nearly black noise."""
     image = noise(width, height)

@@ -9,7 +9,7 @@ import time
 import unittest
 
 from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, noise, png_bytes, psnr,
-                      sawtooth, scene, textured)
+                      sawtooth, scene, textured, waves)
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
 
@@ -206,6 +206,11 @@ class Settings(ToolTest):
                 plain, tuned = self.figures_of_tunes(image, "visual", "--bytes", "900", "--effort", "3", "--blend", blend)
                 self.assertGreater(tuned["ssimulacra2"], plain["ssimulacra2"] + 2)
                 self.assertLess(tuned["psnr"], plain["psnr"])
+
+    def test_visual_tuning_of_smooth_images(self):
+        """A fit to what people see stays at a coarse level, too, where the finer ones have no detail."""
+        plain, tuned = self.figures_of_tunes(waves(192, 128), "visual", "--bytes", "600", "--effort", "3")
+        self.assertGreater(tuned["psnr"], plain["psnr"] - 3)
 
     def test_visual_tuning_of_hard_images(self):
         """Images with alpha, and images that are too small for the visual loss, are encoded as well."""

@@ -21,7 +21,7 @@ static float learning_rate(double fraction) {
 
 /* 1: the steps of the fit see all rows of the image at this fraction of them; 2: every second one. */
 static int row_step(const gscl_scalar_state *s, double fraction) {
-    const bool is_nearly_exact = s->fit.known_loss > 0 && s->fit.known_loss < tunables->all_rows_below;
+    const bool is_nearly_exact = s->known_error > 0 && s->known_error < tunables->all_rows_below;
     const bool has_few_steps = s->steps < tunables->min_sampled_steps;
     const bool has_low_splats = s->fit.known_low_splats > tunables->max_low_splats;
     return has_few_steps || fraction >= tunables->all_rows_from || is_nearly_exact || has_low_splats ? 1 : 2;
@@ -84,25 +84,35 @@ static int level_due(const gscl_scalar_state *s, double fraction) {
 }
 
 /* Whether errors of the fit and residuals of levels are comparable. */
-static bool has_plain_squared_error(const gscl_scalar_state *s) {
-    return s->encoder->settings.loss == GSCL_LOSS_L2 && s->fit.renderer.options.weighted != GSCL_WEIGHTED_PIXELS &&
-           s->fit.model_level < 0;
+static bool has_squared_error(const gscl_scalar_state *s) {
+    return s->encoder->settings.loss == GSCL_LOSS_L2 && s->fit.renderer.options.weighted != GSCL_WEIGHTED_PIXELS;
+}
+
+/* Measures the error of the splats at the current level: state->known_error. */
+static gscl_result measure_fit(gscl_scalar_state *s) {
+    const double samples = (double)gscl_fit_level_pixels(&s->fit) * s->fit.renderer.channels;
+    if (s->fit.model_level < 0)
+        return gscl_fit_loss(&s->fit, &s->known_error);
+    GSCL_TRY(gscl_fit_render(&s->fit));
+    GSCL_TRY(gscl_fit_squared_error(&s->fit, &s->fit.renderer.image, &s->known_error));
+    s->known_error /= samples;
+    return GSCL_OK;
 }
 
 /* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
  * splats are so large that a fit at the coarser level is as good, in a quarter of the time. */
 static gscl_result needs_level(gscl_scalar_state *s, int level, bool *needed) {
-    double loss, *residual = &s->residuals[level];
+    double *residual = &s->residuals[level];
     *needed = true;
-    if (!has_plain_squared_error(s))
+    if (!has_squared_error(s))
         return GSCL_OK;
     if (isnan(*residual)) {
         GSCL_TRY(gscl_fit_level_residual(&s->fit, level, residual));
         if (!s->encoder->content.high_bit_depth)
             *residual -= ldexp(tunables->rounding_residual, -2 * level);
     }
-    GSCL_TRY(gscl_fit_loss(&s->fit, &loss));
-    *needed = *residual > tunables->min_level_residual * loss;
+    GSCL_TRY(measure_fit(s));
+    *needed = *residual > tunables->min_level_residual * s->known_error;
     return GSCL_OK;
 }
 
@@ -164,10 +174,11 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
 
 static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     gscl_progress_state *progress = &s->encoder->progress;
+    const bool is_plain = has_squared_error(s) && s->fit.model_level < 0;
     const double loss = s->fit.known_loss; /* of some steps ago, because the device is not waited for */
     if (!progress->callback || step % tunables->report_interval != 0)
         return GSCL_OK;
-    progress->psnr = has_plain_squared_error(s) && loss > 0 ? -10 * log10(loss) : 0;
+    progress->psnr = is_plain && loss > 0 ? -10 * log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
     return gscl_progress_report(s->encoder->context, progress, s->fit_end * step / s->steps);
 }
@@ -226,6 +237,8 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
         GSCL_TRY(prepare_step(s, step, &round, &quantising));
         const double fraction = (double)step / s->steps;
         GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction), row_step(s, fraction)));
+        if (s->fit.model_level < 0)
+            s->known_error = s->fit.known_loss; /* of an earlier step, without waiting */
         GSCL_TRY(report_fit_progress(s, step));
         if ((step + 1) % gscl_trace_interval(s->steps) == 0)
             GSCL_TRY(gscl_trace_fit(s->encoder, &s->fit, step + 1));

@@ -54,8 +54,10 @@ typedef struct gscl_scalar_state {
     /* Stage "fit". */
     uint64_t random; /* state of the random generator */
     gscl_fit fit;
-    size_t start, target;              /* splats at the first step, and after the last densification */
-    double surplus;                    /* splats fitted for each that the budget holds; the passes drop the others */
+    size_t start, target; /* splats at the first step, and after the last densification */
+    double surplus;       /* splats fitted for each that the budget holds; the passes drop the others */
+    /* Mean squared error per sample when it was last known, with weights of pixels if there are any; 0: not yet */
+    double known_error;
     double residuals[GSCL_MAX_LEVELS]; /* of each level (gscl_fit_level_residual) beyond the noise of rounding; NAN: not
                                           measured yet */
     int next_level_check;              /* step at which a finer level is considered again */
