@@ -230,14 +230,14 @@ static const target_option targets[] = {{"bytes", GSCL_TARGET_BYTES},
 
 static gboolean bad_option(GError **error, const char *key, const char *value) {
     g_set_error(error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
-                "gscl: the option %s cannot be '%s'; there are bytes, bpp, psnr, effort (0 to 9) and tune (psnr, ssim, "
-                "visual)",
+                "gscl: the option %s cannot be '%s'; there are bytes, bpp, psnr, effort (0 to 9) and tune (auto, psnr, "
+                "ssim, visual)",
                 key, value);
     return FALSE;
 }
 
 static gboolean take_tune(const char *value, gscl_encode_settings *settings) {
-    static const char *const words[] = {"psnr", "ssim", "visual", NULL};
+    static const char *const words[] = {"auto", "psnr", "ssim", "visual", NULL};
     for (int i = 0; words[i]; i++) {
         if (strcmp(value, words[i]) == 0) {
             settings->tune = (gscl_tune)i;

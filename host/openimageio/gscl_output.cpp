@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -190,14 +191,17 @@ bool GsclOutput::choose_target() {
 }
 
 bool GsclOutput::choose_settings() {
-    const std::string tune(m_spec.get_string_attribute("gscl:tune", "psnr"));
+    static const std::map<std::string, gscl_tune> tunes{
+        {"auto", GSCL_TUNE_AUTO}, {"psnr", GSCL_TUNE_PSNR}, {"ssim", GSCL_TUNE_SSIM}, {"visual", GSCL_TUNE_VISUAL}};
+    const std::string tune(m_spec.get_string_attribute("gscl:tune", "auto"));
     const std::string metadata(m_spec.get_string_attribute("gscl:metadata", "none"));
     gscl_encode_settings_default(&settings_);
     settings_.effort = m_spec.get_int_attribute("gscl:effort", GSCL_DEFAULT_EFFORT);
     settings_.progressive = m_spec.get_int_attribute("gscl:progressive") != 0;
-    settings_.tune = tune == "visual" ? GSCL_TUNE_VISUAL : tune == "ssim" ? GSCL_TUNE_SSIM : GSCL_TUNE_PSNR;
-    if (tune != "psnr" && tune != "ssim" && tune != "visual")
-        return fail("gscl:tune cannot be '{}'; it takes psnr, ssim or visual", tune);
+    const auto named = tunes.find(tune);
+    if (named == tunes.end())
+        return fail("gscl:tune cannot be '{}'; it takes auto, psnr, ssim or visual", tune);
+    settings_.tune = named->second;
     if (settings_.effort < 0 || settings_.effort > GSCL_MAX_EFFORT)
         return fail("gscl:effort cannot be {}; it takes 0 to {}", settings_.effort, GSCL_MAX_EFFORT);
     if (metadata != "none" && metadata != "exif" && metadata != "all")

@@ -4,11 +4,11 @@
     sh tests/bench/bench.sh compare_codecs FOLDER [--gscl build/gscl] [--codecs NAME,NAME] [--plot FILE.svg]
                                            [--csv FILE] [--points FILE.csv] [--jobs 2] [--document [RESULTS.md]]
 
-The other codecs are those of Pillow: libjpeg-turbo (4:2:0, optimised), OpenJPEG (9/7 wavelet, colour transform), libwebp
-(method 6) and libavif (speed 4, tuned for PSNR).  Each image is coded at many qualities; between two of them the quality
-is interpolated linearly in the logarithm of the rate.  A curve is the mean over all images, and is drawn where every
-image reaches the rate.  --csv writes every measured point; --points adds points from such a file, or from one with the
-columns image, bpp, psnr and optionally msssim and codec (default: the paper).
+gscl has --tune psnr where no other tune is named.  The other codecs are those of Pillow: libjpeg-turbo (4:2:0, optimised),
+OpenJPEG (9/7 wavelet, colour transform), libwebp (method 6) and libavif (speed 4, tuned for PSNR).  Each image is coded at many
+qualities; between two of them the quality is interpolated linearly in the logarithm of the rate.  A curve is the mean over all
+images, and is drawn where every image reaches the rate.  --csv writes every measured point; --points adds points from such a
+file, or from one with the columns image, bpp, psnr and optionally msssim and codec (default: the paper).
 """
 import collections
 import concurrent.futures
@@ -27,7 +27,7 @@ PSNR, MS_SSIM = 3, 4  # columns of the measured rows
 # Bits per pixel.
 RATES = (0.03, 0.042, 0.066, 0.1, 0.125, 0.183, 0.3, 0.5, 1.0)
 TABLE_RATES = (0.042, 0.066, 0.125, 0.183, 0.3, 0.5, 1.0)
-VARIANTS = {"gscl": (), "gscl --tune ssim": ("--tune", "ssim")}
+VARIANTS = {"gscl": ("--tune", "psnr"), "gscl --tune ssim": ("--tune", "ssim")}
 # By codec: suffix, quality option of Pillow, its values, and further options.
 OTHERS = {
     "JPEG": (".jpg", "quality", (1, 2, 3, 5, 8, 12, 17, 24, 33, 45, 58, 72, 84, 92), dict(optimize=True, subsampling="4:2:0")),

@@ -5,8 +5,8 @@
 
 FOLDER holds PNG images.  Without it two sets are measured: the images of scenes.py, on which the encoder's thresholds
 were found, and those of scenes_held_out.py, on which none was tuned.  The PSNR of one image varies with the seed by 0.1 to
-1 dB, which is more than the gain of many effects, so that means over seeds are compared.  Prints a Markdown table for each set, and with
---document writes them into the sections `effects` and `effects-held-out` of that document.
+1 dB, which is more than the gain of many effects, so that means over seeds are compared.  All encodes have --tune psnr.  Prints
+a Markdown table for each set, and with --document writes them into the sections `effects` and `effects-held-out` of that document.
 """
 import argparse
 import pathlib
@@ -36,7 +36,7 @@ def encode(arguments, image, effects, seed, work):
     """Encodes once; returns the report."""
     options = ["--effects", effects] if effects else []
     report = codec.run(arguments.gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", arguments.bpp, "-q", "--json",
-                       "--seed", seed, *options)[1]
+                       "--tune", "psnr", "--seed", seed, *options)[1]
     report["psnr"] = 99.0 if report["psnr"] is None else report["psnr"]
     return report
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mean PSNR, MS-SSIM and encode time of every effort over a folder of PNG images, as a Markdown table.
+"""Mean PSNR, MS-SSIM and encode time of every effort with --tune psnr over a folder of PNG images, as a Markdown table.
 
     tests/bench/efforts.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--rates 0.042,0.183]
                            [--document [RESULTS.md]] [-- ENCODE OPTIONS]
@@ -13,7 +13,7 @@ KEYS = {"bpp": ".4f", "psnr": ".2f", "ms_ssim": ".4f", "encode_s": ".2f"}
 
 
 def measure_effort(arguments, images, effort, rate, work):
-    options = ["--effort", str(effort), *arguments.options]
+    options = ["--tune", "psnr", "--effort", str(effort), *arguments.options]
     rows = [codec.measure(arguments.gscl, image, float(rate), options, work) for image in images]
     return [str(effort), *(f"{codec.mean(rows, key):{form}}" for key, form in KEYS.items())]
 

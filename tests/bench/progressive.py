@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """PSNR of the first part of a file, with and without --progressive, beside whole files of that size, as a Markdown table.
+All with --tune psnr.
 
     tests/bench/progressive.py FOLDER [--gscl build/gscl] [--only NAME,NAME] [--bytes 2064,8994]
                                [--document [RESULTS.md]]
@@ -14,7 +15,7 @@ HEAD = ("bytes", "part", "whole file of that size", "default", "difference", "`-
 def encode(arguments, image, size, work, *options):
     """The bytes of a file of at most `size` bytes."""
     coded = work / "image.gscl"
-    codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", size, "-q", *options)
+    codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", size, "--tune", "psnr", "-q", *options)
     return coded.read_bytes()
 
 

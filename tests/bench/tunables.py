@@ -7,7 +7,7 @@ FOLDER holds PNG photographs; the drawings on which effects depend come from sce
 fields `.name = number` of host/lib/ROOM/tunables.c.  Each value is halved and doubled (integers are rounded, 0 is skipped)
 in a copy of the sources.  The mean PSNR of the photographs, that of the drawings, and the processor time are compared with those
 of the defaults.  Each room has a section of its own in TUNABLES.md, which also states how much the seed alone changes these means: a
-smaller difference is not significant.
+smaller difference is not significant.  All encodes have --tune psnr.
 """
 import concurrent.futures
 import json
@@ -94,7 +94,8 @@ def measure(gscl, images, rate, options, seed, work):
     for group in images:
         psnrs = []
         for image in group:
-            done = encode([gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed, "-q", "--json", *options])
+            done = encode([gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed, "--tune",
+                           "psnr", "-q", "--json", *options])
             if done is None:
                 return None
             psnrs.append(done[0]["psnr"] if done[0]["psnr"] is not None else 99.0)

@@ -315,7 +315,7 @@ class Usage(ToolTest):
                 ("psnr", "0.5", "from 1 to 100"), ("splats", "1048577", "from 1 to 1048576"),
                 ("seed", "18446744073709551616", "from 0 to 18446744073709551615"),
                 ("blend", "Alpha", "one of auto, normalized, alpha, sum"), ("profile", "", "one of default, paper"),
-                ("loss", "l3", r"one of auto, l1, l1\+ssim, l2"), ("tune", "vmaf", "one of psnr, ssim, visual"),
+                ("loss", "l3", r"one of auto, l1, l1\+ssim, l2"), ("tune", "vmaf", "one of auto, psnr, ssim, visual"),
                 ("mapping", "fpga", "one of auto, cpu, gpu"),
                 ("codebook", "1", "from 2 to 1024"), ("out-dir", "", "cannot be ''")):
             with self.subTest(option=option, value=value):

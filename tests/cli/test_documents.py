@@ -78,7 +78,7 @@ class Documents(ToolTest):
         self.assertEqual(self.complete("gscl")(""), {*self.commands(), "help"})
         for command in self.commands():
             self.assertEqual(self.complete("gscl", command)("--"), {f"--{option}" for option in self.options(command)})
-        self.assertEqual(self.complete("gscl", "encode", "--tune")(""), {"psnr", "ssim", "visual"})
+        self.assertEqual(self.complete("gscl", "encode", "--tune")(""), {"auto", "psnr", "ssim", "visual"})
         self.assertEqual(self.complete("gscl", "encode", "--effort")(""), set())
         self.assertIn(str(DOCUMENTS / "gscl.1"), self.complete("gscl", "decode", "-o")(f"{DOCUMENTS}/gscl."))
 
@@ -97,7 +97,7 @@ class Documents(ToolTest):
             self.assertEqual(error, "")
             return {word.split("\t")[0] for word in out.splitlines()}
         self.assertEqual(complete("gscl de"), {"decode", "devices"})
-        self.assertEqual(complete("gscl encode --tune "), {"psnr", "ssim", "visual"})
+        self.assertEqual(complete("gscl encode --tune "), {"auto", "psnr", "ssim", "visual"})
         self.assertEqual(complete("gscl decode --"), {f"--{option}" for option in self.options("decode")})
 
 

@@ -114,7 +114,7 @@ class SmallFiles(ToolTest):
 
 class Kinds(ToolTest):
     def test_quality_grows_with_the_file(self):
-        """Images other than photographs, at three sizes; beyond 36 dB it depends on how few values are rounded."""
+        """PSNR of images other than photographs, at three sizes; beyond 36 dB it depends on how few values are rounded."""
         two_pixels = Image(2, 1, 3, 8, [255, 0, 0, 0, 0, 255])
         for name, image, budgets in (
                 ("noise", noise(96, 64), (150, 500, 1500)), ("checkerboard", checkerboard(96, 64, 4), (150, 500, 1500)),
@@ -123,7 +123,7 @@ class Kinds(ToolTest):
             reached = 0
             for budget in budgets:
                 with self.subTest(image=name, budget=budget):
-                    size = len(self.encode(png_bytes(image), "--bytes", budget, "--effort", "2"))
+                    size = len(self.encode(png_bytes(image), "--bytes", budget, "--effort", "2", "--tune", "psnr"))
                     self.assertLessEqual(size, budget)
                     quality = psnr(image, self.decode())
                     self.assertGreaterEqual(quality, min(reached, 36) - 0.05)
@@ -211,6 +211,33 @@ class Settings(ToolTest):
         """A fit to what people see stays at a coarse level, too, where the finer ones have no detail."""
         plain, tuned = self.figures_of_tunes(waves(192, 128), "visual", "--bytes", "600", "--effort", "3")
         self.assertGreater(tuned["psnr"], plain["psnr"] - 3)
+
+    def tune_of(self, image, *arguments):
+        """The tune that an encode reports."""
+        self.write_png("in.png", image)
+        return self.gscl_json("encode", "in.png", "-o", "x.gscl", *FAST, *arguments)["tune"]
+
+    def test_default_tune(self):
+        """What people see, of opaque images; PSNR in small files, where that is the target, and without the visual loss."""
+        rgb, rgba = scene(48, 40), scene(48, 40, 4)
+        opaque = Image(48, 40, 4, 8, [255 if i % 4 == 3 else sample for i, sample in enumerate(rgba.samples)])
+        size = ("--bytes", "700")
+        for image, arguments, tune in ((rgb, size, "visual"), (scene(48, 40, 1), size, "visual"), (opaque, size, "visual"),
+                                       (rgb, ("--splats", "9"), "visual"), (rgb, ("--bytes", "500"), "psnr"),
+                                       (rgba, size, "psnr"), (rgb, ("--psnr", "25"), "psnr"),
+                                       (rgb, (*size, "--loss", "l1"), "psnr"), (rgb, (*size, "--profile", "paper"), "psnr"),
+                                       (rgb, (*size, "--tune", "psnr"), "psnr"), (rgb, (*size, "--tune", "ssim"), "ssim"),
+                                       (rgba, (*size, "--tune", "visual"), "visual")):
+            with self.subTest(arguments=arguments, channels=image.channels):
+                self.assertEqual(self.tune_of(image, *arguments), tune)
+
+    def test_default_tune_of_large_images(self):
+        """Above 4096 x 4096 pixels the visual loss would take more than 1 GiB."""
+        self.encode(flat(64, 64, (200, 40, 90)))
+        for scale, tune in (("64", "visual"), ("64.1", "psnr")):
+            with self.subTest(scale=scale):
+                self.gscl("decode", "in.gscl", "-o", "large.png", "--scale", scale)
+                self.assertEqual(self.gscl_json("encode", "large.png", "-o", "large.gscl")["tune"], tune)
 
     def test_visual_tuning_of_hard_images(self):
         """Images with alpha, and images that are too small for the visual loss, are encoded as well."""

@@ -216,7 +216,7 @@ class Writing(PluginTest):
         for attributes, message in (
                 (("gscl:bytes", 9), "a budget of 9 bytes is too small"),
                 (("gscl:bpp", -1), "gscl:bpp cannot be -1; it takes a number from 0.0001 to 64"),
-                (("gscl:tune", "best"), "gscl:tune cannot be 'best'; it takes psnr, ssim or visual"),
+                (("gscl:tune", "best"), "gscl:tune cannot be 'best'; it takes auto, psnr, ssim or visual"),
                 (("gscl:effort", 10), "gscl:effort cannot be 10; it takes 0 to 9"),
                 (("gscl:metadata", "some"), "gscl:metadata cannot be 'some'"),
                 (("gscl:bpp", 1, "--attrib", "gscl:psnr", 30), "exclude each other"),

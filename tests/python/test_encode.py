@@ -41,6 +41,7 @@ def test_default_target(picture):
 def test_report(picture):
     report = encode(picture, trace=True).report
     assert report.blend == "normalized"
+    assert report.tune == "psnr"  # of a small file
     assert {row.effect: row.reason for row in report.effects}["chroma"] == "content"
     assert any(stage.name == "write" and stage.count == 1 for stage in report.stages)
     assert report.trace[-1].splats == report.splats

@@ -58,7 +58,7 @@ def encode(picture, **options):
         (gscl.InvalidArgumentError, "effort", {"effort": 10}),
         (gscl.InvalidArgumentError, "effort", {"effort": 2**40}),
         (gscl.InvalidArgumentError, "seed", {"seed": -1}),
-        (gscl.InvalidArgumentError, "tune.*expected one of psnr, ssim, visual", {"tune": "beauty"}),
+        (gscl.InvalidArgumentError, "tune.*expected one of auto, psnr, ssim, visual", {"tune": "beauty"}),
         (gscl.InvalidArgumentError, "effects_on.*chroma", {"effects_on": ["sparkle"]}),
         (gscl.InvalidArgumentError, ".", {"bytes": -5}),
         (gscl.InvalidArgumentError, "cicp", {"cicp": (300, 1)}),

@@ -93,7 +93,7 @@ static void test_defaults(void **state) {
     gscl_decode_settings_default(&d);
     gscl_context_settings_default(&c);
     assert_true(e.profile == GSCL_PROFILE_DEFAULT && e.blend == GSCL_BLEND_AUTO && e.loss == GSCL_LOSS_AUTO);
-    assert_true(e.tune == GSCL_TUNE_PSNR);
+    assert_true(e.tune == GSCL_TUNE_AUTO);
     assert_true(e.target == GSCL_TARGET_AUTO);
     assert_true(e.effort == 5 && e.codebook_size == 0 && e.seed == 1 && !e.progress);
     assert_true(d.width == 0 && d.height == 0 && d.crop_x == 0 && d.crop_y == 0 && d.crop_width == 0);
@@ -263,7 +263,7 @@ static void test_bad_settings(void **state) {
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;
-    bad[8].tune = (gscl_tune)3;
+    bad[8].tune = (gscl_tune)4;
     for (int i = 0; i < 9; i++)
         refuse_encode(&image, &bad[i], GSCL_ERROR_INVALID_ARGUMENT);
     gscl_encode_settings conflict = quick(GSCL_TARGET_SPLATS, 4);

@@ -292,12 +292,18 @@ typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM
 
 /* The measure of quality that the encoder maximises. */
 typedef enum gscl_tune {
-    GSCL_TUNE_PSNR = 0, /* squared error with equal weights */
-    GSCL_TUNE_SSIM = 1, /* MS-SSIM: errors in smooth regions weigh more.  Default profile and loss L2 only */
-    /* What people see, by SSIMULACRA 2 and squared error: more texture, PSNR lower by 0.1 to 0.5 dB; for opaque images.
+    /* PSNR where that is the target, for files of less than 600 bytes, for images with transparent parts or more than
+     * GSCL_MAX_VISUAL_PIXELS, in the paper profile, and with another loss than L2; else VISUAL */
+    GSCL_TUNE_AUTO = 0,
+    GSCL_TUNE_PSNR = 1, /* squared error with equal weights */
+    GSCL_TUNE_SSIM = 2, /* MS-SSIM: errors in smooth regions weigh more.  Default profile and loss L2 only */
+    /* What people see, by SSIMULACRA 2 and squared error: more texture, PSNR lower by 0.1 to 0.8 dB; for opaque images.
      * Default profile and loss L2 only. */
-    GSCL_TUNE_VISUAL = 2
+    GSCL_TUNE_VISUAL = 3
 } gscl_tune;
+/* Largest image, in pixels, for which AUTO is VISUAL: up to it an encode takes less than 1 GiB, and 1.4 GiB at 25
+ * megapixels, where PSNR takes 0.9. */
+#define GSCL_MAX_VISUAL_PIXELS (16u << 20)
 
 /* The target of an encode, and the unit of target_value. */
 typedef enum gscl_target {
@@ -327,7 +333,7 @@ typedef struct gscl_encode_settings {
     gscl_profile profile;            /* default DEFAULT */
     gscl_blend blend;                /* default AUTO; the paper profile allows AUTO and ALPHA only */
     gscl_loss loss;                  /* default AUTO */
-    gscl_tune tune;                  /* default PSNR */
+    gscl_tune tune;                  /* default AUTO */
     gscl_target target;              /* default AUTO */
     double target_value;             /* default 0; unit and range depend on `target` */
     int effort;                      /* 0 (fastest) .. GSCL_MAX_EFFORT (best); default GSCL_DEFAULT_EFFORT */
@@ -384,6 +390,7 @@ typedef struct gscl_encode_report {
     double seconds;      /* total */
     uint32_t trials;     /* complete fits until the target was met */
     gscl_blend blend;    /* never AUTO */
+    gscl_tune tune;      /* never AUTO */
     size_t effect_count; /* rows of `effects` */
     gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* one row for each effect that the profile allows */
     uint32_t stage_count;                           /* rows of `stages` */

@@ -116,6 +116,7 @@ static gscl_result complete_report(gscl_encoder *e, const gscl_image *image, con
     r->bytes = file->size;
     r->trials = e->trials ? e->trials : 1;
     r->blend = e->settings.blend;
+    r->tune = e->settings.tune;
     r->effect_count = e->effects.decision_count;
     memcpy(r->effects, e->effects.decisions, sizeof r->effects);
     gscl_encode_trace_end(trace, e->context); /* measuring is no part of the encode */
@@ -127,6 +128,7 @@ static gscl_result run_stages(gscl_encoder *e, const gscl_image *image, encoded_
     gscl_stage(e->context, GSCL_STAGE_PREPARE);
     GSCL_TRY(gscl_encode_prepare(e, image));
     GSCL_TRY(gscl_encode_resolve_target(e));
+    gscl_encode_resolve_tune(e);
     GSCL_TRY(gscl_encode_decide_effects(e, image));
     GSCL_TRY(encode_to_target(e, image));
     GSCL_TRY(write_file(e, file));

@@ -112,6 +112,21 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     return set_budget(e, budget);
 }
 
+/* Whether the visual loss is worth it: its weights exist, and what it takes in time and memory shows. */
+static bool is_visual(const gscl_encoder *e) {
+    const gscl_encode_settings *s = &e->settings;
+    const bool has_weights = s->profile == GSCL_PROFILE_DEFAULT && s->loss == GSCL_LOSS_L2;
+    const bool is_large = (uint64_t)e->header.width * e->header.height > GSCL_MAX_VISUAL_PIXELS;
+    const bool is_tiny =
+        s->target != GSCL_TARGET_SPLATS && e->target.bytes < (size_t)gscl_encode_tunables.min_visual_bytes;
+    return has_weights && !is_large && !is_tiny && !e->header.has_alpha && s->target != GSCL_TARGET_PSNR;
+}
+
+void gscl_encode_resolve_tune(gscl_encoder *e) {
+    if (e->settings.tune == GSCL_TUNE_AUTO)
+        e->settings.tune = is_visual(e) ? GSCL_TUNE_VISUAL : GSCL_TUNE_PSNR;
+}
+
 bool gscl_encode_is_background_only(const gscl_encoder *e) {
     return e->content.flat || (e->settings.target == GSCL_TARGET_SPLATS && e->target.splats == 0);
 }

@@ -10,6 +10,9 @@ gscl_result gscl_encode_prepare(gscl_encoder *encoder, const gscl_image *image);
 /* Sets encoder->target.  Refuses a budget below the smallest file of this image. */
 gscl_result gscl_encode_resolve_target(gscl_encoder *encoder);
 
+/* Replaces the tune AUTO of the settings by what it means for this image and target. */
+void gscl_encode_resolve_tune(gscl_encoder *encoder);
+
 /* Whether the background alone is the result: the image is flat, or the target is no splats. */
 bool gscl_encode_is_background_only(const gscl_encoder *encoder);
 

@@ -58,8 +58,9 @@ static const char *contradiction(const gscl_encode_settings *s) {
         return "layers are the default profile's";
     if (s->bare && s->blocks)
         return "a bare file cannot have blocks (profile, metadata)";
-    if (s->tune != GSCL_TUNE_PSNR && (paper || !squared))
-        return "tuning for SSIM weights squared errors; it needs the default profile and the loss L2";
+    if ((s->tune == GSCL_TUNE_SSIM || s->tune == GSCL_TUNE_VISUAL) && (paper || !squared))
+        return "tuning for SSIM or for what people see weights squared errors; it needs the default profile and the "
+               "loss L2";
     return NULL;
 }
 

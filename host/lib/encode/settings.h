@@ -6,7 +6,7 @@
 
 /* Refuses values out of range and settings that contradict each other. */
 gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *settings);
-/* Replaces AUTO by what the profile means by it; the target stays as it is. */
+/* Replaces AUTO by what the profile means by it; the target and the tune, which depend on the image, stay as they are. */
 void gscl_encode_settings_resolve(gscl_encode_settings *settings);
 
 #endif

@@ -4,6 +4,7 @@ const struct gscl_encode_tunables gscl_encode_tunables = {
     .auto_bpp = 0.125,
     .auto_bytes = 256.0,
     .few_splats = 40,
+    .min_visual_bytes = 600,
 
     .min_probe_bytes = 100,
     .probe_bits = 34,

@@ -8,6 +8,8 @@ struct gscl_encode_tunables {
     int few_splats;    /* up to this number of splats the background alone may be better; with 2, stripes at 90 bytes
                           lost 4.6 dB to it; to try it takes two drawings */
 
+    int min_visual_bytes; /* bytes; smaller files have the tune PSNR where it is not chosen */
+
     /* The search for effects. */
     int min_probe_bytes;        /* bytes; no effects are tried for smaller files */
     double probe_bits;          /* bits per splat, from which the number of splats of the file is estimated */

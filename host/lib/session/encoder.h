@@ -32,7 +32,7 @@ typedef struct gscl_size_target {
 typedef struct gscl_encoder {
     /* Set before the first stage, constant afterwards. */
     gscl_context *context;
-    gscl_encode_settings settings;     /* without AUTO */
+    gscl_encode_settings settings;     /* without AUTO; the tune from the stage "resolve target" on */
     int loss_kind;                     /* GSCL_LOSS_KIND_... of the settings' loss */
     gsf_bytes blocks[GSF_BLOCK_COUNT]; /* of the settings */
 

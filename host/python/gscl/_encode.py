@@ -58,6 +58,7 @@ class EncodeReport:
     trials: int
     """Complete fits until the target was met."""
     blend: str
+    tune: str
     effects: tuple[EffectDecision, ...]
     stages: tuple[Stage, ...]
     trace: tuple[TracePoint, ...]
@@ -83,7 +84,7 @@ def encode(
     psnr: float | None = None,
     splats: int | None = None,
     effort: int = 5,
-    tune: Tune = "psnr",
+    tune: Tune = "auto",
     profile: Profile = "default",
     blend: Blend = "auto",
     loss: Loss = "auto",
@@ -111,7 +112,8 @@ def encode(
     bytes, bpp, psnr, splats: the target, at most one: bytes or bits per pixel of the whole file, never exceeded; dB,
         exceeded by at most 0.3; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
     effort: 0 (fastest) to 9 (best).
-    tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).
+    tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).  "auto" is "psnr" for files below 600
+        bytes, where `psnr` is the target, and for pictures with transparent parts or above 16 megapixels, else "visual".
     profile, blend, loss, codebook_size, effects_on, effects_off, step_factor, seed: gscl_encode_settings in gscl/gscl.h
         explains them.
     premultiplied: whether colours of the picture are multiplied by alpha.
@@ -218,6 +220,7 @@ def _report(report: Any) -> EncodeReport:
         seconds=report.seconds,
         trials=report.trials,
         blend=word_of(BLENDS, report.blend),
+        tune=word_of(TUNES, report.tune),
         effects=tuple(_decision(report.effects[i]) for i in range(report.effect_count)),
         stages=tuple(_stage(report.stages[i]) for i in range(report.stage_count)),
         trace=tuple(_trace_point(report.trace[i]) for i in range(report.trace_count)),

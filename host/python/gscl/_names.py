@@ -8,13 +8,18 @@ from typing import Literal
 from gscl._binding import ffi, lib
 from gscl._errors import InvalidArgumentError
 
-Tune = Literal["psnr", "ssim", "visual"]
+Tune = Literal["auto", "psnr", "ssim", "visual"]
 Profile = Literal["default", "paper"]
 Blend = Literal["auto", "normalized", "alpha", "sum"]
 Loss = Literal["auto", "l1", "l1+ssim", "l2"]
 Effect = Literal["chroma", "alpha-channel", "opacity", "rotation", "anisotropy", "codebooks", "texture"]
 
-TUNES = {"psnr": lib.GSCL_TUNE_PSNR, "ssim": lib.GSCL_TUNE_SSIM, "visual": lib.GSCL_TUNE_VISUAL}
+TUNES = {
+    "auto": lib.GSCL_TUNE_AUTO,
+    "psnr": lib.GSCL_TUNE_PSNR,
+    "ssim": lib.GSCL_TUNE_SSIM,
+    "visual": lib.GSCL_TUNE_VISUAL,
+}
 PROFILES = {"default": lib.GSCL_PROFILE_DEFAULT, "paper": lib.GSCL_PROFILE_PAPER}
 BLENDS = {
     "auto": lib.GSCL_BLEND_AUTO,

@@ -5,7 +5,7 @@
 const char *const profile_words[] = {"default", "paper", NULL};
 const char *const blend_words[] = {"auto", "normalized", "alpha", "sum", NULL};
 const char *const loss_words[] = {"auto", "l1", "l1+ssim", "l2", NULL};
-const char *const tune_words[] = {"psnr", "ssim", "visual", NULL};
+const char *const tune_words[] = {"auto", "psnr", "ssim", "visual", NULL};
 const char *const mapping_words[] = {"auto", "cpu", "gpu", NULL};
 
 const char *channels_name(unsigned channels) {

@@ -203,7 +203,7 @@ static option_outcome parse_bench(bench_options *bench, int argc, char **argv) {
          .value = &bench->tune,
          .words = tune_words,
          .argument = "T",
-         .help = "of the encoder (default psnr)"},
+         .help = "of the encoder (default auto)"},
         DEVICE_OPTIONS(bench->choice),
         {.name = "json", .kind = OPTION_FLAG, .value = &bench->as_json, .help = "write JSON"},
     };

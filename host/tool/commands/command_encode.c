@@ -177,7 +177,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .value = &encode->tune,
          .words = tune_words,
          .argument = "T",
-         .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for SSIMULACRA 2 (default psnr)"},
+         .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for what people see (default: auto: "
+                 "psnr for files below 600 bytes, with --psnr, and for images with transparent parts or above 16 "
+                 "megapixels; else visual)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
          .value = &encode->effects,

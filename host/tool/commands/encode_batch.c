@@ -64,6 +64,7 @@ static void print_report(batch_state *state, const encode_job *job) {
     json_real(json, "seconds", report->seconds);
     json_integer(json, "trials", report->trials);
     json_string(json, "blend", blend_words[report->blend]);
+    json_string(json, "tune", tune_words[report->tune]);
     report_write_decisions(json, report);
     report_write_stages(json, report);
     if (state->batch->settings.trace)

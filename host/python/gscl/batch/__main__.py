@@ -95,7 +95,7 @@ def _parser() -> argparse.ArgumentParser:
     target.add_argument("--psnr", metavar="DB", type=float, help="the least PSNR")
     target.add_argument("--splats", metavar="N", type=int, help="the most splats")
     settings.add_argument("--effort", metavar="0..9", type=int, help="default: 5")
-    settings.add_argument("--tune", choices=["psnr", "ssim", "visual"])
+    settings.add_argument("--tune", choices=["auto", "psnr", "ssim", "visual"])
     settings.add_argument("--seed", metavar="N", type=int)
     settings.add_argument("--progressive", action="store_true", default=None, help="write layers")
     settings.add_argument("--icc-profile", action="store_true", default=None, help="keep the colour profile")
