@@ -107,6 +107,26 @@ def waves(width, height):
     return Image(width, height, 3, 8, samples)
 
 
+def hills(width, height):
+    """Random colours at 14 x 10 points, and smooth transitions between them."""
+    points, samples = noise(14, 10, seed=5), []
+
+    def ease(part):
+        return (1 - math.cos(math.pi * part)) / 2
+
+    def mix(left, right, part):
+        return left + (right - left) * ease(part)
+
+    for y in range(height):
+        row, down = divmod(9 * y / height, 1)
+        above, below = points.row(int(row)), points.row(int(row) + 1)
+        for x in range(width):
+            column, across = divmod(13 * x / width, 1)
+            for i in range(3 * int(column), 3 * int(column) + 3):
+                samples.append(round(mix(mix(above[i], above[i + 3], across), mix(below[i], below[i + 3], across), down)))
+    return Image(width, height, 3, 8, samples)
+
+
 def dots_in_the_dark(width, height):
     """Small bright dots, far apart, on nearly black noise."""
     image = noise(width, height)

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, noise, png_bytes, psnr,
+from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, hills, noise, png_bytes, psnr,
                       sawtooth, scene, textured, waves)
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main
 
@@ -179,6 +179,14 @@ class Settings(ToolTest):
             with self.subTest(seed=seed):
                 self.encode(image, "--bytes", "250", "--effort", "3", "--tune", "psnr", "--seed", seed)
                 self.assertGreater(psnr(image, self.decode()), 28)
+
+    def test_smooth_images_are_fitted_again_when_splats_were_dropped(self):
+        """Where each splat is needed, those that are left close the gaps: 1 dB in the mean of these files."""
+        image, reached = hills(256, 192), []
+        for seed in (1, 2, 3, 4):
+            self.assertLessEqual(len(self.encode(image, "--bytes", "400", "--effort", "2", "--tune", "psnr", "--seed", seed)), 400)
+            reached.append(psnr(image, self.decode()))
+        self.assertGreater(sum(reached) / 4, 26.6)
 
     def figures_of_tunes(self, image, tune, *arguments):
         """What `gscl compare` measures of the image with --tune psnr, and with this tune."""

@@ -5,6 +5,7 @@
 
 #include "scalar/choose_codes.h"
 #include "scalar/kept_codes.h"
+#include "scalar/scalar_fit.h"
 
 static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
 
@@ -108,6 +109,44 @@ gscl_result gscl_scalar_meet_budget(gscl_scalar_state *s) {
         return GSCL_OK;
     GSCL_TRY(use_slack(s));
     return shrink_to_budget(s);
+}
+
+/* Fits the splats that are left, keeps all of them in a pass for their codes, and meets the budget at the price from
+ * before. */
+static gscl_result refit_to_budget(gscl_scalar_state *s) {
+    const double lambda_scale = s->lambda_scale;
+    GSCL_TRY(gscl_scalar_refit(s, 0, tunables->steps_after_drops));
+    s->keep_all = true;
+    GSCL_TRY(gscl_scalar_pass(s, false));
+    s->keep_all = false;
+    GSCL_TRY(use_slack(s));
+    s->lambda_scale = fmax(s->lambda_scale, lambda_scale);
+    return shrink_to_budget(s);
+}
+
+/* *is_better: whether the result stays, instead of the file before. */
+static gscl_result try_refit(gscl_scalar_state *s, gscl_kept_codes *before, bool *is_better) {
+    const double lambda_scale = s->lambda_scale;
+    double error;
+    GSCL_TRY(gscl_scalar_measure(s, &error));
+    GSCL_TRY(gscl_kept_codes_keep(before, s, error));
+    GSCL_TRY(refit_to_budget(s));
+    GSCL_TRY(gscl_scalar_measure(s, &error));
+    *is_better = s->size <= s->bytes && (error < before->error || before->size > s->bytes);
+    if (*is_better)
+        return GSCL_OK;
+    s->lambda_scale = lambda_scale;
+    return gscl_kept_codes_restore(before, s);
+}
+
+gscl_result gscl_scalar_refit_after_drops(gscl_scalar_state *s) {
+    gscl_kept_codes before = {0};
+    bool is_better = s->bytes > 0 && s->highest_lambda_scale >= tunables->refit_lambda_scale;
+    gscl_result result = GSCL_OK;
+    for (int i = 0; i < tunables->max_refits && is_better && result == GSCL_OK; i++)
+        result = try_refit(s, &before, &is_better);
+    gscl_kept_codes_free(&before);
+    return result;
 }
 
 static void drop_smallest(gsf_coded_image *file, size_t fixed) {

@@ -22,6 +22,7 @@ gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
     settings.keep_all = s->keep_all;
     settings.scan_textures = scan_textures;
     gscl_encoder *e = s->encoder;
+    s->highest_lambda_scale = fmax(s->highest_lambda_scale, s->lambda_scale);
     GSCL_TRY(gscl_scalar_rdo_pass(&s->rdo, &s->fit, s->coded, &settings));
     GSCL_TRY(gscl_scalar_update_size(s));
     gscl_log(e->context, GSCL_LOG_DEBUG, "%.2f s, pass: %u splats, %zu bytes, lambda scale %.2f%s",

@@ -20,6 +20,8 @@ static gscl_result run_stages(gscl_scalar_state *s, gscl_search_pool *pool) {
     if (s->has_choice) {
         GSCL_TRY(gscl_scalar_choose_codes(s));
         GSCL_TRY(gscl_scalar_meet_budget(s));
+        if (!s->is_searched)
+            GSCL_TRY(gscl_scalar_refit_after_drops(s));
         GSCL_TRY(gscl_scalar_search(s, pool));
     }
     return gscl_scalar_trim(s);

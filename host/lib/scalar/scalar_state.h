@@ -63,12 +63,13 @@ typedef struct gscl_scalar_state {
     int next_level_check;              /* step at which a finer level is considered again */
 
     /* Stages "choose codes" and "meet the budget". */
-    gscl_scalar_rdo rdo; /* arrays and buffers of the passes */
-    size_t size;         /* of the coded image as a file, after the last pass */
-    int passes_done;     /* for the progress report */
-    bool textures;       /* textures may be used */
-    bool keep_all;       /* no splat is dropped */
-    double lambda_scale; /* price of a bit in the next pass, see gscl_scalar_rdo_settings */
+    gscl_scalar_rdo rdo;         /* arrays and buffers of the passes */
+    size_t size;                 /* of the coded image as a file, after the last pass */
+    int passes_done;             /* for the progress report */
+    bool textures;               /* textures may be used */
+    bool keep_all;               /* no splat is dropped */
+    double lambda_scale;         /* price of a bit in the next pass, see gscl_scalar_rdo_settings */
+    double highest_lambda_scale; /* of all passes so far */
 
     float *params; /* scratch for `capacity` splats */
     size_t capacity;

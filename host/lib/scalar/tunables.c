@@ -101,6 +101,9 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .slack_factor = 0.5,
     .max_final_passes = 12,
     .max_slack_passes = 4,
+    .refit_lambda_scale = 8.0,
+    .max_refits = 2,
+    .steps_after_drops = 100,
     .min_lambda_scale = 0.02,
     .max_lambda_scale = 1e4,
 
