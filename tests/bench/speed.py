@@ -4,7 +4,8 @@
     sh tests/bench/bench.sh speed FOLDER [--gscl build/gscl] [--only NAME,NAME] [--document [SPEED.md]]
 
 Kernels, stages and the codec within one process come from `gscl bench`; the other figures are those of whole processes.
-With --document the tables replace the section `speed` of that document.  The machine should have no other load.
+All encodes have --tune psnr.  With --document the tables replace the section `speed` of that document.  The machine should have
+no other load.
 """
 import json
 import os
@@ -24,6 +25,7 @@ GROWTH_RATE = "0.1"
 MOSAIC_SIDES = (1, 2, 4, 8)  # images along each side
 MOSAIC_CELL = (768, 512)  # pixels
 BATCH_SIZE = 48  # images
+TUNE = ("--tune", "psnr")  # figures of tunes are in RESULTS.md
 
 
 class Run:
@@ -115,12 +117,12 @@ def process_row(gscl, images, rate, work):
     encodes, decodes = [], []
     for image in images:
         coded = work / f"{image.stem}.gscl"
-        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q"))
+        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, *TUNE, "-q"))
         Run(gscl, "decode", coded, "-o", work / "decoded.png")
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     with tempfile.TemporaryDirectory() as cache:
         empty = {"POCL_CACHE_DIR": cache, "XDG_CACHE_HOME": cache}
-        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, "-q", env=empty)
+        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, *TUNE, "-q", env=empty)
     return [rate, f"{mean(encodes, 'wall_s'):.2f}", f"{mean(encodes, 'cpu_s') / mean(encodes, 'wall_s'):.2f}",
             f"{cold.wall_s:.2f}", f"{mean(decodes, 'wall_s'):.3f}"]
 
@@ -148,7 +150,7 @@ def growth_row(gscl, images, side, work):
     encodes, decodes = [], []
     for first in range(len(images) if side == 1 else 1):  # a mosaic is a mean over images; a single image is not
         megapixels = write_mosaic(images[first:], side, path)
-        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, "-q"))
+        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, *TUNE, "-q"))
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     encode_s, decode_s = mean(encodes, "wall_s"), mean(decodes, "wall_s")
     return [f"{megapixels:.1f}", f"{encode_s:.2f}", f"{encode_s / megapixels:.2f}", f"{encodes[0].memory_mib:.0f}",
@@ -164,7 +166,7 @@ def batch_line(gscl, images, work):
     copies = [work / f"copy{i}.png" for i in range(BATCH_SIZE)]
     for i, copy in enumerate(copies):
         copy.write_bytes(images[i % len(images)].read_bytes())
-    options = ("-q", "--bpp", RATES[0])
+    options = ("-q", "--bpp", RATES[0], *TUNE)
     single_s = sum(Run(gscl, "encode", copy, *options).wall_s for copy in copies)
     batch = Run(gscl, "encode", *copies, *options)
     return (f"{BATCH_SIZE} images at {RATES[0]} bits per pixel: {batch.wall_s:.1f} s in one call, with "
@@ -173,7 +175,7 @@ def batch_line(gscl, images, work):
 
 def section_parts(arguments, work):
     images = codec.images_of(arguments.folder, arguments.only)
-    bench = json.loads(Run(arguments.gscl, "bench", images[0], "--json").output)
+    bench = json.loads(Run(arguments.gscl, "bench", images[0], *TUNE, "--json").output)
     yield document.origin("sh tests/bench/bench.sh speed FOLDER", len(images))
     yield f"Device: {bench['device']}, {bench['version']}.\n"
     yield "Whole processes, means:\n"
@@ -185,7 +187,7 @@ def section_parts(arguments, work):
     yield from (stage_table(bench, operation) for operation in ("encode", "decode"))
     yield counts_line(bench)
     yield f"Work-items of the kernels of an encode of {images[0].stem} in the mapping for GPUs:\n"
-    for_gpus = Run(arguments.gscl, "bench", images[0], "--json", "--mapping", "gpu", "--encodes", 1, "--repetitions", 1)
+    for_gpus = Run(arguments.gscl, "bench", images[0], *TUNE, "--json", "--mapping", "gpu", "--encodes", 1, "--repetitions", 1)
     yield items_table(json.loads(for_gpus.output))
     yield ("Kernels, 768x512; the share of the multiply-add peak counts 28 operations per evaluation when drawing "
            "and 100 in a fit step:\n")
