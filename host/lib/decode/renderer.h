@@ -55,8 +55,8 @@ gscl_result gscl_renderer_set_splats(gscl_renderer *renderer, const float *param
                                      const float *background);
 /* Replaces the background alone, likewise. */
 gscl_result gscl_renderer_set_background(gscl_renderer *renderer, const float *background);
-/* Like gscl_renderer_set_splats, without a copy on the host: both must stay valid until the queue has reached the copy to the device
- * (gscl_release_after_copies). */
+/* Like gscl_renderer_set_splats, without a copy on the host: both must stay valid until the queue has reached the copy
+ * to the device (gscl_release_after_copies). */
 gscl_result gscl_renderer_set_splats_async(gscl_renderer *renderer, const float *params, size_t count,
                                            const float *background);
 /* Makes room for `count` splats without touching those that are there. */

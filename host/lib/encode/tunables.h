@@ -3,12 +3,12 @@
 #define GSCL_LIB_ENCODE_TUNABLES_H
 
 struct gscl_encode_tunables {
-    double auto_bpp;   /* bits per pixel of GSCL_TARGET_AUTO */
-    double auto_bytes; /* bytes; smallest budget of GSCL_TARGET_AUTO */
-    int few_splats;    /* up to this number of splats the background alone may be better; with 2, stripes at 90 bytes
+    double auto_bpp;      /* bits per pixel of GSCL_TARGET_AUTO */
+    double auto_bytes;    /* bytes; smallest budget of GSCL_TARGET_AUTO */
+    int few_splats;       /* up to this number of splats the background alone may be better; with 2, stripes at 90 bytes
                           lost 4.6 dB to it; to try it takes two drawings */
-
-    int min_visual_bytes; /* bytes; smaller files have the tune PSNR where it is not chosen */
+    int min_visual_bytes; /* bytes; smaller files have the tune PSNR where none is given: on six photographs of 192x128
+                             visual costs 0.7 dB and 6 % of Butteraugli at 450 bytes, and 0.1 dB and -8 % at 700 */
 
     /* The search for effects. */
     int min_probe_bytes;        /* bytes; no effects are tried for smaller files */

@@ -51,8 +51,8 @@ typedef struct gscl_visual_comparison {
 gscl_result gscl_visual_derivative(gscl_visual *visual, const gscl_visual_comparison *comparison,
                                    gscl_buffer *derivative);
 /* Writes the quadratic model into two planes of `model`, behind as many as the rendering has: the weight of the squared
- * error of luma, and the target of luma.  `curvature`: factor on the curvature, which is an upper bound for
- * changes of one splat at 1; the lower, the further changes go that the model asks for. */
+ * error of luma, and the target of luma.  `curvature`: factor on the curvature, which is an upper bound for changes of
+ * one splat at 1; the lower, the further changes go that the model asks for. */
 gscl_result gscl_visual_model(gscl_visual *visual, const gscl_visual_comparison *comparison, float curvature,
                               gscl_buffer *model);
 /* Reads the visual loss of the last call, in the unit of half the sum of squared errors. */
