@@ -8,12 +8,21 @@ typedef struct {
     vfloat x, y;
 } unit_vector;
 
-/* The direction of an angle in radians, |angle| <= 1e5.  The angle without its quarter turns, whose length is subtracted
- * in two parts, goes through minimax polynomials on [-pi/4, pi/4].  Absolute error below 8e-8, as of the built-in
- * functions. */
+/* An angle without its quarter turns, at most 2^16.  Where fma() rounds the product, the length of a quarter turn has two
+ * parts of 8 bits, whose products are exact, and a small one. */
+inline vfloat without_quarters(vfloat angle, vfloat quarters) {
+#ifdef SOFTWARE_FMA
+    return ((angle - quarters * 1.5703125f) - quarters * 4.82559204e-4f) - quarters * 1.2675908e-6f;
+#else
+    return fma(quarters, (vfloat)(4.37113883e-8f), fma(quarters, (vfloat)(-1.57079637f), angle));
+#endif
+}
+
+/* The direction of an angle in radians, |angle| <= 1e5.  The angle without its quarter turns goes through minimax
+ * polynomials on [-pi/4, pi/4].  Absolute error below 8e-8, as of the built-in functions. */
 inline unit_vector direction_of(vfloat angle) {
     vfloat quarters = rint(angle * M_2_PI_F);
-    vfloat r = fma(quarters, (vfloat)(4.37113883e-8f), fma(quarters, (vfloat)(-1.57079637f), angle)), r2 = r * r;
+    vfloat r = without_quarters(angle, quarters), r2 = r * r;
     vfloat p = fma((vfloat)(-1.9515281e-4f), r2, (vfloat)(8.3321603e-3f));
     vfloat q = fma((vfloat)(2.44384501e-5f), r2, (vfloat)(-1.38873677e-3f));
     vfloat sine = fma(r * r2, fma(p, r2, (vfloat)(-1.66666552e-1f)), r);
