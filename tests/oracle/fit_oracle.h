@@ -15,10 +15,11 @@ typedef struct {
     oracle_blend blend;
     int colours, alpha_channel; /* coded channels: their sum */
     bool opacity, texture;
-    bool absolute;     /* loss L1, else L2 */
-    bool stepped;      /* no splat is rotated: kernels step a Gaussian's rows by multiplication; for bounds */
-    int level;         /* of the pyramid, at which the splats are drawn */
-    int width, height; /* of that level */
+    bool absolute;        /* loss L1, else L2 */
+    bool stepped;         /* no splat is rotated: kernels step a Gaussian's rows by multiplication; for bounds */
+    bool rounds_products; /* the device has no fma, and rounds a product before it adds to it; for bounds */
+    int level;            /* of the pyramid, at which the splats are drawn */
+    int width, height;    /* of that level */
     double background[ORACLE_CHANNELS];
     const double *target;  /* channels planes of width * height */
     const double *weights; /* of pixels' squared errors; NULL: all 1 */
