@@ -126,17 +126,13 @@ static gscl_result refit_to_budget(gscl_scalar_state *s) {
 
 /* *is_better: whether the result stays, instead of the file before. */
 static gscl_result try_refit(gscl_scalar_state *s, gscl_kept_codes *before, bool *is_better) {
-    const double lambda_scale = s->lambda_scale;
     double error;
     GSCL_TRY(gscl_scalar_measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(before, s, error));
     GSCL_TRY(refit_to_budget(s));
     GSCL_TRY(gscl_scalar_measure(s, &error));
     *is_better = s->size <= s->bytes && (error < before->error || before->size > s->bytes);
-    if (*is_better)
-        return GSCL_OK;
-    s->lambda_scale = lambda_scale;
-    return gscl_kept_codes_restore(before, s);
+    return *is_better ? GSCL_OK : gscl_kept_codes_restore(before, s);
 }
 
 gscl_result gscl_scalar_refit_after_drops(gscl_scalar_state *s) {

@@ -275,21 +275,22 @@ static gscl_result project_codes(gscl_scalar_state *s) {
     return gscl_renderer_project(&s->fit.renderer);
 }
 
-/* Squared error of the coded image without weights or a model. */
-static gscl_result plain_error(gscl_scalar_state *s, double *error) {
-    GSCL_TRY(project_codes(s));
-    GSCL_TRY(gscl_fit_render(&s->fit));
-    return gscl_fit_squared_error(&s->fit, &s->fit.renderer.image, error);
-}
-
 gscl_result gscl_scalar_choose_background(gscl_scalar_state *s) {
+    static const double no_sums[4]; /* of colours, of which a stored background needs none */
     gsf_coded_image *file = &s->coded->file;
+    gscl_renderer *r = &s->fit.renderer;
+    float stored[4];
     double with_mean, with_stored;
     if (!file->has_mean_background || file->header.splat_count == 0)
         return GSCL_OK;
-    GSCL_TRY(plain_error(s, &with_mean));
+    GSCL_TRY(project_codes(s));
+    GSCL_TRY(gscl_fit_render(&s->fit));
+    GSCL_TRY(gscl_fit_squared_error(&s->fit, &r->image, &with_mean));
     file->has_mean_background = false;
-    GSCL_TRY(plain_error(s, &with_stored));
+    gscl_coded_image_background(s->coded, no_sums, stored);
+    GSCL_TRY(gscl_renderer_set_background(r, stored));
+    GSCL_TRY(gscl_renderer_draw(r));
+    GSCL_TRY(gscl_fit_squared_error(&s->fit, &r->image, &with_stored));
     file->has_mean_background = with_mean <= tunables->max_mean_error * with_stored;
     return GSCL_OK;
 }
