@@ -15,6 +15,9 @@ import tempfile
 import time
 
 
+TUNE_PSNR = ("--tune", "psnr")  # of benchmarks of PSNR and speed; the default tune is another
+
+
 def parser(about):
     """A parser with the options of all scripts."""
     result = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)

@@ -27,7 +27,7 @@ PSNR, MS_SSIM = 3, 4  # columns of the measured rows
 # Bits per pixel.
 RATES = (0.03, 0.042, 0.066, 0.1, 0.125, 0.183, 0.3, 0.5, 1.0)
 TABLE_RATES = (0.042, 0.066, 0.125, 0.183, 0.3, 0.5, 1.0)
-VARIANTS = {"gscl": ("--tune", "psnr"), "gscl --tune ssim": ("--tune", "ssim")}
+VARIANTS = {"gscl": codec.TUNE_PSNR, "gscl --tune ssim": ("--tune", "ssim")}
 # By codec: suffix, quality option of Pillow, its values, and further options.
 OTHERS = {
     "JPEG": (".jpg", "quality", (1, 2, 3, 5, 8, 12, 17, 24, 33, 45, 58, 72, 84, 92), dict(optimize=True, subsampling="4:2:0")),

@@ -36,7 +36,7 @@ def encode(arguments, image, effects, seed, work):
     """Encodes once; returns the report."""
     options = ["--effects", effects] if effects else []
     report = codec.run(arguments.gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", arguments.bpp, "-q", "--json",
-                       "--tune", "psnr", "--seed", seed, *options)[1]
+                       *codec.TUNE_PSNR, "--seed", seed, *options)[1]
     report["psnr"] = 99.0 if report["psnr"] is None else report["psnr"]
     return report
 

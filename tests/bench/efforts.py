@@ -13,7 +13,7 @@ KEYS = {"bpp": ".4f", "psnr": ".2f", "ms_ssim": ".4f", "encode_s": ".2f"}
 
 
 def measure_effort(arguments, images, effort, rate, work):
-    options = ["--tune", "psnr", "--effort", str(effort), *arguments.options]
+    options = [*codec.TUNE_PSNR, "--effort", str(effort), *arguments.options]
     rows = [codec.measure(arguments.gscl, image, float(rate), options, work) for image in images]
     return [str(effort), *(f"{codec.mean(rows, key):{form}}" for key, form in KEYS.items())]
 

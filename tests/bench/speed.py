@@ -25,7 +25,6 @@ GROWTH_RATE = "0.1"
 MOSAIC_SIDES = (1, 2, 4, 8)  # images along each side
 MOSAIC_CELL = (768, 512)  # pixels
 BATCH_SIZE = 48  # images
-TUNE = ("--tune", "psnr")  # figures of tunes are in RESULTS.md
 
 
 class Run:
@@ -117,12 +116,12 @@ def process_row(gscl, images, rate, work):
     encodes, decodes = [], []
     for image in images:
         coded = work / f"{image.stem}.gscl"
-        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, *TUNE, "-q"))
+        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, *codec.TUNE_PSNR, "-q"))
         Run(gscl, "decode", coded, "-o", work / "decoded.png")
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     with tempfile.TemporaryDirectory() as cache:
         empty = {"POCL_CACHE_DIR": cache, "XDG_CACHE_HOME": cache}
-        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, *TUNE, "-q", env=empty)
+        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, *codec.TUNE_PSNR, "-q", env=empty)
     return [rate, f"{mean(encodes, 'wall_s'):.2f}", f"{mean(encodes, 'cpu_s') / mean(encodes, 'wall_s'):.2f}",
             f"{cold.wall_s:.2f}", f"{mean(decodes, 'wall_s'):.3f}"]
 
@@ -150,7 +149,7 @@ def growth_row(gscl, images, side, work):
     encodes, decodes = [], []
     for first in range(len(images) if side == 1 else 1):  # a mosaic is a mean over images; a single image is not
         megapixels = write_mosaic(images[first:], side, path)
-        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, *TUNE, "-q"))
+        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, *codec.TUNE_PSNR, "-q"))
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     encode_s, decode_s = mean(encodes, "wall_s"), mean(decodes, "wall_s")
     return [f"{megapixels:.1f}", f"{encode_s:.2f}", f"{encode_s / megapixels:.2f}", f"{encodes[0].memory_mib:.0f}",
@@ -166,7 +165,7 @@ def batch_line(gscl, images, work):
     copies = [work / f"copy{i}.png" for i in range(BATCH_SIZE)]
     for i, copy in enumerate(copies):
         copy.write_bytes(images[i % len(images)].read_bytes())
-    options = ("-q", "--bpp", RATES[0], *TUNE)
+    options = ("-q", "--bpp", RATES[0], *codec.TUNE_PSNR)
     single_s = sum(Run(gscl, "encode", copy, *options).wall_s for copy in copies)
     batch = Run(gscl, "encode", *copies, *options)
     return (f"{BATCH_SIZE} images at {RATES[0]} bits per pixel: {batch.wall_s:.1f} s in one call, with "
@@ -175,7 +174,7 @@ def batch_line(gscl, images, work):
 
 def section_parts(arguments, work):
     images = codec.images_of(arguments.folder, arguments.only)
-    bench = json.loads(Run(arguments.gscl, "bench", images[0], *TUNE, "--json").output)
+    bench = json.loads(Run(arguments.gscl, "bench", images[0], *codec.TUNE_PSNR, "--json").output)
     yield document.origin("sh tests/bench/bench.sh speed FOLDER", len(images))
     yield f"Device: {bench['device']}, {bench['version']}.\n"
     yield "Whole processes, means:\n"
@@ -187,7 +186,8 @@ def section_parts(arguments, work):
     yield from (stage_table(bench, operation) for operation in ("encode", "decode"))
     yield counts_line(bench)
     yield f"Work-items of the kernels of an encode of {images[0].stem} in the mapping for GPUs:\n"
-    for_gpus = Run(arguments.gscl, "bench", images[0], *TUNE, "--json", "--mapping", "gpu", "--encodes", 1, "--repetitions", 1)
+    for_gpus = Run(arguments.gscl, "bench", images[0], *codec.TUNE_PSNR, "--json", "--mapping", "gpu", "--encodes", 1,
+                   "--repetitions", 1)
     yield items_table(json.loads(for_gpus.output))
     yield ("Kernels, 768x512; the share of the multiply-add peak counts 28 operations per evaluation when drawing "
            "and 100 in a fit step:\n")

@@ -94,8 +94,8 @@ def measure(gscl, images, rate, options, seed, work):
     for group in images:
         psnrs = []
         for image in group:
-            done = encode([gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed, "--tune",
-                           "psnr", "-q", "--json", *options])
+            done = encode([gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed,
+                           *codec.TUNE_PSNR, "-q", "--json", *options])
             if done is None:
                 return None
             psnrs.append(done[0]["psnr"] if done[0]["psnr"] is not None else 99.0)
