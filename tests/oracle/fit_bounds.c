@@ -164,8 +164,8 @@ static void draw_alpha(const oracle_scene *s, const sample *samples, pixel_state
             p->error[k] += share.error * c + UNIT * partial[k];
         }
     }
-    const double roundings =
-        s->fit->rounds_products ? 3.0 : 2.0; /* of 1 + the stored difference, (the product,) the sum */
+    /* Of 1 + the stored difference, and of the sum; without fma that of the product comes first. */
+    const double roundings = s->fit->rounds_products ? 3.0 : 2.0;
     for (int k = 0; k < s->channels; k++)
         p->error[k] += p->transmittance_error * fabs(s->fit->background[k]) + roundings * UNIT * fabs(p->value[k]);
 }

@@ -292,7 +292,7 @@ typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM
 
 /* The measure of quality that the encoder maximises. */
 typedef enum gscl_tune {
-    /* PSNR where that is the target, for files of less than 600 bytes, for images with transparent parts or more than
+    /* PSNR where that is the target, for pictures of less than 600 bytes (without the container), for images with transparent parts or more than
      * GSCL_MAX_VISUAL_PIXELS, in the paper profile, and with another loss than L2; else VISUAL */
     GSCL_TUNE_AUTO = 0,
     GSCL_TUNE_PSNR = 1, /* squared error with equal weights */
