@@ -2,7 +2,7 @@
 
 # Packages of the library and the tool, and PoCL, an OpenCL device on any CPU.
 build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
-    pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libcairo2-dev"
+    pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libcairo2-dev"
 # Packages of the decoder for web pages.
 web_packages="binaryen clang esbuild lld"
 # Further packages of the tests.

@@ -18,6 +18,7 @@
 #include "image/image_file.h"
 #include "image/image_format.h"
 #include "image/image_jpeg.h"
+#include "image/image_kind.h"
 #include "image/image_module.h"
 #include "image/image_output.h"
 #include "image/image_png.h"
@@ -37,10 +38,11 @@ static void require(bool condition, const char *message) {
 
 /* ---- In place of the image module ---------------------------------------------------------------- */
 
-static bool read_pixels(const char *path, const uint8_t *bytes, size_t size, image_content *content,
+static bool read_pixels(const char *plugin, const char *path, const uint8_t *bytes, size_t size, image_content *content,
                         char message[IMAGE_MESSAGE_SIZE]) {
     static const uint16_t samples[3 * 2 * 4] = {0, 1, 2, 65535, 60000, 3, 9, 30000};
     (void)path;
+    require(plugin != NULL, "a format without a plug-in is read by one");
     if (size > 0 && bytes[size - 1] == 255) {
         snprintf(message, IMAGE_MESSAGE_SIZE, "is damaged");
         return false;
@@ -53,8 +55,12 @@ static bool read_pixels(const char *path, const uint8_t *bytes, size_t size, ima
     return true;
 }
 
+static bool read_jpeg2000(const uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]) {
+    return read_pixels("jpeg2000", NULL, bytes, size, content, message);
+}
+
 const void *module_load(const char *file, const char *symbol) {
-    static const image_module module = {.read = read_pixels};
+    static const image_module module = {.read = read_pixels, .read_jpeg2000 = read_jpeg2000};
     require(strcmp(file, IMAGE_MODULE_FILE) == 0 && strcmp(symbol, IMAGE_MODULE_SYMBOL) == 0,
             "another module is loaded");
     return &module;
@@ -162,7 +168,7 @@ static const char *store(const uint8_t *data, size_t size) {
 
 /* Whether some bytes look like the frame header of a JPEG with many pixels. */
 static bool is_large_jpeg(const uint8_t *data, size_t size) {
-    for (size_t i = 0; image_is_jpeg(data, size) && i + 9 < size; i++) {
+    for (size_t i = 0; image_kind_of(data, size) == IMAGE_JPEG && i + 9 < size; i++) {
         const uint32_t height = (uint32_t)data[i + 5] << 8 | data[i + 6],
                        width = (uint32_t)data[i + 7] << 8 | data[i + 8];
         if (data[i] == 0xFF && data[i + 1] >= 0xC0 && data[i + 1] <= 0xCF && data[i + 1] != 0xC4 &&

@@ -43,3 +43,41 @@ def seeds():
     yield "avif", avif_bytes((12, 13), items=items) + WRITE
     yield "avif_icc", avif_bytes(profile=rgb, items=items) + KEEP_ALL
     yield "pnm", pnm_bytes(small) + WRITE
+    yield from headers()
+
+
+def headers():
+    """Formats of which the tool reads the header only, but for icons."""
+    pixels = bytes(range(64))
+    dib = struct.pack("<IiiHHIIiiII", 40, 4, 4, 1, 32, 3, 64, 0, 0, 0, 0)
+    masks = struct.pack("<IIII", 0xFF0000, 0xFF00, 0xFF, 0xFF000000)
+    yield "bmp", b"BM" + struct.pack("<IHHI", 134, 0, 0, 70) + dib + masks + pixels + KEEP_ALL
+    profile = struct.pack("<II", 124, 8)
+    embedded = struct.pack("<I", 124) + dib[4:] + masks + b"DEBM" + bytes(48) + profile + bytes(4) + b"profile "
+    yield "bmp_profile", b"BM" + struct.pack("<IHHI", 134, 0, 0, 138) + embedded + pixels + KEEP_ALL
+    icon = struct.pack("<IiiHHIIiiII", 40, 4, 8, 1, 32, 0, 0, 0, 0, 0, 0) + pixels + bytes(16)
+    folder = struct.pack("<HHH", 0, 1, 2)
+    for name, bits in (("ico", 32), ("ico_palette", 1)):
+        bitmap = icon[:14] + struct.pack("<H", bits) + icon[16:]
+        png = png_bytes(scene(3, 3))
+        entries = struct.pack("<BBBBHHII", 4, 4, 0, 0, 1, bits, len(bitmap), 38)
+        entries += struct.pack("<BBBBHHII", 3, 3, 0, 0, 1, 32, len(png), 38 + len(bitmap))
+        yield name, folder + entries + bitmap + png + WRITE
+    tga = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, 4, 4, 32, 8) + pixels
+    yield "tga", tga + WRITE
+    area = struct.pack("<H", 495) + bytes(492) + b"\3"
+    yield "tga_2", tga + area + struct.pack("<II", len(tga), 0) + b"TRUEVISION-XFILE.\0"
+    yield "psd", b"8BPS" + struct.pack(">H6xHIIHH", 1, 3, 4, 4, 8, 3) + bytes(12) + b"\0\0" + pixels + KEEP_ALL
+    yield "sgi", struct.pack(">hBBHHHHii4x80sI", 474, 0, 1, 2, 4, 4, 1, 0, 255, b"", 0) + pixels + KEEP_ALL
+    yield "dds", b"DDS " + struct.pack("<18I", 124, *bytes(17)) + struct.pack("<II4s", 32, 4, b"DXT5") + bytes(40) + KEEP_ALL
+    primaries = b"PRIMARIES=.64 .33 .21 .71 .15 .06 .3127 .329\n"
+    yield "hdr", b"#?RADIANCE\nGAMMA=1\n" + primaries + b"FORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n" + pixels + KEEP_ALL
+    yield "pfm", b"PF\n2 2\n-1.0\n" + pixels[:48] + KEEP_ALL
+    yield "pbm", b"P1\n# text\n2 2\n1 0 0 1\n" + KEEP_ALL
+    frame = b"ANMF" + struct.pack("<I", 24) + bytes(24)
+    animation = b"WEBPVP8X" + struct.pack("<I", 10) + b"\2" + bytes(9) + frame
+    yield "webp_frames", b"RIFF" + struct.pack("<I", len(animation)) + animation + KEEP_ALL
+    big = struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16) + struct.pack("<Q", 5)
+    for tag, kind, value in ((258, 3, 8), (262, 3, 3), (274, 3, 6), (320, 3, 7), (34675, 7, 1)):
+        big += struct.pack("<HHQQ", tag, kind, 1, value)
+    yield "big_tiff", big + bytes(8) + KEEP_ALL

@@ -21,7 +21,7 @@ enum { COLOUR_SPACE_SRGB = 1, COLOUR_SPACE_ADOBE_RGB = 2 };
 static const char index_adobe_rgb[4] = "R03", index_srgb[4] = "R98";
 
 static bool open_exif(tiff_view *view, const image_blob *exif) {
-    return exif->size > 0 && tiff_open(view, exif->bytes, exif->size);
+    return exif->size > 0 && tiff_open(view, exif->bytes, exif->size) && !view->is_big_tiff;
 }
 
 void exif_trim(image_blob *exif) {
@@ -42,7 +42,7 @@ int exif_orientation(const image_blob *exif) {
     tiff_view view;
     if (!open_exif(&view, exif))
         return 0;
-    const uint32_t orientation = tiff_find_number(&view, view.directory, TAG_ORIENTATION, 0);
+    const uint64_t orientation = tiff_find_number(&view, view.directory, TAG_ORIENTATION, 0);
     return orientation <= 8 ? (int)orientation : 0;
 }
 
@@ -59,8 +59,8 @@ void exif_set_upright(image_blob *exif) {
 
 /* Finds the values about colours; those that are missing have count 0. */
 static void find_colours(const tiff_view *view, tiff_entry *space, tiff_entry *index) {
-    const uint32_t exif = tiff_find_number(view, view->directory, TAG_EXIF_DIRECTORY, 0);
-    const uint32_t interoperability = tiff_find_number(view, exif, TAG_INTEROPERABILITY_DIRECTORY, 0);
+    const uint64_t exif = tiff_find_number(view, view->directory, TAG_EXIF_DIRECTORY, 0);
+    const uint64_t interoperability = tiff_find_number(view, exif, TAG_INTEROPERABILITY_DIRECTORY, 0);
     if (!tiff_find(view, exif, TAG_COLOUR_SPACE, space) || space->type != TIFF_SHORT)
         *space = (tiff_entry){0};
     if (!tiff_find(view, interoperability, TAG_INTEROPERABILITY_INDEX, index) || index->type != TIFF_ASCII ||
@@ -74,7 +74,7 @@ bool exif_names_adobe_rgb(const image_blob *exif) {
     if (!open_exif(&view, exif))
         return false;
     find_colours(&view, &space, &index);
-    const uint32_t value = tiff_number(&view, &space);
+    const uint64_t value = tiff_number(&view, &space);
     if (value == COLOUR_SPACE_ADOBE_RGB)
         return true;
     return value != COLOUR_SPACE_SRGB && index.count &&
@@ -97,15 +97,15 @@ void exif_drop_thumbnail(image_blob *exif) {
     tiff_view view;
     if (!open_exif(&view, exif))
         return;
-    const uint32_t second = tiff_next_directory(&view, view.directory);
+    const uint64_t second = tiff_next_directory(&view, view.directory);
     if (second == 0)
         return;
-    const uint32_t thumbnail = tiff_find_number(&view, second, TAG_THUMBNAIL, 0);
-    const uint32_t size = tiff_find_number(&view, second, TAG_THUMBNAIL_SIZE, 0);
-    tiff_put32(&view, view.directory + 2 + (size_t)tiff_entry_count(&view, view.directory) * TIFF_ENTRY_SIZE, 0);
+    const uint64_t thumbnail = tiff_find_number(&view, second, TAG_THUMBNAIL, 0);
+    const uint64_t size = tiff_find_number(&view, second, TAG_THUMBNAIL_SIZE, 0);
+    tiff_put32(&view, (size_t)view.directory + 2 + tiff_entry_count(&view, view.directory) * TIFF_ENTRY_SIZE, 0);
     /* Bytes in the middle stay, because offsets to what follows would become wrong. */
-    if (thumbnail > second && size > 0 && (uint64_t)thumbnail + size >= exif->size && thumbnail < exif->size)
-        exif->size = thumbnail;
+    if (thumbnail > second && size > 0 && thumbnail + size >= exif->size && thumbnail < exif->size)
+        exif->size = (size_t)thumbnail;
 }
 
 void xmp_set_upright(image_blob *xmp) {

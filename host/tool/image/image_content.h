@@ -29,11 +29,23 @@ typedef struct image_metadata {
     image_blob exif, xmp;
 } image_metadata;
 
+/* What the last of an even number of samples is, where the header of the file says more than the reader of the pixels. */
+typedef enum image_alpha {
+    IMAGE_ALPHA_AS_READ, /* as the reader says */
+    IMAGE_ALPHA_STRAIGHT,
+    IMAGE_ALPHA_PREMULTIPLIED,
+    IMAGE_ALPHA_REFUSED,        /* alpha, with which the reader computes wrong colours */
+    IMAGE_ALPHA_UNUSED,         /* no alpha: a sample that means nothing */
+    IMAGE_ALPHA_UNUSED_IF_CLEAR /* straight alpha, but a sample that means nothing if it is 0 everywhere */
+} image_alpha;
+
 /* The image, upright or not, on a curve of any kind.  A zero struct is empty. */
 typedef struct image_content {
     gscl_image image; /* pixels allocated with malloc */
     bool cmyk;        /* whether the four channels are inks, 0 for none */
-    int orientation;  /* as EXIF counts, 1..8, where the format has a field of its own; else 0 */
+    image_alpha alpha;
+    bool white_is_zero; /* whether the colours, read as if 0 was black, are still negative */
+    int orientation;    /* as EXIF counts, 1..8, where the format has a field of its own; else 0 */
     image_metadata metadata;
     bool damaged_profile;            /* whether there is a colour profile that cannot be extracted */
     bool has_primaries;              /* without a profile; default: those of sRGB */

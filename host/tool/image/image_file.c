@@ -15,15 +15,17 @@
 #include "image/exif.h"
 #include "image/image_colours.h"
 #include "image/image_heif.h"
+#include "image/image_ico.h"
 #include "image/image_jpeg.h"
+#include "image/image_kind.h"
 #include "image/image_module.h"
 #include "image/image_png.h"
 #include "image/image_pnm.h"
+#include "image/image_samples.h"
 #include "image/image_tiff.h"
+#include "image/image_variant.h"
 #include "image/image_webp.h"
 #include "image/orientation.h"
-
-#define SIGNATURE_BYTES 12
 
 /* ---- Files ------------------------------------------------------------------------------------- */
 
@@ -36,26 +38,25 @@ static const image_module *load_module(const char *label) {
     return module;
 }
 
-/* `bytes` may be NULL: then the module reads the file. */
-static bool read_through_module(const char *label, const char *path, const uint8_t *bytes, size_t size,
-                                image_content *content) {
+/* An input whose bytes are in memory. */
+typedef struct source {
+    const char *name, *label;
+    uint8_t *bytes; /* which a reader may change */
+    size_t size;
+    image_kind kind;
+} source;
+
+static bool read_with_plugin(const source *s, const char *path, const uint8_t *bytes, size_t size,
+                             image_content *content) {
     char message[IMAGE_MESSAGE_SIZE];
-    const image_module *module = load_module(label);
-    return module && (module->read(path, bytes, size, content, message) || report_error(label, "%s", message));
+    const image_module *module = load_module(s->label);
+    const char *plugin = image_kind_plugin(s->kind == IMAGE_ICO ? IMAGE_BMP : s->kind);
+    return module &&
+           (module->read(plugin, path, bytes, size, content, message) || report_error(s->label, "%s", message));
 }
 
-/* The module reads files of most formats only, so bytes from a pipe go through a temporary file without a name. */
-static bool read_spooled(const char *label, const uint8_t *bytes, size_t size, image_content *content) {
-    FILE *spool = tmpfile();
-    if (!spool)
-        return report_error(label, "cannot be stored in a temporary file: %s", strerror(errno));
-    char path[32];
-    snprintf(path, sizeof path, "/dev/fd/%d", fileno(spool));
-    const bool stored = fwrite(bytes, 1, size, spool) == size && fflush(spool) == 0;
-    const bool ok = stored ? read_through_module(label, path, NULL, 0, content)
-                           : report_error(label, "cannot be stored in a temporary file: %s", strerror(errno));
-    fclose(spool);
-    return ok;
+static bool read_from_memory(const source *s, image_content *content) {
+    return read_with_plugin(s, "image", s->bytes, s->size, content);
 }
 
 static bool is_regular_file(const char *name) {
@@ -63,75 +64,124 @@ static bool is_regular_file(const char *name) {
     return stat(name, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Whether a file is TIFF and no format that derives from it. */
-static bool is_plain_tiff(const char *name, const uint8_t *bytes, size_t size) {
-    const char *suffix = name_suffix(name);
-    return image_is_tiff(bytes, size) &&
-           (strcasecmp(suffix, ".tif") == 0 || strcasecmp(suffix, ".tiff") == 0 || !image_tiff_is_raw(bytes, size));
+/* For plug-ins that read no bytes.  Those of a pipe go through a temporary file without a name. */
+static bool read_from_path(const source *s, image_content *content) {
+    if (is_regular_file(s->name))
+        return read_with_plugin(s, s->name, NULL, 0, content);
+    FILE *spool = tmpfile();
+    if (!spool)
+        return report_error(s->label, "cannot be stored in a temporary file: %s", strerror(errno));
+    char path[32];
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(spool));
+    const bool stored = fwrite(s->bytes, 1, s->size, spool) == s->size && fflush(spool) == 0;
+    const bool ok = stored ? read_with_plugin(s, path, NULL, 0, content)
+                           : report_error(s->label, "cannot be stored in a temporary file: %s", strerror(errno));
+    fclose(spool);
+    return ok;
 }
 
-/* Whether a file is read into memory: its format has a reader here, or its metadata has. */
-static bool is_read_in_memory(const uint8_t *start, size_t count) {
-    return count == 0 || image_is_png(start, count) || image_is_jpeg(start, count) || image_is_webp(start, count) ||
-           image_is_tiff(start, count) || image_is_heif(start, count);
+/* ---- Formats ------------------------------------------------------------------------------------ */
+
+static bool read_heif(const source *s, image_content *content) {
+    if (!read_from_path(s, content))
+        return false;
+    image_take_heif_metadata(s->bytes, s->size, content);
+    return true;
 }
 
-/* Refuses a gscl file in place of an image: OpenImageIO may have a plug-in that reads it, which depends on the machine. */
-static bool is_no_gscl(const char *label, const uint8_t *start, size_t count) {
-    static const uint8_t magic[] = {0xC7, 'g', 's', 'c'};
-    return count < sizeof magic || memcmp(start, magic, sizeof magic) != 0 ||
-           report_error(label, "is a gscl file, not an image; 'gscl decode' makes an image of it");
-}
-
-/* Decodes the bytes of the input `name`, which it may change. */
-static bool read_bytes(const char *name, uint8_t *bytes, size_t size, image_content *content) {
+static bool read_tiff(const source *s, image_content *content) {
     char message[IMAGE_MESSAGE_SIZE];
-    const char *label = input_label(name);
-    if (size == 0)
-        return report_error(label, "is empty; an image is expected");
-    if (!is_no_gscl(label, bytes, size))
-        return false;
-    if (image_is_png(bytes, size))
-        return image_read_png(bytes, size, content, message) || report_error(label, "%s", message);
-    if (image_is_jpeg(bytes, size))
-        return image_read_jpeg(bytes, size, content, message) || report_error(label, "%s", message);
-    if (image_is_webp(bytes, size)) {
-        image_take_webp_metadata(bytes, size, content);
-        return read_through_module(label, "image.webp", bytes, size, content);
-    }
-    if (is_plain_tiff(name, bytes, size)) {
-        if (image_tiff_lacks_bits(bytes, size))
-            return report_error(label, "lacks the field BitsPerSample, which then is 1; write it into the file, for "
-                                       "example by 'tiffset -s 258 1'");
-        image_take_tiff_metadata(bytes, size, content);
-        return read_through_module(label, "image.tif", bytes, size, content);
-    }
-    const bool ok = is_regular_file(name) ? read_through_module(label, name, NULL, 0, content)
-                                          : read_spooled(label, bytes, size, content);
-    if (ok && image_is_heif(bytes, size))
-        image_take_heif_metadata(bytes, size, content);
+    if (!image_prepare_tiff(s->bytes, s->size, content, message))
+        return report_error(s->label, "%s", message);
+    return read_from_memory(s, content);
+}
+
+static bool read_jpeg2000(const source *s, image_content *content) {
+    char message[IMAGE_MESSAGE_SIZE];
+    const image_module *module = load_module(s->label);
+    return module &&
+           (module->read_jpeg2000(s->bytes, s->size, content, message) || report_error(s->label, "%s", message));
+}
+
+static bool read_bitmap_of_ico(const source *s, const ico_image *icon, image_content *content) {
+    content->alpha = IMAGE_ALPHA_STRAIGHT;
+    return read_with_plugin(s, "image", icon->bytes, icon->size, content) &&
+           (ico_apply_mask(icon, &content->image) || report_error(s->label, "cannot be read: its bitmap is damaged"));
+}
+
+static bool read_ico(const source *s, image_content *content) {
+    char message[IMAGE_MESSAGE_SIZE];
+    ico_image icon;
+    if (!ico_find_image(s->bytes, s->size, &icon, message))
+        return report_error(s->label, "%s", message);
+    const bool ok =
+        icon.is_png ? image_read_png(icon.bytes, icon.size, content, message) || report_error(s->label, "%s", message)
+                    : read_bitmap_of_ico(s, &icon, content);
+    free(icon.bytes);
     return ok;
 }
 
-static bool read_in_memory(const char *name, image_content *content) {
-    uint8_t *bytes;
-    size_t size;
-    if (!read_file(name, MAX_IMAGE_FILE, &bytes, &size))
-        return false;
-    const bool ok = read_bytes(name, bytes, size, content);
-    free(bytes);
-    return ok;
+/* Refuses what is no image of a known format, a gscl file above all. */
+static bool refuse_unknown(const source *s) {
+    static const uint8_t magic[] = {0xC7, 'g', 's', 'c'};
+    const char *foreign = image_foreign_name(s->bytes, s->size);
+    if (s->size >= sizeof magic && memcmp(s->bytes, magic, sizeof magic) == 0)
+        return report_error(s->label, "is a gscl file, not an image; 'gscl decode' makes an image of it");
+    if (foreign)
+        return report_error(s->label, "is a %s file, which is not read; convert it to PNG first", foreign);
+    return report_error(s->label, "is not an image that can be read; %s can be", IMAGE_KIND_NAMES);
+}
+
+static bool read_kind(const source *s, image_content *content) {
+    char message[IMAGE_MESSAGE_SIZE];
+    switch (s->kind) {
+    case IMAGE_UNKNOWN:
+        return refuse_unknown(s);
+    case IMAGE_PNG:
+        return image_read_png(s->bytes, s->size, content, message) || report_error(s->label, "%s", message);
+    case IMAGE_JPEG:
+        return image_read_jpeg(s->bytes, s->size, content, message) || report_error(s->label, "%s", message);
+    case IMAGE_JPEG2000:
+        return read_jpeg2000(s, content);
+    case IMAGE_ICO:
+        return read_ico(s, content);
+    case IMAGE_TIFF:
+        return read_tiff(s, content);
+    case IMAGE_HEIF:
+        return read_heif(s, content);
+    case IMAGE_SGI:
+        return read_from_path(s, content);
+    case IMAGE_WEBP:
+        image_take_webp_metadata(s->bytes, s->size, content);
+        return read_from_memory(s, content);
+    default:
+        return read_from_memory(s, content);
+    }
+}
+
+/* Makes of the samples what the header of the file says. */
+static void settle_samples(image_content *content) {
+    gscl_image *image = &content->image;
+    if (content->white_is_zero)
+        image_invert_colours(image);
+    if (content->alpha == IMAGE_ALPHA_UNUSED_IF_CLEAR && image->channels % 2 == 0 && image_alpha_is_clear(image))
+        image_drop_alpha(image);
 }
 
 static bool read_content(const char *name, image_content *content) {
-    uint8_t start[SIGNATURE_BYTES];
-    size_t count;
-    if (!is_regular_file(name)) /* a pipe can be read only once; reading reports a missing file */
-        return read_in_memory(name, content);
-    if (!read_file_start(name, start, sizeof start, &count) || !is_no_gscl(name, start, count))
+    char message[IMAGE_MESSAGE_SIZE];
+    source s = {.name = name, .label = input_label(name)};
+    if (!read_file(name, MAX_IMAGE_FILE, &s.bytes, &s.size))
         return false;
-    return is_read_in_memory(start, count) ? read_in_memory(name, content)
-                                           : read_through_module(name, name, NULL, 0, content);
+    s.kind = image_kind_of(s.bytes, s.size);
+    bool ok = s.size > 0 || report_error(s.label, "is empty; an image is expected");
+    if (ok)
+        ok = image_check_variant(s.kind, s.bytes, s.size, content, message) || report_error(s.label, "%s", message);
+    ok = ok && read_kind(&s, content);
+    free(s.bytes);
+    if (ok)
+        settle_samples(content);
+    return ok;
 }
 
 /* ---- What else a file holds ------------------------------------------------------------------------ */

@@ -181,15 +181,6 @@ static void take_items(cursor meta, cursor file, image_metadata *metadata) {
 
 /* ---- The file ---------------------------------------------------------------------------------- */
 
-bool image_is_heif(const uint8_t *bytes, size_t size) {
-    static const char brands[][5] = {"avif", "avis", "heic", "heim", "heis", "heix", "hevc", "hevx", "mif1", "msf1"};
-    for (size_t i = 0; size >= 12 && i < sizeof brands / sizeof *brands; i++) {
-        if (memcmp(bytes + 4, "ftyp", 4) == 0 && memcmp(bytes + 8, brands[i], 4) == 0)
-            return true;
-    }
-    return false;
-}
-
 void image_take_heif_metadata(const uint8_t *bytes, size_t size, image_content *content) {
     const cursor file = {bytes, size};
     cursor meta = find_box(file, "meta");

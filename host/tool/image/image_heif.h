@@ -8,9 +8,6 @@
 
 #include "image/image_content.h"
 
-/* Whether the bytes start with the signature of a HEIF file. */
-bool image_is_heif(const uint8_t *bytes, size_t size);
-
 /* Copies what a file holds beside its pixels into the content.  The reader of the pixels turns them upright. */
 void image_take_heif_metadata(const uint8_t *bytes, size_t size, image_content *content);
 

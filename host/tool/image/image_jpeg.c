@@ -76,10 +76,6 @@ static struct jpeg_error_mgr *set_errors(jpeg_errors *errors, char *message) {
 
 /* ---- Completeness ------------------------------------------------------------------------------ */
 
-bool image_is_jpeg(const uint8_t *bytes, size_t size) {
-    return size >= 3 && bytes[0] == 0xFF && bytes[1] == SOI && bytes[2] == 0xFF;
-}
-
 /* Offset of the second byte of the next marker, or `size`.  Restart markers and stuffed bytes belong to the scan. */
 static size_t find_marker(const uint8_t *bytes, size_t size, size_t at) {
     while (at + 1 < size) {

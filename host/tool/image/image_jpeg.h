@@ -14,9 +14,6 @@
 #define JPEG_MAX_XMP (65533 - 29)
 #define JPEG_MAX_ICC ((size_t)255 * (65533 - 14))
 
-/* Whether the bytes start with the signature of a JPEG file. */
-bool image_is_jpeg(const uint8_t *bytes, size_t size);
-
 /* Reads a JPEG: grey, RGB or CMYK.  The caller frees the content in any case. */
 bool image_read_jpeg(const uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]);
 

@@ -1,4 +1,4 @@
-// The image module: OpenImageIO behind the two functions of image_module.h.
+// The image module: OpenImageIO and OpenJPEG behind the functions of image_module.h.
 #include "image/image_module.h"
 
 #include <algorithm>
@@ -16,6 +16,9 @@
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>
 
+#include "image/image_jpeg2000.h"
+#include "image/image_samples.h"
+
 namespace {
 
 bool fail(char *message, const std::string &text) {
@@ -29,10 +32,6 @@ std::string reason(const std::string &text) {
 }
 
 // ---- Kinds of pixels ------------------------------------------------------------------------------
-
-size_t sample_bytes(gscl_sample sample) {
-    return sample == GSCL_SAMPLE_U8 ? 1 : sample == GSCL_SAMPLE_U16 ? 2 : 4;
-}
 
 OIIO::TypeDesc type_of(gscl_sample sample) {
     return sample == GSCL_SAMPLE_U8    ? OIIO::TypeDesc::UINT8
@@ -50,12 +49,10 @@ gscl_sample sample_for(const OIIO::ImageSpec &spec) {
         return GSCL_SAMPLE_F32;
     switch (spec.format.basetype) {
     case OIIO::TypeDesc::UINT8:
-    case OIIO::TypeDesc::INT8:
         return GSCL_SAMPLE_U8;
     case OIIO::TypeDesc::UINT16:
-    case OIIO::TypeDesc::INT16:
         return GSCL_SAMPLE_U16;
-    default:
+    default: // also signed integers, whose negative samples are counted as clamped
         return GSCL_SAMPLE_F32;
     }
 }
@@ -69,8 +66,14 @@ bool is_alpha(const OIIO::ImageSpec &spec, int channel) {
     return spec.alpha_channel == channel || channel_is(spec, channel, "A");
 }
 
+// Whether a file has alpha for each colour, as OpenEXR may.
+bool has_alpha_for_each_colour(const OIIO::ImageSpec &spec) {
+    return std::any_of(spec.channelnames.begin(), spec.channelnames.end(),
+                       [](const std::string &name) { return name == "AR" || name == "AG" || name == "AB"; });
+}
+
 // The number of leading channels that form an image: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA; 0 if the channels have
-// other meanings.
+// other meanings.  In OpenEXR others (depth, layers) may follow.
 int image_channels(const OIIO::ImageSpec &spec) {
     if (spec.nchannels == 1)
         return 1;
@@ -80,7 +83,9 @@ int image_channels(const OIIO::ImageSpec &spec) {
         return 0;
     if (spec.nchannels == 3)
         return 3;
-    return is_alpha(spec, 3) ? 4 : 0;
+    if (is_alpha(spec, 3))
+        return 4;
+    return holds_linear_light(spec) && !has_alpha_for_each_colour(spec) ? 3 : 0;
 }
 
 // The name of a colour space that OpenImageIO does not convert correctly; empty for RGB and grey.
@@ -132,14 +137,44 @@ bool holds_inks(const OIIO::ImageSpec &spec) {
     return spec.nchannels == 4 && OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "CMYK");
 }
 
+// A rectangle of pixels.
+struct window {
+    int x, y, width, height;
+};
+
+window data_window(const OIIO::ImageSpec &spec) {
+    return {spec.x, spec.y, spec.width, spec.height};
+}
+
+// The pixels that the file shows.  OpenEXR may hold less, which is black and clear, or more, which is cut off.
+window shown_window(const OIIO::ImageInput &input) {
+    const OIIO::ImageSpec &spec = input.spec();
+    if (std::strcmp(input.format_name(), "openexr") != 0)
+        return data_window(spec);
+    return {spec.full_x, spec.full_y, spec.full_width, spec.full_height};
+}
+
+bool is_same(const window &a, const window &b) {
+    return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
+}
+
+bool check_size(const window &pixels, char *message) {
+    if (pixels.width >= 1 && pixels.height >= 1 && pixels.width <= GSCL_MAX_DIMENSION &&
+        pixels.height <= GSCL_MAX_DIMENSION)
+        return true;
+    std::snprintf(message, IMAGE_MESSAGE_SIZE, IMAGE_SIZE_MESSAGE, unsigned(pixels.width), unsigned(pixels.height));
+    return false;
+}
+
 // Checks that need no decoded pixels.
-bool check_spec(const OIIO::ImageSpec &spec, char *message) {
-    if (spec.width < 1 || spec.height < 1 || spec.width > GSCL_MAX_DIMENSION || spec.height > GSCL_MAX_DIMENSION) {
-        std::snprintf(message, IMAGE_MESSAGE_SIZE, IMAGE_SIZE_MESSAGE, unsigned(spec.width), unsigned(spec.height));
+bool check_spec(const OIIO::ImageInput &input, char *message) {
+    const OIIO::ImageSpec &spec = input.spec();
+    if (!check_size(data_window(spec), message) || !check_size(shown_window(input), message))
         return false;
-    }
     if (spec.deep || spec.depth > 1)
         return fail(message, "is a deep or volume image; a flat one is needed");
+    if (holds_linear_light(spec) && spec.format == OIIO::TypeDesc::UINT32)
+        return fail(message, "holds integers, which have no range; floating-point samples are needed");
     if (holds_inks(spec))
         return true;
     if (!foreign_colours(spec).empty())
@@ -171,14 +206,47 @@ bool has_more_images(OIIO::ImageInput &input) {
     return found && !(input.spec().get_int_attribute("tiff:subfiletype") & REDUCED);
 }
 
-bool read_pixels(OIIO::ImageInput &input, gscl_image &image, char *message) {
-    const OIIO::ImageSpec &spec = input.spec();
-    if (!input.read_image(0, 0, 0, int(image.channels), type_of(image.sample), image.pixels))
+// Copies the part of the pixels that lies in the image, and clears the rest.
+void place_pixels(const window &from, const std::vector<char> &pixels, const window &to, gscl_image &image) {
+    const size_t pixel = image.channels * image_sample_size(image.sample);
+    const int left = std::max(from.x, to.x), right = std::min(from.x + from.width, to.x + to.width);
+    std::memset(image.pixels, 0, size_t(to.width) * size_t(to.height) * pixel);
+    for (int y = std::max(from.y, to.y); left < right && y < std::min(from.y + from.height, to.y + to.height); y++) {
+        const char *row = pixels.data() + (size_t(y - from.y) * size_t(from.width) + size_t(left - from.x)) * pixel;
+        char *target = static_cast<char *>(image.pixels);
+        std::memcpy(target + (size_t(y - to.y) * size_t(to.width) + size_t(left - to.x)) * pixel, row,
+                    size_t(right - left) * pixel);
+    }
+}
+
+bool read_samples(OIIO::ImageInput &input, gscl_image &image, char *message) {
+    const window held = data_window(input.spec()), shown = shown_window(input);
+    std::vector<char> pixels;
+    if (!is_same(held, shown))
+        pixels.resize(size_t(held.width) * size_t(held.height) * image.channels * image_sample_size(image.sample));
+    if (!input.read_image(0, 0, 0, int(image.channels), type_of(image.sample),
+                          pixels.empty() ? image.pixels : pixels.data()))
         return fail(message, "cannot be read: " + reason(input.geterror()));
-    if (holds_inks(spec))
+    if (!pixels.empty())
+        place_pixels(held, pixels, shown, image);
+    return true;
+}
+
+bool is_premultiplied(const OIIO::ImageSpec &spec, const image_content &content) {
+    if (content.image.channels % 2 == 1)
+        return false;
+    return content.alpha == IMAGE_ALPHA_AS_READ ? !spec.get_int_attribute("oiio:UnassociatedAlpha")
+                                                : content.alpha == IMAGE_ALPHA_PREMULTIPLIED;
+}
+
+bool read_pixels(OIIO::ImageInput &input, image_content &content, char *message) {
+    gscl_image &image = content.image;
+    if (!read_samples(input, image, message))
+        return false;
+    if (content.cmyk)
         return true;
-    image.premultiplied = image.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
-    if (holds_linear_light(spec)) {
+    image.premultiplied = is_premultiplied(input.spec(), content);
+    if (holds_linear_light(input.spec())) {
         to_straight_srgb(image);
         image.premultiplied = false;
     }
@@ -196,39 +264,58 @@ void take_metadata(const OIIO::ImageSpec &spec, image_content &content) {
         for (int i = 0; i < 8; i++)
             content.primaries[i] = red_to_white[(i + 6) % 8];
     }
-    content.orientation = spec.get_int_attribute("Orientation", 0);
+    content.orientation = spec.get_int_attribute("Orientation", content.orientation);
 }
 
-std::unique_ptr<OIIO::ImageInput> open_input(const char *path, OIIO::Filesystem::IOProxy *bytes, bool inks) {
-    OIIO::ImageSpec config;
+std::unique_ptr<OIIO::ImageInput> open_input(const char *plugin, const char *path, OIIO::Filesystem::IOProxy *bytes,
+                                             bool inks, char *message) {
+    OIIO::ImageSpec config, spec;
     config["oiio:UnassociatedAlpha"] = 1; // straight colours stay as the file has them
     if (inks)
         config["oiio:RawColor"] = 1;
     if (bytes) // some plug-ins forget a proxy that comes as an argument
         config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &bytes);
-    return OIIO::ImageInput::open(path, &config, bytes);
+    auto input = OIIO::ImageInput::create(plugin, false, nullptr, bytes);
+    if (!input) {
+        fail(message, "is not an image that can be read: " + reason(OIIO::geterror()));
+    } else if (!input->open(path, spec, config)) {
+        fail(message, "is not an image that can be read: " + reason(input->geterror()));
+        input = nullptr;
+    }
+    return input;
 }
 
-bool read_file(const char *path, const uint8_t *bytes, size_t size, image_content *content, char *message) {
+// The number of channels to read: without a last one that means nothing.
+uint32_t wanted_channels(const OIIO::ImageSpec &spec, const image_content &content) {
+    if (holds_inks(spec))
+        return 4;
+    const uint32_t channels = uint32_t(image_channels(spec));
+    return channels % 2 == 0 && content.alpha == IMAGE_ALPHA_UNUSED ? channels - 1 : channels;
+}
+
+bool read_file(const char *plugin, const char *path, const uint8_t *bytes, size_t size, image_content *content,
+               char *message) {
     OIIO::Filesystem::IOMemReader memory(const_cast<uint8_t *>(bytes), size); // it only reads
-    auto input = open_input(path, bytes ? &memory : nullptr, content->cmyk);
+    auto input = open_input(plugin, path, bytes ? &memory : nullptr, content->cmyk, message);
     if (!input)
-        return fail(message, "is not an image that can be read: " + reason(OIIO::geterror()));
-    const OIIO::ImageSpec &spec = input->spec();
-    if (!check_spec(spec, message))
         return false;
+    const OIIO::ImageSpec &spec = input->spec();
+    if (!check_spec(*input, message))
+        return false;
+    if (content->alpha == IMAGE_ALPHA_REFUSED && spec.nchannels % 2 == 0)
+        return fail(message, "has transparent parts, which are not read from this format; convert it to PNG first");
+    const window shown = shown_window(*input);
     gscl_image &image = content->image;
-    image.width = uint32_t(spec.width);
-    image.height = uint32_t(spec.height);
-    image.channels = holds_inks(spec) ? 4 : uint32_t(image_channels(spec));
+    image.width = uint32_t(shown.width);
+    image.height = uint32_t(shown.height);
+    image.channels = wanted_channels(spec, *content);
     image.sample = sample_for(spec);
-    image.pixels = std::malloc(size_t(image.width) * image.height * image.channels * sample_bytes(image.sample));
+    image.pixels = std::malloc(size_t(image.width) * image.height * image.channels * image_sample_size(image.sample));
     if (!image.pixels)
         return fail(message, "is too large for the available memory");
     content->cmyk = holds_inks(spec);
-    if (!bytes)
-        take_metadata(spec, *content);
-    if (!read_pixels(*input, image, message))
+    take_metadata(spec, *content);
+    if (!read_pixels(*input, *content, message))
         return false;
     content->clamped = count_clamped(image);
     content->has_more_images = has_more_images(*input);
@@ -259,6 +346,16 @@ void prepare_colours(OIIO::ImageSpec &spec, gscl_image &image, std::vector<float
     image.pixels = pixels.data();
     to_premultiplied_linear(image);
     spec["oiio:ColorSpace"] = "Linear";
+}
+
+// Makes RGBA of grey and alpha of 8 bits, which TGA can hold, but few readers know.
+void widen_grey(gscl_image &image, std::vector<uint8_t> &samples) {
+    const uint8_t *from = static_cast<const uint8_t *>(image.pixels);
+    samples.reserve(size_t(image.width) * image.height * 4);
+    for (size_t left = size_t(image.width) * image.height; left > 0; left--, from += 2)
+        samples.insert(samples.end(), {from[0], from[0], from[0], from[1]});
+    image.pixels = samples.data();
+    image.channels = 4;
 }
 
 // Writes into the stream of the tool and keeps the first error, because the libraries of some formats ignore a full disk
@@ -305,7 +402,10 @@ bool write_file(FILE *stream, const char *suffix, const gscl_image *image, char 
         return fail(message, "cannot be written: " + reason(OIIO::geterror()));
     gscl_image prepared = *image;
     std::vector<float> pixels;
-    OIIO::ImageSpec spec = output_spec(*image);
+    std::vector<uint8_t> widened;
+    if (std::strcmp(output->format_name(), "targa") == 0 && prepared.channels == 2)
+        widen_grey(prepared, widened);
+    OIIO::ImageSpec spec = output_spec(prepared);
     prepare_colours(spec, prepared, pixels);
     const bool written =
         output->open(name, spec) && output->write_image(type_of(prepared.sample), prepared.pixels) && output->close();
@@ -323,8 +423,9 @@ template <typename Function> bool guarded(char *message, Function function) noex
     }
 }
 
-bool guarded_read(const char *path, const uint8_t *bytes, size_t size, image_content *content, char *message) noexcept {
-    return guarded(message, [=] { return read_file(path, bytes, size, content, message); });
+bool guarded_read(const char *plugin, const char *path, const uint8_t *bytes, size_t size, image_content *content,
+                  char *message) noexcept {
+    return guarded(message, [=] { return read_file(plugin, path, bytes, size, content, message); });
 }
 
 bool guarded_write(FILE *stream, const char *suffix, const gscl_image *image, char *message) noexcept {
@@ -333,4 +434,4 @@ bool guarded_write(FILE *stream, const char *suffix, const gscl_image *image, ch
 } // namespace
 
 extern "C" __attribute__((visibility("default"))) const image_module gscl_image_module;
-const image_module gscl_image_module = {guarded_read, guarded_write};
+const image_module gscl_image_module = {guarded_read, image_read_jpeg2000, guarded_write};

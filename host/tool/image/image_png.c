@@ -125,10 +125,6 @@ static bool read_image(png_structp png, png_infop info, png_source *source, gscl
     return true;
 }
 
-bool image_is_png(const uint8_t *bytes, size_t size) {
-    return size >= 8 && png_sig_cmp(bytes, 0, 8) == 0;
-}
-
 bool image_read_png(const uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]) {
     png_source source = {bytes, size, 0};
     if (!png_chunks_fit(bytes, size)) { /* libpng would first allocate what a chunk claims to hold */

@@ -9,9 +9,6 @@
 #include "cli/output_file.h"
 #include "image/image_content.h"
 
-/* Whether the bytes start with the signature of a PNG file. */
-bool image_is_png(const uint8_t *bytes, size_t size);
-
 /* Reads a PNG: grey or RGB with or without alpha, 8 or 16 bits; palettes and small depths become 8 bits.
  * The caller frees the content in any case. */
 bool image_read_png(const uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]);

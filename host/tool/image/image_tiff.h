@@ -1,4 +1,4 @@
-/* The metadata of TIFF files, which OpenImageIO reads only in part, and a writer. */
+/* What TIFF files say beside their samples, which OpenImageIO reads only in part, and a writer. */
 #ifndef GSCL_TOOL_IMAGE_TIFF_H
 #define GSCL_TOOL_IMAGE_TIFF_H
 
@@ -11,6 +11,7 @@
 
 /* Tags of TIFF. */
 enum {
+    TAG_SUBFILE_TYPE = 254,
     TAG_WIDTH = 256,
     TAG_HEIGHT = 257,
     TAG_BITS = 258,
@@ -22,9 +23,11 @@ enum {
     TAG_STRIP_ROWS = 278,
     TAG_STRIP_SIZES = 279,
     TAG_PREDICTOR = 317,
+    TAG_COLOUR_MAP = 320,
     TAG_SUBDIRECTORIES = 330,
     TAG_INK_SET = 332,
     TAG_EXTRA_SAMPLES = 338,
+    TAG_SAMPLE_FORMAT = 339,
     TAG_XMP = 700,
     TAG_IPTC = 33723,
     TAG_PHOTOSHOP = 34377,
@@ -36,18 +39,10 @@ enum {
     TAG_DNG_VERSION = 50706,
 };
 
-/* Whether the bytes start with the signature of a TIFF file, BigTIFF excluded. */
-bool image_is_tiff(const uint8_t *bytes, size_t size);
-
-/* Whether such a file has the marks of the raw formats of cameras, which derive from TIFF and need another reader. */
-bool image_tiff_is_raw(const uint8_t *bytes, size_t size);
-
-/* Whether a file has no number of bits per sample.  TIFF takes it for 1 bit, OpenImageIO for 8. */
-bool image_tiff_lacks_bits(const uint8_t *bytes, size_t size);
-
-/* Moves the metadata of a file into the content, and hides it from the reader of the pixels.  Also sets content->cmyk
- * and the orientation. */
-void image_take_tiff_metadata(uint8_t *bytes, size_t size, image_content *content);
+/* Moves the metadata of a TIFF or BigTIFF file into the content, and hides it from the reader of the pixels.  Also sets
+ * content->cmyk, the orientation and content->white_is_zero, and changes the file so that the reader takes black for zero
+ * and palettes for 16 bits.  Returns false with a message for files that OpenImageIO would not read as they say. */
+bool image_prepare_tiff(uint8_t *bytes, size_t size, image_content *content, char message[IMAGE_MESSAGE_SIZE]);
 
 /* Writes an image of 1 to 4 channels, U8 or U16 samples, straight alpha and packed rows; `metadata` may be NULL, and its
  * code points are not written.  On failure returns false, and sets either output->error or the message. */

@@ -10,10 +10,6 @@
 /* Flags of the first byte of the chunk VP8X. */
 enum { FLAG_XMP = 0x04, FLAG_EXIF = 0x08, FLAG_ICC = 0x20 };
 
-bool image_is_webp(const uint8_t *bytes, size_t size) {
-    return size >= FILE_HEADER && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0;
-}
-
 static size_t little_endian(const uint8_t *b) {
     return (size_t)b[0] | (size_t)b[1] << 8 | (size_t)b[2] << 16 | (size_t)b[3] << 24;
 }

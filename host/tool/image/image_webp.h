@@ -8,9 +8,6 @@
 
 #include "image/image_content.h"
 
-/* Whether the bytes start with the signature of a WebP file. */
-bool image_is_webp(const uint8_t *bytes, size_t size);
-
 /* Moves the metadata of a file into the content, and hides it from the reader of the pixels. */
 void image_take_webp_metadata(uint8_t *bytes, size_t size, image_content *content);
 

@@ -4,9 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t sample_bytes(gscl_sample sample) {
-    return sample == GSCL_SAMPLE_U8 ? 1 : sample == GSCL_SAMPLE_U16 ? 2 : 4;
-}
+#include "image/image_samples.h"
 
 /* The stored column and row of the pixel at (x, y) of the upright image.  The first stored row is the top (1, 2), the
  * bottom (3, 4), the left (5, 8) or the right (6, 7) of the upright image; the first stored column is its left (1, 4),
@@ -25,7 +23,7 @@ bool orientation_apply(gscl_image *image, int orientation) {
     if (orientation <= 1 || orientation > 8)
         return true;
     const gscl_image stored = *image;
-    const size_t pixel_bytes = stored.channels * sample_bytes(stored.sample);
+    const size_t pixel_bytes = stored.channels * image_sample_size(stored.sample);
     uint8_t *upright = malloc((size_t)stored.width * stored.height * pixel_bytes);
     if (!upright)
         return false;

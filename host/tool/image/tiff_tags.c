@@ -3,6 +3,7 @@
 #include <string.h>
 
 #define HEADER_SIZE 8
+#define BIG_HEADER_SIZE 16
 
 uint16_t tiff_get16(const tiff_view *view, size_t at) {
     const uint8_t *b = view->bytes + at;
@@ -12,6 +13,11 @@ uint16_t tiff_get16(const tiff_view *view, size_t at) {
 uint32_t tiff_get32(const tiff_view *view, size_t at) {
     const uint32_t first = tiff_get16(view, at), second = tiff_get16(view, at + 2);
     return view->big_endian ? first << 16 | second : second << 16 | first;
+}
+
+uint64_t tiff_get64(const tiff_view *view, size_t at) {
+    const uint64_t first = tiff_get32(view, at), second = tiff_get32(view, at + 4);
+    return view->big_endian ? first << 32 | second : second << 32 | first;
 }
 
 void tiff_put16(const tiff_view *view, size_t at, uint16_t value) {
@@ -24,60 +30,104 @@ void tiff_put32(const tiff_view *view, size_t at, uint32_t value) {
     tiff_put16(view, at + (view->big_endian ? 2 : 0), (uint16_t)value);
 }
 
+/* ---- Sizes that differ in BigTIFF ----------------------------------------------------------------- */
+
+static size_t entry_size(const tiff_view *view) {
+    return view->is_big_tiff ? 20 : TIFF_ENTRY_SIZE;
+}
+
+/* Of the number of entries before a directory. */
+static size_t count_size(const tiff_view *view) {
+    return view->is_big_tiff ? 8 : 2;
+}
+
+/* Of an offset, and of the room for a value in its entry. */
+static size_t offset_size(const tiff_view *view) {
+    return view->is_big_tiff ? 8 : 4;
+}
+
+static uint64_t get_offset(const tiff_view *view, size_t at) {
+    return view->is_big_tiff ? tiff_get64(view, at) : tiff_get32(view, at);
+}
+
+/* ---- Directories and entries ------------------------------------------------------------------------ */
+
 bool tiff_open(tiff_view *view, uint8_t *bytes, size_t size) {
-    if (size < HEADER_SIZE || (memcmp(bytes, "II*\0", 4) != 0 && memcmp(bytes, "MM\0*", 4) != 0))
+    if (size < HEADER_SIZE || (memcmp(bytes, "II", 2) != 0 && memcmp(bytes, "MM", 2) != 0))
         return false;
     *view = (tiff_view){.bytes = bytes, .size = size, .big_endian = bytes[0] == 'M'};
-    view->directory = tiff_get32(view, 4);
+    const unsigned version = tiff_get16(view, 2);
+    view->is_big_tiff = version == 43;
+    if ((version != 42 && version != 43) || (view->is_big_tiff && size < BIG_HEADER_SIZE))
+        return false;
+    view->directory = get_offset(view, view->is_big_tiff ? 8 : 4);
     return tiff_entry_count(view, view->directory) > 0;
 }
 
-unsigned tiff_entry_count(const tiff_view *view, uint32_t directory) {
-    if (directory < HEADER_SIZE || directory > view->size - 2)
+size_t tiff_entry_count(const tiff_view *view, uint64_t directory) {
+    const size_t prefix = count_size(view);
+    if (directory < HEADER_SIZE || view->size < prefix || directory > view->size - prefix)
         return 0;
-    const unsigned count = tiff_get16(view, directory);
-    return count * (size_t)TIFF_ENTRY_SIZE <= view->size - directory - 2 ? count : 0;
+    const size_t at = (size_t)directory, room = (view->size - at - prefix) / entry_size(view);
+    const uint64_t count = view->is_big_tiff ? tiff_get64(view, at) : tiff_get16(view, at);
+    return count <= room ? (size_t)count : 0;
 }
 
-uint32_t tiff_next_directory(const tiff_view *view, uint32_t directory) {
-    const unsigned count = tiff_entry_count(view, directory);
-    const size_t at = directory + 2 + (size_t)count * TIFF_ENTRY_SIZE;
-    return count > 0 && view->size - at >= 4 ? tiff_get32(view, at) : 0;
+uint64_t tiff_next_directory(const tiff_view *view, uint64_t directory) {
+    const size_t count = tiff_entry_count(view, directory);
+    if (count == 0)
+        return 0;
+    const size_t at = (size_t)directory + count_size(view) + count * entry_size(view);
+    return view->size - at >= offset_size(view) ? get_offset(view, at) : 0;
 }
 
-bool tiff_entry_read(const tiff_view *view, uint32_t directory, unsigned index, tiff_entry *entry) {
-    static const uint8_t type_size[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4};
-    const size_t at = directory + 2 + (size_t)index * TIFF_ENTRY_SIZE;
+bool tiff_entry_read(const tiff_view *view, uint64_t directory, size_t index, tiff_entry *entry) {
+    static const uint8_t type_size[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
+    const size_t at = (size_t)directory + count_size(view) + index * entry_size(view);
+    const size_t value_at = at + 4 + offset_size(view);
     *entry = (tiff_entry){
-        .tag = tiff_get16(view, at), .type = tiff_get16(view, at + 2), .count = tiff_get32(view, at + 4), .at = at};
-    if (entry->type == 0 || entry->type >= sizeof type_size)
+        .tag = tiff_get16(view, at), .type = tiff_get16(view, at + 2), .count = get_offset(view, at + 4), .at = at};
+    const size_t unit = entry->type < sizeof type_size ? type_size[entry->type] : 0;
+    if (unit == 0 || entry->count > view->size / unit)
         return false;
-    const uint64_t size = (uint64_t)entry->count * type_size[entry->type];
-    entry->value = size <= 4 ? at + 8 : tiff_get32(view, at + 8);
-    if (size > view->size || entry->value > view->size - size)
+    const size_t size = (size_t)entry->count * unit;
+    const uint64_t value = size <= offset_size(view) ? value_at : get_offset(view, value_at);
+    if (value > view->size - size)
         return false;
-    entry->value_size = (size_t)size;
+    entry->value = (size_t)value;
+    entry->value_size = size;
     return true;
 }
 
-bool tiff_find(const tiff_view *view, uint32_t directory, uint16_t tag, tiff_entry *entry) {
-    const unsigned count = tiff_entry_count(view, directory);
-    for (unsigned i = 0; i < count; i++) {
+bool tiff_find(const tiff_view *view, uint64_t directory, uint16_t tag, tiff_entry *entry) {
+    const size_t count = tiff_entry_count(view, directory);
+    for (size_t i = 0; i < count; i++) {
         if (tiff_entry_read(view, directory, i, entry) && entry->tag == tag)
             return true;
     }
     return false;
 }
 
-uint32_t tiff_number(const tiff_view *view, const tiff_entry *entry) {
-    if (entry->count == 0)
+uint64_t tiff_number_at(const tiff_view *view, const tiff_entry *entry, size_t index) {
+    switch (entry->type) {
+    case TIFF_SHORT:
+        return tiff_get16(view, entry->value + 2 * index);
+    case TIFF_LONG:
+    case TIFF_IFD:
+        return tiff_get32(view, entry->value + 4 * index);
+    case TIFF_LONG8:
+    case TIFF_IFD8:
+        return tiff_get64(view, entry->value + 8 * index);
+    default:
         return 0;
-    if (entry->type == TIFF_SHORT)
-        return tiff_get16(view, entry->value);
-    return entry->type == TIFF_LONG || entry->type == TIFF_IFD ? tiff_get32(view, entry->value) : 0;
+    }
 }
 
-uint32_t tiff_find_number(const tiff_view *view, uint32_t directory, uint16_t tag, uint32_t otherwise) {
+uint64_t tiff_number(const tiff_view *view, const tiff_entry *entry) {
+    return entry->count ? tiff_number_at(view, entry, 0) : 0;
+}
+
+uint64_t tiff_find_number(const tiff_view *view, uint64_t directory, uint16_t tag, uint64_t otherwise) {
     tiff_entry entry;
     return tiff_find(view, directory, tag, &entry) ? tiff_number(view, &entry) : otherwise;
 }
