@@ -84,6 +84,12 @@ check "python wheel" sh tests/python/install.sh build-test/python
 POCL_CACHE_DIR=$PWD/build-test/python/pocl $with_cache sh tests/python/test.sh build-test/python
 add_counts build-test/python/results.xml
 
+# Image files of all kinds, by many writers.
+rm -f build-test/python/formats.xml
+check "writers and readers of image files" sh tests/formats/install.sh build-test/python
+POCL_CACHE_DIR=$PWD/build-test/python/pocl $with_cache sh tests/formats/test.sh build-test build-test/python
+add_counts build-test/python/formats.xml
+
 # Host code under ASan and UBSan, with small hard cases; check_leaks.sh checks for leaks.
 check "build with sanitizers" build build-sanitize \
     --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled
