@@ -10,7 +10,11 @@
 #include <gdk-pixbuf/gdk-pixbuf.h>
 #include <glib.h>
 
+#include <lcms2.h>
+
 #include <gscl/gscl.h>
+
+#include "colours/cicp.h"
 
 #define MAX_FILE_BYTES (64u << 20)     /* more than a file of the largest number of splats has */
 #define MAX_PIXELS (64u << 20)         /* of one picture at the size that is drawn: 256 MiB */
@@ -188,17 +192,52 @@ static gboolean load_increment(gpointer context, const guchar *bytes, guint size
     return loader->pixbuf || loader->unwanted || find_header(loader, error);
 }
 
-/* Attaches the colour profile, as gdk-pixbuf has it: in base64. */
-static void attach_profile(const gscl_loader *loader) {
-    const void *profile;
-    size_t size;
-    if (gscl_find_block(loader->bytes->data, loader->bytes->len, GSCL_BLOCK_ICC, &profile, &size) != GSCL_OK ||
-        size == 0)
-        return;
+/* ---- Colours ----------------------------------------------------------------------------------- */
+
+#define PROFILE_OPTION "icc-profile" /* of pixbufs and of saving: the bytes of a profile in base64 */
+
+static const void *find_block(const gscl_loader *loader, gscl_block_type type, size_t *size) {
+    const void *data;
+    const gscl_result result = gscl_find_block(loader->bytes->data, loader->bytes->len, type, &data, size);
+    return result == GSCL_OK && *size > 0 ? data : NULL;
+}
+
+static void attach_bytes(GdkPixbuf *pixbuf, const void *profile, gsize size) {
     char *text = g_base64_encode(profile, size);
-    gdk_pixbuf_set_option(loader->pixbuf, "icc-profile", text);
+    gdk_pixbuf_set_option(pixbuf, PROFILE_OPTION, text);
     g_free(text);
 }
+
+/* Attaches the profile of code points, which gdk-pixbuf does not have.  HDR has none. */
+static void attach_code_points(GdkPixbuf *pixbuf, const uint8_t cicp[2]) {
+    const cmsContext context = cmsCreateContext(NULL, NULL);
+    const cmsHPROFILE profile = context ? profile_of_cicp(context, cicp, 3) : NULL;
+    cmsUInt32Number size = 0;
+    if (profile && cmsSaveProfileToMem(profile, NULL, &size)) {
+        void *bytes = g_malloc(size);
+        if (cmsSaveProfileToMem(profile, bytes, &size))
+            attach_bytes(pixbuf, bytes, size);
+        g_free(bytes);
+    }
+    if (profile)
+        cmsCloseProfile(profile);
+    if (context)
+        cmsDeleteContext(context);
+}
+
+static void attach_colours(const gscl_loader *loader) {
+    size_t size;
+    const void *profile = find_block(loader, GSCL_BLOCK_ICC, &size);
+    if (profile) {
+        attach_bytes(loader->pixbuf, profile, size);
+        return;
+    }
+    const uint8_t *cicp = find_block(loader, GSCL_BLOCK_COLOUR_SPACE, &size);
+    if (cicp && size == 2)
+        attach_code_points(loader->pixbuf, cicp);
+}
+
+/* ---- Ending ------------------------------------------------------------------------------------ */
 
 static gboolean stop_load(gpointer context, GError **error) {
     gscl_loader *loader = context;
@@ -206,7 +245,7 @@ static gboolean stop_load(gpointer context, GError **error) {
     if (loader->pixbuf) {
         ok = draw(loader, false, error);
         if (ok)
-            attach_profile(loader);
+            attach_colours(loader);
         else if (loader->bytes->len > FIRST_DRAW)
             draw(loader, true, NULL); /* what there is of a file that is cut off stays in sight */
     } else if (!loader->unwanted)
@@ -228,11 +267,26 @@ static const target_option targets[] = {{"bytes", GSCL_TARGET_BYTES},
                                         {"bpp", GSCL_TARGET_BPP},
                                         {"psnr", GSCL_TARGET_PSNR}};
 
+/* What is saved beside the pixels: the colours of the pixbuf, as its loader or its program gives them. */
+typedef struct save_options {
+    gscl_encode_settings settings;
+    gscl_block icc; /* data allocated with GLib; NULL: none */
+} save_options;
+
+static gboolean take_profile(const char *text, save_options *options) {
+    gsize size;
+    guchar *bytes = g_base64_decode(text, &size);
+    g_free((void *)options->icc.data);
+    options->icc = (gscl_block){.type = GSCL_BLOCK_ICC, .data = bytes, .size = size};
+    options->settings.blocks = &options->icc;
+    return size > 0 && size <= GSCL_MAX_BLOCK_SIZE;
+}
+
 static gboolean bad_option(GError **error, const char *key, const char *value) {
     g_set_error(error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
-                "gscl: the option %s cannot be '%s'; there are bytes, bpp, psnr, effort (0 to 9) and tune (auto, psnr, "
-                "ssim, visual)",
-                key, value);
+                "gscl: the option %s cannot be '%.40s'; there are bytes, bpp, psnr, effort (0 to 9), tune (auto, psnr, "
+                "ssim, visual) and icc-profile (in base64, at most %d bytes)",
+                key, value, GSCL_MAX_BLOCK_SIZE);
     return FALSE;
 }
 
@@ -247,7 +301,8 @@ static gboolean take_tune(const char *value, gscl_encode_settings *settings) {
     return FALSE;
 }
 
-static gboolean take_option(const char *key, const char *value, gscl_encode_settings *settings) {
+static gboolean take_option(const char *key, const char *value, save_options *options) {
+    gscl_encode_settings *settings = &options->settings;
     char *end;
     const double number = g_ascii_strtod(value, &end);
     const gboolean is_number = end != value && *end == '\0' && isfinite(number) && number >= 0.0;
@@ -264,25 +319,33 @@ static gboolean take_option(const char *key, const char *value, gscl_encode_sett
         settings->effort = (int)number;
         return TRUE;
     }
+    if (strcmp(key, PROFILE_OPTION) == 0)
+        return take_profile(value, options);
     return strcmp(key, "tune") == 0 && take_tune(value, settings);
 }
 
 static gboolean is_save_option_supported(const gchar *key) {
     return strcmp(key, "bytes") == 0 || strcmp(key, "bpp") == 0 || strcmp(key, "psnr") == 0 ||
-           strcmp(key, "effort") == 0 || strcmp(key, "tune") == 0;
+           strcmp(key, "effort") == 0 || strcmp(key, "tune") == 0 || strcmp(key, PROFILE_OPTION) == 0;
 }
 
-static gboolean save_to_callback(GdkPixbufSaveFunc save, gpointer user_data, GdkPixbuf *pixbuf, gchar **keys,
-                                 gchar **values, GError **error) {
-    gscl_encode_settings settings;
+static gboolean take_options(GdkPixbuf *pixbuf, gchar **keys, gchar **values, save_options *options, GError **error) {
+    const char *profile = gdk_pixbuf_get_option(pixbuf, PROFILE_OPTION);
+    gscl_encode_settings_default(&options->settings);
+    if (profile && !take_profile(profile, options))
+        return bad_option(error, PROFILE_OPTION, profile);
+    for (; keys && *keys; keys++, values++) {
+        if (!take_option(*keys, *values, options))
+            return bad_option(error, *keys, *values);
+    }
+    return TRUE;
+}
+
+static gboolean encode_and_save(GdkPixbufSaveFunc save, gpointer user_data, const GdkPixbuf *pixbuf,
+                                const gscl_encode_settings *settings, GError **error) {
     gscl_context *context;
     uint8_t *bytes = NULL;
     size_t size = 0;
-    gscl_encode_settings_default(&settings);
-    for (; keys && *keys; keys++, values++) {
-        if (!take_option(*keys, *values, &settings))
-            return bad_option(error, *keys, *values);
-    }
     const gscl_image image = {.width = (uint32_t)gdk_pixbuf_get_width(pixbuf),
                               .height = (uint32_t)gdk_pixbuf_get_height(pixbuf),
                               .channels = (uint32_t)gdk_pixbuf_get_n_channels(pixbuf),
@@ -291,11 +354,24 @@ static gboolean save_to_callback(GdkPixbufSaveFunc save, gpointer user_data, Gdk
                               .pixels = gdk_pixbuf_get_pixels(pixbuf)};
     gscl_result result = gscl_context_create(&context, NULL);
     if (result == GSCL_OK)
-        result = gscl_encode(context, &image, &settings, &bytes, &size, NULL);
+        result = gscl_encode(context, &image, settings, &bytes, &size, NULL);
     const gboolean ok =
         result == GSCL_OK ? save((const gchar *)bytes, size, error, user_data) : fail(error, context, result);
     gscl_free(bytes);
     gscl_context_free(&context);
+    return ok;
+}
+
+static gboolean save_to_callback(GdkPixbufSaveFunc save, gpointer user_data, GdkPixbuf *pixbuf, gchar **keys,
+                                 gchar **values, GError **error) {
+    save_options options = {.icc.data = NULL};
+    gboolean ok = take_options(pixbuf, keys, values, &options, error);
+    if (ok) {
+        GdkPixbuf *upright = gdk_pixbuf_apply_embedded_orientation(pixbuf); /* as its loader found it in the file */
+        ok = upright && encode_and_save(save, user_data, upright, &options.settings, error);
+        g_clear_object(&upright);
+    }
+    g_free((void *)options.icc.data);
     return ok;
 }
 

@@ -29,6 +29,12 @@ double bpp_of_quality(int quality) {
 }
 constexpr double min_quality_bytes = 256; // of the picture, at any quality
 
+constexpr float srgb_gamma = 2.2f; // by which programs approximate the curve of sRGB
+
+// Red, green, blue and white of sRGB, and how far others may be from them.
+constexpr float srgb_primaries[8] = {0.640f, 0.330f, 0.300f, 0.600f, 0.150f, 0.060f, 0.3127f, 0.3290f};
+constexpr float same_primaries = 0.002f;
+
 // Names of profiles of sRGB.  Other names begin with them but mean something else: "sRGB-elle-V2-g10.icc" is linear.
 const char *const srgb_names[] = {
     "sRGB",     "sRGB IEC61966-2.1",        "sRGB IEC61966-2-1 black scaled", "sRGB Profile",      "sRGB built-in",
@@ -86,6 +92,7 @@ class GsclOutput final : public OIIO::ImageOutput {
 
   private:
     bool check_spec();
+    bool check_primaries();
     void choose_format();
     bool choose_number(const char *name, gscl_target target, double min, double max);
     bool choose_quality();
@@ -106,7 +113,8 @@ class GsclOutput final : public OIIO::ImageOutput {
     }
 
     std::string name_;
-    bool open_ = false, linear_ = false;
+    bool open_ = false;
+    float gamma_ = 0; // exponent from samples to light; 0 for samples that are stored as they are
     std::vector<uint8_t> pixels_, scratch_;
     std::vector<bool> written_; // which rows have come
     gscl_encode_settings settings_;
@@ -128,16 +136,33 @@ bool GsclOutput::check_spec() {
         return fail("deep and volume images cannot be written; a flat one is needed");
     if (m_spec.nchannels < 1 || m_spec.nchannels > 4)
         return fail("{} channels cannot be written; grey or RGB, with or without alpha, is needed", m_spec.nchannels);
+    return check_primaries();
+}
+
+// Refuses primaries without a profile: pixels would show other colours.
+bool GsclOutput::check_primaries() {
+    float given[8];
+    if (m_spec.nchannels < 3 || m_spec.find_attribute("ICCProfile") || m_spec.find_attribute("CICP") ||
+        !m_spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), given))
+        return true;
+    for (int i = 0; i < 8; i++) {
+        if (!(std::abs(given[i] - srgb_primaries[i]) <= same_primaries))
+            return fail("the colours have other primaries than sRGB (attribute chromaticities); convert them first, or "
+                        "give their profile or code points (CICP)");
+    }
     return true;
 }
 
-// Chooses the samples to encode, of the kinds that gscl has.  Linear light becomes sRGB, which needs floats.
+// Chooses the samples to encode, of the kinds that gscl has.  Linear light and other gammas become sRGB, which needs floats.
 void GsclOutput::choose_format() {
     const std::string space(m_spec.get_string_attribute("oiio:ColorSpace"));
-    linear_ = (iequals(space, "Linear") || iequals(space, "scene_linear") || iequals(space, "lin_srgb")) &&
-              !m_spec.find_attribute("ICCProfile") && !m_spec.find_attribute("CICP");
+    const bool linear = iequals(space, "Linear") || iequals(space, "scene_linear") || iequals(space, "lin_srgb");
+    const bool has_gamma = OIIO::Strutil::istarts_with(space, "Gamma");
+    gamma_ = linear ? 1.0f : has_gamma ? m_spec.get_float_attribute("oiio:Gamma", srgb_gamma) : 0.0f;
+    if (m_spec.find_attribute("ICCProfile") || m_spec.find_attribute("CICP") || std::abs(gamma_ - srgb_gamma) < 0.01f)
+        gamma_ = 0.0f;
     const auto type = m_spec.format.basetype;
-    if (linear_)
+    if (gamma_ > 0.0f)
         m_spec.set_format(OIIO::TypeDesc::FLOAT);
     else if (type == OIIO::TypeDesc::INT8)
         m_spec.set_format(OIIO::TypeDesc::UINT8);
@@ -302,7 +327,7 @@ float linear_to_srgb(float v) {
     return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
 }
 
-// Converts linear light, multiplied by alpha unless the spec says otherwise, to straight sRGB.
+// Converts samples of another gamma, multiplied by alpha unless the spec says otherwise, to straight sRGB.
 void GsclOutput::make_srgb() {
     const size_t channels = size_t(m_spec.nchannels), colours = channels % 2 ? channels : channels - 1;
     const bool straight = m_spec.get_int_attribute("oiio:UnassociatedAlpha") != 0;
@@ -310,7 +335,7 @@ void GsclOutput::make_srgb() {
     for (size_t left = m_spec.image_pixels(); left > 0; left--, pixel += channels) {
         const float alpha = colours == channels || straight ? 1.0f : pixel[colours];
         for (size_t c = 0; c < colours; c++)
-            pixel[c] = alpha > 0.0f ? linear_to_srgb(std::max(pixel[c] / alpha, 0.0f)) : 0.0f;
+            pixel[c] = alpha > 0.0f ? linear_to_srgb(std::pow(std::max(pixel[c] / alpha, 0.0f), gamma_)) : 0.0f;
     }
 }
 
@@ -362,12 +387,13 @@ bool GsclOutput::encode() {
                         uint32_t(m_spec.nchannels),
                         GSCL_SAMPLE_F32,
                         0,
-                        m_spec.nchannels % 2 == 0 && !linear_ && !m_spec.get_int_attribute("oiio:UnassociatedAlpha"),
+                        m_spec.nchannels % 2 == 0 && gamma_ == 0.0f &&
+                            !m_spec.get_int_attribute("oiio:UnassociatedAlpha"),
                         pixels_.data()};
     if (m_spec.format != OIIO::TypeDesc::FLOAT)
         image.sample = m_spec.format == OIIO::TypeDesc::UINT8 ? GSCL_SAMPLE_U8 : GSCL_SAMPLE_U16;
     OIIO::ImageBuf upright;
-    if (linear_)
+    if (gamma_ > 0.0f)
         make_srgb();
     turn_upright(image, upright);
     gscl_plugin::Context context{std::string(m_spec.get_string_attribute("gscl:device"))};

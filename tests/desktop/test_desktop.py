@@ -2,16 +2,19 @@
 
 PIXBUF_LOADER is the loader's module, QUERY_LOADERS the program that lists loaders, USE_LOADER the program use_loader.
 """
+import base64
 import json
 import os
 import pathlib
 import shutil
 import subprocess
 import unittest
+import zlib
 
 from gscl_file import contained, header
-from images import Image, max_difference, png_bytes, png_icc, psnr, read_png, scene
-from profiles import icc_rgb
+from images import (Image, jpeg_bytes, jpeg_exif, jpeg_icc, max_difference, png_bytes, png_icc, png_parts, psnr, read_png,
+                    scene)
+from profiles import ORIENTATION, exif_bytes, icc_rgb
 from tool import FAST, GSCL, ToolTest, main
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -123,6 +126,15 @@ class Loader(DesktopTest):
         self.assertEqual(outcome, "ok")
         self.assertGreater(profile, 500)
 
+    def test_code_points_become_a_profile(self):
+        """gdk-pixbuf knows profiles only.  HDR has none."""
+        for points, least, most in ((b"\x0c\x0d", 500, 3000), (b"\x09\x10", 0, 0)):
+            self.write("in.png", png_bytes(scene(40, 30), [(b"cICP", points + b"\0\1")]))
+            self.gscl("encode", "in.png", "-o", "in.gscl", *FAST, "-q", "--keep-profile")
+            (_, (_, _, profile), outcome), = self.load("in.gscl")
+            self.assertEqual(outcome, "ok")
+            self.assertTrue(least <= profile <= most, profile)
+
     def test_conformance(self):
         index = [entry for entry in json.loads((CONFORMANCE / "index.json").read_text()) if not entry["bare"]]
         loaded = self.load(*[CONFORMANCE / "files" / (entry["file"] + ".gscl") for entry in index])
@@ -149,6 +161,29 @@ class Loader(DesktopTest):
                        "effort=-1", "tune=best", "quality=3"):
             key, value = option.split("=")
             self.assertRegex(save(option), f"gscl: the option {key} cannot be '{value}'; there are")
+
+
+    def test_colours_and_orientation_are_kept(self):
+        """Of a file of another format that a program opens and saves as gscl."""
+        profile = icc_rgb(ADOBE, 1.7)
+        exif = exif_bytes([(ORIENTATION, 6)])
+        self.write("in.jpg", jpeg_bytes(scene(64, 40), [jpeg_exif(exif), *jpeg_icc(profile)]))
+        done = self.start("convert", "in.jpg", "out.gscl", program=os.environ["USE_LOADER"], env=self.env)
+        self.assertEqual(done.stdout.decode().strip(), "ok")
+        self.gscl("decode", "out.gscl", "-o", "out.png")
+        data = self.path("out.png").read_bytes()
+        self.assertEqual((read_png(data).width, read_png(data).height), (40, 64))
+        self.assertEqual(zlib.decompress(png_parts(data)[b"iCCP"].split(b"\0\0", 1)[1]), profile)
+
+    def test_profile_option(self):
+        def save(profile):
+            text = base64.b64encode(profile).decode()
+            done = self.start("save", "out.gscl", f"icc-profile={text}", program=os.environ["USE_LOADER"], env=self.env)
+            return done.stdout.decode().strip()
+        self.assertEqual(save(icc_rgb(ADOBE, 1.7)), "ok")
+        self.gscl("decode", "out.gscl", "-o", "out.png")
+        self.assertIn(b"iCCP", png_parts(self.path("out.png").read_bytes()))
+        self.assertRegex(save(b""), "gscl: the option icc-profile cannot be ''")
 
 
 class Thumbnails(DesktopTest):

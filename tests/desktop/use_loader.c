@@ -2,7 +2,8 @@
  *     use_loader load PART WIDTH HEIGHT OUT FILE...  feeds each file in parts of PART bytes, asks for WIDTH x HEIGHT pixels if
  *         those are not 0, writes the pixels to OUT/N.raw and prints a line: "WIDTH HEIGHT CHANNELS PREPARED UPDATED PROFILE"
  *         (numbers of signals, length of the profile in base64), then "ok" or the error
- *     use_loader save OUT [KEY=VALUE]  writes a picture of 64 x 48 pixels */
+ *     use_loader save OUT [KEY=VALUE]  writes a picture of 64 x 48 pixels
+ *     use_loader convert IN OUT  reads a file of any format and writes it as gscl */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,7 +86,19 @@ static int save(const char *name, const char *option) {
     return 0;
 }
 
+static int convert(const char *from, const char *to) {
+    GError *error = NULL;
+    GdkPixbuf *pixbuf = gdk_pixbuf_new_from_file(from, &error);
+    const gboolean ok = pixbuf && gdk_pixbuf_save(pixbuf, to, "gscl", &error, "effort", "0", NULL);
+    puts(ok ? "ok" : error->message);
+    g_clear_error(&error);
+    g_clear_object(&pixbuf);
+    return 0;
+}
+
 int main(int argc, char **argv) {
+    if (argc == 4 && strcmp(argv[1], "convert") == 0)
+        return convert(argv[2], argv[3]);
     if (argc >= 3 && strcmp(argv[1], "save") == 0)
         return save(argv[2], argv[3]);
     if (argc < 6)

@@ -3,6 +3,7 @@
 import re
 
 import bmp
+import colours
 import dds
 import exr
 import gif
@@ -20,7 +21,26 @@ import tga
 import tiff
 import webp
 
-MODULES = (png, jpeg, webp, heif, jpeg2000, gif, tiff, exr, hdr, bmp, ico, tga, pnm, psd, sgi, dds, imagemagick)
+MODULES = (
+    colours,
+    png,
+    jpeg,
+    webp,
+    heif,
+    jpeg2000,
+    gif,
+    tiff,
+    exr,
+    hdr,
+    bmp,
+    ico,
+    tga,
+    pnm,
+    psd,
+    sgi,
+    dds,
+    imagemagick,
+)
 
 
 def all_samples():

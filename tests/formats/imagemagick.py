@@ -43,7 +43,8 @@ def as_written(coder, samples, options):
 # Format, coder, suffix, channels, options, tolerance of 255.
 FILES = [
     ("BMP", "bmp", ".bmp", (1, 3, 4), ((), ("-compress", "none")), 1),
-    ("BMP", "bmp3", ".bmp", (1, 3), ((), ("-type", "palette")), 1),
+    ("BMP", "bmp3", ".bmp", (1, 3), ((),), 1),
+    ("BMP", "bmp3", ".bmp", (1, 3), (("-type", "palette"),), None),
     ("BMP", "bmp2", ".bmp", (1, 3), ((),), 1),
     ("TGA", "tga", ".tga", (1, 3, 4), ((), ("-compress", "rle")), 1),
     (

@@ -21,7 +21,7 @@ shift 2
 
 format=$(ls format/*.c)
 image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
-    host/tool/cli/name_hash.c $(ls host/tool/image/*.c | grep -v -e synthetic_image -e jpeg2000)"
+    host/tool/cli/name_hash.c $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
 image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
 more=
 kept=tests/fuzz/corpus/$target
@@ -44,7 +44,7 @@ image)
     measured=host/tool/image
     ;;
 options)
-    sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c | grep -v jpeg2000) host/tool/plot/plot.c"
+    sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c host/colours/*.c | grep -v jpeg2000) host/tool/plot/plot.c"
     options="-max_len=300 -close_fd_mask=3"
     more="-Wl,--wrap=options_parse $folder/library/libgscl.a $image_libraries -lOpenCL -lm -ldl"
     measured="host/tool/cli/options.c host/tool/commands/effect_list.c host/tool/cli/base64.c"
@@ -59,7 +59,7 @@ if [ "$target" = options ] && [ ! -f "$folder/library/libgscl.a" ]; then
     meson setup "$folder/library" -Dtool=disabled -Dtests=disabled -Dweb=disabled >/dev/null
     ninja -C "$folder/library" libgscl.a >/dev/null
 fi
-compile="clang -std=c99 -g -I. -Ihost/include -Ihost/tool"
+compile="clang -std=c99 -g -I. -Ihost/include -Ihost -Ihost/tool"
 
 if [ "${1-}" = coverage ]; then
     $compile -O1 -fprofile-instr-generate -fcoverage-mapping tests/fuzz/fuzz_$target.c $sources tests/fuzz/replay.c $more \

@@ -11,9 +11,9 @@ import subprocess
 import unittest
 
 from gscl_file import contained, header
-from images import (Image, jpeg_bytes, jpeg_exif, max_difference, png_bytes, png_icc, png_xmp, psnr, read_png,
+from images import (Image, exr_bytes, jpeg_bytes, jpeg_exif, max_difference, png_bytes, png_icc, png_xmp, psnr, read_png,
                     scene)
-from profiles import DISPLAY_P3, exif_bytes, icc_rgb
+from profiles import DISPLAY_P3, SRGB, exif_bytes, icc_rgb
 from tool import FAST, ToolTest, main
 
 MAKE, ORIENTATION = 0x010F, 0x0112
@@ -177,6 +177,23 @@ class Writing(PluginTest):
         self.oiiotool("linear.exr", *QUICK, "--attrib", "gscl:bytes", 900, "-o", "linear.gscl")
         self.gscl("decode", "linear.gscl", "-o", "linear.png", "--depth", 8)
         self.assertGreater(psnr(read_png(self.path("linear.png").read_bytes()), image), 25)
+
+    def test_gamma(self):
+        """As the tool reads it, with LittleCMS."""
+        for gamma in (100000, 55556, 45455):
+            with self.subTest(gamma=gamma):
+                self.write("in.png", png_bytes(scene(48, 32), [(b"gAMA", gamma.to_bytes(4, "big"))]))
+                self.oiiotool("in.png", *QUICK, "--attrib", "gscl:bytes", 900, "-o", "in.gscl")
+                self.gscl("decode", "in.gscl", "-o", "out.png", "--depth", 8)
+                compared = self.gscl_json("compare", "in.png", "out.png")
+                self.assertGreater(compared["psnr"], 27)
+
+    def test_primaries(self):
+        planes = {c: [0.25 + 0.5 * (i % 7) / 7 for i in range(80)] for c in "RGB"}
+        self.write("in.exr", exr_bytes(10, 8, planes, primaries=SRGB))
+        self.oiiotool("in.exr", *QUICK, "-o", "in.gscl")
+        self.write("in.exr", exr_bytes(10, 8, planes, primaries=DISPLAY_P3))
+        self.fails("other primaries than sRGB .attribute chromaticities.; convert them first", "in.exr", *QUICK, "-o", "x.gscl")
 
     def test_orientation_and_metadata(self):
         exif = exif_bytes([(MAKE, "maker"), (ORIENTATION, 6)])

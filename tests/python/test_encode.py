@@ -2,7 +2,7 @@
 
 import numpy
 import pytest
-from PIL import Image
+from PIL import Image, ImageCms, PngImagePlugin
 
 import gscl
 from conftest import make_picture, psnr
@@ -171,7 +171,6 @@ def test_no_image_file(tmp_path):
         ("RGB", (3,)),
         ("RGBA", (4,)),
         ("RGBa", (4,)),
-        ("CMYK", (3,)),
         ("YCbCr", (3,)),
         ("I;16", ()),
         ("I", ()),
@@ -194,6 +193,43 @@ def test_modes_of_pillow(mode, shape):
     decoded = gscl.decode(encode(image).data)
     assert decoded.shape in ((32, 40) + shape, (32, 40) + (() if shape == (2,) else (3,) if shape == (4,) else shape))
     assert decoded.dtype == (numpy.uint16 if mode in ("I;16", "I", "F") else numpy.uint8)
+
+
+@pytest.mark.parametrize("mode", ["CMYK", "LAB"])
+def test_colours_without_meaning(mode):
+    image = Image.fromarray(make_picture(40, 32))
+    image = image.convert("CMYK") if mode == "CMYK" else ImageCms.applyTransform(image, lab_transform())
+    with pytest.raises(gscl.InvalidArgumentError, match="convert it to RGB first"):
+        encode(image)
+
+
+def lab_transform():
+    srgb, lab = ImageCms.createProfile("sRGB"), ImageCms.createProfile("LAB")
+    return ImageCms.buildTransform(srgb, lab, "RGB", "LAB")
+
+
+@pytest.mark.parametrize("picture", [255 * make_picture(40, 32, 1, numpy.float32), -1 + make_picture(40, 32, 3, numpy.float64)])
+def test_samples_outside_warn(picture):
+    count = int(((picture < -0.01) | (picture > 1.01)).sum())
+    with pytest.warns(UserWarning, match=f"^{count} samples lie outside 0..1 and are clamped"):
+        encode(picture)
+    if picture.ndim == 2:
+        with pytest.warns(UserWarning, match=f"^{count} samples"):
+            encode(Image.fromarray(picture))
+
+
+def test_samples_of_32_bits():
+    image = Image.fromarray(numpy.full((8, 8), 70000, numpy.int32))
+    with pytest.raises(gscl.InvalidArgumentError, match="mode I with samples of 70000 to 70000; 0 to 65535"):
+        encode(image)
+
+
+def test_formats_that_are_not_read(tmp_path):
+    Image.fromarray(make_picture(40, 32)).save(tmp_path / "a.pcx")
+    with pytest.raises(gscl.InvalidArgumentError, match="PCX, which is not read; convert it to PNG first"):
+        encode(tmp_path / "a.pcx")
+    with Image.open(tmp_path / "a.pcx") as image:
+        encode(image.copy())
 
 
 def test_transparent_palette():
@@ -250,6 +286,48 @@ def test_profile_is_kept(picture):
         data = encode(image, icc_profile=choice, bytes=budget).data
         assert gscl.metadata(data)["icc_profile"] == image.info["icc_profile"]
         assert psnr(picture, gscl.decode(data)) > 25
+
+
+def png_with_code_points(path, picture, *points):
+    """Saves a PNG with a chunk that Pillow does not know."""
+    chunks = PngImagePlugin.PngInfo()
+    chunks.add(b"cICP", bytes((*points, 0, 1)))
+    Image.fromarray(picture).save(path, pnginfo=chunks)
+
+
+def test_code_points_of_files(tmp_path, picture):
+    png_with_code_points(tmp_path / "a.png", picture, 12, 13)
+    expected = numpy.array(
+        [[[255 * value for value in srgb_of(pixel / 255, DISPLAY_P3)] for pixel in row] for row in picture]
+    )
+    expected = numpy.rint(expected).astype(numpy.uint8)
+    with Image.open(tmp_path / "a.png") as image:
+        image.load()
+    for source in (tmp_path / "a.png", image):
+        data = encode(source, bytes=800).data
+        assert gscl.metadata(data) == {}
+        assert psnr(expected, gscl.decode(data)) > psnr(picture, gscl.decode(data)) + 3
+        kept = encode(source, bytes=800, icc_profile=True).data
+        assert gscl.metadata(kept) == {"cicp": (12, 13)}
+        assert psnr(picture, gscl.decode(kept)) > psnr(expected, gscl.decode(kept)) + 3
+
+
+def test_hdr_is_refused(tmp_path, picture):
+    png_with_code_points(tmp_path / "a.png", picture, 9, 16)
+    with pytest.raises(gscl.InvalidArgumentError, match=r"HDR colours \(PQ\).*cicp=\(9, 16\)"):
+        encode(tmp_path / "a.png")
+    assert gscl.metadata(encode(tmp_path / "a.png", cicp=(9, 16)).data) == {"cicp": (9, 16)}
+    assert gscl.metadata(encode(tmp_path / "a.png", icc_profile=True).data) == {"cicp": (9, 16)}
+
+
+def test_colours_that_a_file_cannot_name_are_converted(picture):
+    image = Image.fromarray(picture)
+    image.info["gamma"] = 1.0
+    linear = encode(image, bytes=800).data
+    assert encode(image, bytes=800, icc_profile=True).data == linear
+    grey = image.convert("L")
+    grey.info["icc_profile"] = icc_rgb(DISPLAY_P3)
+    assert gscl.metadata(encode(grey, icc_profile=True, bytes=1500).data) == {}
 
 
 def test_useless_profile_warns(picture, data):

@@ -27,10 +27,12 @@ import sys
 LIBRARY = ["runtime", "image", "software", "decode", "fit", "session", "codebook", "scalar", "encode", "measure"]
 TOOL = ["cli", "image", "plot", "tradeoff", "commands"]
 PROGRAMS = {"host/lib": LIBRARY, "host/tool": TOOL}
-BASE = {"host/lib": ["format", "cl"], "host/tool": [], "format": [], "cl": []}
-# Bindings are one room each, which uses itself and the public headers.
+BASE = {"host/lib": ["format", "cl"], "host/tool": ["host/colours"], "format": [], "cl": []}
+# Bindings are one room each, which uses itself, the public headers, and colours, which the tool uses, too.
 BINDINGS = ["host/desktop", "host/openimageio"]
-BASE |= {binding: [] for binding in BINDINGS}
+BASE |= {binding: ["host/colours"] for binding in BINDINGS}
+BASE["host/colours"] = []
+BINDINGS.append("host/colours")
 # The decoder for web pages is compiled with parts of the library.
 BINDINGS.append("host/web")
 BASE["host/web"] = ["host/lib", "format", "cl"]
@@ -78,7 +80,7 @@ def sources(root):
 def resolve(path, name, files):
     """The file that an #include in `path` names, or None."""
     program = "/".join(path.split("/")[:2])
-    for folder in (os.path.dirname(path), "", program if program in PROGRAMS else "host/lib", "host/include"):
+    for folder in (os.path.dirname(path), "", program if program in PROGRAMS else "host/lib", "host/include", "host"):
         candidate = os.path.normpath(os.path.join(folder, name))
         if candidate in files:
             return candidate

@@ -131,7 +131,7 @@ class Comparison:
 def compare(a: Picture, b: Picture) -> Comparison:
     """Compares two pictures of equal size and channels.  Measures that need more pixels than there are become NaN.
     Raises a subclass of gscl.Error."""
-    (first, owner), (second, other) = (to_struct(load(picture, keep_colours=False).samples) for picture in (a, b))
+    (first, owner), (second, other) = (to_struct(load(picture).samples) for picture in (a, b))
     found = ffi.new("gscl_comparison *", {"struct_size": ffi.sizeof("gscl_comparison")})
     check(lib.gscl_compare(first, second, found))
     del owner, other

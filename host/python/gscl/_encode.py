@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Union
@@ -149,7 +150,10 @@ def encode(
     for name, value in {"effort": effort, "codebook_size": codebook_size, "seed": seed}.items():
         assign(settings, name, value)
 
-    source = load(picture, keep_colours=bool(icc_profile or cicp))
+    given = cicp is not None or isinstance(icc_profile, builtins.bytes)
+    source = load(picture, "given" if given else "own" if icc_profile else "none")
+    if icc_profile is True and cicp is None:
+        cicp = source.metadata.get("cicp")
     blocks = _blocks(source, {"icc_profile": icc_profile, "exif": exif, "xmp": xmp}, cicp)
     settings.blocks = blocks[0][0] if blocks else ffi.NULL
     image, owner = to_struct(source.samples)

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import io
 import os
 import warnings
 from dataclasses import dataclass, field
-from typing import Any, Union
+from typing import Any, Literal, Union
 
 import numpy
 from numpy.typing import NDArray
-from PIL import Image, ImageCms, ImageOps
+from PIL import Image
 
 from gscl._binding import ffi, lib
+from gscl._colours import Colours, can_be_stored, colours_of, inks_to_srgb, require_conversion, to_srgb
 from gscl._errors import InvalidArgumentError
+from gscl._formats import checked
+from gscl._metadata import read_metadata, turned_upright
 from gscl._names import SAMPLES
 
 Picture = Union[str, "os.PathLike[str]", Image.Image, NDArray[Any]]
@@ -22,25 +24,36 @@ Picture = Union[str, "os.PathLike[str]", Image.Image, NDArray[Any]]
 # Modes of Pillow that are encoded as they are; others are converted.
 _ARRAY_MODES = ("L", "LA", "RGB", "RGBA")
 
+# A tag of TIFF and its value; Pillow makes positives of such samples of 8 bits only.
+_PHOTOMETRIC, _WHITE_IS_ZERO = 262, 0
+
 
 @dataclass
 class Source:
-    """Samples, and the metadata that the picture came with: "icc_profile", "exif", "xmp"."""
+    """Samples, and the metadata that the picture came with: "icc_profile", "exif", "xmp", "cicp"."""
 
     samples: NDArray[Any]
-    metadata: dict[str, bytes] = field(default_factory=dict)
+    metadata: dict[str, Any] = field(default_factory=dict)
 
 
-def load(picture: Picture, keep_colours: bool) -> Source:
-    """Reads a picture.  Unless its colours are kept as they are, its colour profile is applied: they become sRGB."""
+Keep = Literal["none", "own", "given"]
+"""Colours that are not converted to sRGB: none, those that a profile or code points of the picture describe, or all,
+because the caller says what they are."""
+
+
+def load(picture: Picture, keep: Keep = "none") -> Source:
+    """Reads a picture."""
     if isinstance(picture, (str, os.PathLike)):
         with Image.open(picture) as image:
-            return _load_image(image, keep_colours)
+            return _load_image(image, keep)
     if isinstance(picture, Image.Image):
-        return _load_image(picture, keep_colours)
+        return _load_image(picture, keep)
     if isinstance(picture, (bytes, bytearray)):
         raise TypeError("expected a path, an image or an array, not bytes: open them with PIL.Image.open(io.BytesIO(data))")
     return Source(_samples(numpy.asarray(picture)))
+
+
+# ---- Samples -------------------------------------------------------------------------------------
 
 
 def _samples(array: NDArray[Any]) -> NDArray[Any]:
@@ -51,6 +64,7 @@ def _samples(array: NDArray[Any]) -> NDArray[Any]:
         )
     if array.dtype.kind == "f":
         kind = "float32"
+        _warn_of_clamping(array)
     elif array.dtype.kind == "u" and array.dtype.itemsize <= 2:
         kind = array.dtype.name
     else:
@@ -58,38 +72,42 @@ def _samples(array: NDArray[Any]) -> NDArray[Any]:
     return numpy.ascontiguousarray(array, dtype=kind)
 
 
-def _load_image(image: Image.Image, keep_colours: bool) -> Source:
-    exif = image.getexif()
-    if exif.get(0x0112, 1) != 1:  # orientation
-        image = ImageOps.exif_transpose(image)
-        exif = image.getexif()
-    metadata = {
-        "icc_profile": image.info.get("icc_profile"),
-        "exif": exif.tobytes().removeprefix(b"Exif\0\0") if len(exif) else None,
-        "xmp": _encoded(image.info.get("xmp") or image.info.get("XML:com.adobe.xmp")),
-    }
-    profile = metadata["icc_profile"]
-    if profile and not keep_colours:
-        image = _to_srgb(image, profile)
-    return Source(_samples_of_image(image), {name: data for name, data in metadata.items() if data})
-
-
-def _encoded(text: str | bytes | None) -> bytes | None:
-    return text.encode() if isinstance(text, str) else text
+def _warn_of_clamping(array: NDArray[Any]) -> None:
+    """Warns of finite samples that the encoder clamps, beyond the errors of conversions.  It refuses infinite ones."""
+    tolerance = 1 / 512
+    outside = numpy.isfinite(array) & ((array < -tolerance) | (array > 1 + tolerance))
+    if count := int(outside.sum()):
+        warnings.warn(
+            f"{count} samples lie outside 0..1 and are clamped; scale them first if they matter", stacklevel=5
+        )
 
 
 def _samples_of_image(image: Image.Image) -> NDArray[Any]:
+    samples = numpy.asarray(image)
     if image.mode.startswith("I;16"):
-        return _samples(numpy.asarray(image))
-    if image.mode == "I":  # 16 bits, as far as files have them
-        return numpy.asarray(image).clip(0, 65535).astype(numpy.uint16)
+        samples = samples.astype(numpy.uint16)
+        return _with_transparent_grey(samples, image.info.get("transparency"))
+    if image.mode == "I":
+        low, high = int(samples.min()), int(samples.max())
+        if low < 0 or high > 65535:
+            raise InvalidArgumentError(f"an image of mode I with samples of {low} to {high}; 0 to 65535 are expected")
+        return _with_transparent_grey(samples.astype(numpy.uint16), image.info.get("transparency"))
     if image.mode == "F":
-        return _samples(numpy.asarray(image))
-    return numpy.ascontiguousarray(_plain(image))
+        return _samples(samples)
+    return numpy.asarray(_plain(image))
+
+
+def _with_transparent_grey(samples: NDArray[Any], grey: int | None) -> NDArray[Any]:
+    """Appends alpha where one grey of 16 bits is transparent."""
+    if grey is None:
+        return samples
+    return numpy.stack([samples, numpy.where(samples == grey, 0, 65535).astype(numpy.uint16)], -1)
 
 
 def _plain(image: Image.Image) -> Image.Image:
     """Converts to grey or RGB with or without alpha, of 8 bits."""
+    if image.mode == "LAB":
+        raise InvalidArgumentError("a picture of Lab colours; convert it to RGB first")
     transparent = "transparency" in image.info or image.mode.endswith(("A", "a"))
     if image.mode in _ARRAY_MODES and not ("transparency" in image.info and image.mode in ("L", "RGB")):
         return image
@@ -97,32 +115,33 @@ def _plain(image: Image.Image) -> Image.Image:
     return image.convert(("LA" if grey else "RGBA") if transparent else ("L" if grey else "RGB"))
 
 
-def _to_srgb(image: Image.Image, profile: bytes) -> Image.Image:
-    """Converts to sRGB.  A picture whose profile cannot be used is taken as sRGB, with a warning."""
-    if image.mode.startswith(("I", "F")):
-        warnings.warn(f"the colour profile of a picture of mode {image.mode} is ignored", stacklevel=5)
-        return image
-    image = image if image.mode == "CMYK" else _plain(image)
-    alpha = image.getchannel("A") if image.mode in ("LA", "RGBA") else None
-    colours = image.convert({"LA": "L", "RGBA": "RGB"}.get(image.mode, image.mode))
-    try:
-        converted = ImageCms.profileToProfile(
-            colours,
-            ImageCms.ImageCmsProfile(io.BytesIO(profile)),
-            ImageCms.createProfile("sRGB"),
-            renderingIntent=ImageCms.Intent.RELATIVE_COLORIMETRIC,
-            outputMode="RGB",
-            flags=ImageCms.Flags.BLACKPOINTCOMPENSATION,
-        )
-    except (ImageCms.PyCMSError, OSError, ValueError) as error:
-        warnings.warn(f"the colour profile cannot be used, colours are taken as sRGB: {error}", stacklevel=5)
-        return image
-    assert converted is not None
-    if colours.mode == "L":
-        converted = converted.convert("L")
-    if alpha:
-        converted.putalpha(alpha)
-    return converted
+# ---- Images of Pillow ------------------------------------------------------------------------------
+
+
+def _load_image(image: Image.Image, keep: Keep) -> Source:
+    metadata = read_metadata(image)
+    colours = colours_of(image, metadata.names_adobe_rgb)
+    image = checked(image)
+    upright = turned_upright(image, metadata.orientation)
+    if image.mode == "CMYK":
+        samples = inks_to_srgb(upright, colours)
+        return Source(samples, metadata.blocks(Colours()))
+    samples = _corrected(image, _samples_of_image(upright))
+    if keep == "given" or (keep == "own" and can_be_stored(colours, samples)):
+        return Source(numpy.ascontiguousarray(samples), metadata.blocks(colours))
+    require_conversion(colours)
+    if colours != Colours():
+        samples = to_srgb(samples, colours)
+        metadata.set_srgb()
+    return Source(numpy.ascontiguousarray(samples), metadata.blocks(Colours()))
+
+
+def _corrected(image: Image.Image, samples: NDArray[Any]) -> NDArray[Any]:
+    """Makes of samples what the file says, where Pillow does not."""
+    tags = getattr(image, "tag_v2", None)
+    if tags is not None and tags.get(_PHOTOMETRIC) == _WHITE_IS_ZERO and samples.dtype != numpy.uint8:
+        return 1 - samples if samples.dtype.kind == "f" else 65535 - samples
+    return samples
 
 
 def to_struct(samples: NDArray[Any]) -> tuple[Any, Any]:

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "image/cicp.h"
+#include "colours/cicp.h"
 #include "image/exif.h"
 
 /* Floating point throughout: LittleCMS then neither rounds nor clips between the steps of a conversion. */
@@ -27,21 +27,11 @@ static const double adobe_rgb_primaries[8] = {0.3127, 0.3290, 0.64, 0.33, 0.21, 
 
 /* ---- Opening ----------------------------------------------------------------------------------- */
 
-/* Makes a profile from primaries (for RGB) and a curve, which it frees.  Returns false without a curve. */
-static bool open_made(colour_profile *profile, const double *xy, cmsToneCurve *curve, unsigned channels) {
-    if (!curve)
-        return false;
+/* Takes a profile that was made.  Returns false if there is none. */
+static bool take_made(colour_profile *profile, cmsHPROFILE made, unsigned channels) {
+    profile->handle = made;
     profile->channels = channels;
-    if (channels == 1) {
-        profile->handle = cmsCreateGrayProfileTHR(profile->context, cmsD50_xyY(), curve);
-    } else {
-        const cmsCIExyY white = {xy[0], xy[1], 1.0};
-        const cmsCIExyYTRIPLE colours = {{xy[2], xy[3], 1.0}, {xy[4], xy[5], 1.0}, {xy[6], xy[7], 1.0}};
-        cmsToneCurve *const curves[3] = {curve, curve, curve};
-        profile->handle = cmsCreateRGBProfileTHR(profile->context, &white, &colours, curves);
-    }
-    cmsFreeToneCurve(curve);
-    return profile->handle != NULL;
+    return made != NULL;
 }
 
 /* Whether primaries span a triangle with the white point in it, so that they have a matrix. */
@@ -73,9 +63,8 @@ static bool finish(colour_profile *profile, bool ok) {
 }
 
 bool colour_profile_open_cicp(colour_profile *profile, const uint8_t cicp[2], unsigned channels) {
-    const double *xy = cicp_primaries(cicp[0]);
     return start(profile) &&
-           finish(profile, xy && open_made(profile, xy, cicp_curve(profile->context, cicp[1]), channels));
+           finish(profile, take_made(profile, profile_of_cicp(profile->context, cicp, channels), channels));
 }
 
 /* Primaries and exponent; NULL and 0 stand for those of sRGB. */
@@ -84,7 +73,8 @@ static bool open_primaries(colour_profile *profile, const double *xy, double gam
         return false;
     cmsToneCurve *curve =
         gamma > 0.0 ? cmsBuildGamma(profile->context, gamma) : cicp_curve(profile->context, CICP_TRANSFER_SRGB);
-    return finish(profile, open_made(profile, xy ? xy : cicp_primaries(CICP_PRIMARIES_SRGB), curve, channels));
+    xy = xy ? xy : cicp_primaries(CICP_PRIMARIES_SRGB);
+    return finish(profile, take_made(profile, profile_of_primaries(profile->context, xy, curve, channels), channels));
 }
 
 bool colour_profile_open_srgb(colour_profile *profile, unsigned channels) {

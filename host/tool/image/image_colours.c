@@ -2,8 +2,8 @@
 
 #include <stdio.h>
 
+#include "colours/cicp.h"
 #include "cli/message.h"
-#include "image/cicp.h"
 #include "image/colour_convert.h"
 #include "image/colour_profile.h"
 #include "image/exif.h"

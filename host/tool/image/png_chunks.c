@@ -14,12 +14,20 @@ const uint8_t png_metadata_chunks[] = "cICP\0iCCP\0sRGB\0gAMA\0cHRM\0eXIf";
 #define SRGB_GAMMA 45455  /* of gAMA: 1 / 2.2, by which encoders approximate the curve of sRGB */
 
 static const char xmp_keyword[] = "XML:com.adobe.xmp";
+/* Keywords of EXIF or XMP as digits, from before PNG had a chunk for EXIF; several programs still write them. */
+static const char *const raw_keywords[] = {"Raw profile type exif", "Raw profile type APP1", "Raw profile type xmp"};
+static const char app1_xmp[] = "http://ns.adobe.com/xap/1.0/"; /* before XMP in APP1; its NUL belongs to it */
 
 /* What the chunks about colours say, before one of them is chosen. */
 typedef struct png_colours {
     bool srgb;
     uint32_t gamma; /* 0: none */
 } png_colours;
+
+/* Metadata in texts, which that in chunks of its own precedes. */
+typedef struct png_texts {
+    image_blob exif, xmp;
+} png_texts;
 
 typedef struct png_chunk {
     const uint8_t *name, *bytes;
@@ -100,9 +108,86 @@ static bool take_text(const png_chunk *chunk, const char *keyword, size_t keywor
     return packed ? unpack(at, (size_t)(end - at), text) : image_blob_set(text, at, (size_t)(end - at));
 }
 
+/* The text of a tEXt or zTXt chunk with a keyword: zero, in the second method of compression (0), text. */
+static bool take_plain_text(const png_chunk *chunk, const char *keyword, image_blob *text) {
+    const size_t head = strlen(keyword) + 1, packed_head = head + 1;
+    if (!chunk->intact || chunk->size < packed_head || memcmp(chunk->bytes, keyword, head) != 0)
+        return false;
+    if (is_named(chunk, "tEXt"))
+        return image_blob_set(text, chunk->bytes + head, chunk->size - head);
+    return is_named(chunk, "zTXt") && chunk->bytes[head] == 0 &&
+           unpack(chunk->bytes + packed_head, chunk->size - packed_head, text);
+}
+
+static int digit_value(uint8_t c) {
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+/* Replaces a text of four lines (empty, a name, the number of bytes, digits in several lines) by the bytes.  Returns false
+ * if it is not one. */
+static bool undo_digits(image_blob *text) {
+    size_t at = 0, size = 0;
+    int high = -1;
+    for (int lines = 0; lines < 3; at++) {
+        if (at == text->size)
+            return false;
+        lines += text->bytes[at] == '\n';
+    }
+    for (; at < text->size; at++) {
+        const int value = digit_value(text->bytes[at]);
+        if (value < 0 && text->bytes[at] != '\n')
+            return false;
+        if (value >= 0 && high >= 0)
+            text->bytes[size++] = (uint8_t)(high << 4 | value);
+        if (value >= 0)
+            high = high >= 0 ? -1 : value;
+    }
+    text->size = size;
+    return size > 0 && high < 0;
+}
+
+/* Moves bytes to where they belong: EXIF, or XMP with the prefix that it has in a JPEG. */
+static void sort_raw_profile(image_blob *bytes, bool is_xmp, png_texts *texts) {
+    const bool is_app1_xmp = bytes->size > sizeof app1_xmp && memcmp(bytes->bytes, app1_xmp, sizeof app1_xmp) == 0;
+    if (is_app1_xmp)
+        image_blob_set(&texts->xmp, bytes->bytes + sizeof app1_xmp, bytes->size - sizeof app1_xmp);
+    else
+        image_blob_set(is_xmp ? &texts->xmp : &texts->exif, bytes->bytes, bytes->size);
+}
+
+static bool take_raw_profile(const png_chunk *chunk, png_texts *texts) {
+    for (size_t i = 0; i < sizeof raw_keywords / sizeof *raw_keywords; i++) {
+        image_blob text = {0};
+        const bool ok = take_plain_text(chunk, raw_keywords[i], &text) && undo_digits(&text);
+        if (ok)
+            sort_raw_profile(&text, i == 2, texts);
+        image_blob_free(&text);
+        if (ok)
+            return true;
+    }
+    return false;
+}
+
+/* Uses what stands in texts where no chunk has it. */
+static void settle_texts(image_metadata *metadata, png_texts *texts) {
+    if (!metadata->exif.size) {
+        metadata->exif = texts->exif;
+        texts->exif = (image_blob){0};
+    }
+    if (!metadata->xmp.size) {
+        metadata->xmp = texts->xmp;
+        texts->xmp = (image_blob){0};
+    }
+    image_blob_free(&texts->exif);
+    image_blob_free(&texts->xmp);
+}
+
 /* ---- All chunks -------------------------------------------------------------------------------- */
 
-static void take_chunk(const png_chunk *chunk, image_content *content, png_colours *colours) {
+static void take_chunk(const png_chunk *chunk, image_content *content, png_colours *colours, png_texts *texts) {
     image_metadata *metadata = &content->metadata;
     if (is_named(chunk, "cICP"))
         take_cicp(chunk, content);
@@ -119,6 +204,8 @@ static void take_chunk(const png_chunk *chunk, image_content *content, png_colou
     else if (is_named(chunk, "eXIf") && chunk->intact)
         image_blob_set(&metadata->exif, chunk->bytes, chunk->size);
     else if (is_named(chunk, "iTXt") && take_text(chunk, xmp_keyword, sizeof xmp_keyword, &metadata->xmp))
+        return;
+    else if (take_raw_profile(chunk, texts))
         return;
     else if (is_named(chunk, "tEXt") || is_named(chunk, "zTXt") || is_named(chunk, "iTXt"))
         content->other_bytes += chunk->size;
@@ -150,6 +237,7 @@ bool png_chunks_fit(const uint8_t *bytes, size_t size) {
 
 void png_take_metadata(const uint8_t *bytes, size_t size, image_content *content) {
     png_colours colours = {0};
+    png_texts texts = {0};
     size_t at = SIGNATURE_SIZE;
     while (at < size && size - at >= CHUNK_OVERHEAD) {
         const uint32_t length = big_endian(bytes + at);
@@ -159,9 +247,10 @@ void png_take_metadata(const uint8_t *bytes, size_t size, image_content *content
         png_chunk checked = chunk;
         if (!is_named(&chunk, "IDAT"))
             checked.intact = crc32(0, chunk.name, (uInt)(length + 4)) == big_endian(chunk.bytes + length);
-        take_chunk(&checked, content, &colours);
+        take_chunk(&checked, content, &colours, &texts);
         at += CHUNK_OVERHEAD + (size_t)length;
     }
+    settle_texts(&content->metadata, &texts);
     exif_trim(&content->metadata.exif);
     choose_colours(content, &colours);
 }

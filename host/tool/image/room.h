@@ -1,7 +1,7 @@
 /* Image files: PNG by libpng, JPEG by libjpeg, all others by a module that wraps OpenImageIO and OpenJPEG; colours by
  * LittleCMS.
  *
- * It may use: cli/ and the public headers.
+ * It may use: cli/, the public headers, and host/colours.
  *
  * In the order in which to read them:
  *   image_file.h: reading and writing
@@ -13,7 +13,7 @@
  *   image_samples.h: changes of samples
  *   image_webp.h, image_heif.h, png_chunks.h: metadata of formats
  *   tiff_tags.h, exif.h, orientation.h: EXIF, and turning an image upright
- *   image_colours.h, colour_profile.h, colour_convert.h, cicp.h: colours other than those of sRGB
+ *   image_colours.h, colour_profile.h, colour_convert.h: colours other than those of sRGB
  *   image_output.h: what of them an output can hold
  *   synthetic_image.h: an image for benchmarks */
 #ifndef GSCL_ROOM_TOOL_IMAGE_H

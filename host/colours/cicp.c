@@ -1,4 +1,4 @@
-#include "image/cicp.h"
+#include "colours/cicp.h"
 
 #include <stddef.h>
 
@@ -55,6 +55,27 @@ cmsToneCurve *cicp_curve(cmsContext context, uint8_t code) {
     default:
         return NULL;
     }
+}
+
+cmsHPROFILE profile_of_primaries(cmsContext context, const double xy[8], cmsToneCurve *curve, unsigned channels) {
+    if (!curve)
+        return NULL;
+    cmsHPROFILE profile;
+    if (channels == 1) {
+        profile = cmsCreateGrayProfileTHR(context, cmsD50_xyY(), curve);
+    } else {
+        const cmsCIExyY white = {xy[0], xy[1], 1.0};
+        const cmsCIExyYTRIPLE colours = {{xy[2], xy[3], 1.0}, {xy[4], xy[5], 1.0}, {xy[6], xy[7], 1.0}};
+        cmsToneCurve *const curves[3] = {curve, curve, curve};
+        profile = cmsCreateRGBProfileTHR(context, &white, &colours, curves);
+    }
+    cmsFreeToneCurve(curve);
+    return profile;
+}
+
+cmsHPROFILE profile_of_cicp(cmsContext context, const uint8_t cicp[2], unsigned channels) {
+    const double *xy = cicp_primaries(cicp[0]);
+    return xy ? profile_of_primaries(context, xy, cicp_curve(context, cicp[1]), channels) : NULL;
 }
 
 bool cicp_is_hdr(const uint8_t cicp[2]) {
