@@ -248,11 +248,12 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
         .usage =
             "IN... [--files-from FILE] [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] "
             "[options]",
-        .about =
-            "Encodes images as gscl files.  Reads PNG, JPEG, TIFF, OpenEXR, PNM and the other formats of OpenImageIO,\n"
-            "grey or RGB, with or without alpha.  IN may be -, standard input.  Images are turned upright by their "
-            "EXIF, and\n"
-            "colours are converted to sRGB by their profile, CMYK included.\n\n" ABOUT_RUNS,
+        .about = "Encodes images as gscl files.  Reads PNG, JPEG, WebP, AVIF, HEIC, JPEG 2000, GIF, TIFF, OpenEXR, "
+                 "HDR, BMP, ICO,\n"
+                 "TGA, PNM, PSD, SGI and DDS, grey or RGB, with or without alpha.  IN may be -, standard input.  "
+                 "Images are\n"
+                 "turned upright by their EXIF, and colours are converted to sRGB, CMYK with a profile "
+                 "included.\n\n" ABOUT_RUNS,
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 0, /* with --files-from; else see check_run */
