@@ -5,12 +5,11 @@
 
 #include "software/float_bits.h"
 
-#define ROUNDER 12582912.0f /* 1.5 * 2^23: adding it rounds to the nearest integer */
-
 /* Functions that are compiled for wider vectors, too; the loader takes the widest that the processor has, which
  * saves a quarter of the time with AVX2.  Their results have the same bits, because each pixel has the same operations, and
- * none is fused.  Not with ThreadSanitizer, whose code in the function that chooses would run before it has started. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
+ * none is fused.  With the loader of glibc only: that of musl refuses such a library.  Not with ThreadSanitizer, whose code in
+ * the function that chooses would run before it has started. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__) && !defined(__UCLIBC__) && \
     !defined(__SANITIZE_THREAD__)
 #define FOR_ALL_VECTORS __attribute__((target_clones("avx2", "default")))
 #else
@@ -57,7 +56,7 @@ static inline float weight_of(float z) {
 
 /* cos(2 pi t), |t| < 2^22: folded to a quarter turn of the sine, then a polynomial. */
 static inline float cos_turns(float t) {
-    const float s = 0.25f - fabsf(t - ((t + ROUNDER) - ROUNDER)), s2 = s * s;
+    const float s = 0.25f - fabsf(t - gscl_nearest_integer(t)), s2 = s * s;
     float p = 3.95358124e+01f * s2 - 7.65496597e+01f;
     p = p * s2 + 8.16009979e+01f;
     p = p * s2 - 4.13416557e+01f;

@@ -5,7 +5,7 @@
  * In the order in which to read them:
  *   software.h: splats to the samples of a rectangle; the interface of the room
  *   projection.h: the ellipse of a splat and its weights, row by row
- *   float_bits.h: bounds on floats
+ *   float_bits.h: bounds and roundings of floats
  *   canvas.h: the sums of a block of pixels, and the three ways of blending
  *   samples.h: sums to samples in memory
  *   tunables.h: the numbers that were found by trying */
