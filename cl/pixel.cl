@@ -109,18 +109,22 @@ inline pix pix_inside(int count) {
 /* The cut of Gaussians, as u^2 + v^2. */
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
 
+/* 1.5 * 2^23.  Adding it to y, |y| < 2^22, rounds y to the nearest integer, because a float of that size has no bits after the
+ * point.  The sum has to be a float: OpenCL C rounds each operation to its type, and a variable of the type holds the sum. */
+#define ROUNDER 12582912.0f
+
 #if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT
 inline pix pix_exp2(pix y) { return exp2(y); }
 #elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
 inline pix pix_exp2(pix y) { return native_exp2(y); }
 #else
-/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  Adding and subtracting 1.5 * 2^23
- * rounds to the nearest integer, whose low bits are also shifted into the exponent.  The remainder goes through a
- * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
+/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  The low bits of the nearest integer are
+ * shifted into the exponent.  The remainder goes through a minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no
+ * special cases. */
 inline pix pix_exp2(pix y) {
     y = fmax(y, (pix)(-SUPPORT2));
-    pix shifted = y + 12582912.0f;
-    pix r = y - (shifted - 12582912.0f);
+    pix shifted = y + ROUNDER;
+    pix r = y - (shifted - ROUNDER);
     pix p = fma((pix)(1.3276472e-3f), r, (pix)(9.6755419e-3f));
     p = fma(p, r, (pix)(5.5507131e-2f));
     p = fma(p, r, (pix)(2.4022120e-1f));
@@ -136,7 +140,8 @@ inline pix pix_cos_turns(pix t) { return cospi(2.0 * t); }
 /* cos(2 pi t), |t| < 2^22: folded to a quarter turn of the sine, then a minimax polynomial.  Absolute error below
  * 3e-7 beyond that of t. */
 inline pix pix_cos_turns(pix t) {
-    pix s = 0.25f - fabs(t - ((t + 12582912.0f) - 12582912.0f)), s2 = s * s;
+    pix shifted = t + ROUNDER;
+    pix s = 0.25f - fabs(t - (shifted - ROUNDER)), s2 = s * s;
     pix p = fma((pix)(3.95358124e+01f), s2, (pix)(-7.65496597e+01f));
     p = fma(p, s2, (pix)(8.16009979e+01f));
     p = fma(p, s2, (pix)(-4.13416557e+01f));
