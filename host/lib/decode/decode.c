@@ -10,6 +10,7 @@
 #include "decode/frame.h"
 #include "decode/resize.h"
 #include "image/image.h"
+#include "runtime/allocate.h"
 #include "runtime/stage_clock.h"
 #include "runtime/struct_size.h"
 #include "software/software.h"
@@ -36,7 +37,7 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
                                   void **allocated) {
     if (!caller->pixels) {
         shape->stride = 0;
-        shape->pixels = *allocated = malloc(gscl_image_stride(shape) * shape->height);
+        shape->pixels = *allocated = gscl_allocate(shape->height, gscl_image_stride(shape));
         return shape->pixels ? GSCL_OK : gscl_fail_memory(context);
     }
     if (caller->width != shape->width || caller->height != shape->height || caller->channels != shape->channels ||

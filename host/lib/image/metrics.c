@@ -5,6 +5,7 @@
 
 #include "image/image.h"
 #include "image/ssimulacra2.h"
+#include "runtime/allocate.h"
 #include "runtime/context.h"
 #include "runtime/struct_size.h"
 
@@ -41,7 +42,7 @@ static bool are_comparable(const gscl_image *a, const gscl_image *b) {
 
 static gscl_result open_pair(const gscl_image *a, const gscl_image *b, image_pair *pair) {
     *pair = (image_pair){.width = a->width, .height = a->height, .channels = a->channels};
-    pair->a = malloc(2 * plane_size(pair) * pair->channels * sizeof *pair->a);
+    pair->a = gscl_allocate(2 * (uint64_t)plane_size(pair) * pair->channels, sizeof *pair->a);
     if (!pair->a)
         return GSCL_ERROR_OUT_OF_MEMORY;
     pair->b = pair->a + plane_size(pair) * pair->channels;

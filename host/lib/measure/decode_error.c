@@ -6,6 +6,7 @@
 #include "cl/constants.h"
 #include "decode/coded_image.h"
 #include "measure/reference.h"
+#include "runtime/allocate.h"
 
 /* A file's splats drawn in double precision: planes of the coded channels. */
 typedef struct exact_drawing {
@@ -21,7 +22,8 @@ static gscl_result drawing_make(gscl_context *context, const gscl_coded_image *c
     float background[4], *params = malloc(((size_t)header->splat_count + 1) * GSCL_PARAMS * sizeof *params);
     drawing->options = gscl_coded_image_options(header);
     drawing->pixels = (size_t)header->width * header->height;
-    drawing->planes = malloc(drawing->pixels * (gsf_channel_count(header) + 1) * sizeof *drawing->planes);
+    drawing->planes =
+        gscl_allocate((uint64_t)drawing->pixels * (gsf_channel_count(header) + 1), sizeof *drawing->planes);
     gscl_result result = params && drawing->planes ? GSCL_OK : gscl_fail_memory(context);
     if (result == GSCL_OK) {
         gscl_coded_image_params(coded, params, background);
