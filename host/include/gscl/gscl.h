@@ -207,9 +207,9 @@ typedef struct gscl_image {
     uint32_t width, height; /* pixels, 1..GSCL_MAX_DIMENSION */
     uint32_t channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
     gscl_sample sample;
-    size_t stride;      /* bytes from one row to the next; 0: rows follow each other without a gap */
+    size_t stride;      /* bytes from one row to the next, any number; 0: rows follow each other without a gap */
     bool premultiplied; /* whether colours are multiplied by alpha; false in PNG files */
-    void *pixels;
+    void *pixels;       /* at any address, also for samples of several bytes */
 } gscl_image;
 
 /* ---- Blocks -------------------------------------------------------------------------------- */

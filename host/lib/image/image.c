@@ -19,21 +19,29 @@ static float clamp_unit(float x) {
     return x < 0.0f ? 0.0f : x > 1.0f ? 1.0f : x;
 }
 
+/* Sample number i of a row, which may begin at any address. */
+static uint16_t u16_at(const unsigned char *row, size_t i) {
+    uint16_t sample;
+    memcpy(&sample, row + i * sizeof sample, sizeof sample);
+    return sample;
+}
+static float f32_at(const unsigned char *row, size_t i) {
+    float sample;
+    memcpy(&sample, row + i * sizeof sample, sizeof sample);
+    return sample;
+}
+
 /* `count` samples from number `first` of a row on, clamped to 0..1. */
 static void read_samples(const unsigned char *row, gscl_sample sample, size_t first, size_t count, float *values) {
-    if (sample == GSCL_SAMPLE_U8) {
-        const uint8_t *samples = row + first;
+    if (sample == GSCL_SAMPLE_U8)
         for (size_t i = 0; i < count; i++)
-            values[i] = (float)samples[i] / 255.0f;
-    } else if (sample == GSCL_SAMPLE_U16) {
-        const uint16_t *samples = (const uint16_t *)(const void *)row + first;
+            values[i] = (float)row[first + i] / 255.0f;
+    else if (sample == GSCL_SAMPLE_U16)
         for (size_t i = 0; i < count; i++)
-            values[i] = (float)samples[i] / 65535.0f;
-    } else {
-        const float *samples = (const float *)(const void *)row + first;
+            values[i] = (float)u16_at(row, first + i) / 65535.0f;
+    else
         for (size_t i = 0; i < count; i++)
-            values[i] = clamp_unit(samples[i]);
-    }
+            values[i] = clamp_unit(f32_at(row, first + i));
 }
 
 void gscl_image_read(const gscl_image *image, uint32_t x, uint32_t y, size_t count, gscl_pixels *pixels) {
@@ -74,11 +82,11 @@ static gscl_result check_finite(gscl_context *context, const gscl_image *image) 
     if (image->sample != GSCL_SAMPLE_F32)
         return GSCL_OK;
     for (uint32_t y = 0; y < image->height; y++) {
-        const float *row = (const float *)(const void *)row_of(image, y);
+        const unsigned char *row = row_of(image, y);
         for (size_t i = 0; i < (size_t)image->width * image->channels; i++)
-            if (!isfinite(row[i]))
+            if (!isfinite(f32_at(row, i)))
                 return gscl_fail(context, GSCL_ERROR_IMAGE_NOT_FINITE, "pixel (%u, %u) is %s; samples must be finite",
-                                 (unsigned)(i / image->channels), y, isnan(row[i]) ? "NaN" : "infinite");
+                                 (unsigned)(i / image->channels), y, isnan(f32_at(row, i)) ? "NaN" : "infinite");
     }
     return GSCL_OK;
 }
