@@ -59,11 +59,16 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(GSCL_BUILD) /* the library itself is being compiled */
+#define GSCL_API __declspec(dllexport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define GSCL_API __attribute__((visibility("default")))
-#define GSCL_CHECKED __attribute__((warn_unused_result))
 #else
 #define GSCL_API
+#endif
+#if defined(__GNUC__)
+#define GSCL_CHECKED __attribute__((warn_unused_result))
+#else
 #define GSCL_CHECKED
 #endif
 

@@ -6,6 +6,7 @@
 #include <gscl/gscl.h>
 
 #include "runtime/stages.h"
+#include "runtime/text.h"
 
 #define GSCL_MESSAGE_SIZE 512
 
@@ -68,11 +69,8 @@ struct gscl_context {
 
 /* Stores the message (printf-style) of an error and returns `result`, so that a function can end with
  * `return gscl_fail(context, GSCL_ERROR_..., "...")`.  A message beyond GSCL_MESSAGE_SIZE ends with "...". */
-#if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
-#endif
-gscl_result
-gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
+GSCL_PRINTF(3, 4)
+gscl_result gscl_fail(gscl_context *context, gscl_result result, const char *format, ...);
 
 /* Stores "out of memory" and returns GSCL_ERROR_OUT_OF_MEMORY: the host has no memory left. */
 gscl_result gscl_fail_memory(gscl_context *context);
@@ -99,9 +97,7 @@ gscl_result gscl_complete_message(gscl_context *context, gscl_result result);
 void gscl_call_begin(gscl_context *context, const char *function);
 gscl_result gscl_call_end(gscl_context *context, gscl_result result);
 
-#if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
-#endif
+GSCL_PRINTF(3, 4)
 void gscl_log(const gscl_context *context, gscl_log_level level, const char *format, ...);
 
 /* Calls the caller's `build`, if there is one. */

@@ -5,6 +5,17 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Has compilers check printf-style arguments: the numbers of the format and of the first of them.  On Windows stdio.h knows
+ * which of two sets of formats is in use: that of C99 is. */
+#if defined(__MINGW32__)
+#include <stdio.h>
+#define GSCL_PRINTF(format_number, first) __attribute__((format(__MINGW_PRINTF_FORMAT, format_number, first)))
+#elif defined(__GNUC__)
+#define GSCL_PRINTF(format_number, first) __attribute__((format(printf, format_number, first)))
+#else
+#define GSCL_PRINTF(format_number, first)
+#endif
+
 /* A text that is appended to; always ends with a NUL. */
 typedef struct gscl_text {
     char *bytes;
@@ -17,9 +28,7 @@ typedef struct gscl_text {
 gscl_text gscl_text_begin(char *bytes, size_t capacity);
 
 /* Appends printf-style.  Text that does not fit as a whole is not appended, nor is any after it. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
+GSCL_PRINTF(2, 3)
 void gscl_text_append(gscl_text *text, const char *format, ...);
 
 /* Copies `from`, and where it is too long its beginning and "...", in UTF-8 cut between characters.  `capacity` counts
