@@ -100,10 +100,17 @@ unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
 check "no data races" sh tests/check_threads.sh build-thread
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 
+# The library without OpenCL.
+check "build without OpenCL" build build-decoder -Dopencl=disabled -Dtool=disabled -Dtests=enabled -Dweb=disabled \
+    -Dopenimageio=disabled -Ddesktop=disabled
+export STABILITY_SMALL=1
+suite build-decoder
+unset STABILITY_SMALL
+check "library without OpenCL" sh tests/install/test_without_opencl.sh build-decoder
+
 # The library alone needs no C++ compiler.
 CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
 check "install of the library" sh tests/install/test_install.sh build-library
-check "library without OpenCL" sh tests/install/test_without_opencl.sh
 check "reproducible and hardened build" sh tests/install/test_reproducible.sh
 check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
 

@@ -7,7 +7,12 @@
  *     codes decode|decode-cpu|decode-gpu|decode-host whole|bare FOLDER FILE...
  *                                            decodes on the default device, in its own mapping or in that of CPUs or GPUs,
  *                                            or on the device "host": writes the samples of the Nth file to FOLDER/N.raw,
- *                                            numbers from 0, and prints: file NAME RESULT WIDTH HEIGHT CHANNELS BITS
+ *                                            numbers from 0, of 16 bits with the low byte first, and prints:
+ *                                            file NAME RESULT WIDTH HEIGHT CHANNELS BITS
+ *     codes pixels whole|bare FILE X Y...    decodes single pixels on the device "host", which takes less time than the whole of
+ *                                            a large image, and prints for each: BITS SAMPLE...
+ *     codes decoders                         prints those of the words decode-host, decode-cpu and decode-gpu for which the
+ *                                            library was built
  *
  * README.md describes the text.  RESULT is `valid` or a result of FORMAT.md, with `-` for spaces.  `unchecked` writes
  * files that break the limit of the work, too. */
@@ -467,6 +472,22 @@ static gsf_result format_result(gscl_context *context, gscl_result result, const
     }
 }
 
+/* Puts the low byte of each sample first. */
+static void order_bytes(uint16_t *samples, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const uint8_t bytes[2] = {(uint8_t)samples[i], (uint8_t)(samples[i] >> 8)};
+        memcpy(&samples[i], bytes, sizeof bytes);
+    }
+}
+
+static void write_samples(const char *path, const gscl_image *image) {
+    const size_t count = (size_t)image->width * image->height * image->channels;
+    const bool wide = image->sample == GSCL_SAMPLE_U16;
+    if (wide)
+        order_bytes(image->pixels, count);
+    write_file(path, image->pixels, count * (wide ? 2 : 1));
+}
+
 static void decode_file(gscl_context *context, const char *path, bool bare, const char *folder, int number) {
     size_t size;
     uint8_t *bytes = read_file(path, &size);
@@ -478,10 +499,10 @@ static void decode_file(gscl_context *context, const char *path, bool bare, cons
     printf("file %s %s", path, result_name(format_result(context, result, path)));
     if (result == GSCL_OK) {
         char out[1000];
-        const unsigned sample = image.sample == GSCL_SAMPLE_U8 ? 1 : 2;
         snprintf(out, sizeof out, "%s/%d.raw", folder, number);
-        write_file(out, image.pixels, (size_t)image.width * image.height * image.channels * sample);
-        printf(" %u %u %u %u", (unsigned)image.width, (unsigned)image.height, (unsigned)image.channels, 8 * sample);
+        write_samples(out, &image);
+        printf(" %u %u %u %u", (unsigned)image.width, (unsigned)image.height, (unsigned)image.channels,
+               image.sample == GSCL_SAMPLE_U8 ? 8u : 16u);
     }
     putchar('\n');
     gscl_free(image.pixels);
@@ -513,6 +534,47 @@ static void decode_files(const char *word, bool bare, const char *folder, char *
     gscl_context_free(&context);
 }
 
+static void print_pixel(gscl_context *context, const uint8_t *bytes, size_t size,
+                        const gscl_decode_settings *settings) {
+    gscl_image image = {0};
+    if (gscl_decode(context, bytes, size, settings, &image) != GSCL_OK)
+        fail("%s", gscl_context_message(context));
+    const bool wide = image.sample == GSCL_SAMPLE_U16;
+    printf("%d", wide ? 16 : 8);
+    for (uint32_t k = 0; k < image.channels; k++)
+        printf(" %u", wide ? (unsigned)((const uint16_t *)image.pixels)[k] : ((const uint8_t *)image.pixels)[k]);
+    putchar('\n');
+    gscl_free(image.pixels);
+}
+
+static void print_pixels(bool bare, const char *path, char **places, int count) {
+    size_t size;
+    uint8_t *bytes = read_file(path, &size);
+    gscl_context *context;
+    const gscl_context_settings device = decode_settings("decode-host");
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.bare = bare;
+    settings.crop_width = settings.crop_height = 1;
+    if (gscl_context_create(&context, &device) != GSCL_OK)
+        fail("%s", gscl_context_message(context));
+    for (int i = 0; i + 1 < count; i += 2) {
+        settings.crop_x = (uint32_t)strtoul(places[i], NULL, 10);
+        settings.crop_y = (uint32_t)strtoul(places[i + 1], NULL, 10);
+        print_pixel(context, bytes, size, &settings);
+    }
+    gscl_context_free(&context);
+    free(bytes);
+}
+
+static void print_decoders(void) {
+    gscl_device_info *devices = NULL;
+    puts("decode-host");
+    if (gscl_list_devices(&devices) != GSCL_ERROR_NO_OPENCL)
+        puts("decode-cpu\ndecode-gpu");
+    gscl_free(devices);
+}
+
 static bool has_word(char **words, int count, const char *word) {
     bool found = false;
     for (int i = 0; i < count; i++)
@@ -521,10 +583,13 @@ static bool has_word(char **words, int count, const char *word) {
 }
 
 int main(int count, char **words) {
+    if (count == 2 && strcmp(words[1], "decoders") == 0) {
+        print_decoders();
+        return 0;
+    }
     if (count < 4)
         fail("codes write TEXT OUT [bare] [unchecked], codes read whole|bare FILE..., codes prefixes whole|bare "
-             "FILE... or codes decode whole|bare FOLDER "
-             "FILE...");
+             "FILE..., codes decode whole|bare FOLDER FILE..., codes pixels whole|bare FILE X Y... or codes decoders");
     const bool bare = strcmp(words[2], "bare") == 0;
     if (strcmp(words[1], "write") == 0)
         write_codes(words[2], words[3], has_word(words + 4, count - 4, "bare"),
@@ -535,6 +600,8 @@ int main(int count, char **words) {
     else if (strcmp(words[1], "prefixes") == 0)
         for (int i = 3; i < count; i++)
             read_prefixes(words[i], bare);
+    else if (strcmp(words[1], "pixels") == 0)
+        print_pixels(bare, words[3], words + 4, count - 4);
     else
         decode_files(words[1], bare, words[3], words + 4, count - 4);
     return 0;

@@ -2,7 +2,8 @@
 """Compares all decoders on random files: differential.py [--files N] [--seed N] [--keep FOLDER] BUILD
 
 Random codes (random_scenes.py) are written as files by the library.  The decoders are that of the device "host", that of
-OpenCL in the mapping of CPUs and in that of GPUs, that of web pages in Node, where BUILD has it, and gscl_decoder.py.  All must
+OpenCL in the mapping of CPUs and in that of GPUs, unless the library was built without OpenCL, that of web pages in Node,
+where BUILD has it, and gscl_decoder.py.  All must
 read the same codes.  What gscl_decoder.py draws in double precision is the exact picture, from which the samples of the others
 may differ as much as FORMAT.md, "Precision", allows.  A third of the files is also damaged or cut: then all must give the
 same result.  The report counts features and results, and shows the largest differences: of a decoder from the exact
@@ -13,10 +14,8 @@ Ends with status 1 when decoders disagree, and names the seed and the file, whic
 import argparse
 import collections
 import itertools
-import os
 import pathlib
 import random
-import re
 import shutil
 import subprocess
 import sys
@@ -26,12 +25,13 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "decoder"), str(HERE.parent / "cli")]
 
 import gscl_decoder as gscl
+from codes import Codes, form
 from gscl_file import crc16
 from random_scenes import random_scene
 
 BATCH = 250  # files that a process of each decoder gets
 EXACT, HOST, CPU, GPU, WEB = "exact", "host", "opencl-cpu", "opencl-gpu", "web"
-LIBRARY = {HOST: "decode-host", CPU: "decode-cpu", GPU: "decode-gpu"}
+WORDS = {"decode-host": HOST, "decode-cpu": CPU, "decode-gpu": GPU}  # of codes.c
 MAX_PIXELS, MAX_SPLATS = 10000, 2000  # of damaged files that are drawn
 
 
@@ -42,22 +42,15 @@ class File:
         self.name, self.path, self.bare, self.features = name, path, bare, features
         self.result, self.codes, self.bounds, self.pictures, self.problems = None, "", None, {}, []
 
-    def form(self):
-        return "bare" if self.bare else "whole"
-
 
 # ---- Making files ---------------------------------------------------------------------------------------------------
-
-def run(*command, text=True, **options):
-    return subprocess.run([*map(str, command)], check=True, stdout=subprocess.PIPE, text=text, **options).stdout
-
 
 def valid_file(codes, folder, seed, kinds):
     scene, features = random_scene(seed, kinds)
     bare = seed % 5 == 0 and not scene.blocks
     text, path = folder / "codes.txt", folder / f"{seed}.gscl"
     text.write_text(scene.codes())
-    run(codes, "write", text, path, *(["bare"] if bare else []))
+    codes.run("write", text, path, *(["bare"] if bare else []))
     return File(f"seed {seed}", path, bare, features | {"bare" if bare else "container"})
 
 
@@ -128,17 +121,11 @@ def corners(picture, values, tolerance):
 
 # ---- The other decoders ---------------------------------------------------------------------------------------------
 
-def sections(output):
-    """What follows "file NAME " in each line of this kind, and the lines that follow."""
-    parts = re.split(r"^file ", output, flags=re.M)[1:]
-    return [(part.split("\n", 1)[0].split()[1:], part.split("\n", 1)[1]) for part in parts]
-
-
 def by_form(files):
+    """Files of either form, and their paths."""
     for bare in False, True:
         chosen = [file for file in files if file.bare == bare]
-        if chosen:
-            yield chosen[0].form(), chosen
+        yield bare, chosen, [file.path for file in chosen]
 
 
 def compare(file, decoder, what, found, expected):
@@ -147,26 +134,25 @@ def compare(file, decoder, what, found, expected):
 
 
 def read_by_library(codes, files):
-    for form, chosen in by_form(files):
-        for file, (words, text) in zip(chosen, sections(run(codes, "read", form, *(file.path for file in chosen))), strict=True):
-            compare(file, "library", "result", words[0], file.result)
+    for bare, chosen, paths in by_form(files):
+        for file, (result, text) in zip(chosen, codes.read(bare, paths), strict=True):
+            compare(file, "library", "result", result, file.result)
             compare(file, "library", "codes", text, file.codes)
 
 
 def draw_by_library(codes, folder, files):
-    for decoder, word in LIBRARY.items():
-        for form, chosen in by_form([file for file in files if file.bounds is not None]):
-            output = run(codes, word, form, folder, *(file.path for file in chosen))
-            for number, (file, (words, _)) in enumerate(zip(chosen, sections(output), strict=True)):
-                compare(file, decoder, "result", words[0], "valid")
-                compare(file, decoder, "size", [*map(int, words[1:])], file.size)
-                data = memoryview((folder / f"{number}.raw").read_bytes())
-                file.pictures[decoder] = data.tolist() if file.size[3] == 8 else [v / 257 for v in data.cast("H")]
+    for word in codes.run("decoders").split():
+        for bare, chosen, paths in by_form([file for file in files if file.bounds is not None]):
+            for file, (result, size, samples) in zip(chosen, codes.decode(word, bare, paths, folder), strict=True):
+                compare(file, WORDS[word], "result", result, "valid")
+                compare(file, WORDS[word], "size", size, file.size)
+                file.pictures[WORDS[word]] = [value * 255 / ((1 << size[3]) - 1) for value in samples] if size else []
 
 
 def decode_by_web(web, folder, files):
-    lines = [f'{file.form()} {"read" if file.bounds is None else "draw"} {file.path}\n' for file in files]
-    results = run("node", HERE / "decode_all.mjs", web, folder, input="".join(lines)).split()
+    lines = [f'{form(file.bare)} {"read" if file.bounds is None else "draw"} {file.path}\n' for file in files]
+    results = subprocess.run(["node", str(HERE / "decode_all.mjs"), str(web), str(folder)], check=True, text=True,
+                             input="".join(lines), stdout=subprocess.PIPE).stdout.split()
     for number, (file, result) in enumerate(zip(files, results, strict=True)):
         compare(file, WEB, "result", result, file.result)
         if file.bounds is not None and result == "valid":
@@ -275,7 +261,7 @@ def main():
     parser.add_argument("--keep", help="folder for files on which decoders disagree")
     arguments = parser.parse_args()
     web = pathlib.Path(arguments.build, "host/web")
-    comparison = Comparison(os.path.join(arguments.build, "tests/codes"), web if (web / "gscl.wasm").exists() else None)
+    comparison = Comparison(Codes(pathlib.Path(arguments.build, "tests/codes")), web if (web / "gscl.wasm").exists() else None)
     end = arguments.seed + arguments.files
     for first in range(arguments.seed, end, BATCH):
         comparison.add(range(first, min(first + BATCH, end)), arguments.keep)

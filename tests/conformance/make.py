@@ -9,15 +9,15 @@ import json
 import os
 import pathlib
 import random
-import subprocess
 import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "decoder"), str(HERE.parent / "cli")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "decoder"), str(HERE.parent / "cli")]
 
 import gscl_decoder as gscl
 import gscl_file
+from codes import Codes
 
 NORMALIZED, ALPHA, SUM = range(3)
 GREY, GREY_ALPHA, RGB, RGB_ALPHA = range(4)
@@ -446,7 +446,7 @@ class Writer:
         with tempfile.TemporaryDirectory() as folder:
             text, out = pathlib.Path(folder, "codes.txt"), pathlib.Path(folder, "out.gscl")
             text.write_text(scene.codes())
-            subprocess.run([self.codes, "write", text, out, *options], check=True)
+            self.codes.run("write", text, out, *options)
             return out.read_bytes()
 
     def add(self, name, about, data, bare=False):
@@ -505,7 +505,7 @@ def make(writer):
 
 
 def main():
-    writer = Writer(os.path.abspath(sys.argv[1]), HERE)
+    writer = Writer(Codes(os.path.abspath(sys.argv[1])), HERE)
     make(writer)
     lines = ",\n".join(json.dumps(entry) for entry in writer.index)
     (HERE / "index.json").write_text(f"[\n{lines}\n]\n")

@@ -1,6 +1,7 @@
-"""Compares all decoders on 200 random files, and on some of them damaged; differential.py compares more.
+"""Compares all decoders on 200 random files, and on some of them damaged: test_differential.py CODES [TEST...]
 
-The environment variable GSCL_CODES names the program of codes.c, GSCL_WEB the folder of the decoder for web pages.
+CODES is the program of codes.c; the environment variable GSCL_WEB names the folder of the decoder for web pages.
+differential.py compares more files.
 """
 import os
 import pathlib
@@ -10,8 +11,11 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "cli")]
 
-from differential import CPU, EXACT, GPU, HOST, WEB, Comparison
+from codes import Codes
+from differential import EXACT, WEB, WORDS, Comparison
 from tool import main
+
+CODES = Codes(sys.argv.pop(1))
 
 FILES = 200
 KINDS = 20  # of files, because kernels are compiled for each
@@ -20,14 +24,14 @@ KINDS = 20  # of files, because kernels are compiled for each
 class Differential(unittest.TestCase):
     def test_decoders_agree(self):
         web = os.environ.get("GSCL_WEB")
-        comparison = Comparison(os.environ["GSCL_CODES"], web, KINDS)
+        comparison = Comparison(CODES, web, KINDS)
         comparison.add(range(FILES))
         for line in comparison.report():
             print("#", line)
         self.assertEqual([file.problems for file in comparison.failed], [])
         self.assertEqual(comparison.valid, FILES)
         self.assertGreater(comparison.drawn, FILES - 1)
-        decoders = {HOST, CPU, GPU} | ({WEB} if web else set())
+        decoders = {WORDS[word] for word in CODES.run("decoders").split()} | ({WEB} if web else set())
         self.assertEqual({b for a, b in comparison.largest if a == EXACT}, decoders)
         self.assertTrue({"corrupt", "truncated", "damaged", "valid"} <= set(comparison.results))
 

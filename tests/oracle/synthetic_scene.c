@@ -129,6 +129,28 @@ void synthetic_place_splat(const gsf_coded_image *image, gsf_splat *splat, doubl
     splat->y = cell_at(y, (double)grid.step / grid.parts_y, grid.cells_y);
 }
 
+bool synthetic_file(uint32_t width, uint32_t height, uint32_t splats, uint8_t **bytes, size_t *size) {
+    const gsf_header header = {.layout = GSF_RGB,
+                               .has_chroma = true,
+                               .has_rotation = true,
+                               .has_anisotropy = true,
+                               .width = width,
+                               .height = height,
+                               .splat_count = splats};
+    synthetic_scene *scene = synthetic_scene_new(&header);
+    *bytes = NULL;
+    if (!scene)
+        return false;
+    synthetic_random_state = splats;
+    scene->image.has_mean_background = true;
+    scene->image.steps = (gsf_steps){.scale = 4, .position = 8, .angle = 4, .luma = 9, .chroma = 5};
+    for (uint32_t i = 0; i < splats; i++)
+        synthetic_splat(&scene->image, &scene->image.splats[i], 6 + synthetic_random(6), synthetic_random(5));
+    const bool written = synthetic_scene_write(scene, bytes, size) == GSF_OK;
+    synthetic_scene_free(scene);
+    return written;
+}
+
 static int descending(const void *a, const void *b) {
     return (int)*(const uint16_t *)b - (int)*(const uint16_t *)a;
 }

@@ -33,6 +33,9 @@ void synthetic_colour(const gsf_coded_image *image, gsf_splat *splat);
 void synthetic_splat(const gsf_coded_image *image, gsf_splat *splat, unsigned minor, unsigned aspect);
 /* Moves a splat to the cell that contains a position in pixels, or to the nearest cell. */
 void synthetic_place_splat(const gsf_coded_image *image, gsf_splat *splat, double x, double y);
+/* Writes a file of the most frequent kind, RGB in scalar coding, with splats of some pixels each, into a new buffer, which the
+ * caller frees.  Returns false when memory runs out. */
+bool synthetic_file(uint32_t width, uint32_t height, uint32_t splats, uint8_t **bytes, size_t *size);
 /* Random codebooks with axes up to `longest` 32nds of an octave above 1/16 pixel, and random splats that use them. */
 void synthetic_codebooks(gsf_coded_image *image, int32_t longest);
 

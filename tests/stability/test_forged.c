@@ -1,5 +1,5 @@
 /* Valid files that no encoder writes, made so that roundings add up or are multiplied.  Each sample must have the
- * precision that FORMAT.md prescribes ("Precision"), in both mappings and without OpenCL. */
+ * precision that FORMAT.md prescribes ("Precision"), from every decoder. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "both_mappings.h"
+#include "every_decoder.h"
 #include "oracle.h"
 #include "report.h"
 #include "synthetic_scene.h"
@@ -23,7 +23,6 @@ typedef struct {
 } forged_case;
 
 static const char *const blends[3] = {"normalized", "alpha", "sum"};
-static const char *const mappings[3] = {"cpu", "gpu", "host"};
 
 /* ---- Scalar coding ---- */
 
@@ -307,8 +306,8 @@ static void check_case(const forged_case *c, const gsf_header *header, const cha
     if (getenv("STABILITY_SMALL") && c->splats > FEW_SPLATS)
         return;
     forged_file file = forge(c, header);
-    for (int m = 0; m < 3; m++) {
-        snprintf(detail, sizeof detail, "%s%s, %s", blends[header->blend], shape, mappings[m]);
+    for (int m = 0; m < decoder_count; m++) {
+        snprintf(detail, sizeof detail, "%s%s, %s", blends[header->blend], shape, decoder_names[m]);
         check_decode(c->name, detail, contexts[m], &file, worst);
     }
     free(file.bytes);

@@ -1,4 +1,4 @@
-/* The library's decoder in both mappings, and without OpenCL, against the oracle: samples differ by at most 1/255. */
+/* The library's decoders against the oracle and against each other: samples differ by at most 1/255. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +11,7 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
-#include "both_mappings.h"
+#include "every_decoder.h"
 #include "oracle.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
@@ -36,10 +36,10 @@ static void widen(gap *widest, size_t index, uint32_t a, uint32_t b) {
         *widest = (gap){difference, index, {a, b}};
 }
 
-static void check_gap(const char *name, const char *pair, const gap *widest, uint32_t allowed) {
+static void check_gap(const char *name, int decoder, const char *other, const gap *widest, uint32_t allowed) {
     if (widest->difference > allowed)
-        fail_msg("%s: %s: sample %zu is %u and %u, at most %u apart expected", name, pair, widest->index,
-                 widest->values[0], widest->values[1], allowed);
+        fail_msg("%s: decoder %s and %s: sample %zu is %u and %u, at most %u apart expected", name,
+                 decoder_names[decoder], other, widest->index, widest->values[0], widest->values[1], allowed);
 }
 
 static void check_header(const oracle_image *truth, const gscl_image *image) {
@@ -51,31 +51,29 @@ static void check_header(const oracle_image *truth, const gscl_image *image) {
 
 /* Decodes the file in all contexts and compares each pair and each with the oracle. */
 static void check_file(const char *name, const uint8_t *bytes, size_t size) {
-    static const char *const pairs[3][2] = {{"CPU mapping and oracle", "CPU and GPU mapping"},
-                                            {"GPU mapping and oracle", "GPU mapping and host"},
-                                            {"host and oracle", "host and CPU mapping"}};
     oracle_image truth;
-    gscl_image images[3] = {{0}, {0}, {0}};
+    gscl_image images[MAX_DECODERS] = {{0}, {0}, {0}};
     if (!oracle_decode(bytes, size, &truth))
         fail_msg("%s: the oracle cannot read the file", name);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < decoder_count; i++) {
         const gscl_result result = gscl_decode(contexts[i], bytes, size, NULL, &images[i]);
         if (result != GSCL_OK)
             fail_msg("%s: %s", name, gscl_context_message(contexts[i]));
         check_header(&truth, &images[i]);
     }
     const uint32_t peak = truth.header.high_bit_depth ? 65535 : 255, allowed = truth.header.high_bit_depth ? 257 : 1;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < decoder_count; k++) {
+        const int next = (k + 1) % decoder_count;
         gap to_oracle = {0}, to_next = {0};
         for (size_t i = 0; i < synthetic_sample_count(&images[0]); i++) {
             const uint32_t sample = integer_sample(&images[k], i);
             widen(&to_oracle, i, sample, oracle_round(truth.pixels[i], peak));
-            widen(&to_next, i, sample, integer_sample(&images[(k + 1) % 3], i));
+            widen(&to_next, i, sample, integer_sample(&images[next], i));
         }
-        check_gap(name, pairs[k][0], &to_oracle, allowed);
-        check_gap(name, pairs[k][1], &to_next, allowed);
+        check_gap(name, k, "oracle", &to_oracle, allowed);
+        check_gap(name, k, decoder_names[next], &to_next, allowed);
     }
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < decoder_count; i++)
         gscl_free(images[i].pixels);
     oracle_free(&truth);
 }
@@ -109,9 +107,9 @@ static void check_encoding(const encoding *e) {
     settings.effort = 0;
     uint8_t *bytes = NULL;
     size_t size = 0;
-    const gscl_result result = gscl_encode(contexts[0], &image, &settings, &bytes, &size, NULL);
+    const gscl_result result = gscl_encode(contexts[CPU_MAPPING], &image, &settings, &bytes, &size, NULL);
     if (result != GSCL_OK)
-        fail_msg("%s: %s", name, gscl_context_message(contexts[0]));
+        fail_msg("%s: %s", name, gscl_context_message(contexts[CPU_MAPPING]));
     check_file(name, bytes, size);
     gscl_free(bytes);
     synthetic_image_free(&image);
@@ -403,11 +401,6 @@ static void test_splats(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_encoded_kinds_and_blends),
-        cmocka_unit_test(test_encoded_layouts),
-        cmocka_unit_test(test_encoded_sizes),
-        cmocka_unit_test(test_encoded_splat_counts),
-        cmocka_unit_test(test_encoded_paper_profile),
         cmocka_unit_test(test_needles),
         cmocka_unit_test(test_needles_along_the_axes),
         cmocka_unit_test(test_sub_pixel_axes),
@@ -419,5 +412,12 @@ int main(void) {
         cmocka_unit_test(test_random_scenes),
         cmocka_unit_test(test_splats),
     };
-    return cmocka_run_group_tests(tests, open_contexts, close_contexts);
+    const struct CMUnitTest opencl_tests[] = {
+        cmocka_unit_test(test_encoded_kinds_and_blends),
+        cmocka_unit_test(test_encoded_layouts),
+        cmocka_unit_test(test_encoded_sizes),
+        cmocka_unit_test(test_encoded_splat_counts),
+        cmocka_unit_test(test_encoded_paper_profile),
+    };
+    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_contexts, close_contexts);
 }

@@ -1,4 +1,5 @@
-/* Compatibility of the public interface: structs of another size, versions, and limits of a decode. */
+/* Compatibility of the public interface: structs of another size, versions, and limits of a decode.  Without OpenCL, those of
+ * encodes are skipped. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,8 +15,10 @@
 
 #include "cl/constants.h"
 #include "format/format.h"
+#include "has_opencl.h"
 #include "one_context.h"
 #include "synthetic_image.h"
+#include "synthetic_scene.h"
 
 #define POISON 0xA5
 
@@ -71,25 +74,21 @@ void *__wrap_realloc(void *memory, size_t size) {
 
 #define WIDTH 60
 #define HEIGHT 40
+#define SPLATS 15
 
-static gscl_image source;
+static gscl_image source; /* for encodes */
 static uint8_t *bytes;
 static size_t size;
 
 static int open_file(void **state) {
-    gscl_encode_settings settings;
     if (open_context(state) != 0)
         return -1;
     source = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
-    gscl_encode_settings_default(&settings);
-    settings.target = GSCL_TARGET_SPLATS;
-    settings.target_value = 15;
-    settings.effort = 0;
-    return gscl_encode(context, &source, &settings, &bytes, &size, NULL) == GSCL_OK ? 0 : -1;
+    return source.pixels && synthetic_file(WIDTH, HEIGHT, SPLATS, &bytes, &size) ? 0 : -1;
 }
 
 static int close_file(void **state) {
-    gscl_free(bytes);
+    free(bytes);
     synthetic_image_free(&source);
     return close_context(state);
 }
@@ -173,19 +172,23 @@ static gscl_result use_comparison(void *comparison) {
 static void test_wrong_sizes_are_refused(void **state) {
     (void)state;
     gscl_context_settings c = {0};
-    gscl_encode_settings e;
     gscl_decode_settings d = {0};
-    gscl_encode_report report = {0};
     gscl_info info = {0};
-    gscl_comparison comparison = {0};
-    gscl_encode_settings_default(&e);
-    e.effort = 0;
     check_refused_sizes(use_context_settings, &c, sizeof c);
-    check_refused_sizes(use_encode_settings, &e, sizeof e);
-    check_refused_sizes(use_encode_report, &report, sizeof report);
     check_refused_sizes(use_decode_settings, &d, sizeof d);
     check_refused_sizes(use_probe, &info, sizeof info);
     check_refused_sizes(use_inspect, &info, sizeof info);
+}
+
+static void test_wrong_sizes_are_refused_by_encodes(void **state) {
+    (void)state;
+    gscl_encode_settings e;
+    gscl_encode_report report = {0};
+    gscl_comparison comparison = {0};
+    gscl_encode_settings_default(&e);
+    e.effort = 0;
+    check_refused_sizes(use_encode_settings, &e, sizeof e);
+    check_refused_sizes(use_encode_report, &report, sizeof report);
     check_refused_sizes(use_comparison, &comparison, sizeof comparison);
 }
 
@@ -246,17 +249,6 @@ static void test_settings_of_an_old_program(void **state) {
     c.struct_size = OLD_CONTEXT;
     assert_result(use_context_settings(&c), GSCL_OK);
 
-    gscl_encode_settings e;
-    gscl_encode_report report = {.struct_size = sizeof report};
-    gscl_encode_settings_default(&e);
-    e.effort = 0;
-    e.trace = true;
-    assert_result(encode_with(&e, &report), GSCL_OK);
-    assert_true(report.trace_count > 0);
-    e.struct_size = OLD_ENCODE;
-    assert_result(encode_with(&e, &report), GSCL_OK);
-    assert_int_equal(report.trace_count, 0);
-
     gscl_decode_settings d;
     gscl_decode_settings_default(&d);
     d.max_pixels = d.max_work = 1;
@@ -267,6 +259,20 @@ static void test_settings_of_an_old_program(void **state) {
     d.progress = refuse_progress;
     d.struct_size = offsetof(gscl_decode_settings, progress);
     assert_result(use_decode_settings(&d), GSCL_OK);
+}
+
+static void test_encode_of_an_old_program(void **state) {
+    (void)state;
+    gscl_encode_settings e;
+    gscl_encode_report report = {.struct_size = sizeof report};
+    gscl_encode_settings_default(&e);
+    e.effort = 0;
+    e.trace = true;
+    assert_result(encode_with(&e, &report), GSCL_OK);
+    assert_true(report.trace_count > 0);
+    e.struct_size = OLD_ENCODE;
+    assert_result(encode_with(&e, &report), GSCL_OK);
+    assert_int_equal(report.trace_count, 0);
 }
 
 /* The automatic target has no value. */
@@ -288,15 +294,7 @@ static void test_value_of_the_automatic_target_is_not_used(void **state) {
 
 static void test_results_of_an_old_program(void **state) {
     (void)state;
-    gscl_encode_report report;
     gscl_info info;
-    gscl_comparison comparison;
-    memset(&report, POISON, sizeof report);
-    memset(&comparison, POISON, sizeof comparison);
-    report.struct_size = OLD_REPORT;
-    assert_result(use_encode_report(&report), GSCL_OK);
-    assert_true(report.struct_size == OLD_REPORT && report.bytes > 0 && report.stage_count > 0);
-    assert_poisoned(&report, OLD_REPORT, sizeof report);
     for (int whole = 0; whole < 2; whole++) {
         memset(&info, POISON, sizeof info);
         info.struct_size = OLD_INFO;
@@ -304,6 +302,18 @@ static void test_results_of_an_old_program(void **state) {
         assert_true(info.struct_size == OLD_INFO && info.width == WIDTH && info.bytes == size);
         assert_poisoned(&info, OLD_INFO, sizeof info);
     }
+}
+
+static void test_report_of_an_old_program(void **state) {
+    (void)state;
+    gscl_encode_report report;
+    gscl_comparison comparison;
+    memset(&report, POISON, sizeof report);
+    memset(&comparison, POISON, sizeof comparison);
+    report.struct_size = OLD_REPORT;
+    assert_result(use_encode_report(&report), GSCL_OK);
+    assert_true(report.struct_size == OLD_REPORT && report.bytes > 0 && report.stage_count > 0);
+    assert_poisoned(&report, OLD_REPORT, sizeof report);
     comparison.struct_size = OLD_COMPARISON;
     assert_result(use_comparison(&comparison), GSCL_OK);
     assert_true(comparison.struct_size == OLD_COMPARISON && comparison.mse == 0);
@@ -435,7 +445,7 @@ static void test_work_follows_size_and_crop(void **state) {
     assert_result(use_decode_settings(&s), GSCL_OK);
     gscl_decode_settings_default(&s);
     s.crop_width = s.crop_height = 2;
-    s.max_work = 4 * 15;
+    s.max_work = 4 * SPLATS;
     assert_result(use_decode_settings(&s), GSCL_OK);
 }
 
@@ -446,7 +456,6 @@ int main(void) {
         cmocka_unit_test(test_message_on_a_missing_size),
         cmocka_unit_test(test_defaults_of_an_old_program),
         cmocka_unit_test(test_settings_of_an_old_program),
-        cmocka_unit_test(test_value_of_the_automatic_target_is_not_used),
         cmocka_unit_test(test_results_of_an_old_program),
         cmocka_unit_test(test_header_is_refused_without_allocating),
         cmocka_unit_test(test_pixels_are_those_returned),
@@ -455,5 +464,11 @@ int main(void) {
         cmocka_unit_test(test_work_is_the_area_of_outlines),
         cmocka_unit_test(test_work_follows_size_and_crop),
     };
-    return cmocka_run_group_tests(tests, open_file, close_file);
+    const struct CMUnitTest opencl_tests[] = {
+        cmocka_unit_test(test_wrong_sizes_are_refused_by_encodes),
+        cmocka_unit_test(test_encode_of_an_old_program),
+        cmocka_unit_test(test_value_of_the_automatic_target_is_not_used),
+        cmocka_unit_test(test_report_of_an_old_program),
+    };
+    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_file, close_file);
 }

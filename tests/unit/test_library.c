@@ -684,6 +684,33 @@ static void test_same_bytes_every_time(void **state) {
     synthetic_image_free(&image);
 }
 
+/* Samples of several bytes may lie at odd addresses. */
+static void check_odd_address(gscl_sample sample) {
+    enum { GAP = 5, OFFSET = 1 };
+    const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, 8);
+    gscl_image image = synthetic_image(SYNTHETIC_SHAPES, 33, 21, 3, sample), moved = image;
+    const size_t row = image.width * image.channels * synthetic_sample_size(sample);
+    uint8_t *memory = malloc(OFFSET + (row + GAP) * image.height);
+    assert_non_null(memory);
+    moved.pixels = memory + OFFSET;
+    moved.stride = row + GAP;
+    for (uint32_t y = 0; y < image.height; y++)
+        memcpy((uint8_t *)moved.pixels + y * moved.stride, (uint8_t *)image.pixels + y * row, row);
+    const file expected = encode_file(&image, &settings), found = encode_file(&moved, &settings);
+    assert_int_equal(found.size, expected.size);
+    assert_memory_equal(found.bytes, expected.bytes, expected.size);
+    gscl_free(expected.bytes);
+    gscl_free(found.bytes);
+    free(memory);
+    synthetic_image_free(&image);
+}
+
+static void test_images_at_odd_addresses(void **state) {
+    (void)state;
+    check_odd_address(GSCL_SAMPLE_U16);
+    check_odd_address(GSCL_SAMPLE_F32);
+}
+
 /* ---- Decoding ---- */
 
 static void test_decode_into_callers_memory(void **state) {
@@ -902,6 +929,7 @@ int main(void) {
         cmocka_unit_test(test_long_images),
         cmocka_unit_test(test_progress_and_cancel),
         cmocka_unit_test(test_same_bytes_every_time),
+        cmocka_unit_test(test_images_at_odd_addresses),
         cmocka_unit_test(test_decode_into_callers_memory),
         cmocka_unit_test(test_decode_into_rows_that_are_too_short),
         cmocka_unit_test(test_crops),

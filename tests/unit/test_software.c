@@ -1,5 +1,5 @@
-/* Decoding without OpenCL, on the device "host": crops, sizes, forms, limits and errors, beside both mappings of OpenCL.
- * Samples at the encoded size are compared with the oracle in test_conformance.c and in tests/stability/. */
+/* Decoding without OpenCL, on the device "host": crops, sizes, forms, limits and errors, beside both mappings of OpenCL where
+ * the library has it.  Samples at the encoded size are compared with the oracle in test_conformance.c and in tests/stability/. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,13 +12,13 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
-#include "both_mappings.h"
 #include "cl/constants.h"
 #include "decode/resize.h"
+#include "every_decoder.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
 
-enum { HOST = 2, KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250, MANY_SPLATS = 1500 };
+enum { KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250, MANY_SPLATS = 1500 };
 
 typedef struct {
     uint8_t *bytes;
@@ -139,7 +139,7 @@ static void test_sizes_are_those_of_opencl(void **state) {
             settings.width = sizes[i][0];
             settings.height = sizes[i][1];
             gscl_image host = decode(HOST, &f, &settings);
-            for (int m = 0; m < HOST; m++) {
+            for (int m = CPU_MAPPING; m < decoder_count; m++) {
                 gscl_image image = decode(m, &f, &settings);
                 check_close(&host, &image, 1.0 / 255.0, number);
                 gscl_free(image.pixels);
@@ -154,7 +154,7 @@ static void test_sizes_are_those_of_opencl(void **state) {
 static void test_enlarged_pixels_are_those_of_the_whole(void **state) {
     (void)state;
     for (int number = 0; number < KINDS; number++)
-        for (int m = 0; m <= HOST; m++) {
+        for (int m = 0; m < decoder_count; m++) {
             const file f = file_of(number, GSF_CODING_SCALAR, 60, false);
             gscl_decode_settings settings = float_settings();
             gscl_image whole = decode(m, &f, &settings);
@@ -196,7 +196,7 @@ static void test_partial_and_bare_files(void **state) {
             settings.bare = bare;
             settings.partial = true;
             for (int part = 0; part < 3; part++, f.size = f.size * 2 / 3) {
-                gscl_image host = decode(HOST, &f, &settings), other = decode(0, &f, &settings);
+                gscl_image host = decode(HOST, &f, &settings), other = decode(CPU_MAPPING, &f, &settings);
                 check_close(&host, &other, 1.0 / 255.0, number);
                 gscl_free(host.pixels);
                 gscl_free(other.pixels);
@@ -205,9 +205,9 @@ static void test_partial_and_bare_files(void **state) {
         }
 }
 
-/* Both contexts give the same result, which is that expected, and leave the image as it was. */
+/* All contexts give the same result, which is that expected, and leave the image as it was. */
 static void check_result(const file *f, const gscl_decode_settings *settings, gscl_image caller, gscl_result expected) {
-    for (int m = 0; m <= HOST; m += HOST) {
+    for (int m = 0; m < decoder_count; m++) {
         gscl_image image = caller;
         assert_int_equal(gscl_decode(contexts[m], f->bytes, f->size, settings, &image), expected);
         assert_memory_equal(&image, &caller, sizeof image);
@@ -253,12 +253,13 @@ static bool watch(void *opaque, const gscl_progress *progress) {
     return ++w->calls != w->last_call;
 }
 
-/* The callback sees the whole decode and does not change it; a cancelled one leaves a context that works. */
+/* The callback sees the whole decode and does not change it; a cancelled one leaves a context that works.  OpenCL draws
+ * small images at once. */
 static void check_progress(int which, const file *f) {
     gscl_decode_settings settings = float_settings();
     settings.sample = GSCL_SAMPLE_U8;
-    settings.width = 6 * WIDTH;
-    settings.height = 40 * HEIGHT;
+    settings.width = which == HOST ? WIDTH : 6 * WIDTH;
+    settings.height = which == HOST ? 2 * HEIGHT : 40 * HEIGHT;
     gscl_image expected = decode(which, f, &settings);
     watched w = {0};
     settings.progress = watch;
@@ -285,7 +286,7 @@ static void check_progress(int which, const file *f) {
 static void test_progress(void **state) {
     (void)state;
     const file f = file_of(0, GSF_CODING_SCALAR, MANY_SPLATS, false);
-    for (int which = 0; which <= HOST; which++)
+    for (int which = 0; which < decoder_count; which++)
         check_progress(which, &f);
     free(f.bytes);
 }
@@ -306,30 +307,55 @@ static void test_errors_of_files(void **state) {
     free(f.bytes);
 }
 
-/* Rows of the caller's image with a gap keep what lies in it. */
-static void test_stride(void **state) {
-    (void)state;
-    enum { GAP = 5 };
-    const file f = file_of(2, GSF_CODING_SCALAR, SPLATS, false);
+/* Rows of the caller's image begin at odd addresses, and keep what lies between them. */
+static void check_rows(int which, const file *f, gscl_sample sample) {
+    enum { GAP = 5, OFFSET = 1 };
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
-    settings.sample = GSCL_SAMPLE_U8;
-    gscl_image whole = decode(HOST, &f, &settings), image = whole;
-    const size_t row = (size_t)whole.width * whole.channels;
+    settings.sample = sample;
+    gscl_image whole = decode(which, f, &settings), image = whole;
+    const size_t row = whole.width * whole.channels * synthetic_sample_size(sample);
     image.stride = row + GAP;
-    image.pixels = malloc(image.stride * whole.height);
-    memset(image.pixels, 0xA7, image.stride * whole.height);
-    assert_int_equal(gscl_decode(contexts[HOST], f.bytes, f.size, &settings, &image), GSCL_OK);
+    uint8_t *memory = malloc(OFFSET + image.stride * whole.height);
+    assert_non_null(memory);
+    memset(memory, 0xA7, OFFSET + image.stride * whole.height);
+    image.pixels = memory + OFFSET;
+    assert_int_equal(gscl_decode(contexts[which], f->bytes, f->size, &settings, &image), GSCL_OK);
     for (uint32_t y = 0; y < whole.height; y++) {
         const uint8_t *at = (uint8_t *)image.pixels + y * image.stride;
         assert_memory_equal(at, (uint8_t *)whole.pixels + y * row, row);
-        for (int i = 0; i < GAP; i++)
-            assert_int_equal(at[row + (size_t)i], 0xA7);
+        for (size_t i = 0; i < GAP; i++)
+            assert_int_equal(at[row + i], 0xA7);
     }
-    free(image.pixels);
+    free(memory);
     gscl_free(whole.pixels);
+}
+
+static void test_rows_of_the_caller(void **state) {
+    (void)state;
+    const file f = file_of(2, GSF_CODING_SCALAR, SPLATS, false);
+    for (int which = 0; which < decoder_count; which++)
+        for (gscl_sample sample = GSCL_SAMPLE_U8; sample <= GSCL_SAMPLE_F32; sample++)
+            check_rows(which, &f, sample);
     free(f.bytes);
 }
+
+#if SIZE_MAX <= UINT32_MAX
+/* The largest image has 2^32 bytes. */
+static void test_images_beyond_the_memory(void **state) {
+    (void)state;
+    const file f = file_of(3, GSF_CODING_SCALAR, SPLATS, false);
+    gscl_decode_settings settings = float_settings();
+    settings.width = settings.height = GSCL_MAX_DIMENSION;
+    watched w = {.last_call = 1};
+    settings.progress = watch;
+    settings.progress_opaque = &w;
+    gscl_image image = {0};
+    assert_int_equal(gscl_decode(contexts[HOST], f.bytes, f.size, &settings, &image), GSCL_ERROR_OUT_OF_MEMORY);
+    assert_true(!image.pixels && w.calls == 0);
+    free(f.bytes);
+}
+#endif
 
 /* ---- The context ---- */
 
@@ -381,17 +407,22 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_crops),
         cmocka_unit_test(test_crops_of_many_splats),
-        cmocka_unit_test(test_sizes_are_those_of_opencl),
         cmocka_unit_test(test_enlarged_pixels_are_those_of_the_whole),
         cmocka_unit_test(test_waves_of_reduced_images),
-        cmocka_unit_test(test_partial_and_bare_files),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_progress),
         cmocka_unit_test(test_errors_of_files),
-        cmocka_unit_test(test_stride),
+        cmocka_unit_test(test_rows_of_the_caller),
+#if SIZE_MAX <= UINT32_MAX
+        cmocka_unit_test(test_images_beyond_the_memory),
+#endif
         cmocka_unit_test(test_device),
         cmocka_unit_test(test_encoding_is_refused),
+    };
+    const struct CMUnitTest opencl_tests[] = {
+        cmocka_unit_test(test_sizes_are_those_of_opencl),
+        cmocka_unit_test(test_partial_and_bare_files),
         cmocka_unit_test(test_timings),
     };
-    return cmocka_run_group_tests(tests, open_contexts, close_contexts);
+    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_contexts, close_contexts);
 }
