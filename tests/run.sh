@@ -100,13 +100,17 @@ unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
 check "no data races" sh tests/check_threads.sh build-thread
 check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 
-# The library without OpenCL.
+# The library without OpenCL: here, and on other machines.
 check "build without OpenCL" build build-decoder -Dopencl=disabled -Dtool=disabled -Dtests=enabled -Dweb=disabled \
     -Dopenimageio=disabled -Ddesktop=disabled
 export STABILITY_SMALL=1
 suite build-decoder
 unset STABILITY_SMALL
 check "library without OpenCL" sh tests/install/test_without_opencl.sh build-decoder
+sh tests/portability/run.sh --quick
+for machine in $quick_machines; do
+    add_counts "build-portability/$machine/meson-logs/testlog.json"
+done
 
 # The library alone needs no C++ compiler.
 CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled

@@ -11,6 +11,24 @@ test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev li
     dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
     cmake fish man-db mandoc librsvg2-bin zsh"
 
+# Packages of tests/portability: machine_packages MACHINE.  Beside gcc-multilib Debian has no cross compilers.
+machine_packages() {
+    case $1 in
+    aarch64) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ;;
+    armhf) echo gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-user ;;
+    clang-i386) echo clang gcc-i686-linux-gnu libc6-dev-i386-cross qemu-user ;;
+    i386) echo gcc-i686-linux-gnu libc6-dev-i386-cross qemu-user ;;
+    mingw) echo gcc-mingw-w64-x86-64 wine64 ;;
+    musl) echo musl-tools ;;
+    ppc64) echo gcc-powerpc64-linux-gnu libc6-dev-ppc64-cross qemu-user ;;
+    riscv64) echo gcc-riscv64-linux-gnu libc6-dev-riscv64-cross qemu-user ;;
+    s390x) echo gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user ;;
+    x87) echo gcc ;;
+    esac
+}
+# Those that tests/run.sh tests.
+quick_machines="i386 s390x aarch64 mingw"
+
 missing_packages() {
     for package in "$@"; do
         case $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) in
@@ -39,7 +57,7 @@ install_packages() {
     echo "setup: installing $missing"
     log=$(mktemp)
     if $root apt-get -q update >"$log" 2>&1 &&
-        $root env DEBIAN_FRONTEND=noninteractive apt-get -q -y --no-install-recommends install $missing >>"$log" 2>&1; then
+        $root env DEBIAN_FRONTEND=noninteractive apt-get -q -y --no-install-recommends --no-remove install $missing >>"$log" 2>&1; then
         rm -f "$log"
         return 0
     fi
