@@ -36,8 +36,8 @@ static const command commands[] = {
 #define ABOUT "stores an image as 2D Gaussians"
 #define ABOUT_FILES                                                                                                   \
     "In place of a file, - reads standard input or\nwrites standard output.  An output appears whole or not at all; " \
-    "a "                                                                                                              \
-    "symbolic link stays, and the file\nthat it names is written."
+    "a symbolic link stays, and the file\nthat it names is written.  Pipes, devices and open descriptors "            \
+    "(/dev/stdout, >(...)) are written in place."
 #define ABOUT_EXIT_CODE \
     "Exit code: 0 success, 1 failure, 2 wrong usage, 3 some of several images failed, 128 + n signal n."
 

@@ -21,7 +21,8 @@ shift 2
 
 format=$(ls format/*.c)
 image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
-    host/tool/cli/name_hash.c $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
+    host/tool/cli/output_target.c host/tool/cli/name_hash.c
+    $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
 image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
 more=
 kept=tests/fuzz/corpus/$target

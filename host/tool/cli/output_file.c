@@ -1,9 +1,8 @@
-#define _DEFAULT_SOURCE /* realpath, readlink, fchmod, PATH_MAX */
+#define _DEFAULT_SOURCE /* fchmod, flock, mkstemp */
 #include "cli/output_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -13,8 +12,7 @@
 #include "cli/interrupt.h"
 #include "cli/message.h"
 #include "cli/name_hash.h"
-
-#define MAX_LINKS 40 /* one after the other, as Linux follows them */
+#include "cli/output_target.h"
 
 const char *name_suffix(const char *name) {
     const char *slash = strrchr(name, '/');
@@ -25,7 +23,7 @@ const char *name_suffix(const char *name) {
 
 bool output_is_separate(const char *command, const char *input, const char *output) {
     struct stat in, out;
-    if (strcmp(input, "-") == 0 || strcmp(output, "-") == 0 || stat(input, &in) || stat(output, &out))
+    if (strcmp(input, "-") == 0 || output_descriptor(output) >= 0 || stat(input, &in) || stat(output, &out))
         return true;
     if (in.st_dev != out.st_dev || in.st_ino != out.st_ino || !S_ISREG(out.st_mode))
         return true;
@@ -98,8 +96,12 @@ static bool open_temporary(output_file *output, const struct stat *existing) {
     return output->stream != NULL;
 }
 
-static bool open_target(output_file *output) {
+/* Opens a file that is replaced, or made, as a whole. */
+static bool open_file(output_file *output, const char *name) {
     struct stat status;
+    output->target = output_resolve(name);
+    if (!output->target)
+        return false;
     const bool exists = stat(output->target, &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) {
         errno = EISDIR;
@@ -107,64 +109,40 @@ static bool open_target(output_file *output) {
     }
     if (exists && access(output->target, W_OK) != 0)
         return false;
-    if (exists && !S_ISREG(status.st_mode)) {
-        output->stream = fopen(output->target, "wb");
-        return output->stream != NULL;
-    }
     return open_temporary(output, exists ? &status : NULL);
 }
 
-bool output_open(output_file *output, const char *name) {
-    if (strcmp(name, "-") == 0 && isatty(STDOUT_FILENO))
-        return report_error("standard output",
-                            "is a terminal; redirect it to a file or a pipe, or name a file with -o");
-    return output_open_text(output, name);
-}
-
-/* The name that a symbolic link holds, seen from where the link stands; NULL for what is not a link, and without memory. */
-static char *follow_link(const char *name) {
-    char content[PATH_MAX];
-    const char *slash = strrchr(name, '/');
-    const ssize_t length = readlink(name, content, sizeof content);
-    if (length < 0 || length == (ssize_t)sizeof content)
-        return NULL;
-    const size_t folder = slash && content[0] != '/' ? (size_t)(slash + 1 - name) : 0;
-    char *followed = malloc(folder + (size_t)length + 1);
-    if (followed) {
-        memcpy(followed, name, folder);
-        memcpy(followed + folder, content, (size_t)length);
-        followed[folder + (size_t)length] = '\0';
+/* Opens what is written in place.  A file behind a descriptor keeps what the shell and other programs have written to it. */
+static bool open_in_place(output_file *output, const char *name) {
+    const int file = output_open_in_place(name);
+    if (file >= 0 && output_descriptor(name) == STDOUT_FILENO) {
+        output->stream = stdout; /* in order with what else is printed */
+        close(file);
+        return true;
     }
-    return followed;
-}
-
-/* The file that is to be replaced or made, behind all symbolic links.  NULL with errno when out of memory, or when links
- * lead in a circle. */
-static char *resolve_target(const char *name) {
-    char *target = realpath(name, NULL), *next;
-    if (target || errno == ELOOP)
-        return target;
-    target = strdup(name); /* no such file, perhaps at the end of links */
-    for (int links = 0; target && links < MAX_LINKS && (next = follow_link(target)); links++) {
-        free(target);
-        target = next;
-    }
-    return target;
+    output->stream = file >= 0 ? fdopen(file, "wb") : NULL;
+    if (file >= 0 && !output->stream)
+        close(file);
+    return output->stream != NULL;
 }
 
 bool output_open_text(output_file *output, const char *name) {
-    *output = (output_file){.label = name};
-    if (strcmp(name, "-") == 0) {
-        output->label = "standard output";
-        output->stream = stdout;
+    const bool is_stdout = strcmp(name, "-") == 0;
+    *output = (output_file){.label = is_stdout ? "standard output" : name};
+    if (output_is_in_place(name) ? open_in_place(output, name) : open_file(output, name))
         return true;
-    }
-    output->target = resolve_target(name);
-    if (output->target && open_target(output))
-        return true;
-    report_error(name, "cannot be written: %s", strerror(errno));
+    report_error(output->label, "cannot be written: %s", strerror(errno));
     output_discard(output);
     return false;
+}
+
+bool output_open(output_file *output, const char *name) {
+    if (!output_open_text(output, name))
+        return false;
+    if (output->temporary || !isatty(fileno(output->stream)))
+        return true;
+    output_discard(output);
+    return report_error(output->label, "is a terminal; redirect it to a file or a pipe, or name a file with -o");
 }
 
 bool output_write(output_file *output, const void *bytes, size_t size) {
@@ -229,7 +207,7 @@ bool output_exists(const char *name, uint64_t *size) {
 }
 
 void output_remove_leftover(const char *name) {
-    char *target = resolve_target(name);
+    char *target = output_resolve(name);
     char *temporary = target ? temporary_name(target) : NULL;
     const int file = temporary ? open(temporary, O_RDWR | O_NOFOLLOW | O_CLOEXEC) : -1;
     if (file >= 0) {

@@ -1,7 +1,7 @@
 /* An output that appears complete or not at all: it is written under a temporary name beside the target and renamed when
  * it is finished.  The temporary name follows from that of the target, so that what a killed process leaves is used again
- * by the next one that writes the target.  Standard output ("-"), devices and pipes are written directly.  A symbolic link
- * stays: the file that it names is replaced or, where there is none, made. */
+ * by the next one that writes the target.  What output_target.h says to be written in place is: descriptors, pipes and
+ * devices.  A symbolic link stays: the file that it names is replaced or, where there is none, made. */
 #ifndef GSCL_TOOL_OUTPUT_FILE_H
 #define GSCL_TOOL_OUTPUT_FILE_H
 
@@ -12,8 +12,8 @@
 
 typedef struct output_file {
     const char *label; /* name in messages, as the user gave it */
-    char *target;      /* symbolic links resolved; NULL for standard output */
-    char *temporary;   /* NULL when written directly */
+    char *target;      /* symbolic links resolved; NULL when written in place */
+    char *temporary;   /* likewise */
     FILE *stream;
     int lock;  /* keeps the lock of the temporary file until it is renamed; 0: none */
     int error; /* errno of the first failed write; reported by output_commit */

@@ -16,6 +16,7 @@
 #include "cli/message.h"
 #include "cli/name_hash.h"
 #include "cli/output_file.h"
+#include "cli/output_target.h"
 
 /* The state of an entry: where its line begins, whether it is of this run, and its status. */
 #define STATE_STATUS 7u   /* mask; 0: being encoded */
@@ -246,17 +247,15 @@ int batch_report_open(batch_report *report, const char *name) {
     }
     if (!name)
         return EXIT_SUCCESS;
-    if (strcmp(name, "-") == 0) {
+    const bool is_in_place = output_is_in_place(name);
+    if (strcmp(name, "-") == 0)
         report->name = "standard output";
-        report->file = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
-    } else {
-        report->file = open(name, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    }
+    report->file = is_in_place ? output_open_in_place(name) : open(name, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (report->file < 0) {
         report_error(report->name, "cannot be written: %s", strerror(errno));
         return EXIT_FAILURE;
     }
-    return strcmp(name, "-") == 0 ? EXIT_SUCCESS : lock_report(report);
+    return is_in_place ? EXIT_SUCCESS : lock_report(report);
 }
 
 /* ---- Writing ----------------------------------------------------------------------------------- */

@@ -1,11 +1,13 @@
 #include "commands/batch_settings.h"
 
-#include <string.h>
+#include <unistd.h>
+
+#include "cli/output_target.h"
 
 bool encode_batch_is_run(const encode_batch *batch) {
     return batch->files_from || batch->jsonl || batch->skip_existing || batch->shard.count > 0;
 }
 
 bool encode_batch_is_piped(const encode_batch *batch) {
-    return batch->output ? strcmp(batch->output, "-") == 0 : batch->base64 && !batch->out_dir;
+    return batch->output ? output_descriptor(batch->output) == STDOUT_FILENO : batch->base64 && !batch->out_dir;
 }

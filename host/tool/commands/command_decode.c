@@ -176,7 +176,8 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .kind = OPTION_TEXT,
          .value = &decode->output,
          .argument = "FILE",
-         .help = "image to write, in the format of its suffix; - is standard output, as PNG (required)"},
+         .help =
+             "image to write, in the format of its suffix, PNG where a pipe has none; - is standard output (required)"},
         {.name = "scale",
          .kind = OPTION_REAL,
          .value = &decode->scale,

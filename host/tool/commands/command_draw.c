@@ -134,7 +134,8 @@ int command_draw(int argc, char **argv) {
          .kind = OPTION_TEXT,
          .value = &draw.output,
          .argument = "FILE",
-         .help = "image to write, in the format of its suffix; - is standard output, as PNG (required)"},
+         .help =
+             "image to write, in the format of its suffix, PNG where a pipe has none; - is standard output (required)"},
         {.name = "scale",
          .kind = OPTION_INTEGER,
          .value = &draw.scale,

@@ -319,7 +319,7 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "-q and -v exclude each other; give one of them");
     if (batch->settings.trace && !batch->json)
         return report_usage("encode", "--trace is part of the JSON report; add --json");
-    if (batch->json && batch->output && strcmp(batch->output, "-") == 0)
+    if (batch->json && batch->output && encode_batch_is_piped(batch))
         return report_usage("encode", "--json and -o - both write to standard output; name a file with -o");
     if (batch->json && batch->base64 && !batch->output && !batch->out_dir)
         return report_usage("encode", "--json and --base64 both write to standard output; name a file with -o");

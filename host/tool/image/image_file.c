@@ -14,6 +14,7 @@
 #include "cli/read_file.h"
 #include "image/exif.h"
 #include "image/image_colours.h"
+#include "image/image_format.h"
 #include "image/image_heif.h"
 #include "image/image_ico.h"
 #include "image/image_jpeg.h"
@@ -274,27 +275,57 @@ bool image_read(const char *name, gscl_image *image) {
 
 /* ---- Writing ----------------------------------------------------------------------------------- */
 
-static bool is_named(const output_file *output, const char *suffix) {
-    return strcasecmp(name_suffix(output->label), suffix) == 0;
+/* The suffix that names the format. */
+static const char *suffix_of(const output_file *output) {
+    const char *suffix = name_suffix(output->label);
+    return *suffix ? suffix : IMAGE_PIPE_SUFFIX;
 }
 
-static bool is_png_output(const output_file *output) {
-    return !output->target || is_named(output, ".png");
+/* Appends what a file holds to the output. */
+static bool copy_spool(FILE *spool, output_file *output) {
+    uint8_t bytes[16384];
+    size_t count = 0;
+    rewind(spool);
+    while ((count = fread(bytes, 1, sizeof bytes, spool)) > 0 && output_write(output, bytes, count))
+        continue;
+    if (ferror(spool) && !output->error)
+        output->error = errno ? errno : EIO;
+    return !output->error;
+}
+
+/* The module writes files of some formats out of order, which what is written in place may not allow. */
+static bool write_spooled(const image_module *module, output_file *output, const gscl_image *image, char *message) {
+    FILE *spool = tmpfile();
+    if (!spool) {
+        snprintf(message, IMAGE_MESSAGE_SIZE, "cannot be stored in a temporary file: %s", strerror(errno));
+        return false;
+    }
+    const bool ok = module->write(spool, suffix_of(output), image, message) && copy_spool(spool, output);
+    fclose(spool);
+    return ok;
+}
+
+static bool write_through_module(output_file *output, const gscl_image *image, char *message) {
+    const image_module *module = load_module(output->label); /* reports its errors */
+    *message = '\0';
+    if (!module)
+        return false;
+    return output->temporary ? module->write(output->stream, suffix_of(output), image, message)
+                             : write_spooled(module, output, image, message);
 }
 
 /* On failure sets either output->error or the message, or leaves it empty after reporting the error. */
 static bool write_format(output_file *output, const gscl_image *image, const image_metadata *metadata, char *message) {
-    if (is_png_output(output))
+    const char *suffix = suffix_of(output);
+    if (strcasecmp(suffix, ".png") == 0)
         return image_write_png(output, image, metadata, message);
-    if (is_named(output, ".jpg") || is_named(output, ".jpeg"))
+    if (strcasecmp(suffix, ".jpg") == 0 || strcasecmp(suffix, ".jpeg") == 0)
         return image_write_jpeg(output, image, metadata, message);
-    if (is_named(output, ".tif") || is_named(output, ".tiff"))
+    if (strcasecmp(suffix, ".tif") == 0 || strcasecmp(suffix, ".tiff") == 0)
         return image_write_tiff(output, image, metadata, message);
     if (image_is_pnm_name(output->label))
         return image_write_pnm(output, image);
-    const image_module *module = load_module(output->label); /* reports its errors */
-    *message = '\0';
-    return module && module->write(output->stream, name_suffix(output->label), image, message);
+    return write_through_module(output, image, message);
 }
 
 bool image_write_with(output_file *output, const gscl_image *image, const image_metadata *metadata) {

@@ -1,11 +1,11 @@
 #define _DEFAULT_SOURCE /* strcasecmp */
 #include "image/image_format.h"
 
-#include <string.h>
 #include <strings.h>
 
 #include "cli/message.h"
 #include "cli/output_file.h"
+#include "cli/output_target.h"
 
 static const image_format formats[] = {
     {".png", true, true, true, true, 16},    {".jpg", true, true, false, true, 8},
@@ -17,7 +17,9 @@ static const image_format formats[] = {
 };
 
 const image_format *image_format_of(const char *command, const char *name) {
-    const char *suffix = strcmp(name, "-") ? name_suffix(name) : ".png";
+    const char *suffix = name_suffix(name);
+    if (!*suffix && output_is_in_place(name))
+        suffix = IMAGE_PIPE_SUFFIX;
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         if (strcasecmp(suffix, formats[i].suffix) == 0)
             return &formats[i];

@@ -13,7 +13,10 @@ typedef struct image_format {
     int bits;      /* maximum bits per sample; 32 is floating point */
 } image_format;
 
-/* The format of the suffix of a file name; "-", standard output, is PNG.  NULL after reporting a usage error of `command`
+/* What pipes and devices without a suffix take, "-" and /dev/stdout among them. */
+#define IMAGE_PIPE_SUFFIX ".png"
+
+/* The format of the suffix of a file name, or of IMAGE_PIPE_SUFFIX.  NULL after reporting a usage error of `command`
  * for an unknown suffix. */
 const image_format *image_format_of(const char *command, const char *name);
 
