@@ -267,6 +267,14 @@ class Crashes(BatchTest):
         self.run_to_crash(*arguments, code=SOME_FAILED, input=names)
         self.assertEqual(self.states(), {"x/crash.png": "crashed", "x/0.png": "ok"})
 
+    def test_names_from_a_pipe(self):
+        reader, writer = os.pipe()
+        self.addCleanup(os.close, reader)
+        os.write(writer, b"x/crash.png\nx/0.png\n")
+        os.close(writer)
+        error = self.run_to_crash("--files-from", f"/dev/fd/{reader}", "--jsonl", "report", code=-signal.SIGSEGV, pass_fds=(reader,))
+        self.assertIn("x/crash.png: the library that reads it has crashed\n", error)
+
     def test_run_without_report(self):
         error = self.run_to_crash("--files-from", "list", code=-signal.SIGSEGV)
         self.assertIn("x/crash.png: the library that reads it has crashed", error)

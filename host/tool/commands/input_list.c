@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "cli/message.h"
@@ -14,14 +15,19 @@
 #define BUFFER_SIZE ((size_t)64 << 10)
 
 bool input_list_open(input_list *list, char *const *operands, int operand_count, const char *list_name, bool null) {
-    *list =
-        (input_list){.operands = operands, .operand_count = operand_count, .file = -1, .delimiter = null ? '\0' : '\n'};
+    struct stat status;
+    *list = (input_list){.operands = operands,
+                         .operand_count = operand_count,
+                         .file = -1,
+                         .can_restart = true,
+                         .delimiter = null ? '\0' : '\n'};
     if (!list_name)
         return true;
     list->label = input_label(list_name);
     list->file = strcmp(list_name, "-") == 0 ? STDIN_FILENO : open(list_name, O_RDONLY | O_CLOEXEC);
     if (list->file < 0)
         return report_error(list->label, "cannot be opened: %s", strerror(errno));
+    list->can_restart = list->file != STDIN_FILENO && fstat(list->file, &status) == 0 && S_ISREG(status.st_mode);
     list->buffer = malloc(BUFFER_SIZE);
     return list->buffer || report_error(list->label, "%s", strerror(ENOMEM));
 }

@@ -13,6 +13,7 @@ typedef struct input_list {
     int operand_count, next_operand;
     const char *label; /* of the list, in messages */
     int file;          /* -1: no list */
+    bool can_restart;  /* whether the same inputs can be read once more: not from standard input and pipes */
     char delimiter;    /* after each name: a line break or NUL */
     char *buffer;
     size_t begin, end; /* bytes of the buffer not yet used */

@@ -130,12 +130,11 @@ static queue_state leave_out(picture_queue *queue, const encode_job *job) {
     return batch_report_claim(&queue->report, &job->id) ? QUEUE_HANDLED : QUEUE_ERROR;
 }
 
-/* Prepares a picture that is to be encoded.  Names that were read from standard input cannot be read again. */
+/* Prepares a picture that is to be encoded. */
 static queue_state hand_out(picture_queue *queue, encode_job *job) {
     const batch_report *report = &queue->report;
-    const char *list = queue->batch->files_from;
     job->crash = (crash_line){.file = report->is_regular ? report->file : -1,
-                              .starts_again = report->is_regular && !(list && strcmp(list, "-") == 0)};
+                              .starts_again = report->is_regular && queue->list.can_restart};
     job->crash.text = batch_report_crash_line(&job->id, job->input, job->output_name, &job->crash.size);
     return batch_report_claim(&queue->report, &job->id) ? QUEUE_PICTURE : QUEUE_ERROR;
 }
