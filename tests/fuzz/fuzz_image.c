@@ -15,6 +15,7 @@
 
 #include "cli/module.h"
 #include "image/exif.h"
+#include "image/image_alpha.h"
 #include "image/image_file.h"
 #include "image/image_format.h"
 #include "image/image_jpeg.h"
@@ -131,21 +132,29 @@ static image_metadata copy_of_metadata(const image_metadata *metadata) {
     return copy;
 }
 
-/* Writes a copy into memory.  A format may refuse an image, such as one with alpha as JPEG. */
+/* Writes a copy into memory, over a background where the format holds no alpha.  A format may refuse an image, such as one
+ * of 16 bits as JPEG. */
 static void check_writing(const char *suffix, const gscl_image *image, const image_metadata *metadata) {
     char message[IMAGE_MESSAGE_SIZE] = "", name[16];
     char *bytes = NULL;
     size_t size = 0;
     snprintf(name, sizeof name, "out%s", suffix);
     const image_format *format = image_format_of("fuzz", name);
-    if (!format || !image_format_holds(format, name, image->channels, image->sample))
+    const option_colour violet = {{0xEE, 0x82, 0xEE}}, *background = !format || format->alpha ? NULL : &violet;
+    if (!format ||
+        !image_format_holds(format, name, image_written_channels(image->channels, format, background), image->sample))
         return;
-    gscl_image pixels = copy_of(image);
+    const bool on_background = background && image->channels % 2 == 0;
+    gscl_image pixels = copy_of(image), flat;
     image_metadata kept = copy_of_metadata(metadata);
     output_file output = {.label = name, .stream = open_memstream(&bytes, &size)};
     require(output.stream != NULL, "no memory");
-    if (image_prepare_output(name, format, false, &pixels, &kept))
-        require(write_as(suffix, &output, &pixels, &kept, message), "an image that was read cannot be written");
+    if (image_prepare_output(name, format, on_background, false, &pixels, &kept)) {
+        require(image_flatten(name, format, background, &pixels, &flat), "no memory");
+        require(write_as(suffix, &output, flat.pixels ? &flat : &pixels, &kept, message),
+                "an image that was read cannot be written");
+        free(flat.pixels);
+    }
     fclose(output.stream);
     free(bytes);
     free(pixels.pixels);

@@ -39,7 +39,8 @@ static size_t value_size(option_kind kind) {
                                    [OPTION_WORD] = sizeof(int),
                                    [OPTION_SIZE] = sizeof(option_size),
                                    [OPTION_RECTANGLE] = sizeof(option_rectangle),
-                                   [OPTION_SHARE] = sizeof(option_share)};
+                                   [OPTION_SHARE] = sizeof(option_share),
+                                   [OPTION_COLOUR] = sizeof(option_colour)};
     return sizes[kind];
 }
 
@@ -77,6 +78,8 @@ static bool is_in_range(const option_spec *spec) {
         const option_share *share = value;
         return share->index >= 1 && share->index <= share->count && share->count <= spec->max_integer;
     }
+    case OPTION_COLOUR:
+        return true;
     }
     return false;
 }

@@ -44,6 +44,8 @@ COMMAND_LINES = {
     "encode_batch": "encode --files-from - --out-dir out --keep-tree --jobs 2 --shard 3/7 --jsonl - --skip-existing -0",
     "encode_rate": "encode a.png --bpp 0.125 --psnr 30.5 --blend alpha --tune visual --profile paper --codebook 32",
     "decode": "decode a.gscl -o a.png --size 640x480 --crop 1,2,30,40 --scale 2.5 --partial --base64 --max-pixels 9",
+    "background": "decode a.gscl -o a.jpg --background=#fA0",
+    "background_name": "draw a.gscl -o a.jpg --background rebeccapurple",
     "info": "info a.gscl --reference a.png --json",
     "compare": "compare a.png b.png --json",
     "draw": "draw a.gscl -o b.png",

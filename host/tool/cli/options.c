@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/colour_name.h"
 #include "cli/exit_code.h"
 #include "cli/message.h"
 
@@ -117,6 +118,8 @@ static bool parse_value(const option_spec *spec, const char *text) {
         return parse_rectangle(spec, text, spec->value);
     case OPTION_SHARE:
         return parse_share(spec, text, spec->value);
+    case OPTION_COLOUR:
+        return colour_parse(text, ((option_colour *)spec->value)->rgb);
     }
     return false;
 }
@@ -152,6 +155,9 @@ static void describe_range(const option_spec *spec, char *text, size_t capacity)
     case OPTION_SHARE:
         snprintf(text, capacity, "1/1 to %" PRIu64 "/%" PRIu64, spec->max_integer, spec->max_integer);
         break;
+    case OPTION_COLOUR:
+        snprintf(text, capacity, "#rgb, #rrggbb, or a colour name of CSS");
+        break;
     case OPTION_FLAG:
     case OPTION_TEXT:
         break;
@@ -168,6 +174,7 @@ static int report_wrong_value(const char *command, const option_spec *spec, cons
         [OPTION_SIZE] = "WIDTHxHEIGHT from ",
         [OPTION_RECTANGLE] = "X,Y,WIDTH,HEIGHT in ",
         [OPTION_SHARE] = "I/N with I up to N, from ",
+        [OPTION_COLOUR] = "",
     };
     char range[256];
     describe_range(spec, range, sizeof range);

@@ -18,6 +18,10 @@ typedef struct option_share {
     uint32_t index, count; /* 1 <= index <= count; 0 when the option is not given */
 } option_share;
 
+typedef struct option_colour {
+    uint8_t rgb[3];
+} option_colour;
+
 /* The kind of value of an option, and the type that `value` points to. */
 typedef enum option_kind {
     OPTION_FLAG,      /* bool; no value */
@@ -27,7 +31,8 @@ typedef enum option_kind {
     OPTION_WORD,      /* int, an index into `words` */
     OPTION_SIZE,      /* option_size, WIDTHxHEIGHT, each 1..max_integer */
     OPTION_RECTANGLE, /* option_rectangle, X,Y,WIDTH,HEIGHT, each at most max_integer */
-    OPTION_SHARE      /* option_share, I/N, N at most max_integer */
+    OPTION_SHARE,     /* option_share, I/N, N at most max_integer */
+    OPTION_COLOUR     /* option_colour, as colour_name.h says */
 } option_kind;
 
 typedef struct option_spec {

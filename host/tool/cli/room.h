@@ -3,7 +3,7 @@
  * It may use: the public headers.
  *
  * In the order in which to read them:
- *   options.h: command lines described by a table
+ *   options.h, colour_name.h: command lines described by a table
  *   message.h, exit_code.h: errors, notes and the exit code of the program
  *   read_file.h, output_target.h, output_file.h: files and pipes
  *   base64.h, gscl_input.h: the forms of gscl files

@@ -13,6 +13,7 @@
 #include "cli/progress.h"
 #include "cli/read_file.h"
 #include "commands/command.h"
+#include "image/image_alpha.h"
 #include "image/image_file.h"
 #include "image/image_format.h"
 #include "image/image_output.h"
@@ -24,7 +25,8 @@ typedef struct decode_options {
     option_rectangle crop;
     int depth; /* index into depth_words */
     gscl_limits limits;
-    bool has_scale, has_size, has_crop, has_depth;
+    option_colour background;
+    bool has_scale, has_size, has_crop, has_depth, has_background;
     bool partial;
     gscl_form form;
     device_choice choice;
@@ -91,16 +93,25 @@ static bool copy_metadata(const decode_options *options, const uint8_t *bytes, s
     return ok || report_error(input_label(options->input), "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
 }
 
+/* NULL without --background. */
+static const option_colour *background_of(const decode_options *options) {
+    return options->has_background ? &options->background : NULL;
+}
+
 /* Writes the decoded image, with what the file holds beside it.  The output is closed in any case. */
 static int write_decoded(const decode_options *options, const image_format *format, const uint8_t *bytes, size_t size,
                          gscl_image *image, output_file *output) {
     image_metadata metadata = {0};
+    gscl_image flat = {0};
+    const bool on_background = options->has_background && image->channels % 2 == 0;
     bool ok = copy_metadata(options, bytes, size, &metadata) &&
-              image_prepare_output(output->label, format, options->choice.verbose, image, &metadata);
+              image_prepare_output(output->label, format, on_background, options->choice.verbose, image, &metadata) &&
+              image_flatten(output->label, format, background_of(options), image, &flat);
     if (ok)
-        ok = image_write_with(output, image, &metadata);
+        ok = image_write_with(output, flat.pixels ? &flat : image, &metadata);
     else
         output_discard(output);
+    free(flat.pixels);
     image_metadata_free(&metadata);
     return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
@@ -146,8 +157,9 @@ static int decode_bytes(const decode_options *options, const image_format *forma
     settings.max_work = options->limits.max_work;
     settings.bare = options->form.bare;
     settings.partial = options->partial;
+    const unsigned channels = image_written_channels(info.channels, format, background_of(options));
     if (!choose_area(options, &info, &settings) ||
-        !image_format_holds(format, options->output, info.channels, settings.sample) ||
+        !image_format_holds(format, options->output, channels, settings.sample) ||
         !output_open(&output, options->output))
         return EXIT_FAILURE;
     return decode_to(options, format, bytes, size, &settings, &output);
@@ -207,6 +219,12 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .argument = "N",
          .words = depth_words,
          .help = "bits per sample (default: those of the encoded image)"},
+        {.name = "background",
+         .kind = OPTION_COLOUR,
+         .value = &decode->background,
+         .given = &decode->has_background,
+         .argument = "COLOUR",
+         .help = "draw a picture with alpha over this colour, and write no alpha (default: keep it)"},
         GSCL_LIMIT_OPTIONS(decode->limits),
         {.name = "partial",
          .kind = OPTION_FLAG,
@@ -226,7 +244,11 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
         .about =
             "Decodes a gscl file to an image, with the colour profile, EXIF and XMP that the file has, where the "
             "format holds\nthem; colours are converted to sRGB otherwise.  Alpha is written straight; OpenEXR holds "
-            "premultiplied alpha\nand linear light.\n\n" DECODER_CHOICE_HELP,
+            "premultiplied alpha\nand linear light.\n\n"
+            "Where the format holds no alpha (.jpg, .ppm, .bmp and others), it is left out if it is 1 everywhere; "
+            "otherwise\n--background is needed.  Its colour is one of sRGB, and blends on the curve of sRGB, as in "
+            "browsers; colours of\nother profiles are converted to sRGB first.  Grey over a colour becomes RGB.  The # "
+            "of #rgb may be left out, as shells\ntake it for a comment.\n\n" DECODER_CHOICE_HELP,
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,

@@ -12,16 +12,24 @@
 #include "cli/read_file.h"
 #include "commands/command.h"
 #include "commands/ellipse_outline.h"
+#include "image/image_alpha.h"
 #include "image/image_file.h"
 #include "image/image_format.h"
 
 typedef struct draw_options {
     const char *input, *output;
     uint64_t scale;
+    option_colour background;
+    bool has_background;
     gscl_limits limits;
     gscl_form form;
     device_choice choice;
 } draw_options;
+
+/* NULL without --background. */
+static const option_colour *background_of(const draw_options *options) {
+    return options->has_background ? &options->background : NULL;
+}
 
 /* Converts grey to RGB, so that outlines can have a colour.  The new pixels are released with free. */
 static bool make_colour(const gscl_image *from, gscl_image *to) {
@@ -59,11 +67,7 @@ static gscl_result draw_outlines(const draw_options *options, const uint8_t *byt
     return GSCL_OK;
 }
 
-/* Decodes the file and draws the outlines into *image, whose pixels are released with free.  Returns the exit code. */
-static int decode_with_outlines(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
-                                gscl_image *image) {
-    gscl_context *context;
-    gscl_image decoded = {0};
+static gscl_decode_settings settings_of(const draw_options *options, const gscl_info *info) {
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_U8;
@@ -72,17 +76,40 @@ static int decode_with_outlines(const draw_options *options, const uint8_t *byte
     settings.max_work = options->limits.max_work;
     settings.width = info->width * (uint32_t)options->scale;
     settings.height = info->height * (uint32_t)options->scale;
+    return settings;
+}
+
+/* Decodes the file into *image, whose pixels are released with gscl_free.  Returns the exit code. */
+static int decode(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
+                  gscl_image *image) {
+    gscl_context *context;
+    gscl_decode_settings settings = settings_of(options, info);
     int status = open_device(&options->choice, &context);
     if (status != EXIT_SUCCESS)
         return status;
-    gscl_result result = progress_decode(context, input_label(options->input), bytes, size, &settings, &decoded);
-    if (result == GSCL_OK)
-        result =
-            make_colour(&decoded, image) ? draw_outlines(options, bytes, size, info, image) : GSCL_ERROR_OUT_OF_MEMORY;
+    const gscl_result result = progress_decode(context, input_label(options->input), bytes, size, &settings, image);
     if (result != GSCL_OK)
         status = report_result(context, input_label(options->input), result);
-    gscl_free(decoded.pixels);
     gscl_context_free(&context);
+    return status;
+}
+
+/* Decodes the file and draws the outlines into *image, whose pixels are released with free.  Returns the exit code. */
+static int decode_with_outlines(const draw_options *options, const image_format *format, const uint8_t *bytes,
+                                size_t size, const gscl_info *info, gscl_image *image) {
+    gscl_image decoded = {0}, flat = {0};
+    int status = decode(options, bytes, size, info, &decoded);
+    if (status == EXIT_SUCCESS && !image_flatten(options->output, format, background_of(options), &decoded, &flat))
+        status = EXIT_FAILURE;
+    if (status == EXIT_SUCCESS) {
+        const gscl_result result = make_colour(flat.pixels ? &flat : &decoded, image)
+                                       ? draw_outlines(options, bytes, size, info, image)
+                                       : GSCL_ERROR_OUT_OF_MEMORY;
+        if (result != GSCL_OK)
+            status = report_result(NULL, input_label(options->input), result);
+    }
+    free(flat.pixels);
+    gscl_free(decoded.pixels);
     return status;
 }
 
@@ -101,10 +128,11 @@ static int draw_bytes(const draw_options *options, const image_format *format, c
             GSCL_MAX_DIMENSION, info.width, info.height);
         return EXIT_FAILURE;
     }
-    if (!image_format_holds(format, options->output, info.channels % 2 ? 3 : 4, GSCL_SAMPLE_U8) ||
+    const bool has_alpha = image_written_channels(info.channels, format, background_of(options)) % 2 == 0;
+    if (!image_format_holds(format, options->output, has_alpha ? 4 : 3, GSCL_SAMPLE_U8) ||
         !output_open(&output, options->output))
         return EXIT_FAILURE;
-    int status = decode_with_outlines(options, bytes, size, &info, &image);
+    int status = decode_with_outlines(options, format, bytes, size, &info, &image);
     if (status == EXIT_SUCCESS)
         status = image_write(&output, &image) ? EXIT_SUCCESS : EXIT_FAILURE;
     else
@@ -143,6 +171,12 @@ int command_draw(int argc, char **argv) {
          .min_integer = 1,
          .max_integer = 64,
          .help = "scale of the image; the width of the lines stays (default 1)"},
+        {.name = "background",
+         .kind = OPTION_COLOUR,
+         .value = &draw.background,
+         .given = &draw.has_background,
+         .argument = "COLOUR",
+         .help = "draw a picture with alpha over this colour, and write no alpha (default: keep it)"},
         GSCL_LIMIT_OPTIONS(draw.limits),
         GSCL_FORM_OPTIONS(draw.form),
         DEVICE_OPTIONS(draw.choice),

@@ -31,9 +31,6 @@ const image_format *image_format_of(const char *command, const char *name) {
 }
 
 bool image_format_holds(const image_format *format, const char *name, unsigned channels, gscl_sample sample) {
-    const bool has_alpha = channels == 2 || channels == 4;
-    if (has_alpha && !format->alpha)
-        return report_error(name, "%s cannot hold an alpha channel; choose .png, .tif, .exr or .tga", format->suffix);
     if (channels < 3 ? !format->grey : !format->colour)
         return report_error(name, "%s cannot hold a %s image; choose .png", format->suffix,
                             channels < 3 ? "grey" : "colour");

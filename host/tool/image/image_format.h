@@ -20,7 +20,7 @@ typedef struct image_format {
  * for an unknown suffix. */
 const image_format *image_format_of(const char *command, const char *name);
 
-/* Whether the format can hold such an image; otherwise reports an error about `name`. */
+/* Whether the format can hold such an image, but for alpha (image_alpha.h); otherwise reports an error about `name`. */
 bool image_format_holds(const image_format *format, const char *name, unsigned channels, gscl_sample sample);
 
 #endif

@@ -14,7 +14,7 @@
  *   image_webp.h, image_heif.h, png_chunks.h: metadata of formats
  *   tiff_tags.h, exif.h, orientation.h: EXIF, and turning an image upright
  *   image_colours.h, colour_profile.h, colour_convert.h: colours other than those of sRGB
- *   image_output.h: what of them an output can hold
+ *   image_output.h, image_alpha.h: what of them and of alpha an output can hold
  *   synthetic_image.h: an image for benchmarks */
 #ifndef GSCL_ROOM_TOOL_IMAGE_H
 #define GSCL_ROOM_TOOL_IMAGE_H
