@@ -23,6 +23,12 @@ char *base64_line(const uint8_t *bytes, size_t size, size_t *length) {
     return line;
 }
 
+/* The bits of a character of either alphabet; -1 for others. */
+static int value_of(uint8_t character) {
+    const char *symbol = character ? strchr(ALPHABET, character) : NULL;
+    return character == '+' ? 62 : character == '/' ? 63 : symbol ? (int)(symbol - ALPHABET) : -1;
+}
+
 static bool is_white(uint8_t character) {
     return character == ' ' || (character >= '\t' && character <= '\r');
 }
@@ -33,12 +39,12 @@ const char *base64_decode(uint8_t *text, size_t *size) {
     while (end > 0 && (is_white(text[end - 1]) || text[end - 1] == '='))
         end--;
     for (size_t i = 0; i < end; i++) {
-        const char *symbol = text[i] ? strchr(ALPHABET, text[i]) : NULL;
+        const int value = value_of(text[i]);
         if (is_white(text[i]))
             continue;
-        if (!symbol)
-            return "has a character that does not occur in base64url (A-Z a-z 0-9 - _)";
-        buffer = (buffer << 6 | (unsigned)(symbol - ALPHABET)) & 0xFFF;
+        if (value < 0)
+            return "has a character that does not occur in base64 (A-Z a-z 0-9 and - _ or + /)";
+        buffer = (buffer << 6 | (unsigned)value) & 0xFFF;
         bits += 6;
         if (bits < 8)
             continue;
@@ -46,7 +52,7 @@ const char *base64_decode(uint8_t *text, size_t *size) {
         text[used++] = (uint8_t)(buffer >> bits);
     }
     if (bits == 6 || (buffer & ((1u << bits) - 1)) != 0)
-        return "ends within a byte: a character of its base64url is missing or wrong";
+        return "ends within a byte: a character of its base64 is missing or wrong";
     *size = used;
     return NULL;
 }

@@ -10,8 +10,8 @@
  * memory. */
 char *base64_line(const uint8_t *bytes, size_t size, size_t *length);
 
-/* Decodes text in its own memory; *size is the number of bytes afterwards.  White space may be anywhere and padding (=) at
- * the end.  Returns NULL, or what is wrong with the text, which is then lost. */
+/* Decodes text in its own memory; *size is the number of bytes afterwards.  It may have + and / in place of - and _, as
+ * other programs write them, white space anywhere and padding (=) at the end.  Returns NULL, or what is wrong with the text, which is then lost. */
 const char *base64_decode(uint8_t *text, size_t *size);
 
 #endif

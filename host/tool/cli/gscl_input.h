@@ -15,14 +15,14 @@ typedef struct gscl_form {
     bool base64; /* the file is text */
 } gscl_form;
 
-#define GSCL_FORM_OPTIONS(form)                                         \
-    {.name = "bare",                                                    \
-     .kind = OPTION_FLAG,                                               \
-     .value = &(form).bare,                                             \
-     .help = "the input was made by 'gscl encode --bare'"},             \
-    {                                                                   \
-        .name = "base64", .kind = OPTION_FLAG, .value = &(form).base64, \
-        .help = "the input was made by 'gscl encode --base64'"          \
+#define GSCL_FORM_OPTIONS(form)                                                     \
+    {.name = "bare",                                                                \
+     .kind = OPTION_FLAG,                                                           \
+     .value = &(form).bare,                                                         \
+     .help = "the input was made by 'gscl encode --bare'"},                         \
+    {                                                                               \
+        .name = "base64", .kind = OPTION_FLAG, .value = &(form).base64,             \
+        .help = "the input is text: base64url of 'gscl encode --base64', or base64" \
     }
 
 /* Limits on what a file may ask of this machine (gscl_decode_settings). */
