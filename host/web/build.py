@@ -15,13 +15,15 @@ from concurrent.futures import ThreadPoolExecutor
 COMPILE = """clang --target=wasm32 -std=c99 -flto -DNDEBUG -DGSF_SMALL_READER -ffp-contract=off -fno-math-errno
     -fvisibility=hidden -ffunction-sections -fdata-sections -fno-slp-vectorize
     -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -nostdlibinc""".split()
+# Of LLVM, in compiling and in linking: only what makes code smaller is inlined, and equal ends of branches are not joined.
+PASSES = "-mllvm -inline-threshold=0 -mllvm -simplifycfg-sink-common=0".split()
 # Only the loops of the canvas, which take most of the time, are worth more than the smallest code.
 SIZE, VECTORS = "-Oz", "-Os"
 FAST = {"canvas.c"}
-LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split()
+LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split() + PASSES
 # The lowest 1024 bytes hold nothing, where wasm-ld begins the data.  The order of the passes was found by trying.
 OPTIMISE = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
-    --low-memory-unused --rse --local-cse --flatten --optimize-added-constants-propagate --coalesce-locals --reorder-functions --rereloop
+    --low-memory-unused --flatten --rereloop --merge-blocks --reorder-functions --coalesce-locals --rse --dae-optimizing
     -Oz --flatten -Oz""".split()
 
 
@@ -35,7 +37,7 @@ def run(command):
 
 
 def compiler(source, includes):
-    return [*COMPILE, VECTORS if source.name in FAST else SIZE, *(f"-I{include}" for include in includes), "-c", str(source)]
+    return [*COMPILE, *PASSES, VECTORS if source.name in FAST else SIZE, *(f"-I{include}" for include in includes), "-c", str(source)]
 
 
 def compile_source(source, includes, folder):
