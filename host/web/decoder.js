@@ -27,14 +27,14 @@ const refuse = (isRefused, message, code = 'invalid-argument') => {
     throw Object.assign(new GsclError(message), {code});
 };
 
-const fetchFile = async (url, options, code) => {
+const fetchFile = async (url, code, options) => {
   const answer = await fetch(url, options);
   refuse(!answer.ok, `${answer.url}: status ${answer.status}`, code);
   return answer;
 };
 
 const compile = async source => (source = await source) instanceof WebAssembly.Module ? source : WebAssembly.compile(source);
-const fetchModule = async () => (await fetchFile(new URL('gscl.wasm', import.meta.url), {}, 'failed')).arrayBuffer();
+const fetchModule = async () => (await fetchFile(new URL('gscl.wasm', import.meta.url), 'failed')).arrayBuffer();
 let given, fetched; /* promises of the module */
 export const load = source => given = compile(source);
 const moduleOf = () => given || (fetched ||= compile(fetchModule()).catch(error => {

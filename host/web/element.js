@@ -1,5 +1,14 @@
 /* <gscl-image>: draws a gscl picture in the pixels of the screen, also while its bytes arrive. */
-const failure = error => new ErrorEvent('error', {error, message: error.message});
+
+/* The bytes of base64, or of base64url as the tool writes it, with or without padding and white space. */
+const bytesOf = text => {
+  try {
+    text = atob(text.replace(/-/g, '+').replace(/_/g, '/'));
+  } catch {
+    refuse(1, 'data is not base64');
+  }
+  return Uint8Array.from(text, character => character.charCodeAt());
+};
 
 export class GsclImage extends (globalThis.HTMLElement || Object) {
   static observedAttributes = ['src', 'data', 'bare', 'alt', 'width', 'height'];
@@ -15,8 +24,7 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
   constructor() {
     super();
     this.attachShadow({mode: 'open'}).append(this.#style, this.#canvas);
-    this.#canvas.width = this.#canvas.height = 0;
-    this.#fit({});
+    this.#clear();
   }
   connectedCallback() {
     this.hasAttribute('role') || this.setAttribute('role', 'img');
@@ -43,17 +51,20 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
     await 0; /* attributes that are set together load one file */
     try {
       refuse(signal.aborted);
-      const data = this.getAttribute('data'), src = this.getAttribute('src');
+      /* base64 in a data: URL may be of the tool, too, which fetch() does not read */
+      const src = this.getAttribute('src'), data = this.getAttribute('data') || src?.split(/^data:.*;base64,(?!.*[%#])/)[1];
       if (data)
-        this.#take(Uint8Array.from(atob(data), character => character.charCodeAt()), 1);
+        this.#take(bytesOf(data), 1);
       else if (src)
         await this.#fetch(src, signal);
+      else
+        this.#clear();
     } catch (error) {
-      signal.aborted || this.dispatchEvent(failure(error));
+      signal.aborted || this.#end(error);
     }
   }
   async #fetch(src, signal) {
-    const reader = (await fetchFile(src, {signal}, 'not-found')).body.getReader(), parts = [];
+    const reader = (await fetchFile(src, 'not-found', {signal})).body.getReader(), parts = [];
     for (let isWhole; !isWhole;) {
       const {value, done} = await reader.read();
       parts.push(value || '');
@@ -75,31 +86,37 @@ export class GsclImage extends (globalThis.HTMLElement || Object) {
     do {
       this.#draws = 1;
       const bytes = this.#bytes, isWhole = this.#isWhole;
-      let event = new Event('load');
-      try {
-        bytes && await this.#drawBytes(bytes, !isWhole);
-      } catch (error) {
-        event = failure(error);
-      }
+      const error = await (bytes && this.#drawBytes(bytes, !isWhole).catch(it => it));
       if (isWhole == 1 && bytes == this.#bytes) {
         this.#isWhole = 2;
-        this.dispatchEvent(event);
+        this.#end(error);
       }
     } while (--this.#draws);
   }
   async #drawBytes(bytes, partial) {
-    const canvas = this.#canvas, bare = this.hasAttribute('bare');
-    this.#fit(await info(bytes, {bare}));
-    const box = this.getBoundingClientRect(), pixels = side => Math.min(Math.round(side * devicePixelRatio), MAX_DIMENSION);
-    const width = pixels(box.width), height = pixels(box.height);
-    if (width * height) {
-      const image = await decode(bytes, {width, height, bare, partial});
-      if (bytes == this.#bytes) {
-        canvas.width = width;
-        canvas.height = height;
-        canvas.getContext('2d').putImageData(image, 0, 0);
-      }
+    const canvas = this.#canvas, bare = this.hasAttribute('bare'), size = await info(bytes, {bare});
+    refuse(bytes != this.#bytes); /* another file has come meanwhile */
+    this.#fit(size);
+    const box = this.getBoundingClientRect(), pixels = side => Math.min(Math.round(side * ratio), MAX_DIMENSION);
+    let image, ratio = devicePixelRatio;
+    for (; !image && pixels(box.width) * pixels(box.height); ratio /= 2) /* fewer pixels where a limit refuses so many */
+      image = await decode(bytes, {width: pixels(box.width), height: pixels(box.height), bare, partial}).catch(error => {
+        if (error.code != 'limit')
+          throw error;
+      });
+    if (image && bytes == this.#bytes) {
+      canvas.width = image.width;
+      canvas.height = image.height;
+      canvas.getContext('2d').putImageData(image, 0, 0);
     }
+  }
+  #end(error) {
+    error && this.#clear();
+    this.dispatchEvent(error ? new ErrorEvent('error', {error, message: error.message}) : new Event('load'));
+  }
+  #clear() {
+    this.#bytes = this.#canvas.width = this.#canvas.height = 0;
+    this.#fit({});
   }
   /* The encoded size is the width of the content, which counts only where neither the attributes nor the page give a size. */
   #fit({width, height}) {

@@ -29,6 +29,9 @@ execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/photo
 execFileSync(gscl, ['encode', join(made, 'wide.png'), '-o', join(made, 'wide.gscl'), '--effort', '0', '--quiet', '--bytes', '1000']);
 copyFileSync(join(conformance, 'files/damaged-bit.gscl'), join(made, 'damaged.gscl'));
 
+/* A line of text with the picture, as the tool writes it. */
+const textBy = (...options) => execFileSync(gscl, ['encode', join(made, 'scene.png'), '--base64', '--effort', '0', '--quiet', ...options]).toString();
+
 const decodeBy = (name, ...options) => {
   execFileSync(gscl, ['decode', '--device', 'host', join(made, name), '-o', join(made, 'out.png'), ...options]);
   return readPng(fileOf('out.png'));
@@ -38,7 +41,7 @@ let hasModule = true; /* whether gscl.wasm is found */
 let slow; /* the answer to /slow.gscl, which the tests write to */
 const page = body => `<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script>
   delete String.prototype.at, delete Element.prototype.role, delete Element.prototype.ariaLabel; /* which older browsers lack */
-  window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message]), true);
+  window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message, event.message]), true);
   </script><script type="module" src="/web/gscl.js"></script>${body}`;
 const pages = {};
 const site = await serve({'/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
@@ -94,6 +97,83 @@ test('files inside the page', async () => {
   await loaded('a'), await loaded('b');
   assertPicture(await browser.pixels(canvasOf('a')), decodeBy('bare.gscl', '--bare'), 'bare');
   assertPicture(await browser.pixels(canvasOf('b')), decodeBy('scene.gscl'), 'data URL');
+});
+
+test('the text of the tool, as it is and as other programs write base64', async () => {
+  const text = textBy('--bytes', '3000'), bare = textBy('--bytes', '150', '--bare'), file = fileOf('scene.gscl'), whole = file.toString('base64');
+  assert.match(text, /^[\w-]*[-_][\w-]*\n$/); /* base64url, whose letters occur */
+  assert.deepEqual(Buffer.from(text, 'base64url'), file);
+  const texts = {tool: text, trimmed: text.trim(), lines: whole.replace(/.{64}/g, '$&\r\n'), spaces: `\t ${text} `, base64: whole, unpadded: whole.replace(/=*$/, ''),
+    padded: text.trim() + '='.repeat(-text.trim().length & 3)};
+  await show(Object.entries(texts).map(([id, data]) => `<gscl-image id="${id}" data="${data}"></gscl-image>`).join('') + `<gscl-image id="bare" data="${bare}" bare></gscl-image>`);
+  for (const id in texts)
+    await loaded(id), assertPicture(await browser.pixels(canvasOf(id)), decodeBy('scene.gscl'), id);
+  await loaded('bare');
+  assertPicture(await browser.pixels(canvasOf('bare')), decodeBy('bare.gscl', '--bare'), 'bare');
+});
+
+test('data URLs with the text of the tool and of other programs', async () => {
+  const text = textBy('--bytes', '3000').trim(), whole = fileOf('scene.gscl').toString('base64');
+  const sources = {tool: `data:image/x-gscl;base64,${text}`, base64: `data:image/x-gscl;base64,${whole}`, kind: `data:;a=b;base64,${text}`,
+    escaped: `data:;base64,${encodeURIComponent(whole)}`, fragment: `data:;base64,${whole}#a`, bytes: `data:,${[...fileOf('scene.gscl')].map(it => '%' + it.toString(16).padStart(2, 0)).join('')}`};
+  await show(Object.entries(sources).map(([id, src]) => `<gscl-image id="${id}" src="${src}"></gscl-image>`).join(''));
+  for (const id in sources)
+    await loaded(id), assertPicture(await browser.pixels(canvasOf(id)), decodeBy('scene.gscl'), id);
+});
+
+test('text that is not base64 is named', async () => {
+  const text = textBy('--bytes', '3000').trim(), texts = ['***', text.slice(0, 9) + '=' + text.slice(9), text.slice(0, 5), text.slice(0, 9) + '\u00a0' + text.slice(9), '\u{1f600}'];
+  await show(texts.map((it, i) => `<gscl-image id="i${i}" data="${it}"></gscl-image>`).join('') + `<gscl-image id="url" src="data:;base64,***"></gscl-image>`);
+  await browser.until(`events.filter(([id, name]) => id && name == "error").length == ${texts.length + 1}`);
+  assert.deepEqual(new Set((await browser.evaluate('events')).filter(([id]) => id).map(([, , code, message]) => `${code}: ${message}`)), new Set(['invalid-argument: data is not base64']));
+});
+
+test('an element that is larger than a picture may be draws fewer pixels', async () => {
+  const data = textBy('--bytes', '150', '--bare').trim();
+  await browser.resize(1200, 900, 2);
+  try { /* twice as wide and high these are more than 2^26 pixels */
+    await show(`<gscl-image id="a" data="${data}" bare width="4112" height="4096"></gscl-image>`);
+    await loaded('a');
+    assert.deepEqual(await browser.evaluate(`[${canvasOf('a')}.width, ${canvasOf('a')}.height]`), [4112, 4096]);
+    const [x, y] = [1500, 2500], part = await browser.pixels(`(() => { const c = document.createElement('canvas'); c.width = c.height = 9; c.getContext('2d').drawImage(${canvasOf('a')}, -${x}, -${y}); return c; })()`);
+    assertPicture(part, decodeBy('bare.gscl', '--bare', '--size', '4112x4096', '--crop', `${x},${y},9,9`), 'part');
+    const {width, height} = await browser.evaluate(`(({width, height}) => ({width, height}))(${canvasOf('a')}.getBoundingClientRect())`);
+    assert.deepEqual([width, height], [4112, 4096]); /* the page enlarges the canvas */
+  } finally {
+    await browser.resize(1200, 900);
+  }
+});
+
+test('no picture stays in sight that the element no longer has', async () => {
+  const whole = fileOf('scene.gscl').toString('base64');
+  const changes = {'no base64': `a.setAttribute('data', '*')`, 'no file': `a.setAttribute('data', 'AAAA')`, 'damaged': `a.removeAttribute('data'), a.setAttribute('src', '/files/damaged.gscl')`,
+    'not found': `a.removeAttribute('data'), a.setAttribute('src', '/files/none.gscl')`, 'other form': `a.setAttribute('bare', '')`, 'removed': `a.removeAttribute('data')`, 'empty': `a.setAttribute('data', '')`};
+  for (const [name, change] of Object.entries(changes))
+    for (const size of ['', 'width="100" height="80"']) {
+      await show(`<gscl-image id="a" data="${whole}" ${size}></gscl-image><br><gscl-image id="b" ${size}></gscl-image>`);
+      await loaded('a');
+      assert(await browser.evaluate(`${canvasOf('a')}.width > 0`));
+      await browser.evaluate(`events.length = 0, ${change}`);
+      await browser.until(`${canvasOf('a')}.width == 0`);
+      assert.deepEqual(await browser.evaluate(`new Promise(resolve => setTimeout(() => resolve(events.map(([, name]) => name)), 50))`), /removed|empty/.test(name) ? [] : ['error'], name);
+      const [box, empty] = await browser.evaluate(`[a, b].map(it => it.getBoundingClientRect()).map(({width, height}) => [width, height])`);
+      assert.deepEqual(box, empty, name);
+      await browser.evaluate(`events.length = 0, a.removeAttribute('bare'), a.removeAttribute('src'), a.setAttribute('data', '${whole}')`);
+      await loaded('a');
+      assert(await browser.evaluate(`${canvasOf('a')}.width > 0`), name);
+    }
+});
+
+test('the old picture stays until the new one is there', async () => {
+  await show(`<gscl-image id="a" src="/files/wide.gscl"></gscl-image>`);
+  await loaded('a');
+  await browser.evaluate(`events.length = 0, a.setAttribute('src', '/slow.gscl'), 0`);
+  for (let i = 0; i < 300 && !slow; i++)
+    await new Promise(resolve => setTimeout(resolve, 20));
+  assert.equal(await browser.evaluate(`${canvasOf('a')}.width`), 160);
+  slow.writeHead(200, {'content-type': 'application/octet-stream'}).end(fileOf('scene.gscl')), slow = undefined;
+  await loaded('a');
+  assert.equal(await browser.evaluate(`${canvasOf('a')}.width`), 320);
 });
 
 test('an element draws while bytes arrive', async () => {
