@@ -8,7 +8,7 @@ web_packages="binaryen clang esbuild lld"
 # Further packages of the tests.
 test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev libglib2.0-bin mesa-opencl-icd oclgrind shared-mime-info valgrind
     openimageio-tools python3-dev python3-venv $web_packages chromium nodejs
-    dbus-daemon imagemagick libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
+    dbus-daemon imagemagick jq libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
     cmake fish man-db mandoc librsvg2-bin zsh"
 
 # Packages of tests/portability: machine_packages MACHINE.  Beside gcc-multilib Debian has no cross compilers.

@@ -1,14 +1,14 @@
 """Runs over many images: lists, trees, reports, shards, and going on after a kill."""
-import json
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
 import time
+import unittest
 
 from images import scene
-from tool import FAST, GSCL, TIMEOUT, ToolTest, main, restore_signals
+from tool import FAST, GSCL, TIMEOUT, ToolTest, main, read_json_lines, restore_signals
 
 SOME_FAILED = 3
 RUN = ("--out-dir", "out", "-q", *FAST)
@@ -33,7 +33,7 @@ class BatchTest(ToolTest):
         return [name[4:] for name in self.files() if name.startswith("out/") and name.endswith(".gscl")]
 
     def report(self, name="report"):
-        return [json.loads(line) for line in self.path(name).read_text().splitlines()]
+        return read_json_lines(self.path(name).read_bytes())
 
     def states(self, name="report"):
         """The status of each input; each has one line."""
@@ -187,6 +187,55 @@ class Reports(BatchTest):
             self.run_batch("--files-from", "list", "--keep-tree", "--jobs", jobs)
             bytes_of[jobs] = [self.path("out").joinpath(name).read_bytes() for name in self.outputs()]
         self.assertEqual(bytes_of["1"], bytes_of["3"])
+
+
+class Chains(BatchTest):
+    """Runs whose inputs other programs make, and reports that they read, in scripts of a shell where $G is the tool."""
+
+    def shell(self, script):
+        done = subprocess.run(["bash", "-c", f"set -e -o pipefail\n{script}"], cwd=self.folder, env={**os.environ, "G": GSCL},
+                              capture_output=True, timeout=TIMEOUT)
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        return done.stdout.decode()
+
+    def test_list_of_find(self):
+        os.remove(self.path("x/bad.png"))
+        self.write_png("x/new\nline.png", scene(8, 8))
+        self.write_png(os.fsdecode(b"y/bad\xff.png"), scene(8, 8))
+        self.shell("find x y -name '*.png' -print0 | $G encode -0 --files-from - --keep-tree --jsonl report --out-dir out -q --effort 0")
+        names = [name[:-4] + ".gscl" for name in self.names]
+        self.assertEqual(sorted(self.outputs()), sorted([*names, "x/new\nline.gscl", os.fsdecode(b"y/bad\xff.gscl")]))
+        self.assertEqual({line["status"] for line in self.report()}, {"ok"})
+
+    @unittest.skipUnless(shutil.which("jq"), "needs jq")
+    def test_report_read_by_jq(self):
+        run = "--out-dir out -q --effort 0"
+        self.write_list("x/0.png", "x/bad.png", "x/1.png")
+        self.shell(f"$G encode --files-from list --jsonl report {run} || [ $? = 3 ]")
+        self.assertEqual(self.shell("jq -r 'select(.status == \"failed\").input' report"), "x/bad.png\n")
+        self.write_png("x/bad.png", scene(8, 8))
+        self.shell(f"jq -r 'select(.status == \"failed\").input' report | $G encode --files-from - --jsonl report {run}")
+        self.assertEqual(self.states(), {"x/0.png": "ok", "x/1.png": "ok", "x/bad.png": "ok"})
+        sizes = self.shell("jq -r .output report | while read -r name; do $G info \"$name\" --json | jq .bytes; done")
+        self.assertEqual(sizes, self.shell("jq .bytes report"))
+
+    def test_joined_reports_of_shards(self):
+        """are a report of the whole, with which nothing is encoded again."""
+        self.write_list(*self.names)
+        run = "$G encode --files-from list --keep-tree --out-dir out -q --effort 0 --skip-existing"
+        self.shell(f"for i in 1 2 3; do {run} --shard $i/3 --jsonl report.$i; done; cat report.[123] > report")
+        before = self.path("report").read_bytes()
+        self.assertEqual(self.states(), {name: "ok" for name in self.names})
+        times = {name: os.stat(self.path("out") / name).st_mtime_ns for name in self.outputs()}
+        self.shell(f"{run} --jsonl report")
+        self.assertEqual(self.path("report").read_bytes(), before)
+        self.assertEqual({name: os.stat(self.path("out") / name).st_mtime_ns for name in self.outputs()}, times)
+
+    def test_lines_of_text(self):
+        sizes = self.shell("$G encode x/0.png x/1.png x/2.png -q --effort 0 --base64 --bare --splats 9 | while read -r line; do "
+                           "printf %s \"$line\" | $G info - --bare --base64; done")
+        self.assertEqual([line for line in sizes.splitlines() if line.startswith("standard input: ")],
+                         [f"standard input: {24 + i} x 16 RGB, 8 bits, format version 2" for i in range(3)])
 
 
 class Kills(BatchTest):

@@ -1,5 +1,4 @@
 """Caches of built kernels: that of PoCL when it cannot be written to, and that of gscl for other implementations."""
-import json
 import os
 import pathlib
 import re
@@ -7,7 +6,7 @@ import subprocess
 import unittest
 
 from images import scene
-from tool import BUILD_NOTICE, FAST, GSCL, ToolTest, main, odd_opencl
+from tool import BUILD_NOTICE, FAST, GSCL, ToolTest, main, odd_opencl, read_json
 
 NOBODY = 65534
 CONFORMANCE = pathlib.Path(__file__).resolve().parents[1] / "conformance/files/all-sizes.gscl"
@@ -17,7 +16,7 @@ POCL = "Portable Computing Language"
 def platforms(**variables):
     """The ids of devices by platform."""
     done = subprocess.run([GSCL, "devices", "--json"], capture_output=True, check=True, env={**os.environ, **variables})
-    return {device["platform"]: device["id"] for device in json.loads(done.stdout)}
+    return {device["platform"]: device["id"] for device in read_json(done.stdout)}
 
 
 def runs_for_nobody():

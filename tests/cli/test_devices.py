@@ -2,13 +2,12 @@
 
 PoCL offers as many devices as POCL_DEVICES names.  Its device "basic" fails when two threads use it.
 """
-import json
 import os
 import unittest
 
 from images import scene, textured
 from test_cache import POCL, platforms
-from tool import FAST, ToolTest, main, odd_opencl
+from tool import FAST, ToolTest, main, odd_opencl, read_json
 
 TWO = {"POCL_DEVICES": "pthread pthread"}
 
@@ -80,7 +79,7 @@ class Check(ToolTest):
         """The exit code and the rows of the report, with a device that is broken in one way."""
         done = self.start("devices", "--check", "--json", *arguments,
                           env={**(odd_opencl(way) if way else {}), **variables})
-        return done.returncode, json.loads(done.stdout)
+        return done.returncode, read_json(done.stdout)
 
     def test_sound_devices_pass(self):
         code, rows = self.check()

@@ -1,5 +1,4 @@
 """gscl encode: targets, determinism, output names, batches, pipes and reports."""
-import json
 import os
 import pty
 import re
@@ -448,7 +447,7 @@ class Pipes(ToolTest):
         decoded = self.gscl("decode", "-", "-o", "-", input=data)
         self.decode()
         self.assertEqual(decoded, self.path("in.png").read_bytes())
-        self.assertEqual(json.loads(self.gscl("info", "-", "--json", input=data))["file"], "standard input")
+        self.assertEqual(self.gscl_json("info", "-", input=data)["file"], "standard input")
 
     def test_other_formats_through_pipes(self):
         self.encode(scene(40, 30))
@@ -457,7 +456,7 @@ class Pipes(ToolTest):
             with self.subTest(suffix=suffix):
                 self.gscl("decode", "in.gscl", "-o", f"out.{suffix}")
                 stored = self.path(f"out.{suffix}").read_bytes()
-                difference = json.loads(self.gscl("compare", "-", f"out.{suffix}", "--json", input=stored))["mse"]
+                difference = self.gscl_json("compare", "-", f"out.{suffix}", input=stored)["mse"]
                 self.assertEqual(difference, 0)
 
     def test_named_pipe(self):

@@ -1,5 +1,4 @@
 """Outputs that are no files to be replaced: descriptors, pipes and devices, which every command writes in place."""
-import json
 import os
 import pathlib
 import pty
@@ -7,7 +6,7 @@ import re
 import subprocess
 
 from images import read_png, scene
-from tool import FAST, GSCL, TIMEOUT, ToolTest, main
+from tool import FAST, GSCL, TIMEOUT, ToolTest, main, read_json_lines
 
 CODED = pathlib.Path(__file__).parents[1] / "conformance/files/photograph.gscl"
 SUFFIXES = ("png", "jpg", "tif", "exr", "ppm", "bmp", "tga")
@@ -124,22 +123,19 @@ class Places(InPlace):
 
 
 class Reports(InPlace):
-    def lines(self, text):
-        return [json.loads(line) for line in text.decode().splitlines()]
-
     def test_jsonl(self):
         for words in ("--jsonl - | cat", "--jsonl /dev/stdout | cat", "--jsonl /dev/fd/6 6>&1 | cat"):
             with self.subTest(words=words):
-                line, = self.lines(self.shell(f"E --out-dir out {words}"))
+                line, = read_json_lines(self.shell(f"E --out-dir out {words}"))
                 self.assertEqual((line["status"], line["output"]), ("ok", "out/in.gscl"))
         self.shell("E --out-dir out --jsonl >(cat > got; : > got.done)")
-        self.assertEqual(self.lines(self.written("got"))[0]["status"], "ok")
+        self.assertEqual(read_json_lines(self.written("got"))[0]["status"], "ok")
         os.mkfifo(self.path("pipe"))
-        self.assertEqual(self.lines(self.shell("cat pipe & E --out-dir out --jsonl pipe; wait"))[0]["status"], "ok")
+        self.assertEqual(read_json_lines(self.shell("cat pipe & E --out-dir out --jsonl pipe; wait"))[0]["status"], "ok")
 
     def test_file_of_the_shell_goes_on(self):
         self.shell("(echo '{}'; E --out-dir out --jsonl /dev/stdout; echo '[]') > both")
-        first, line, last = self.lines(self.path("both").read_bytes())
+        first, line, last = read_json_lines(self.path("both").read_bytes())
         self.assertEqual((first, line["status"], last), ({}, "ok", []))
 
     def test_full_disk(self):

@@ -1,6 +1,5 @@
 """gscl tradeoff writes every table and plot, and their figures are consistent; no test bounds a time."""
 import csv
-import json
 import math
 import os
 import pathlib
@@ -8,7 +7,7 @@ import unittest
 import xml.etree.ElementTree
 
 from images import flat, read_png, scene
-from tool import GSCL, ToolTest, main
+from tool import GSCL, ToolTest, main, read_json
 
 WIDTH, HEIGHT = 96, 72
 TABLES = {"quality_time.csv", "quality_rate.csv", "trace.csv", "accuracy.csv", "gradients.csv", "tradeoff.json"}
@@ -108,7 +107,7 @@ class Tradeoff(ToolTest):
             self.assertLess(float(row["rms_error"]), 1e-3)
 
     def test_json_matches_the_tables(self):
-        report = json.loads(self.measured()[0]["tradeoff.json"])
+        report = read_json(self.measured()[0]["tradeoff.json"])
         self.assertEqual((report["width"], report["height"], report["bytes"], report["effort"]), (WIDTH, HEIGHT, 400, 5))
         for key, table in (("quality_time", "quality_time.csv"), ("quality_rate", "quality_rate.csv"),
                            ("accuracy", "accuracy.csv"), ("gradients", "gradients.csv")):
@@ -142,7 +141,7 @@ class Tradeoff(ToolTest):
         self.write("there/tradeoff.json", b"old")
         report = self.gscl_json("tradeoff", "in.png", "--quick", "--out", "there", "--mapping", "cpu")
         self.assertEqual(report["quality_time"][0]["ms_ssim"], None)
-        self.assertEqual(report, json.loads(self.path("there/tradeoff.json").read_bytes()))
+        self.assertEqual(report, read_json(self.path("there/tradeoff.json").read_bytes()))
 
     def test_without_the_module(self):
         """A copy of the program without its module writes tables, no plots, and prints one line with the reason."""

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -31,6 +32,43 @@ def restore_signals():
 def odd_opencl(way):
     """The environment of an OpenCL that is broken in one way (odd_opencl.c)."""
     return {"LD_PRELOAD": os.environ["ODD_OPENCL_MODULE"], "ODD_OPENCL": way}
+
+
+def unique(pairs):
+    """The members of an object, whose names must differ."""
+    members = dict(pairs)
+    assert len(members) == len(pairs), f"a name occurs twice: {[name for name, _ in pairs]}"
+    return members
+
+
+def refuse_constant(text):
+    raise ValueError(f"{text} is no value of JSON")
+
+
+def parse_strictly(text):
+    return json.loads(text, parse_constant=refuse_constant, object_pairs_hook=unique)
+
+
+def check_by_jq(data, values):
+    """jq, where there is one, reads the same values."""
+    if shutil.which("jq"):
+        done = subprocess.run(["jq", "--compact-output", "."], input=data, capture_output=True, timeout=TIMEOUT)
+        assert (done.returncode, done.stderr) == (0, b""), done.stderr
+        assert [json.loads(line) for line in done.stdout.splitlines()] == values, done.stdout
+
+
+def read_json(data):
+    """Reads JSON as its standard has it: UTF-8, no NaN, no infinity, each name once; and by jq."""
+    value = parse_strictly(data.decode())
+    check_by_jq(data, [value])
+    return value
+
+
+def read_json_lines(data):
+    """The same for a value on each line."""
+    values = [parse_strictly(line) for line in data.decode().split("\n") if line]
+    check_by_jq(data, values)
+    return values
 
 
 class ToolTest(unittest.TestCase):
@@ -72,7 +110,7 @@ class ToolTest(unittest.TestCase):
         return done.stdout
 
     def gscl_json(self, *arguments, **options):
-        return json.loads(self.gscl(*arguments, "--json", **options))
+        return read_json(self.gscl(*arguments, "--json", **options))
 
     def encode(self, image, *arguments, name="in"):
         """Encodes an image, given as an Image or as the bytes of a file, and returns the bytes of the gscl file."""
