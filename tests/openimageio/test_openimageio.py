@@ -57,6 +57,17 @@ class Reading(PluginTest):
             self.assertIn(f"{channels} channel, uint{depth} gscl", facts)
             self.assertIn(f"channel list: {names}\n", facts)
 
+    def test_images_of_the_tool(self):
+        """What the tool decodes to, as OpenImageIO reads it, is what the plug-in decodes to."""
+        for channels, suffixes in ((1, "png tif exr pgm tga"), (3, "png tif exr ppm bmp tga"), (4, "png tif exr tga")):
+            self.encode(scene(61, 40, channels))
+            self.oiiotool("in.gscl", "-o", "plugin.tif")
+            for suffix in suffixes.split():
+                with self.subTest(channels=channels, suffix=suffix):
+                    self.gscl("decode", "in.gscl", "-o", f"out.{suffix}", "--device", "host")
+                    curve = ("--colorconvert:unpremult=1", "linear", "sRGB") if suffix == "exr" else ()
+                    self.oiiotool(f"out.{suffix}", *curve, "plugin.tif", "--fail", 0.009, "--diff")  # 2 of 255: both have rounded
+
     def test_premultiplied_by_default(self):
         self.encode(scene(40, 30, 4))
         self.oiiotool("in.gscl", "--ch", "R,G,B", "-o", "colours.png")
