@@ -44,7 +44,7 @@ const page = body => `<!doctype html><meta charset="utf-8"><style>body{margin:0}
   window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message, event.message]), true);
   </script><script type="module" src="/web/gscl.js"></script>${body}`;
 const pages = {};
-const site = await serve({'/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
+const site = await serve({'/web/demo/samples/': join(made, 'build/host/web/demo/samples'), '/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
   '/slow.gscl': (_, response) => slow = response,
   '/web/gscl.wasm': (_, response) => hasModule ? response.writeHead(200).end(readFileSync(join(folder, 'gscl.wasm'))) : response.writeHead(503).end(),
   '/page': (request, response) => response.writeHead(200, {'content-type': 'text/html'}).end(page(pages[new URL(request.url, 'http://host').searchParams.get('name')])),
@@ -110,6 +110,57 @@ test('the text of the tool, as it is and as other programs write base64', async 
     await loaded(id), assertPicture(await browser.pixels(canvasOf(id)), decodeBy('scene.gscl'), id);
   await loaded('bare');
   assertPicture(await browser.pixels(canvasOf('bare')), decodeBy('bare.gscl', '--bare'), 'bare');
+});
+
+test('files of the tool of every kind of picture', async () => {
+  const kinds = {grey: [], 'layout-grey-alpha': [], 'scalar-normalized-rgb-alpha': [], 'plain-alpha': [], 'bits-16': [], blocks: ['--metadata', 'all', '--keep-profile'],
+    photograph: ['--profile', 'paper'], waves: ['--blend', 'sum'], 'layers-8': ['--progressive', '--blend', 'alpha']};
+  await show('');
+  for (const [name, options] of Object.entries(kinds)) {
+    execFileSync(gscl, ['decode', '--device', 'host', join(conformance, `files/${name}.gscl`), '--size', '80x60', '-o', join(made, 'kind.png')], {stdio: 'pipe'});
+    execFileSync(gscl, ['encode', join(made, 'kind.png'), '-o', join(made, 'kind.gscl'), '--bytes', '700', '--effort', '0', '--quiet', ...options]);
+    const [width, height, text] = await browser.evaluate(`(async () => {
+      const {decode} = await import('/web/gscl.js'), image = await decode(await (await fetch('/files/kind.gscl')).arrayBuffer());
+      return [image.width, image.height, Array.from(image.data).join()];
+    })()`);
+    assertPicture({width, height, data: text.split(',').map(Number)}, decodeBy('kind.gscl'), name);
+  }
+});
+
+test('a picture over the background of the page is that of the tool over it', async () => {
+  execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/scalar-normalized-rgb-alpha.gscl'), '--size', '80x60', '-o', join(made, 'clear.png')]);
+  execFileSync(gscl, ['encode', join(made, 'clear.png'), '-o', join(made, 'clear.gscl'), '--effort', '0', '--quiet']);
+  await show('<gscl-image id="a" src="/files/clear.gscl"></gscl-image>');
+  await loaded('a');
+  const samples = decodeBy('clear.gscl').samples;
+  assert(samples.some((sample, i) => i % 4 == 3 && sample > 20 && sample < 235)); /* the sources of alpha blend */
+  for (const colour of ['white', 'rebeccapurple', '#f80']) {
+    const page = await browser.pixels(`(() => { const c = document.createElement('canvas'), {width, height} = ${canvasOf('a')}, it = c.getContext('2d'); [c.width, c.height] = [width, height];
+      it.fillStyle = '${colour}'; it.fillRect(0, 0, width, height); it.drawImage(${canvasOf('a')}, 0, 0); return c; })()`);
+    const tool = decodeBy('clear.gscl', '--background', colour);
+    assert.equal(tool.channels, 3);
+    for (let i = 0; i < page.width * page.height; i++)
+      for (let k = 0; k < 3; k++) /* canvases keep colours multiplied by alpha, in 8 bits */
+        assert(Math.abs(page.data[4 * i + k] - tool.samples[3 * i + k]) <= 3, `${colour}: sample ${k} of pixel ${i}: ${page.data[4 * i + k]}, ${tool.samples[3 * i + k]}`);
+  }
+});
+
+test('a browser draws the SVG image of the tool', async () => {
+  execFileSync(gscl, ['export', join(made, 'scene.gscl'), '-o', join(made, 'scene.svg')]);
+  await show('');
+  const page = await browser.pixels(await browser.evaluate(`new Promise((resolve, reject) => {
+    const image = new Image, canvas = window.drawnSvg = document.createElement('canvas');
+    image.onload = () => { canvas.width = image.naturalWidth; canvas.height = image.naturalHeight; canvas.getContext('2d').drawImage(image, 0, 0); resolve('drawnSvg'); };
+    image.onerror = reject, image.src = '/files/scene.svg';
+  })`));
+  const tool = decodeBy('scene.gscl');
+  assert.deepEqual([page.width, page.height], [tool.width, tool.height]);
+  let sum = 0;
+  for (let i = 0; i < page.width * page.height; i++)
+    for (let k = 0; k < 3; k++)
+      sum += (page.data[4 * i + k] - tool.samples[3 * i + k]) ** 2;
+  const psnr = 10 * Math.log10(255 ** 2 * 3 * page.width * page.height / sum);
+  assert(psnr > 24, `${psnr} dB`);
 });
 
 test('data URLs with the text of the tool and of other programs', async () => {
@@ -389,6 +440,21 @@ test('splats are shown as ellipses', async () => {
   assert(bright > 1000, `${bright} bright samples`);
   await shoot('ellipses');
   await drawn(() => browser.evaluate('showOutlines.click()'));
+});
+
+test('the demonstration page lists the samples that its script makes', async () => {
+  /* A build folder with a smaller image and a quicker tool. */
+  const write = (name, command) => writeFileSync(join(made, 'build', name), `#!/bin/sh\n${command}\n`, {mode: 0o755});
+  mkdirSync(join(made, 'build/tests/sample'), {recursive: true});
+  write('gscl', `exec "${gscl}" "$@" --effort 0`);
+  write('tests/sample/make_sample', `cp "${join(made, 'wide.png')}" "$1"`);
+  execFileSync('sh', [fileURLToPath(new URL('../../host/web/demo/make_samples.sh', import.meta.url)), join(made, 'build')]);
+  await browser.open(`${site.url}/web/demo/index.html`);
+  await browser.until('stage.dataset.drawn');
+  const drawn = `[...document.querySelectorAll('#list gscl-image')].filter(it => it.shadowRoot.querySelector('canvas').width > 0).length`;
+  await browser.until(`${drawn} == 5`);
+  assert.equal(await textOf('pixels'), '160 × 40');
+  assert.deepEqual(browser.errors, []);
 });
 
 test('a file that is not valid is named, and the page goes on', async () => {
