@@ -62,7 +62,7 @@ static int descriptor_named(const char *name) {
     char *folder = folder_of(name);
     const bool is_descriptor = folder && is_descriptor_folder(folder);
     free(folder);
-    return is_descriptor ? atoi(base) : -1;
+    return is_descriptor ? (int)strtol(base, NULL, 10) : -1;
 }
 
 int output_descriptor(const char *name) {
