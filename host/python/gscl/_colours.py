@@ -171,7 +171,8 @@ def _to_xyz(xy: tuple[float, ...]) -> NDArray[Any]:
 
 def _light(samples: NDArray[Any], gamma: float) -> NDArray[Any]:
     if gamma:
-        return numpy.power(numpy.maximum(samples, 0), gamma)
+        power: NDArray[Any] = numpy.power(numpy.maximum(samples, 0), gamma)
+        return power
     light: NDArray[Any] = ((numpy.maximum(samples, 0) + 0.055) / 1.055) ** 2.4
     return numpy.where(samples <= 0.04045, samples / 12.92, light)
 
