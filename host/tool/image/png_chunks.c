@@ -203,9 +203,8 @@ static void take_chunk(const png_chunk *chunk, image_content *content, png_colou
         take_primaries(chunk, content);
     else if (is_named(chunk, "eXIf") && chunk->intact)
         image_blob_set(&metadata->exif, chunk->bytes, chunk->size);
-    else if (is_named(chunk, "iTXt") && take_text(chunk, xmp_keyword, sizeof xmp_keyword, &metadata->xmp))
-        return;
-    else if (take_raw_profile(chunk, texts))
+    else if ((is_named(chunk, "iTXt") && take_text(chunk, xmp_keyword, sizeof xmp_keyword, &metadata->xmp)) ||
+             take_raw_profile(chunk, texts))
         return;
     else if (is_named(chunk, "tEXt") || is_named(chunk, "zTXt") || is_named(chunk, "iTXt"))
         content->other_bytes += chunk->size;
