@@ -37,8 +37,8 @@ ALWAYS_INLINE int2 tiles_touched(__global const float *projected, __global const
 }
 
 /* Rows of the tiles (tx, ty), (tx + 1, ty), ... that the outline touches: first and last; none where first > last. */
-inline void rows_touched(__global const float *restrict projected, __global const float *restrict bounds, int tx,
-                         int ty, int *restrict first, int *restrict last) {
+void rows_touched(__global const float *restrict projected, __global const float *restrict bounds, int tx, int ty,
+                  int *restrict first, int *restrict last) {
     float4 x0 = (float4)(0, GSCL_TILE, 2 * GSCL_TILE, 3 * GSCL_TILE) +
                 ((float)(tx * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_X]);
     float y0 = (float)(ty * GSCL_TILE) + 0.5f - projected[GSCL_PROJECTED_Y];
@@ -63,9 +63,7 @@ inline void rows_touched(__global const float *restrict projected, __global cons
     vstore4(convert_int4(to) - 1, 0, last);
 }
 
-inline bool box_touches_rows(int4 box, int first, int last) {
-    return box.z <= last && box.w >= first && box.x <= box.y;
-}
+bool box_touches_rows(int4 box, int first, int last) { return box.z <= last && box.w >= first && box.x <= box.y; }
 
 /* The splats of a row's band, among which it finds its own. */
 typedef struct {
@@ -73,16 +71,16 @@ typedef struct {
     int count;
 } splat_source;
 
-inline splat_source source_of_row(__global const int *restrict listed, __global const int *restrict listed_counts,
-                                  gscl_bin_settings t, int ty) {
+splat_source source_of_row(__global const int *restrict listed, __global const int *restrict listed_counts,
+                           gscl_bin_settings t, int ty) {
     int band = ty / t.band_rows;
     splat_source source = {listed + (size_t)band * t.splats, listed_counts[band]};
     return source;
 }
 
 /* The tiles of row `ty` that a splat touches; none where first > last. */
-inline int2 tiles_of_row(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                         __global const int4 *restrict boxes, size_t i, int ty) {
+int2 tiles_of_row(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                  __global const int4 *restrict boxes, size_t i, int ty) {
     int4 box = boxes[i];
     if (!box_touches_rows(box, ty, ty)) return (int2)(0, -1);
     return tiles_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, box, ty);
@@ -160,8 +158,8 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
 }
 
 /* Whether a splat touches tile `tx` of row `ty`, as far as its ends within the row say. */
-inline bool touches_tile(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                         __global const int4 *restrict boxes, size_t i, int tx, int ty) {
+bool touches_tile(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                  __global const int4 *restrict boxes, size_t i, int tx, int ty) {
     int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, i, ty);
     return tx >= tiles.x && tx <= tiles.y;
 }
@@ -182,8 +180,8 @@ __kernel void bin_count(__global const float *restrict projected, __global const
 }
 
 /* Makes the entry of splat `i` in the list of a tile; false where it touches none of its rows. */
-inline bool entry_of_tile(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                          __global const int4 *restrict boxes, size_t i, int tx, int ty, uint *restrict entry) {
+bool entry_of_tile(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+                   __global const int4 *restrict boxes, size_t i, int tx, int ty, uint *restrict entry) {
     int first[BIN_LANES], last[BIN_LANES]; /* of this tile and those to its right, which have groups of their own */
     if (!touches_tile(projected, ellipse_bounds, boxes, i, tx, ty)) return false;
     rows_touched(projected + i * GSCL_PROJECTED, ellipse_bounds + i * GSCL_BOUNDS, tx, ty, first, last);

@@ -8,13 +8,13 @@
 #define MAX_OPACITY_LOGIT 4.5f /* of a word: opacities 0.011 to 0.989 */
 
 /* A dimension of a word in the unit that the file quantises uniformly: angles as 0..pi, opacities as 0..1. */
-inline float to_stored(int book, int dim, float value) {
+float to_stored(int book, int dim, float value) {
     if (book == GSCL_BOOK_SHAPE && dim == 2) return value - M_PI_F * floor(value / M_PI_F);
     if (book == GSCL_BOOK_COLOUR && dim == CHANNELS) return 1.0f / (1.0f + exp(-value));
     return value;
 }
 
-inline float from_stored(int book, int dim, float value) {
+float from_stored(int book, int dim, float value) {
     if (book == GSCL_BOOK_COLOUR && dim == CHANNELS) {
         float o = clamp(value, 1e-3f, 0.99f);
         return log(o / (1.0f - o));

@@ -22,16 +22,16 @@ typedef struct {
 #define WORD_SUMS (WORD_MIXED + CHANNELS)
 
 /* The splat's alpha at a row of pixels from (x, y) on. */
-inline pix word_alpha(const projected_splat *s, int x, int y) {
+pix word_alpha(const projected_splat *s, int x, int y) {
     pix dx = pix_offsets() + ((float)x + 0.5f - s->projected[GSCL_PROJECTED_X]);
     float dy = (float)y + 0.5f - s->projected[GSCL_PROJECTED_Y];
     return fmin(s->projected[GSCL_PROJECTED_OPACITY] * projected_weight(dx, dy, s), (pix)(GSCL_MAX_ALPHA));
 }
 
 /* Removes a splat from the rendering within its box: P becomes U. */
-inline void word_rdo_remove(const projected_splat *s, int4 box, __global float *restrict rendering,
-                            __global const float *restrict front, __global const float *restrict transmittance,
-                            gscl_image_shape image) {
+void word_rdo_remove(const projected_splat *s, int4 box, __global float *restrict rendering,
+                     __global const float *restrict front, __global const float *restrict transmittance,
+                     gscl_image_shape image) {
     const size_t plane = plane_size(image);
     FOR_ROWS(y, box.z, box.w)
     FOR_VECTORS(x, box.x, box.y) {
@@ -49,9 +49,8 @@ inline void word_rdo_remove(const projected_splat *s, int4 box, __global float *
 }
 
 /* Adds a splat within its box: U becomes P, and F and T include the splat. */
-inline void word_rdo_commit(const projected_splat *s, int4 box, __global float *restrict rendering,
-                            __global float *restrict front, __global float *restrict transmittance,
-                            gscl_image_shape image) {
+void word_rdo_commit(const projected_splat *s, int4 box, __global float *restrict rendering,
+                     __global float *restrict front, __global float *restrict transmittance, gscl_image_shape image) {
     const size_t plane = plane_size(image);
     FOR_ROWS(y, box.z, box.w)
     FOR_VECTORS(x, box.x, box.y) {
@@ -71,10 +70,9 @@ inline void word_rdo_commit(const projected_splat *s, int4 box, __global float *
 }
 
 /* The error of all colour words for one shape and position; P holds U. */
-inline word_error word_rdo_evaluate(const projected_splat *s, __global const float *restrict rendering,
-                                    __global const float *restrict front, __global const float *restrict transmittance,
-                                    __global const float *restrict target, gscl_image_shape image,
-                                    __local float *shared) {
+word_error word_rdo_evaluate(const projected_splat *s, __global const float *restrict rendering,
+                             __global const float *restrict front, __global const float *restrict transmittance,
+                             __global const float *restrict target, gscl_image_shape image, __local float *shared) {
     const size_t plane = plane_size(image);
     outline o = outline_of(s, image.width, image.height);
     pix sums[WORD_SUMS];
@@ -114,8 +112,8 @@ inline word_error word_rdo_evaluate(const projected_splat *s, __global const flo
 }
 
 /* Finds the colour word of least cost and returns its cost. */
-inline float word_rdo_best_colour(const word_error *w, __global const float *restrict colours,
-                                  __global const float *restrict bits, int count, float lambda, int *word) {
+float word_rdo_best_colour(const word_error *w, __global const float *restrict colours,
+                           __global const float *restrict bits, int count, float lambda, int *word) {
     float best = MAXFLOAT;
     for (int i = 0; i < count; i++) {
         __global const float *c = colours + i * GSCL_BOOK_DIMS;
@@ -133,8 +131,8 @@ inline float word_rdo_best_colour(const word_error *w, __global const float *res
     return best;
 }
 
-inline projected_splat word_project(int2 cell, __global const float *restrict shape,
-                                    __global const float *restrict colour, const gscl_word_rdo_settings *settings) {
+projected_splat word_project(int2 cell, __global const float *restrict shape, __global const float *restrict colour,
+                             const gscl_word_rdo_settings *settings) {
     splat s;
     s.x = ((float)cell.x + 0.5f) * settings->cell_x;
     s.y = ((float)cell.y + 0.5f) * settings->cell_y;
@@ -147,7 +145,7 @@ inline projected_splat word_project(int2 cell, __global const float *restrict sh
 
 /* Move 0 stays in the cell, 1 to 4 go to a neighbouring cell. */
 #define WORD_RDO_MOVES 5
-inline int2 word_rdo_move(int2 cell, int move) {
+int2 word_rdo_move(int2 cell, int move) {
     return cell + (int2)(move == 1 ? 1 : move == 2 ? -1 : 0, move == 3 ? 1 : move == 4 ? -1 : 0);
 }
 

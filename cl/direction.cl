@@ -10,7 +10,7 @@ typedef struct {
 
 /* An angle without its quarter turns, at most 2^16.  Where fma() rounds the product, the length of a quarter turn has two
  * parts of 8 bits, whose products are exact, and a small one. */
-inline vfloat without_quarters(vfloat angle, vfloat quarters) {
+vfloat without_quarters(vfloat angle, vfloat quarters) {
 #ifdef SOFTWARE_FMA
     return ((angle - quarters * 1.5703125f) - quarters * 4.82559204e-4f) - quarters * 1.2675908e-6f;
 #else
@@ -20,7 +20,7 @@ inline vfloat without_quarters(vfloat angle, vfloat quarters) {
 
 /* The direction of an angle in radians, |angle| <= 1e5.  The angle without its quarter turns goes through minimax
  * polynomials on [-pi/4, pi/4].  Absolute error below 8e-8, as of the built-in functions. */
-inline unit_vector direction_of(vfloat angle) {
+unit_vector direction_of(vfloat angle) {
     vfloat quarters = rint(angle * M_2_PI_F);
     vfloat r = without_quarters(angle, quarters), r2 = r * r;
     vfloat p = fma((vfloat)(-1.9515281e-4f), r2, (vfloat)(8.3321603e-3f));
@@ -37,7 +37,7 @@ inline unit_vector direction_of(vfloat angle) {
 }
 
 /* The direction of a splat's first axis. */
-inline unit_vector axis_direction(vfloat theta) {
+unit_vector axis_direction(vfloat theta) {
     unit_vector along_x = {(vfloat)(1.0f), (vfloat)(0.0f)};
     return ROTATION ? direction_of(theta) : along_x;
 }

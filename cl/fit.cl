@@ -12,8 +12,8 @@ typedef struct {
 
 /* Starts the backward pass from the rendering on the canvas; returns this work-item's part of the loss.  `target` is as
  * in fit_tiles. */
-inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const float *restrict target,
-                          gscl_fit_settings settings) {
+pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const float *restrict target,
+                   gscl_fit_settings settings) {
     const size_t plane = (size_t)settings.shape.width * (size_t)settings.level_height;
     pix loss = (pix)(0.0f);
     for (int r = 0; r < ROWS; r++) {
@@ -75,7 +75,7 @@ inline pix backward_begin(backward *b, const canvas *c, pixel_block p, __global 
 
 #if ITEMS == 1
 /* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
-inline float8 pix_sum_8(const pix *restrict s) {
+float8 pix_sum_8(const pix *restrict s) {
     float16 a[4], b[2];
     UNROLL
     for (int k = 0; k < 4; k++)
@@ -92,7 +92,7 @@ inline float8 pix_sum_8(const pix *restrict s) {
 #endif
 
 /* Stores the sums of one work-item. */
-inline void slot_store(__global float *restrict slot, const pix *restrict sums) {
+void slot_store(__global float *restrict slot, const pix *restrict sums) {
 #if ITEMS == 1
     float first[8];
     vstore8(pix_sum_8(sums), 0, first);
@@ -155,7 +155,7 @@ ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, p
 }
 
 /* Finishes the sums after the last row. */
-inline void slot_end(pix *restrict sums, splat_weight s) {
+void slot_end(pix *restrict sums, splat_weight s) {
 #if !ROTATION
     sums[GSCL_SLOT_U] *= s.u;
     sums[GSCL_SLOT_UU] = fma(sums[GSCL_SLOT_U], s.u, sums[GSCL_SLOT_UU]);
@@ -163,7 +163,7 @@ inline void slot_end(pix *restrict sums, splat_weight s) {
 }
 
 /* The step until which a tile with this loss is skipped, or 0. */
-inline int skip_until_step(float loss, int pixels, float threshold, int step) {
+int skip_until_step(float loss, int pixels, float threshold, int step) {
     return loss < threshold * (float)pixels ? step + 1 + GSCL_SKIP_STEPS : 0;
 }
 
@@ -182,7 +182,7 @@ typedef struct {
 } shared_backward;
 
 /* Shares a work-item's state.  Pixels outside the image have slopes of 0. */
-inline void backward_share(__local shared_backward *shared, const backward *b, int x0, int row0) {
+void backward_share(__local shared_backward *shared, const backward *b, int x0, int row0) {
     for (int r = 0; r < ROWS; r++) {
         int at = (row0 + r) * GSCL_TILE + x0;
         PIX_STORE(b->dot[r], shared->dot + at);
@@ -193,7 +193,7 @@ inline void backward_share(__local shared_backward *shared, const backward *b, i
 }
 
 /* Writes the slots of the splats of this work-item; (px, py): the first pixel vector of the tile. */
-inline void backward_splats(const tile_splats *t, __local const shared_backward *shared, pix px, float py) {
+void backward_splats(const tile_splats *t, __local const shared_backward *shared, pix px, float py) {
     for (int i = t->range.x + (int)get_local_id(0); i < t->range.y; i += ITEMS) {
         uint entry = t->entries[i];
         __global const float *projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
@@ -226,8 +226,8 @@ inline void backward_splats(const tile_splats *t, __local const shared_backward 
 #else
 /* Writes the slots of all splats; (px, py): the first pixel vector of this work-item.  `cached`: the Gaussians of the
  * forward pass, CACHED_ROWS of them.  `shared`: where work-items add their sums, SLOT * ITEMS floats. */
-inline void backward_splats(const tile_splats *t, backward *b, pix px, float py, int row0, const pix *restrict cached,
-                            __local float *restrict shared) {
+void backward_splats(const tile_splats *t, backward *b, pix px, float py, int row0, const pix *restrict cached,
+                     __local float *restrict shared) {
     int row = 0;
     for (int i = t->range.x; i < t->range.y; i++) {
         int j = BLEND == GSCL_ALPHA ? t->range.y - 1 - (i - t->range.x) : i;
@@ -286,7 +286,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     __local float *shared = NULL;
 #endif
     const int width = settings.shape.width, height = settings.shape.height, step = settings.step;
-    pixel_block p = pixel_block_of(settings.shape);
+    pixel_block p = pixel_block_of(get_group_id(0), settings.shape);
     int2 range = tile_ranges[p.tile];
     bool is_skipped = skip_until[p.tile] > step;
     int pixels = min(GSCL_TILE, width - (p.x & -GSCL_TILE)) * min(GSCL_TILE, height - (p.y & -GSCL_TILE));

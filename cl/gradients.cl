@@ -7,9 +7,9 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
                                __global const float *restrict slots, __global float *restrict gradients) {
     __local float shared[SLOT_ITEMS];
     vfloat gradient[FITTED];
-    size_t i;
+    const size_t i = FIRST_SPLAT;
     int lanes_used;
-    if (!gather(gradient, params, steps, settings, projected, grids, links, slots, shared, &i, &lanes_used)) return;
+    if (!gather(gradient, params, steps, settings, projected, grids, links, slots, shared, i, &lanes_used)) return;
     UNROLL
     for (int k = 0; k < FITTED; k++) store_lanes(gradient[k], gradients + i * GSCL_PARAMS + k, GSCL_PARAMS);
 }

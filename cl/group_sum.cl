@@ -2,7 +2,7 @@
 
 /* Replaces each of `count` numbers by its sum over all work-items.  `sums` has room for `count` numbers of each of them, and
  * is free for other use after a barrier. */
-inline void group_sums(float *restrict numbers, int count, __local float *restrict sums) {
+void group_sums(float *restrict numbers, int count, __local float *restrict sums) {
     const int item = (int)get_local_id(0), items = (int)get_local_size(0);
     for (int k = 0; k < count; k++) sums[k * items + item] = numbers[k];
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -13,7 +13,7 @@ inline void group_sums(float *restrict numbers, int count, __local float *restri
     for (int k = 0; k < count; k++) numbers[k] = sums[k * items];
 }
 
-inline float group_sum(float number, __local float *restrict sums) {
+float group_sum(float number, __local float *restrict sums) {
     group_sums(&number, 1, sums);
     return number;
 }

@@ -39,7 +39,7 @@ __kernel void level_residual(__global const float *restrict planes, __global con
 }
 
 /* The luma of pixel i of planes: of the first three channels, or of the only colour. */
-inline float luma_of(__global const float *restrict planes, int channels, int count, int i) {
+float luma_of(__global const float *restrict planes, int channels, int count, int i) {
     const float shares[3] = {GSCL_LUMA_SHARES};
     if (channels < 3) return planes[i];
     float luma = 0.0f;
@@ -48,8 +48,8 @@ inline float luma_of(__global const float *restrict planes, int channels, int co
 }
 
 /* Squared error of pixel i, added over channels.  `weighted`: GSCL_WEIGHTED_..., whose planes lie behind the target's. */
-inline float error_of_pixel(__global const float *restrict rendering, __global const float *restrict target,
-                            int channels, int weighted, int count, int i) {
+float error_of_pixel(__global const float *restrict rendering, __global const float *restrict target, int channels,
+                     int weighted, int count, int i) {
     __global const float *weights = target + (size_t)channels * count;
     float sum = 0.0f;
     for (int k = 0; k < channels; k++) {

@@ -7,12 +7,12 @@
  * many by a single work-item on CPUs, one by many on GPUs. */
 
 /* The tiles of a box. */
-inline long box_tiles(int4 box) {
+long box_tiles(int4 box) {
     return box.x > box.y || box.z > box.w ? 0 : (long)(box.y - box.x + 1) * (long)(box.w - box.z + 1);
 }
 
 /* The links of a splat behind `before` other links; none where they do not fit in `capacity`. */
-inline gscl_link_grid link_grid(int4 box, long before, int capacity) {
+gscl_link_grid link_grid(int4 box, long before, int capacity) {
     long count = box_tiles(box);
     gscl_link_grid grid = {0, 0, 0, 0};
     if (before + count > (long)capacity) return grid;
@@ -24,7 +24,7 @@ inline gscl_link_grid link_grid(int4 box, long before, int capacity) {
 }
 
 /* The share of a work-item in the tiles of the boxes from `first` to before `end`. */
-inline long tiles_of_item(__global const int4 *restrict boxes, int first, int end) {
+long tiles_of_item(__global const int4 *restrict boxes, int first, int end) {
     long own = 0;
     for (int i = first + (int)get_local_id(0); i < end; i += LINK_ITEMS) own += box_tiles(boxes[i]);
     return own;
@@ -39,8 +39,8 @@ __kernel void count_links(__global const int4 *restrict boxes, int count, __glob
 }
 
 /* The links before splat `first`: of whole blocks of `block` splats, and of the splats behind these. */
-inline long links_before(int first, __global const int4 *restrict boxes, int block,
-                         __global const long *restrict block_links, __local long *restrict sums) {
+long links_before(int first, __global const int4 *restrict boxes, int block, __global const long *restrict block_links,
+                  __local long *restrict sums) {
     const int blocks = first / block;
     long own = tiles_of_item(boxes, blocks * block, first);
     for (int i = (int)get_local_id(0); i < blocks; i += LINK_ITEMS) own += block_links[i];
@@ -68,8 +68,8 @@ __kernel void number_links(__global const int4 *restrict boxes, int count, int b
 }
 
 /* Links an entry of the list of tile (tx, ty) to its splat; where there are no links (NULL), it does nothing. */
-inline void link_entry(int entry, size_t splat, int tx, int ty, __global const gscl_link_grid *restrict grids,
-                       __global int *restrict links) {
+void link_entry(int entry, size_t splat, int tx, int ty, __global const gscl_link_grid *restrict grids,
+                __global int *restrict links) {
     if (!links) return;
     gscl_link_grid grid = grids[splat];
     if (grid.count > 0) links[grid.origin + ty * grid.stride + tx] = entry;

@@ -11,8 +11,10 @@
 #endif
 
 /* For functions that run for each row of each splat: a call would pass their values through memory.  They have no
- * `restrict` parameters and return no structs, because Oclgrind does not support what inlining makes of these. */
-#define ALWAYS_INLINE __attribute__((always_inline)) inline
+ * `restrict` parameters and return no structs, because Oclgrind does not support what inlining makes of these.  Nowhere is
+ * `inline` alone, which has no definition where a compiler does not inline, nor `static inline`, with which PoCL 3.1 confuses
+ * the __local arrays of callers. */
+#define ALWAYS_INLINE __attribute__((always_inline))
 /* For loops over channels and sums: their arrays stay in registers only if the loop is unrolled. */
 #define UNROLL _Pragma("unroll")
 

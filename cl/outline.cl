@@ -12,7 +12,7 @@ typedef struct {
 
 /* The first and last integer from `from` to `to`, within [0, count).  Truncation and a comparison round as ceil and
  * floor do, which take a dozen instructions each; a comparison that is true gives -1. */
-inline void integers_within(pix from, pix to, int count, pix_mask *first, pix_mask *last) {
+void integers_within(pix from, pix to, int count, pix_mask *first, pix_mask *last) {
     from = LESSER(LARGER(from, (pix)(0.0f)), (pix)((float)count));
     to = LESSER(LARGER(to, (pix)(-1.0f)), (pix)((float)(count - 1)));
     pix_mask low = PIX_INT(from), high = PIX_INT(to);
@@ -20,7 +20,7 @@ inline void integers_within(pix from, pix to, int count, pix_mask *first, pix_ma
     *last = high + PIX_MASK(PIX_FLOAT(high) > to);
 }
 
-inline outline outline_of(const projected_splat *a, int width, int height) {
+outline outline_of(const projected_splat *a, int width, int height) {
     outline o;
     o.x = a->projected[GSCL_PROJECTED_X];
     o.y = a->projected[GSCL_PROJECTED_Y];
@@ -36,7 +36,7 @@ inline outline outline_of(const projected_splat *a, int width, int height) {
 }
 
 /* First and last column of a row.  Must be called for the rows of this work-item in ascending order. */
-inline int2 outline_columns(outline *o, int row) {
+int2 outline_columns(outline *o, int row) {
 #if RDO_ITEMS_Y > 1
     float dy = (float)row + 0.5f - o->y, arc = o->width2 - o->curve * dy * dy;
     float half_width = sqrt(LARGER(arc, 0.0f)), middle = o->x + o->slope * dy - 0.5f;
@@ -57,7 +57,7 @@ inline int2 outline_columns(outline *o, int row) {
 #endif
 }
 
-inline pix projected_weight(pix dx, float dy, const projected_splat *a) {
+pix projected_weight(pix dx, float dy, const projected_splat *a) {
 #if ROTATION
     pix u = fma(dx, (pix)(a->projected[GSCL_PROJECTED_UX]), (pix)(dy * a->projected[GSCL_PROJECTED_UY]));
     pix v = fma(dx, (pix)(a->projected[GSCL_PROJECTED_VX]), (pix)(dy * a->projected[GSCL_PROJECTED_VY]));
@@ -69,12 +69,12 @@ inline pix projected_weight(pix dx, float dy, const projected_splat *a) {
 }
 
 /* The weight with which a splat is blended. */
-inline pix blend_weight(pix dx, float dy, const projected_splat *a) {
+pix blend_weight(pix dx, float dy, const projected_splat *a) {
     return WITH_OPACITY(projected_weight(dx, dy, a), a->projected);
 }
 
 /* Whether the outline stays within the pixels that a splat may change. */
-inline bool outline_is_within(const projected_splat *a, int4 owned) {
+bool outline_is_within(const projected_splat *a, int4 owned) {
     float x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
     float y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     return x - half_width >= (float)owned.x && x + half_width <= (float)owned.y && y - half_height >= (float)owned.z &&

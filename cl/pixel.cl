@@ -39,8 +39,8 @@ typedef MASKS(16) pix_mask;
 #define PIX_BITS(v) as_int16(v)
 #define PIX_OF_BITS(v) as_float16(v)
 #define PIX_MASK(comparison) (comparison)
-inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
-inline real pix_sum(pix v) {
+pix pix_offsets(void) { return (pix)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
+real pix_sum(pix v) {
     REALS(8) a = v.lo + v.hi;
     REALS(4) b = a.lo + a.hi;
     REALS(2) c = b.lo + b.hi;
@@ -57,8 +57,8 @@ typedef MASKS(4) pix_mask;
 #define PIX_BITS(v) as_int4(v)
 #define PIX_OF_BITS(v) as_float4(v)
 #define PIX_MASK(comparison) (comparison)
-inline pix pix_offsets(void) { return (pix)(0, 1, 2, 3); }
-inline real pix_sum(pix v) {
+pix pix_offsets(void) { return (pix)(0, 1, 2, 3); }
+real pix_sum(pix v) {
     REALS(2) c = v.lo + v.hi;
     return c.x + c.y;
 }
@@ -73,18 +73,18 @@ typedef MASKS() pix_mask;
 #define PIX_BITS(v) as_int(v)
 #define PIX_OF_BITS(v) as_float(v)
 #define PIX_MASK(comparison) ((pix_mask)(-(comparison)))
-inline pix pix_offsets(void) { return 0.0f; }
-inline real pix_sum(pix v) { return v; }
+pix pix_offsets(void) { return 0.0f; }
+real pix_sum(pix v) { return v; }
 #else
 #error "LANES must be 16, 4 or 1"
 #endif
 
 /* The part of luma that a colour channel has. */
 __constant float luma_shares[3] = {GSCL_LUMA_SHARES};
-inline float luma_share(int k) { return COLOURS == 3 ? luma_shares[k] : 1.0f; }
+float luma_share(int k) { return COLOURS == 3 ? luma_shares[k] : 1.0f; }
 
 /* Stores the first `count` lanes: the part of a row that lies outside the image is not written. */
-inline void pix_store_clipped(pix v, __global real *row, int count) {
+void pix_store_clipped(pix v, __global real *row, int count) {
     if (count >= LANES) {
         PIX_STORE(v, row);
         return;
@@ -94,7 +94,7 @@ inline void pix_store_clipped(pix v, __global real *row, int count) {
     for (int i = 0; i < count; i++) row[i] = lanes[i];
 }
 
-inline pix pix_load_clipped(__global const real *row, int count) {
+pix pix_load_clipped(__global const real *row, int count) {
     if (count >= LANES) return PIX_LOAD(row);
     real lanes[LANES];
     for (int i = 0; i < LANES; i++) lanes[i] = i < count ? row[i] : 0.0f;
@@ -102,9 +102,7 @@ inline pix pix_load_clipped(__global const real *row, int count) {
 }
 
 /* 1 in the lanes that lie inside the image, else 0. */
-inline pix pix_inside(int count) {
-    return select((pix)(0.0f), (pix)(1.0f), PIX_MASK(pix_offsets() < (pix)((float)count)));
-}
+pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), PIX_MASK(pix_offsets() < (pix)((float)count))); }
 
 /* The cut of Gaussians, as u^2 + v^2. */
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)
@@ -114,14 +112,14 @@ inline pix pix_inside(int count) {
 #define ROUNDER 12582912.0f
 
 #if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT
-inline pix pix_exp2(pix y) { return exp2(y); }
+pix pix_exp2(pix y) { return exp2(y); }
 #elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
-inline pix pix_exp2(pix y) { return native_exp2(y); }
+pix pix_exp2(pix y) { return native_exp2(y); }
 #else
 /* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  The low bits of the nearest integer are
  * shifted into the exponent.  The remainder goes through a minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no
  * special cases. */
-inline pix pix_exp2(pix y) {
+pix pix_exp2(pix y) {
     y = fmax(y, (pix)(-SUPPORT2));
     pix shifted = y + ROUNDER;
     pix r = y - (shifted - ROUNDER);
@@ -135,11 +133,11 @@ inline pix pix_exp2(pix y) {
 #endif
 
 #ifdef DOUBLE
-inline pix pix_cos_turns(pix t) { return cospi(2.0 * t); }
+pix pix_cos_turns(pix t) { return cospi(2.0 * t); }
 #else
 /* cos(2 pi t), |t| < 2^22: folded to a quarter turn of the sine, then a minimax polynomial.  Absolute error below
  * 3e-7 beyond that of t. */
-inline pix pix_cos_turns(pix t) {
+pix pix_cos_turns(pix t) {
     pix shifted = t + ROUNDER;
     pix s = 0.25f - fabs(t - (shifted - ROUNDER)), s2 = s * s;
     pix p = fma((pix)(3.95358124e+01f), s2, (pix)(-7.65496597e+01f));
@@ -151,6 +149,6 @@ inline pix pix_cos_turns(pix t) {
 #endif
 
 /* A wave of amplitude 1 at a row of pixels: cycles per pixel, and the phase in cycles. */
-inline pix pix_wave(pix dx, real dy, real cycles_x, real cycles_y, real phase) {
+pix pix_wave(pix dx, real dy, real cycles_x, real cycles_y, real phase) {
     return pix_cos_turns(fma(dx, (pix)(cycles_x), (pix)(fma(dy, cycles_y, -phase))));
 }

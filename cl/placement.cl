@@ -3,7 +3,7 @@
 /* ---- Densities ---- */
 
 /* The magnitude of the gradient of the planes at a pixel: differences of its neighbours, over all channels. */
-inline float edge_strength_at(__global const float *restrict planes, gscl_placement_settings t, int x, int y) {
+float edge_strength_at(__global const float *restrict planes, gscl_placement_settings t, int x, int y) {
     const int left = max(x - 1, 0), right = min(x + 1, t.width - 1);
     const int above = max(y - 1, 0), below = min(y + 1, t.height - 1);
     float sum = 0.0f;
@@ -22,12 +22,12 @@ __kernel void edge_strength(__global const float *restrict planes, gscl_placemen
 }
 
 /* What a pixel counts in a box sum: its value, or 1 where it is not 0. */
-inline float counted(float value, int flags) { return flags == 0 ? value : value != 0.0f ? 1.0f : 0.0f; }
+float counted(float value, int flags) { return flags == 0 ? value : value != 0.0f ? 1.0f : 0.0f; }
 
 /* Sums of the values at most `radius` places away in a line of `count`, `stride` apart, from place `first` on.  They are at
  * least 0, as the values are, whatever is lost by rounding. */
-inline void sum_windows(__global const float *restrict from, int stride, int count, int radius, int first, int flags,
-                        __global float *restrict to) {
+void sum_windows(__global const float *restrict from, int stride, int count, int radius, int first, int flags,
+                 __global float *restrict to) {
     const int end = min(first + GSCL_BOX_LENGTH, count);
     float sum = 0.0f;
     for (int i = max(first - radius, 0); i < min(first + radius, count); i++)
@@ -57,8 +57,8 @@ __kernel void box_columns(__global const float *restrict from, gscl_placement_se
 }
 
 /* Whether a pixel has the colour of a flat background. */
-inline bool matches_background(__global const float *restrict planes, __global const float *restrict background,
-                               gscl_placement_settings t, int i) {
+bool matches_background(__global const float *restrict planes, __global const float *restrict background,
+                        gscl_placement_settings t, int i) {
     for (int k = 0; k < t.channels; k++)
         if (fabs(planes[(size_t)k * t.width * t.height + i] - background[k]) > t.tolerance) return false;
     return true;
@@ -82,18 +82,18 @@ __kernel void seed_density(__global const float *restrict planes, __global const
  * The level is cut into strips of t.strip rows, which are walked to and fro, column by column. */
 
 /* The first row of the strip of a column of the walk, and the column's place in it. */
-inline int2 column_at(gscl_placement_settings t, int column) {
+int2 column_at(gscl_placement_settings t, int column) {
     const int strip = column / t.width, x = column % t.width;
     return (int2)(strip % 2 ? t.width - 1 - x : x, strip * t.strip);
 }
 
 /* The density of a pixel as a whole number, so that its sums are exact: 2^51 for the total of densities before box sums. */
-inline ulong weight_at(__global const float *restrict density, gscl_placement_settings t, float total, int x, int y) {
+ulong weight_at(__global const float *restrict density, gscl_placement_settings t, float total, int x, int y) {
     const float value = density[(size_t)y * t.width + x] * t.density_scale;
     return total > 0.0f ? (ulong)(fmin(fmax(value / total, 0.0f), 2.0f) * 0x1p51f) : 1ul;
 }
 
-inline ulong column_weight(__global const float *restrict density, gscl_placement_settings t, float total, int column) {
+ulong column_weight(__global const float *restrict density, gscl_placement_settings t, float total, int column) {
     const int2 at = column_at(t, column);
     const int end = min(at.y + t.strip, t.height);
     ulong sum = 0;
@@ -102,8 +102,8 @@ inline ulong column_weight(__global const float *restrict density, gscl_placemen
 }
 
 /* The columns of a work-item. */
-inline int2 own_columns(gscl_placement_settings t) {
-    const int first = (int)get_global_id(0) * GSCL_COLUMNS_OF_ITEM;
+int2 own_columns(size_t item, gscl_placement_settings t) {
+    const int first = (int)item * GSCL_COLUMNS_OF_ITEM;
     return (int2)(min(first, t.columns), min(first + GSCL_COLUMNS_OF_ITEM, t.columns));
 }
 
@@ -112,7 +112,7 @@ __kernel void weigh_columns(__global const float *restrict density, gscl_placeme
                             __global const float *restrict total, __global ulong *restrict weights,
                             __global ulong *restrict group_weights) {
     __local long sums[GSCL_SUM_ITEMS];
-    const int2 own = own_columns(t);
+    const int2 own = own_columns(get_global_id(0), t);
     ulong sum = 0;
     for (int i = own.x; i < own.y; i++) sum += weights[i] = column_weight(density, t, *total, i);
     group_scan((long)sum, GSCL_SUM_ITEMS, sums);
@@ -123,7 +123,7 @@ __kernel void weigh_columns(__global const float *restrict density, gscl_placeme
 __kernel void add_columns(gscl_placement_settings t, __global const ulong *restrict group_weights,
                           __global ulong *restrict weights) {
     __local long sums[GSCL_SUM_ITEMS];
-    const int2 own = own_columns(t);
+    const int2 own = own_columns(get_global_id(0), t);
     ulong before = 0, sum = 0;
     for (int i = (int)get_local_id(0); i < (int)get_group_id(0); i += GSCL_SUM_ITEMS) before += group_weights[i];
     group_scan((long)before, GSCL_SUM_ITEMS, sums);
@@ -135,12 +135,12 @@ __kernel void add_columns(gscl_placement_settings t, __global const ulong *restr
 }
 
 /* The state of the random generator for draw `draw` of new splat i. */
-inline ulong random_state(ulong seed, int i, int draw) {
+ulong random_state(ulong seed, int i, int draw) {
     return seed + (GSCL_PLACEMENT_DRAWS * (ulong)i + (ulong)draw + 1) * GSCL_RANDOM_STEP;
 }
 
 /* The column of the walk in which the cumulative weight passes `value`. */
-inline int find_column(__global const ulong *restrict weights, int columns, ulong value) {
+int find_column(__global const ulong *restrict weights, int columns, ulong value) {
     int low = 0, high = columns - 1;
     while (low < high) {
         int mid = low + (high - low) / 2;
@@ -151,8 +151,8 @@ inline int find_column(__global const ulong *restrict weights, int columns, ulon
 }
 
 /* The pixel of sample i: random within its part of the density. */
-inline int2 sample_pixel(__global const float *restrict density, gscl_placement_settings t, float total,
-                         __global const ulong *restrict weights, int i, ulong random) {
+int2 sample_pixel(__global const float *restrict density, gscl_placement_settings t, float total,
+                  __global const ulong *restrict weights, int i, ulong random) {
     const ulong part = weights[t.columns - 1] / (ulong)t.count;
     const ulong value = part * (ulong)i + (part >> 24) * random + (((part & 0xfffffful) * random) >> 24);
     const int column = find_column(weights, t.columns, value);
@@ -167,8 +167,8 @@ inline int2 sample_pixel(__global const float *restrict density, gscl_placement_
 }
 
 /* The distance between samples where the density is that of this pixel: pixels of the level. */
-inline float sample_distance(__global const float *restrict density, gscl_placement_settings t, float total,
-                             ulong all_weights, int2 at) {
+float sample_distance(__global const float *restrict density, gscl_placement_settings t, float total, ulong all_weights,
+                      int2 at) {
     const ulong weight = weight_at(density, t, total, at.x, at.y);
     return weight > 0 ? sqrt((float)all_weights / ((float)weight * (float)t.count)) : (float)(t.width + t.height);
 }
@@ -177,8 +177,7 @@ inline float sample_distance(__global const float *restrict density, gscl_placem
 
 /* Adds the structure tensor of a work-item's pixels around a pixel: sums of the products of the derivatives in x and y, over
  * all channels. */
-inline void add_tensor(__global const float *restrict planes, gscl_placement_settings t, int2 at, int radius,
-                       float *tensor) {
+void add_tensor(__global const float *restrict planes, gscl_placement_settings t, int2 at, int radius, float *tensor) {
     const int side = 2 * radius + 1;
     for (int i = (int)get_local_id(0); i < side * side; i += GSCL_SUM_ITEMS) {
         const int x = at.x - radius + i % side, y = at.y - radius + i / side;
@@ -195,7 +194,7 @@ inline void add_tensor(__global const float *restrict planes, gscl_placement_set
 
 /* Turns a circular splat along the edge below it and stretches it, by the coherence of the structure tensor: 1 at a straight
  * edge, 0 where no direction prevails. */
-inline void follow_edge(gscl_placement_settings t, const float *tensor, __global float *restrict params) {
+void follow_edge(gscl_placement_settings t, const float *tensor, __global float *restrict params) {
     const float across = tensor[0] - tensor[1], along = 2.0f * tensor[2];
     const float coherence = sqrt(across * across + along * along) / (tensor[0] + tensor[1] + t.min_edge);
     const float stretch = t.edge_stretch * coherence;

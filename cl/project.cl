@@ -11,9 +11,9 @@ typedef struct {
 #endif
 } splat;
 
-inline vfloat logistic(vfloat x) { return 1.0f / (1.0f + exp(-x)); }
+vfloat logistic(vfloat x) { return 1.0f / (1.0f + exp(-x)); }
 
-inline void splat_set_axes(splat *s, vfloat log_s1, vfloat log_s2) {
+void splat_set_axes(splat *s, vfloat log_s1, vfloat log_s2) {
     s->log_s1 = log_s1;
     s->log_s2 = log_s2;
     s->s1 = exp(log_s1);
@@ -24,7 +24,7 @@ inline void splat_set_axes(splat *s, vfloat log_s1, vfloat log_s2) {
 #define LOAD_PARAM(p, k, lanes_used) MASK_TAIL(LOAD_LANES((p) + (k), GSCL_PARAMS), lanes_used)
 
 /* Loads all but the axes s1 and s2, which splat_set_axes computes. */
-inline splat splat_load(__global const float *restrict p, int lanes_used) {
+splat splat_load(__global const float *restrict p, int lanes_used) {
     splat s;
     s.x = LOAD_PARAM(p, GSCL_X, lanes_used);
     s.y = LOAD_PARAM(p, GSCL_Y, lanes_used);
@@ -45,7 +45,7 @@ inline splat splat_load(__global const float *restrict p, int lanes_used) {
 
 /* An axis at a level that has 1 pixel for 1 / inv_scale of the full image: a smaller level is
  * box-filtered, which widens a splat by `blur` = ((1 / inv_scale)^2 - 1) / 12 square pixels. */
-inline vfloat axis_at_level(vfloat sigma, float blur) { return sqrt(fma(sigma, sigma, (vfloat)(blur))); }
+vfloat axis_at_level(vfloat sigma, float blur) { return sqrt(fma(sigma, sigma, (vfloat)(blur))); }
 
 /* A projected splat and the bounds of its ellipse (constants.h), in private memory. */
 typedef struct {
@@ -53,7 +53,7 @@ typedef struct {
     vfloat bounds[GSCL_BOUNDS];
 } projected_splat;
 
-inline projected_splat splat_project(splat s, gscl_view view) {
+projected_splat splat_project(splat s, gscl_view view) {
     const float to_frame = 0.849321800f; /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(to_frame d)^2 */
     projected_splat a;
     const unit_vector d = axis_direction(s.theta);
@@ -101,11 +101,11 @@ typedef struct {
 } tile_boxes;
 
 /* Clamped as floats: the box of a very large splat does not fit an int. */
-inline vint tile_at(vfloat position, int tiles) {
+vint tile_at(vfloat position, int tiles) {
     return TO_VINT(clamp(floor(position * (1.0f / GSCL_TILE)), (vfloat)(-1.0f), (vfloat)((float)tiles)));
 }
 
-inline tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
+tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
     vfloat x = a->projected[GSCL_PROJECTED_X], half_width = a->bounds[GSCL_BOUNDS_HALF_WIDTH];
     vfloat y = a->projected[GSCL_PROJECTED_Y], half_height = a->bounds[GSCL_BOUNDS_HALF_HEIGHT];
     tile_boxes b;
@@ -117,8 +117,8 @@ inline tile_boxes projected_tiles(const projected_splat *a, gscl_view view) {
 }
 
 /* Stores the projection of the splats from `i` on, and their boxes of tiles. */
-inline void splat_store_projected(splat s, gscl_view view, size_t i, __global float *restrict projected,
-                                  __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
+void splat_store_projected(splat s, gscl_view view, size_t i, __global float *restrict projected,
+                           __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     projected_splat a = splat_project(s, view);
     tile_boxes b = projected_tiles(&a, view);
     projected += i * GSCL_PROJECTED;
@@ -142,18 +142,18 @@ inline void splat_store_projected(splat s, gscl_view view, size_t i, __global fl
 
 #if COLOURS == 3
 /* Red, green and blue from YCoCg (FORMAT.md, "Dequantisation"). */
-inline void colour_from_ycocg(vfloat y, vfloat co, vfloat cg, vfloat *restrict colour) {
+void colour_from_ycocg(vfloat y, vfloat co, vfloat cg, vfloat *restrict colour) {
     colour[1] = y + 0.5f * cg;
     colour[2] = y - 0.5f * cg - 0.5f * co;
     colour[0] = colour[2] + co;
 }
 #endif
 
-inline vfloat cell_centre(vfloat x, vfloat step) { return (floor(x / step) + 0.5f) * step; }
+vfloat cell_centre(vfloat x, vfloat step) { return (floor(x / step) + 0.5f) * step; }
 
 /* Rounds the centre to cells that are divided into `parts` across the major axis, which has the angle `theta`.
  * Rounding along the other axis of the image moves the centre along the major axis. */
-inline void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat theta) {
+void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat theta) {
     const unit_vector d = axis_direction(theta);
     vint steep = fabs(d.y) > fabs(d.x);
     vfloat along = steep ? s->y : s->x, across = steep ? s->x : s->y;
@@ -166,7 +166,7 @@ inline void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat th
 
 /* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit draws
  * splats as the quantiser leaves them, so that it compensates for the rounding.  steps[GSCL_STEP_SCALE] = 0: none. */
-inline splat splat_quantise(splat s, __global const float *restrict steps) {
+splat splat_quantise(splat s, __global const float *restrict steps) {
     float scale = steps[GSCL_STEP_SCALE];
     if (!(scale > 0.0f)) {
         splat_set_axes(&s, s.log_s1, s.log_s2);

@@ -33,13 +33,13 @@ ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const
 }
 
 /* Sets the weight from a Gaussian. */
-inline void weight_from_gauss(splat_weight *s, pix gauss) {
+void weight_from_gauss(splat_weight *s, pix gauss) {
     s->gauss = gauss;
     s->weight = fmax(gauss - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 
 /* Evaluates the Gaussian from the coordinates. */
-inline void weight_evaluate(splat_weight *s) {
+void weight_evaluate(splat_weight *s) {
 #if ROTATION
     weight_from_gauss(s, pix_exp2(fma(-s->u, s->u, -s->v * s->v)));
 #else
@@ -55,7 +55,7 @@ inline void weight_evaluate(splat_weight *s) {
 #endif
 
 /* Goes on to the next row. */
-inline void weight_next_row(splat_weight *s, __global const real *restrict projected) {
+void weight_next_row(splat_weight *s, __global const real *restrict projected) {
 #if ROTATION
     s->u += projected[GSCL_PROJECTED_UY];
 #else
@@ -67,7 +67,7 @@ inline void weight_next_row(splat_weight *s, __global const real *restrict proje
 
 #if TEXTURE
 /* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 for a splat without one. */
-inline pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected) {
+pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected) {
     real amplitude = projected[GSCL_PROJECTED_WAVE_AMPLITUDE];
     if (!(amplitude > 0.0f)) return (pix)(0.0f);
     return amplitude * pix_wave(dx, dy, projected[GSCL_PROJECTED_WAVE_X], projected[GSCL_PROJECTED_WAVE_Y],
@@ -91,7 +91,7 @@ typedef struct {
 #endif
 } canvas;
 
-inline void canvas_begin(canvas *c, __constant float *background) {
+void canvas_begin(canvas *c, __constant float *background) {
     for (int r = 0; r < ROWS; r++) {
         UNROLL
         for (int k = 0; k < CHANNELS; k++) {
@@ -114,7 +114,7 @@ inline void canvas_begin(canvas *c, __constant float *background) {
 #if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
 #define STOP_INTERVAL 4 /* splats from one test to the next */
 /* Whether the transmittance is so low at all pixels that splats further behind are not drawn. */
-inline bool canvas_is_opaque(const canvas *c) {
+bool canvas_is_opaque(const canvas *c) {
     for (int r = 0; r < ROWS; r++)
         if (any(PIX_MASK(1.0f + c->minus_opacity[r] > (pix)(EARLY_STOP)))) return false;
     return true;
@@ -123,8 +123,8 @@ inline bool canvas_is_opaque(const canvas *c) {
 
 /* Adds a tile's splats; `cached`: CACHED_ROWS Gaussians, or NULL.  `alpha` goes from the front (the last stored) to the
  * back. */
-inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *restrict splats,
-                         __global const uint *restrict entries, int count, pix *restrict cached) {
+void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *restrict splats,
+                  __global const uint *restrict entries, int count, pix *restrict cached) {
     int row = 0;
     for (int i = 0; i < count; i++) {
 #if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
@@ -166,7 +166,7 @@ inline void canvas_blend(canvas *c, pix px, real py, int row0, __global const re
 }
 
 /* Turns the sums into colours, and the sum of weights of `normalized` into its reciprocal. */
-inline void canvas_end(canvas *c, __constant float *background) {
+void canvas_end(canvas *c, __constant float *background) {
     for (int r = 0; r < ROWS; r++) {
 #if BLEND == GSCL_NORMALIZED
         c->weight_sum[r] = 1.0f / c->weight_sum[r];
@@ -180,7 +180,7 @@ inline void canvas_end(canvas *c, __constant float *background) {
     }
 }
 
-/* The pixels of a work-item. */
+/* The pixels of a work-item of a group, which draws the tile of its number. */
 typedef struct {
     int x, y;  /* its first pixel, in the image */
     int row0;  /* its first row within the tile */
@@ -189,9 +189,9 @@ typedef struct {
     size_t tile;
 } pixel_block;
 
-inline pixel_block pixel_block_of(gscl_image_shape image) {
+pixel_block pixel_block_of(size_t tile, gscl_image_shape image) {
     pixel_block p;
-    p.tile = get_group_id(0);
+    p.tile = tile;
     p.row0 = (int)(get_local_id(0) / ITEMS_X) * ROWS;
     p.x = (int)(p.tile % (size_t)image.tiles_x) * GSCL_TILE + (int)(get_local_id(0) % ITEMS_X) * LANES;
     p.y = (int)(p.tile / (size_t)image.tiles_x) * GSCL_TILE + p.row0;
@@ -201,7 +201,7 @@ inline pixel_block pixel_block_of(gscl_image_shape image) {
 }
 
 /* Begins a further run of splats: sums of 0. */
-inline void canvas_clear(canvas *c) {
+void canvas_clear(canvas *c) {
     for (int r = 0; r < ROWS; r++) {
         UNROLL
         for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = (pix)(0.0f);
@@ -214,7 +214,7 @@ inline void canvas_clear(canvas *c) {
 }
 
 /* Adds the sums of the runs before; `alpha`: of those in front. */
-inline void canvas_add(canvas *c, const canvas *before) {
+void canvas_add(canvas *c, const canvas *before) {
     for (int r = 0; r < ROWS; r++) {
 #if BLEND == GSCL_ALPHA
         pix transmittance = 1.0f + before->minus_opacity[r];
@@ -246,8 +246,8 @@ __attribute__((noinline)) void canvas_blend_runs(canvas *c, pix px, real py, int
 }
 
 /* Draws a tile. */
-inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict splats,
-                        __global const uint *restrict entries, int2 range, __constant float *background) {
+void canvas_draw(canvas *c, pixel_block p, __global const real *restrict splats, __global const uint *restrict entries,
+                 int2 range, __constant float *background) {
     pix px = pix_offsets() + ((float)p.x + 0.5f);
     real py = (float)p.y + 0.5f;
     int count = range.y - range.x;
@@ -263,13 +263,13 @@ inline void canvas_draw(canvas *c, pixel_block p, __global const real *restrict 
 }
 
 /* Floats from one plane of an image to the next. */
-inline size_t plane_size(gscl_image_shape image) { return (size_t)image.width * (size_t)image.height; }
+size_t plane_size(gscl_image_shape image) { return (size_t)image.width * (size_t)image.height; }
 
 /* Draws all tiles into CHANNELS planes. */
 __kernel void raster_forward(__global const real *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
                              __global real *restrict image, gscl_image_shape shape) {
-    pixel_block p = pixel_block_of(shape);
+    pixel_block p = pixel_block_of(get_group_id(0), shape);
     const size_t plane = plane_size(shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);

@@ -18,7 +18,7 @@ typedef struct {
 #define QUADRATIC_LUMA (3 + CHANNELS)
 #define QUADRATIC_SUMS (QUADRATIC_LUMA + (WEIGHTED == GSCL_WEIGHTED_LUMA ? 2 : 0))
 
-inline quadratic quadratic_of_sums(const float *sums) {
+quadratic quadratic_of_sums(const float *sums) {
     quadratic q;
     q.fixed = sums[0];
     q.square = sums[1];
@@ -86,7 +86,7 @@ ALWAYS_INLINE void quadratic_add_luma(pix *sums, const rdo_pixels *x, pix withou
 #endif
 
 /* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering. */
-inline quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local float *shared) {
+quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local float *shared) {
     outline o = outline_of(a, p->width, p->height);
     pix sums[QUADRATIC_SUMS];
     float totals[QUADRATIC_SUMS];
@@ -133,7 +133,7 @@ typedef struct {
 
 #define HAS_COLOUR_CODE(i) ((i) == 0 || ((i) < 3 ? COLOURS == 3 : ALPHA_CHANNEL))
 
-inline colour_form form_of_quadratic(const quadratic *q, gscl_rdo_settings t) {
+colour_form form_of_quadratic(const quadratic *q, gscl_rdo_settings t) {
     const float steps[4] = {t.luma_step, t.chroma_step, t.chroma_step, t.alpha_step};
     colour_form f = {q->fixed, {0.0f}, {{0.0f}}};
 #if COLOURS == 3 /* scalar products of the colours of a unit of each code (colour_from_ycocg) */
@@ -172,21 +172,21 @@ inline colour_form form_of_quadratic(const quadratic *q, gscl_rdo_settings t) {
 }
 
 /* Half the derivative of the form by code `i`. */
-inline float form_slope(const colour_form *f, const gscl_codes *c, int i) {
+float form_slope(const colour_form *f, const gscl_codes *c, int i) {
     float slope = f->linear[i];
     for (int j = 0; j < 4; j++)
         if (HAS_COLOUR_CODE(j)) slope = fma(f->square[i][j], (float)c->code[GSCL_CODE_LUMA + j], slope);
     return slope;
 }
 
-inline float form_value(const colour_form *f, const gscl_codes *c) {
+float form_value(const colour_form *f, const gscl_codes *c) {
     float value = f->fixed;
     for (int i = 0; i < 4; i++)
         if (HAS_COLOUR_CODE(i)) value += (float)c->code[GSCL_CODE_LUMA + i] * (f->linear[i] + form_slope(f, c, i));
     return value;
 }
 
-inline float colour_bits(const gscl_codes *c, __global const float *restrict tables) {
+float colour_bits(const gscl_codes *c, __global const float *restrict tables) {
     float bits = 0.0f;
     for (int i = 0; i < 4; i++)
         if (HAS_COLOUR_CODE(i))
@@ -198,8 +198,7 @@ inline float colour_bits(const gscl_codes *c, __global const float *restrict tab
 
 /* Improves the colour codes one at a time, step by step; returns the cost of the best.  The ranges are copied, because
  * Mesa's compiler fails on a run-time index into a struct that was passed by value. */
-inline float colour_descend(const quadratic *q, gscl_codes *c, __global const float *restrict tables,
-                            gscl_rdo_settings t) {
+float colour_descend(const quadratic *q, gscl_codes *c, __global const float *restrict tables, gscl_rdo_settings t) {
     const int min[4] = {t.min[0], t.min[1], t.min[2], t.min[3]}, max[4] = {t.max[0], t.max[1], t.max[2], t.max[3]};
     const colour_form f = form_of_quadratic(q, t);
     for (int round = 0; round < COLOUR_ROUNDS; round++) {

@@ -38,7 +38,7 @@
 #define RDO_SHARED (RDO_ITEMS > 1 ? MAX_ITEM_SUMS * SHARED_STRIDE : 1)
 
 /* Replaces each of `count` numbers, at most MAX_ITEM_SUMS, by its sum over all work-items. */
-inline void items_add(float *restrict numbers, int count, __local float *restrict shared) {
+void items_add(float *restrict numbers, int count, __local float *restrict shared) {
 #if RDO_ITEMS > 1
     for (int k = 0; k < count; k++) shared[k * SHARED_STRIDE + RDO_ITEM] = numbers[k];
     barrier(CLK_LOCAL_MEM_FENCE);

@@ -100,7 +100,7 @@ ALWAYS_INLINE void model_add_pixels(pix *sums, const projected_splat *a, const r
 }
 
 /* The model of a splat that is in the rendering. */
-inline splat_model model_of(const projected_splat *a, const rdo_planes *p, __local float *shared) {
+splat_model model_of(const projected_splat *a, const rdo_planes *p, __local float *shared) {
     outline o = outline_of(a, p->width, p->height);
     pix sums[MODEL_SUMS];
     float totals[MODEL_SUMS];
@@ -128,7 +128,7 @@ inline splat_model model_of(const projected_splat *a, const rdo_planes *p, __loc
 }
 
 /* The predicted change of the error by a change of place and shape, with the best colours before and after. */
-inline float model_change(const splat_model *m, const float *restrict change) {
+float model_change(const splat_model *m, const float *restrict change) {
     float sum = 0.0f, inverse = 1.0f / fmax(m->colour.square, 1e-20f);
     for (int i = 0; i < MODEL_PARAMS; i++) {
         float slope = 2.0f * m->slope[i];
@@ -144,8 +144,8 @@ inline float model_change(const splat_model *m, const float *restrict change) {
 }
 
 /* The change from one place and shape, which has this projection, to another, as the model takes it. */
-inline void geometry_change(const splat_geometry *from, const splat_geometry *to, const projected_splat *a,
-                            gscl_view view, float *restrict change) {
+void geometry_change(const splat_geometry *from, const splat_geometry *to, const projected_splat *a, gscl_view view,
+                     float *restrict change) {
     const float *d = a->projected;
     float dx = (to->x - from->x) * view.inv_scale, dy = (to->y - from->y) * view.inv_scale;
     float turn = to->theta - from->theta, s1 = exp(from->major), s2 = exp(from->minor);

@@ -10,7 +10,7 @@
 
 /* One step along x or y.  Across the cells of the class it goes along the major axis, whose direction is `d`, else to the
  * next part of a cell.  False when it leaves the image. */
-inline bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, unit_vector d) {
+bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, unit_vector d) {
     int *moved = &c->code[along_x ? GSCL_CODE_X : GSCL_CODE_Y];
     int *other = &c->code[along_x ? GSCL_CODE_Y : GSCL_CODE_X];
     int parts = along_x ? g->parts.y : g->parts.x, other_cells = along_x ? g->cells.y : g->cells.x;
@@ -24,8 +24,8 @@ inline bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid 
 
 /* Makes a move; false when it leaves the code's range.  When an axis changes, position and angle are quantised again
  * with their new steps. */
-inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
-                       __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
+                __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     const int major_step[MOVES] = {0, 1, -1, 1, -1, 0, 0};
     const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
@@ -61,7 +61,7 @@ inline bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry 
 }
 
 /* What the direction adds to the bits of an angle. */
-inline float codes_direction_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
+float codes_direction_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
     int aspect = c->code[GSCL_CODE_ASPECT], angles = tables->aspects[aspect].angles;
     if (!ROTATION || angles < 2) return 0.0f;
     int bin = (2 * GSCL_DIRECTIONS * c->code[GSCL_CODE_ANGLE] + angles) / (2 * angles) % GSCL_DIRECTIONS;
@@ -69,7 +69,7 @@ inline float codes_direction_bits(const gscl_codes *c, __global const gscl_rdo_t
 }
 
 /* The bits of a splat's wave, or of having none. */
-inline float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
+float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
 #if TEXTURE
     if (c->code[GSCL_CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
     return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[GSCL_CODE_WAVE]] +
@@ -81,7 +81,7 @@ inline float wave_bits(const gscl_codes *c, __global const float *restrict table
 }
 
 /* The bits of all codes but those of the colour. */
-inline float codes_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
+float codes_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
     int major = c->code[GSCL_CODE_MAJOR], aspect = c->code[GSCL_CODE_ASPECT];
     float bits = wave_bits(c, tables->bits) + codes_direction_bits(c, tables);
     if (OPACITY) bits += tables->bits[GSCL_BITS_OPACITY + c->code[GSCL_CODE_OPACITY]];
@@ -89,4 +89,4 @@ inline float codes_bits(const gscl_codes *c, __global const gscl_rdo_tables *tab
 }
 
 /* The part of the price of an elongated splat that is due at this difference of ln sigma. */
-inline float elongation(float log_aspect) { return clamp((0.5f / M_LN2_F) * log_aspect - 1.0f, 0.0f, 1.0f); }
+float elongation(float log_aspect) { return clamp((0.5f / M_LN2_F) * log_aspect - 1.0f, 0.0f, 1.0f); }

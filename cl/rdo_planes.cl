@@ -9,16 +9,16 @@ typedef struct {
 } rdo_planes;
 
 /* The wave of a splat at a row of pixels, `dx` and `dy` from its centre. */
-inline pix projected_wave(pix dx, float dy, const projected_splat *a) {
+pix projected_wave(pix dx, float dy, const projected_splat *a) {
     const float *d = a->projected;
     return d[GSCL_PROJECTED_WAVE_AMPLITUDE] *
            pix_wave(dx, dy, d[GSCL_PROJECTED_WAVE_X], d[GSCL_PROJECTED_WAVE_Y], d[GSCL_PROJECTED_WAVE_PHASE]);
 }
 
-inline bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
+bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
 
 /* Adds the splat to the rendering (sign 1) or removes it (sign -1). */
-inline void rendering_change(const projected_splat *a, float sign, const rdo_planes *p) {
+void rendering_change(const projected_splat *a, float sign, const rdo_planes *p) {
     outline o = outline_of(a, p->width, p->height);
     RDO_SYNCHRONISE(); /* all have read the planes */
     FOR_ROWS(y, o.rows.x, o.rows.y) {

@@ -1,7 +1,7 @@
 /* Drawing straight into the samples of an image in memory: clamped, straight or premultiplied, interleaved. */
 
 /* Stores `count` values of one channel, `stride` samples apart. */
-inline void store_samples(pix value, int sample, __global uchar *restrict to, size_t first, int stride, int count) {
+void store_samples(pix value, int sample, __global uchar *restrict to, size_t first, int stride, int count) {
     float values[LANES];
     if (sample == GSCL_SAMPLE_KIND_U8) value = value * 255.0f + 0.5f;
     if (sample == GSCL_SAMPLE_KIND_U16) value = value * 65535.0f + 0.5f;
@@ -16,7 +16,7 @@ inline void store_samples(pix value, int sample, __global uchar *restrict to, si
 
 #if COLOURS == 3 && !ALPHA_CHANNEL && LANES == 16
 /* 16 pixels of 8-bit RGB: the most frequent case. */
-inline void store_rgb8(const pix *values, __global uchar *restrict to) {
+void store_rgb8(const pix *values, __global uchar *restrict to) {
     uchar16 r = convert_uchar16(values[0] * 255.0f + 0.5f), g = convert_uchar16(values[1] * 255.0f + 0.5f),
             b = convert_uchar16(values[2] * 255.0f + 0.5f);
     vstore16((uchar16)(r.s0, g.s0, b.s0, r.s1, g.s1, b.s1, r.s2, g.s2, b.s2, r.s3, g.s3, b.s3, r.s4, g.s4, b.s4, r.s5),
@@ -60,7 +60,7 @@ ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global
 __kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
                              __global const int2 *restrict tile_ranges, __constant float *background,
                              gscl_image_shape shape, gscl_sample_layout layout, __global uchar *restrict samples) {
-    pixel_block p = pixel_block_of(shape);
+    pixel_block p = pixel_block_of(get_group_id(0), shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);
     if (p.lanes <= 0) return;

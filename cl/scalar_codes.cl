@@ -1,15 +1,13 @@
 /* The rate-distortion passes: dequantising a splat's codes. */
 
 /* Cycles per pixel (FORMAT.md, "Dequantisation"). */
-inline float wave_frequency(int wave) {
-    return (1.0f / GSCL_FIRST_WAVELENGTH) * exp2(-GSCL_OCTAVES_PER_WAVE * (float)wave);
-}
+float wave_frequency(int wave) { return (1.0f / GSCL_FIRST_WAVELENGTH) * exp2(-GSCL_OCTAVES_PER_WAVE * (float)wave); }
 
-inline float wave_amplitude(int code, gscl_rdo_settings t) {
+float wave_amplitude(int code, gscl_rdo_settings t) {
     return fmin((float)code * t.amplitude_step, GSCL_LARGEST_AMPLITUDE);
 }
 
-inline void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restrict colour) {
+void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restrict colour) {
     float y = (float)c->code[GSCL_CODE_LUMA] * t.luma_step;
 #if COLOURS == 3
     float co = (float)c->code[GSCL_CODE_CO] * t.chroma_step, cg = (float)c->code[GSCL_CODE_CG] * t.chroma_step;
@@ -29,13 +27,13 @@ typedef struct {
 } splat_grid;
 
 /* The angle of the major axis. */
-inline float codes_theta(const gscl_codes *c, __global const gscl_aspect_entry *aspects) {
+float codes_theta(const gscl_codes *c, __global const gscl_aspect_entry *aspects) {
     return ROTATION ? (float)c->code[GSCL_CODE_ANGLE] * M_PI_F / (float)aspects[c->code[GSCL_CODE_ASPECT]].angles
                     : 0.0f;
 }
 
-inline splat_grid codes_grid(const gscl_codes *c, __global const gscl_major_entry *majors,
-                             __global const gscl_aspect_entry *aspects) {
+splat_grid codes_grid(const gscl_codes *c, __global const gscl_major_entry *majors,
+                      __global const gscl_aspect_entry *aspects) {
     __global const gscl_major_entry *m = majors + c->code[GSCL_CODE_MAJOR];
     __global const gscl_aspect_entry *a = aspects + c->code[GSCL_CODE_ASPECT];
     int angle4 = 4 * c->code[GSCL_CODE_ANGLE];
@@ -48,12 +46,12 @@ inline splat_grid codes_grid(const gscl_codes *c, __global const gscl_major_entr
 }
 
 /* Without the rounding to 1/512 pixel of the format, whose effect is small beside that of the cells. */
-inline float2 codes_centre(const gscl_codes *c, const splat_grid *g) {
+float2 codes_centre(const gscl_codes *c, const splat_grid *g) {
     return (float2)(((float)c->code[GSCL_CODE_X] + 0.5f) * g->step.x, ((float)c->code[GSCL_CODE_Y] + 0.5f) * g->step.y);
 }
 
 /* Quantises a centre.  Rounding to a cell of the class moves it along the major axis, whose direction is `d`. */
-inline void codes_set_centre(gscl_codes *c, float2 at, const splat_grid *g, unit_vector d) {
+void codes_set_centre(gscl_codes *c, float2 at, const splat_grid *g, unit_vector d) {
     if (g->parts.x > 1) {
         int y = clamp((int)(at.y / g->step.y), 0, g->cells.y - 1);
         at.x += (((float)y + 0.5f) * g->step.y - at.y) * d.x / d.y;
@@ -70,8 +68,8 @@ typedef struct {
     float x, y, major, minor, theta;
 } splat_geometry;
 
-inline splat_geometry codes_geometry(const gscl_codes *c, __global const gscl_major_entry *majors,
-                                     __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+splat_geometry codes_geometry(const gscl_codes *c, __global const gscl_major_entry *majors,
+                              __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     splat_geometry s;
     splat_grid g = codes_grid(c, majors, aspects);
     float2 centre = codes_centre(c, &g);
@@ -85,8 +83,8 @@ inline splat_geometry codes_geometry(const gscl_codes *c, __global const gscl_ma
     return s;
 }
 
-inline splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
-                         __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
+                  __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
     splat s;
     splat_geometry g = codes_geometry(c, majors, aspects, t);
     s.x = g.x;

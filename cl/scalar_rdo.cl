@@ -21,24 +21,23 @@ typedef struct {
     float cost;
 } rdo_choice;
 
-inline projected_splat codes_project(const gscl_codes *c, const rdo_visit_context *v) {
+projected_splat codes_project(const gscl_codes *c, const rdo_visit_context *v) {
     return splat_project(codes_splat(c, v->tables->majors, v->tables->aspects, v->settings), v->view);
 }
 
-inline splat_geometry codes_geometry_of(const gscl_codes *c, const rdo_visit_context *v) {
+splat_geometry codes_geometry_of(const gscl_codes *c, const rdo_visit_context *v) {
     return codes_geometry(c, v->tables->majors, v->tables->aspects, v->settings);
 }
 
 /* The cost of all codes but the colour's: bits, and the price of elongation.  `error` and `gain`: the squared error under
  * the splat's weight without it, and what it removes. */
-inline float shape_cost(const gscl_codes *c, const splat_geometry *g, float error, float gain,
-                        const rdo_visit_context *v) {
+float shape_cost(const gscl_codes *c, const splat_geometry *g, float error, float gain, const rdo_visit_context *v) {
     float price = v->settings.elongation_price * elongation(g->major - g->minor);
     return fma(price, fmax(error - gain, 0.0f), v->settings.lambda * (v->bits_per_splat + codes_bits(c, v->tables)));
 }
 
 /* Chooses the colour of a place and shape whose quadratic is known; returns the cost. */
-inline float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v) {
+float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v) {
     splat_geometry g = codes_geometry_of(c, v);
     float cost = colour_descend(q, c, v->tables->bits, v->settings);
     float gain = v->settings.lambda * colour_bits(c, v->tables->bits) - cost;
@@ -52,8 +51,8 @@ inline float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_co
 #define EVALUATED_MOVES (PREDICTED_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
 
 /* The predicted cost of a move from `now`, whose cost is known.  MAXFLOAT: the move is not possible. */
-inline float predict_move(int move, const rdo_choice *now, const splat_geometry *from, const projected_splat *a,
-                          const splat_model *m, const rdo_visit_context *v) {
+float predict_move(int move, const rdo_choice *now, const splat_geometry *from, const projected_splat *a,
+                   const splat_model *m, const rdo_visit_context *v) {
     gscl_codes other = now->codes;
     if (!codes_move(&other, move, v->tables->majors, v->tables->aspects, v->settings)) return MAXFLOAT;
     if (move >= MOVE_OPACITY) return -MAXFLOAT;
@@ -67,8 +66,8 @@ inline float predict_move(int move, const rdo_choice *now, const splat_geometry 
 }
 
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0. */
-inline int promising_moves(int *restrict moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
-                           const rdo_visit_context *v) {
+int promising_moves(int *restrict moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
+                    const rdo_visit_context *v) {
     float costs[EVALUATED_MOVES];
     int count = 0;
     splat_geometry from = codes_geometry_of(&now->codes, v);
@@ -91,13 +90,13 @@ inline int promising_moves(int *restrict moves, const rdo_choice *now, const pro
 }
 
 /* Whether the outline stays within the pixels of the task. */
-inline bool task_contains(gscl_rdo_task task, const projected_splat *a) {
+bool task_contains(gscl_rdo_task task, const projected_splat *a) {
     return outline_is_within(a, (int4)(task.x0, task.x1, task.y0, task.y1));
 }
 
 /* Evaluates a move exactly, while the splat is not in the rendering, and keeps it where it costs less. */
-inline void try_move(int move, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task, const rdo_visit_context *v,
-                     __local float *shared) {
+void try_move(int move, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task, const rdo_visit_context *v,
+              __local float *shared) {
     gscl_codes other = *now;
     codes_move(&other, move, v->tables->majors, v->tables->aspects, v->settings);
     projected_splat a = codes_project(&other, v);
@@ -111,14 +110,14 @@ inline void try_move(int move, const gscl_codes *now, rdo_choice *best, gscl_rdo
 
 /* ---- Visits ---- */
 
-inline bool codes_equal(const gscl_codes *a, const gscl_codes *b) {
+bool codes_equal(const gscl_codes *a, const gscl_codes *b) {
     bool equal = true;
     for (int k = 0; k < GSCL_CODE_COUNT; k++) equal = equal && a->code[k] == b->code[k];
     return equal;
 }
 
 /* Whether a wave may pay: it has one, or a scan is due and the error under it is worth the bits of a wave. */
-inline bool wave_may_pay(const gscl_codes *c, const splat_model *m, const rdo_visit_context *v) {
+bool wave_may_pay(const gscl_codes *c, const splat_model *m, const rdo_visit_context *v) {
 #if TEXTURE
     float bits = v->tables->bits[GSCL_BITS_TEXTURED] - v->tables->bits[GSCL_BITS_PLAIN];
     return c->code[GSCL_CODE_AMPLITUDE] > 0 || (v->settings.scan && m->error2 > COLOURS * v->settings.lambda * bits);
@@ -127,7 +126,7 @@ inline bool wave_may_pay(const gscl_codes *c, const splat_model *m, const rdo_vi
 #endif
 }
 
-inline bool codes_moved(const gscl_codes *a, const gscl_codes *b) {
+bool codes_moved(const gscl_codes *a, const gscl_codes *b) {
     bool moved = false;
     for (int k = GSCL_CODE_MAJOR; k <= GSCL_CODE_Y; k++) moved = moved || a->code[k] != b->code[k];
     return moved;
@@ -135,7 +134,7 @@ inline bool codes_moved(const gscl_codes *a, const gscl_codes *b) {
 
 /* Visits a splat once; returns whether its place or shape changed.  Work-groups of many work-items go all the way always,
  * so that all work-items meet at the same barriers: with a splat that was dropped, too, which changes nothing. */
-inline bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context *v, __local float *shared) {
+bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context *v, __local float *shared) {
     const bool is_gone = codes->code[GSCL_CODE_MAJOR] < 0;
     gscl_codes before = *codes;
     for (int k = 0; k < GSCL_CODE_COUNT; k++) before.code[k] = is_gone ? 0 : before.code[k];
@@ -199,7 +198,7 @@ __kernel void rdo_visit(gscl_rdo_pass pass, __global const gscl_rdo_task *restri
 __kernel void rdo_begin(__global const float *restrict splats, __global const uint *restrict entries,
                         __global const int2 *restrict tile_ranges, __constant float *background,
                         __global float *restrict rendering, __global float *restrict weights, gscl_image_shape shape) {
-    pixel_block p = pixel_block_of(shape);
+    pixel_block p = pixel_block_of(get_group_id(0), shape);
     const size_t plane = plane_size(shape);
     canvas c;
     int2 range = tile_ranges[p.tile];

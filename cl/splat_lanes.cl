@@ -20,7 +20,7 @@ typedef int16 vint;
  * makes vector functions take another path for all lanes, with other roundings. */
 #define MASK_TAIL(v, lanes_used) select((vfloat)(0.0f), v, LANES_BELOW(lanes_used))
 #define OF_TYPE(name, vector, type)                                     \
-    inline void name(vector v, __global type *p, int stride) {          \
+    void name(vector v, __global type *p, int stride) {                 \
         type lanes[SPLAT_LANES];                                        \
         vstore16(v, 0, lanes);                                          \
         UNROLL                                                          \
@@ -38,6 +38,6 @@ typedef int vint;
 #define LOAD_LANES_INT(p) (*(p))
 #define LANES_BELOW(n) (0 < (n))
 #define MASK_TAIL(v, lanes_used) (v)
-inline void store_lanes(vfloat v, __global float *p, int stride) { *p = v; }
-inline void store_lanes_int(vint v, __global int *p, int stride) { *p = v; }
+void store_lanes(vfloat v, __global float *p, int stride) { *p = v; }
+void store_lanes_int(vint v, __global int *p, int stride) { *p = v; }
 #endif

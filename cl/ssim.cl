@@ -17,9 +17,9 @@
 __constant float window[TAPS] = {0.00102838f, 0.00759876f, 0.03600077f, 0.10936069f, 0.21300553f, 0.26601172f,
                                  0.21300553f, 0.10936069f, 0.03600077f, 0.00759876f, 0.00102838f};
 
-/* First pixel, row and channel of this work-item; false beyond the end. */
-inline bool ssim_position(gscl_ssim_shape s, int channels, int *x, int *y, int *k) {
-    int chunks = (s.width + LANES - 1) / LANES, i = (int)get_global_id(0);
+/* First pixel, row and channel of a work-item; false beyond the end. */
+bool ssim_position(size_t item, gscl_ssim_shape s, int channels, int *x, int *y, int *k) {
+    int chunks = (s.width + LANES - 1) / LANES, i = (int)item;
     *x = i % chunks * LANES;
     *y = i / chunks % s.height;
     *k = i / chunks / s.height;
@@ -27,15 +27,15 @@ inline bool ssim_position(gscl_ssim_shape s, int channels, int *x, int *y, int *
 }
 
 /* Floats of a padded image, and the index of a pixel in it. */
-inline size_t padded_size(gscl_ssim_shape s) { return (size_t)s.stride * (s.height + 2 * MARGIN) * s.channels; }
-inline size_t padded_index(gscl_ssim_shape s, int x, int y, int k) {
+size_t padded_size(gscl_ssim_shape s) { return (size_t)s.stride * (s.height + 2 * MARGIN) * s.channels; }
+size_t padded_index(gscl_ssim_shape s, int x, int y, int k) {
     return ((size_t)k * (s.height + 2 * MARGIN) + y + MARGIN) * s.stride + x + MARGIN;
 }
 /* Index of a pixel in an image without padding. */
-inline size_t plain_index(gscl_ssim_shape s, int x, int y, int k) { return ((size_t)k * s.height + y) * s.width + x; }
+size_t plain_index(gscl_ssim_shape s, int x, int y, int k) { return ((size_t)k * s.height + y) * s.width + x; }
 
 /* 1 in the lanes where a window begins that lies inside the image, else 0. */
-inline pix window_mask(gscl_ssim_shape s, int x, int y) {
+pix window_mask(gscl_ssim_shape s, int x, int y) {
     return y + TAPS <= s.height ? pix_inside(s.width - TAPS + 1 - x) : (pix)(0.0f);
 }
 
@@ -43,7 +43,7 @@ inline pix window_mask(gscl_ssim_shape s, int x, int y) {
 __kernel void ssim_blur_rows(__global const float *restrict rendering, __global const float *restrict target,
                              gscl_ssim_shape shape, __global float *restrict moments) {
     int x, y, k;
-    if (!ssim_position(shape, shape.channels, &x, &y, &k)) return;
+    if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix m[5];
     for (int j = 0; j < 5; j++) m[j] = (pix)(0.0f);
     size_t from = plain_index(shape, x, y, k), to = padded_index(shape, x, y, k), image = padded_size(shape);
@@ -61,8 +61,8 @@ __kernel void ssim_blur_rows(__global const float *restrict rendering, __global 
 }
 
 /* Vertical sums of the result of ssim_blur_rows: E[x], E[y], E[xx], E[yy], E[xy] of the windows. */
-inline void window_moments(pix *restrict m, __global const float *restrict moments, gscl_ssim_shape shape, int x, int y,
-                           int k) {
+void window_moments(pix *restrict m, __global const float *restrict moments, gscl_ssim_shape shape, int x, int y,
+                    int k) {
     size_t at = padded_index(shape, x, y, k), image = padded_size(shape);
     for (int j = 0; j < 5; j++) {
         m[j] = (pix)(0.0f);
@@ -75,7 +75,7 @@ inline void window_moments(pix *restrict m, __global const float *restrict momen
 __kernel void ssim_window_derivatives(__global const float *restrict moments, gscl_ssim_shape shape,
                                       __global float *restrict derivatives) {
     int x, y, k;
-    if (!ssim_position(shape, shape.channels, &x, &y, &k)) return;
+    if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix m[5];
     window_moments(m, moments, shape, x, y, k);
     pix a1 = 2.0f * m[0] * m[1] + C1, b1 = m[0] * m[0] + m[1] * m[1] + C1;
@@ -96,7 +96,7 @@ __kernel void ssim_window_derivatives(__global const float *restrict moments, gs
 __kernel void ssim_blur_columns(__global const float *restrict maps, gscl_ssim_shape shape,
                                 __global float *restrict sums) {
     int x, y, k;
-    if (!ssim_position(shape, shape.channels, &x, &y, &k)) return;
+    if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     size_t at = padded_index(shape, x, y, k), image = padded_size(shape);
     for (int j = 0; j < 3; j++) {
         pix sum = (pix)(0.0f);
@@ -108,7 +108,7 @@ __kernel void ssim_blur_columns(__global const float *restrict maps, gscl_ssim_s
 
 /* Transposed horizontal blur: a pixel's sum over the windows that begin left of it, of a map after
  * ssim_blur_columns. */
-inline pix map_sum(__global const float *restrict sums, size_t at) {
+pix map_sum(__global const float *restrict sums, size_t at) {
     pix sum = (pix)(0.0f);
     for (int t = 0; t < TAPS; t++) sum = fma((pix)(window[t]), PIX_LOAD(sums + at - t), sum);
     return sum;
@@ -120,7 +120,7 @@ __kernel void ssim_derivative(__global const float *restrict sums, __global cons
                               __global const float *restrict target, gscl_ssim_shape shape, float l1_share,
                               float ssim_share, __global float *restrict derivative) {
     int x, y, k;
-    if (!ssim_position(shape, shape.channels, &x, &y, &k)) return;
+    if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     size_t padded = padded_index(shape, x, y, k), image = padded_size(shape);
     pix s[3];
     for (int j = 0; j < 3; j++) s[j] = map_sum(sums + j * image, padded);
@@ -147,7 +147,7 @@ __kernel void ssim_derivative(__global const float *restrict sums, __global cons
 __kernel void ssim_evaluate_windows(__global const float *restrict moments, gscl_ssim_shape shape, int has_rendering,
                                     __global float *restrict maps) {
     int x, y, k;
-    if (!ssim_position(shape, shape.channels, &x, &y, &k)) return;
+    if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix m[5];
     window_moments(m, moments, shape, x, y, k);
     pix rendering_variance = fmax(m[2] - m[0] * m[0], (pix)(0.0f)) * (float)has_rendering;
@@ -164,7 +164,7 @@ __kernel void ssim_evaluate_windows(__global const float *restrict moments, gscl
 }
 
 /* The sum of the window weights with which windows inside the image cover these pixels; 1 away from borders. */
-inline pix window_cover(gscl_ssim_shape s, int x, int y) {
+pix window_cover(gscl_ssim_shape s, int x, int y) {
     pix cover_x = (pix)(0.0f);
     float cover_y = 0.0f;
     for (int t = 0; t < TAPS; t++) {
@@ -180,7 +180,7 @@ inline pix window_cover(gscl_ssim_shape s, int x, int y) {
 __kernel void ssim_weights(__global const float *restrict sums, gscl_ssim_shape shape, int has_rendering,
                            __global float *restrict weights) {
     int x, y, unused;
-    if (!ssim_position(shape, 1, &x, &y, &unused)) return;
+    if (!ssim_position(get_global_id(0), shape, 1, &x, &y, &unused)) return;
     __global const float *map = sums + MAP_WEIGHT * padded_size(shape);
     pix sum = (pix)(0.0f);
     for (int k = 0; k < shape.channels; k++) sum += map_sum(map, padded_index(shape, x, y, k));
@@ -194,7 +194,7 @@ __kernel void ssim_weights(__global const float *restrict sums, gscl_ssim_shape 
 __kernel void ssim_contrast_gains(__global const float *restrict sums, gscl_ssim_shape shape,
                                   __global float *restrict gains) {
     int x, y, k;
-    if (!ssim_position(shape, shape.channels, &x, &y, &k)) return;
+    if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix cover = window_cover(shape, x, y);
     size_t padded = padded_index(shape, x, y, k), image = padded_size(shape);
     size_t at = plain_index(shape, x, y, k), plane = (size_t)shape.width * shape.height;

@@ -8,9 +8,9 @@ __kernel void step_splats(__global float *restrict params, __global float *restr
                           __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     __local float shared[SLOT_ITEMS];
     vfloat gradient[FITTED];
-    size_t i;
+    const size_t i = FIRST_SPLAT;
     int lanes_used;
-    if (gather(gradient, params, steps, drawn, projected, grids, links, slots, shared, &i, &lanes_used))
+    if (gather(gradient, params, steps, drawn, projected, grids, links, slots, shared, i, &lanes_used))
         take_step(params, first_moment, second_moment, ages, gradient, steps, settings, control, projected,
                   ellipse_bounds, boxes, i, lanes_used);
 }

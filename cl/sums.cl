@@ -6,7 +6,7 @@ typedef struct {
     float sum, lost;
 } long_sum;
 
-inline long_sum long_sum_add(long_sum s, float number) {
+long_sum long_sum_add(long_sum s, float number) {
     float y = number - s.lost, t = s.sum + y;
     s.lost = (t - s.sum) - y;
     s.sum = t;

@@ -13,8 +13,8 @@
 #define MAX_SCAN_WAVELENGTH 6.0f          /* in major axes */
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
-inline void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes,
-                            const rdo_planes *planes, pix *share, pix *error) {
+void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes, const rdo_planes *planes,
+                     pix *share, pix *error) {
     size_t at = (size_t)y * planes->width + x;
     __global const float *target = planes->target;
     const ulong plane = planes->plane;
@@ -56,8 +56,7 @@ typedef struct {
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
-inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const rdo_planes *planes,
-                              __local float *shared) {
+wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const rdo_planes *planes, __local float *shared) {
     outline o = outline_of(plain, planes->width, planes->height);
     pix sums[7];
     float totals[7];
@@ -87,13 +86,13 @@ inline wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const
 
 /* Whether the wave explains this part of the squared error under the splat's weight.  By the inequality of Cauchy and
  * Schwarz the squares of the sums are at most half of share * error2: the mean of cos^2 is 1/2. */
-inline bool wave_explains(const wave_sums *w, float part) {
+bool wave_explains(const wave_sums *w, float part) {
     return 2.0f * fma(w->error_cos, w->error_cos, w->error_sin * w->error_sin) >= part * w->share * w->error2;
 }
 
 /* Finds the phase and the amplitude with the lowest cost for a wave and direction; returns that cost. */
-inline float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation,
-                               __global const float *restrict tables, gscl_rdo_settings t) {
+float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *restrict tables,
+                        gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
     gscl_codes other = *c;
     for (int phase = 0; phase < GSCL_PHASES; phase++) {
@@ -124,7 +123,7 @@ typedef struct {
 } scan_state;
 
 /* Adds the pixels of a vector, given as s e, to all waves; `dx`, `dy`: its first pixel from the centre. */
-inline void scan_add(scan_state *restrict states, int waves, pix shared_error, int lanes, float dx, float dy) {
+void scan_add(scan_state *restrict states, int waves, pix shared_error, int lanes, float dx, float dy) {
     float products[LANES];
     PIX_STORE(shared_error, products);
     for (int i = 0; i < waves * VECTORS; i++) {
@@ -147,7 +146,7 @@ inline void scan_add(scan_state *restrict states, int waves, pix shared_error, i
 
 /* The gain of each wave of a state, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
  * (1 +- r) / 2, r = exp(-k' Sigma k). */
-inline pix scan_score(const projected_splat *plain, const scan_state *s) {
+pix scan_score(const projected_splat *plain, const scan_state *s) {
     const float *d = plain->projected;
     float u2 = d[GSCL_PROJECTED_UX] * d[GSCL_PROJECTED_UX] + d[GSCL_PROJECTED_UY] * d[GSCL_PROJECTED_UY];
     float v2 = d[GSCL_PROJECTED_VX] * d[GSCL_PROJECTED_VX] + d[GSCL_PROJECTED_VY] * d[GSCL_PROJECTED_VY];
@@ -159,7 +158,7 @@ inline pix scan_score(const projected_splat *plain, const scan_state *s) {
 }
 
 /* Adds the sums of all work-items. */
-inline void scan_end(scan_state *restrict states, int count, __local float *shared) {
+void scan_end(scan_state *restrict states, int count, __local float *shared) {
 #if RDO_ITEMS > 1
     for (int i = 0; i < count; i++) {
         float sums[2 * LANES];
@@ -173,8 +172,8 @@ inline void scan_end(scan_state *restrict states, int count, __local float *shar
 }
 
 /* The wave and direction with the highest score. */
-inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const rdo_planes *planes,
-                      __local float *shared) {
+int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const rdo_planes *planes,
+               __local float *shared) {
     scan_state states[SCANNED_WAVES * VECTORS];
     int waves = 0;
     while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * MAX_SCAN_WAVELENGTH * major > 1.0f)) waves++;
@@ -216,7 +215,7 @@ inline int2 wave_scan(const projected_splat *plain, float major, gscl_view view,
 #define TRIED_WAVES 6
 
 /* Lists the present wave and its neighbours; returns their number, 0 where there is none. */
-inline int nearby_waves(const gscl_codes *c, int2 *restrict waves) {
+int nearby_waves(const gscl_codes *c, int2 *restrict waves) {
     int w = c->code[GSCL_CODE_WAVE], d = c->code[GSCL_CODE_DIRECTION], count = 0;
     if (c->code[GSCL_CODE_AMPLITUDE] == 0) return 0;
     waves[count++] = (int2)(w, d);
@@ -228,8 +227,8 @@ inline int nearby_waves(const gscl_codes *c, int2 *restrict waves) {
 }
 
 /* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
-inline void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view,
-                           const rdo_planes *planes, __local float *shared) {
+void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view,
+                    const rdo_planes *planes, __local float *shared) {
     gscl_codes now = *c, choice = *c;
     for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) choice.code[k] = 0;
     float best = t.lambda * tables->bits[GSCL_BITS_PLAIN];

@@ -5,9 +5,9 @@
 #if SLOT_ITEMS == 1
 /* Sums the slots of splats `first` to `first + lanes_used`, SLOT floats each, row by row of tiles and so always in the
  * same order. */
-inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
-                      __global const int *restrict links, __global const float *restrict slots,
-                      __local float *restrict unused) {
+void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
+               __global const int *restrict links, __global const float *restrict slots,
+               __local float *restrict unused) {
     for (int k = 0; k < SPLAT_LANES * SLOT; k++) sums[k] = 0.0f;
     for (int lane = 0; lane < lanes_used; lane++) {
         gscl_link_grid grid = grids[first + (size_t)lane];
@@ -22,9 +22,9 @@ inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __glob
 #else
 #define SUMMED_AT_ONCE (SLOT_ITEMS / SLOT) /* slots whose floats the work-items of a group read at once */
 /* The same for one splat by all work-items of a group, each of which adds one sum of every SUMMED_AT_ONCE-th slot. */
-inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
-                      __global const int *restrict links, __global const float *restrict slots,
-                      __local float *restrict shared) {
+void slots_sum(float *restrict sums, size_t first, int lanes_used, __global const gscl_link_grid *restrict grids,
+               __global const int *restrict links, __global const float *restrict slots,
+               __local float *restrict shared) {
     const gscl_link_grid grid = grids[first];
     int item = (int)get_local_id(0);
     float own = 0.0f;
@@ -47,8 +47,8 @@ inline void slots_sum(float *restrict sums, size_t first, int lanes_used, __glob
 
 /* Chain rule from the sums, which are in the splats' own frames, to the parameters.  `s`, `projected`: the splats as
  * they were drawn. */
-inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict sums, splat s,
-                               __global const float *restrict projected, gscl_view view) {
+void gradient_from_sums(vfloat *restrict gradient, const float *restrict sums, splat s,
+                        __global const float *restrict projected, gscl_view view) {
     vfloat e1 = axis_at_level(s.s1, view.blur), e2 = axis_at_level(s.s2, view.blur);
     /* gauss = 2^-(u^2 + v^2): each derivative of the exponent brings a factor 2 ln 2. */
     const float factor = 2.0f * M_LN2_F;
@@ -78,7 +78,7 @@ inline void gradient_from_sums(vfloat *restrict gradient, const float *restrict 
 #define IS_FITTED(k) (((k) != GSCL_THETA || ROTATION) && ((k) != GSCL_OPACITY || OPACITY))
 
 /* Rotates (x, y) by the angle whose cosine and sine are given. */
-inline void rotate_by(vfloat *restrict x, vfloat *restrict y, vfloat c, vfloat s) {
+void rotate_by(vfloat *restrict x, vfloat *restrict y, vfloat c, vfloat s) {
     vfloat rotated = c * *x - s * *y;
     *y = fma(c, *y, s * *x);
     *x = rotated;
@@ -86,7 +86,7 @@ inline void rotate_by(vfloat *restrict x, vfloat *restrict y, vfloat c, vfloat s
 
 /* The learning rate of each parameter.  That of the centre is in lengths of the axes.  That of the angle falls with the
  * aspect ratio, about by its power 3/4.  Both keep the effect of a step on the rendering alike for all shapes. */
-inline void learning_rates(vfloat *restrict rates, const vfloat *restrict p) {
+void learning_rates(vfloat *restrict rates, const vfloat *restrict p) {
     vfloat s1 = exp(p[GSCL_LOG_S1]), s2 = exp(p[GSCL_LOG_S2]);
     vfloat roundness = sqrt(2.0f / (1.0f + fmax(s1, s2) / fmin(s1, s2)));
     rates[GSCL_X] = GSCL_RATE_POSITION * s1;
@@ -113,8 +113,8 @@ ALWAYS_INLINE vfloat adam_update(vfloat gradient, vfloat rate, vfloat correct1, 
 
 /* One step of Adam on the parameters `p`, with the bias correction of each splat's own age.  Moments of the centre are
  * in the splat's own frame. */
-inline void adam(vfloat *restrict p, __global float *restrict first_moment, __global float *restrict second_moment,
-                 vfloat age, const vfloat *restrict gradient, float rate) {
+void adam(vfloat *restrict p, __global float *restrict first_moment, __global float *restrict second_moment, vfloat age,
+          const vfloat *restrict gradient, float rate) {
     vfloat correct1 = rate / (1.0f - exp2(GSCL_ADAM_LOG2_BETA1 * age)),
            correct2 = 1.0f / (1.0f - exp2(GSCL_ADAM_LOG2_BETA2 * age));
     const unit_vector d = axis_direction(p[GSCL_THETA]);
@@ -134,7 +134,7 @@ inline void adam(vfloat *restrict p, __global float *restrict first_moment, __gl
 }
 
 /* Clamps the parameters to their bounds.  An excess of the aspect ratio is shared by the two axes. */
-inline void clamp_params(vfloat *restrict p, gscl_limits b) {
+void clamp_params(vfloat *restrict p, gscl_limits b) {
     p[GSCL_X] = clamp(p[GSCL_X], (vfloat)(0.0f), (vfloat)(b.width));
     p[GSCL_Y] = clamp(p[GSCL_Y], (vfloat)(0.0f), (vfloat)(b.height));
     vfloat difference = p[GSCL_LOG_S1] - p[GSCL_LOG_S2];
@@ -148,40 +148,36 @@ inline void clamp_params(vfloat *restrict p, gscl_limits b) {
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
-/* The gradients of the splats of a work-item, as they were drawn: of splat *i and the ones after it, *lanes_used in all.
+/* The first splat of a work-item, or of its group. */
+#define FIRST_SPLAT (SLOT_ITEMS > 1 ? get_group_id(0) : get_global_id(0) * SPLAT_LANES)
+
+/* The gradients of the splats of a work-item, as they were drawn: of splat `i` and the ones after it, *lanes_used in all.
  * False for a work-item that has nothing left to do: it is behind the last splat, or another of its work-group goes on. */
-inline bool gather(vfloat *restrict gradient, __global const float *restrict params,
-                   __global const float *restrict steps, gscl_gather_settings drawn,
-                   __global const float *restrict projected, __global const gscl_link_grid *restrict grids,
-                   __global const int *restrict links, __global const float *restrict slots,
-                   __local float *restrict shared, size_t *restrict i, int *restrict lanes_used) {
+bool gather(vfloat *restrict gradient, __global const float *restrict params, __global const float *restrict steps,
+            gscl_gather_settings drawn, __global const float *restrict projected,
+            __global const gscl_link_grid *restrict grids, __global const int *restrict links,
+            __global const float *restrict slots, __local float *restrict shared, size_t i, int *restrict lanes_used) {
     float sums[SPLAT_LANES * SLOT];
-#if SLOT_ITEMS > 1
-    *i = get_group_id(0);
-#else
-    *i = get_global_id(0) * SPLAT_LANES;
-    if (*i >= (size_t)drawn.splats) return false;
-#endif
-    *lanes_used = min(drawn.splats - (int)*i, SPLAT_LANES);
-    slots_sum(sums, *i, *lanes_used, grids, links, slots, shared);
+    if (SLOT_ITEMS == 1 && i >= (size_t)drawn.splats) return false;
+    *lanes_used = min(drawn.splats - (int)i, SPLAT_LANES);
+    slots_sum(sums, i, *lanes_used, grids, links, slots, shared);
     if (SLOT_ITEMS > 1 && get_local_id(0) > 0) return false; /* before anything is read that the first one writes */
-    splat s = splat_quantise(splat_load(params + *i * GSCL_PARAMS, *lanes_used), steps);
-    gradient_from_sums(gradient, sums, s, projected + *i * GSCL_PROJECTED, drawn.view);
+    splat s = splat_quantise(splat_load(params + i * GSCL_PARAMS, *lanes_used), steps);
+    gradient_from_sums(gradient, sums, s, projected + i * GSCL_PROJECTED, drawn.view);
     return true;
 }
 
 /* Gives the first `fixed` lanes the parameters that are stored. */
-inline void keep_params(vfloat *restrict p, __global const float *restrict params, int fixed, int lanes_used) {
+void keep_params(vfloat *restrict p, __global const float *restrict params, int fixed, int lanes_used) {
     for (int k = 0; k < FITTED; k++) p[k] = select(p[k], LOAD_PARAM(params, k, lanes_used), LANES_BELOW(fixed));
 }
 
 /* One step of Adam for splats from `i` on, then the projection of the (quantised) result. */
-inline void take_step(__global float *restrict params, __global float *restrict first_moment,
-                      __global float *restrict second_moment, __global int *restrict ages,
-                      const vfloat *restrict gradient, __global const float *restrict steps,
-                      gscl_adam_settings settings, __global const gscl_fit_control *restrict control,
-                      __global float *restrict projected, __global float *restrict ellipse_bounds,
-                      __global int4 *restrict boxes, size_t i, int lanes_used) {
+void take_step(__global float *restrict params, __global float *restrict first_moment,
+               __global float *restrict second_moment, __global int *restrict ages, const vfloat *restrict gradient,
+               __global const float *restrict steps, gscl_adam_settings settings,
+               __global const gscl_fit_control *restrict control, __global float *restrict projected,
+               __global float *restrict ellipse_bounds, __global int4 *restrict boxes, size_t i, int lanes_used) {
     const size_t at = i * GSCL_PARAMS;
     vfloat p[FITTED];
     settings.limits.log_max = control->log_max;

@@ -37,7 +37,7 @@ __constant float window[TAPS] = {0.00941436781f, 0.0360111147f, 0.109335373f,  0
 #define LUMA_OFFSET (0.01f - 0.155954188f) /* less the cube root of the bias */
 
 /* sRGB to linear light for 0.04045 <= s <= 1: a polynomial, error below 8e-7; and its derivative. */
-inline pix linear_of(pix s) {
+pix linear_of(pix s) {
     s = clamp(s, (pix)(0.0f), (pix)(1.0f));
     pix p = fma((pix)(-0.0693649246f), s, (pix)(0.344726035f));
     p = fma(p, s, (pix)(-0.748934319f));
@@ -49,7 +49,7 @@ inline pix linear_of(pix s) {
     p = fma(p, s, (pix)(0.000855218992f));
     return select(p, s * (1.0f / 12.92f), s < (pix)(0.04045f));
 }
-inline pix linear_slope(pix s) {
+pix linear_slope(pix s) {
     pix p = fma((pix)(-0.554919397f), s, (pix)(2.413082245f));
     p = fma(p, s, (pix)(-4.493605914f));
     p = fma(p, s, (pix)(4.79529015f));
@@ -62,7 +62,7 @@ inline pix linear_slope(pix s) {
 }
 
 /* Cube root of 0.003..1.1: a guess from the bits, then two steps of Halley's method.  Relative error below 3e-7. */
-inline pix cube_root(pix x) {
+pix cube_root(pix x) {
     pix r = PIX_OF_BITS(PIX_INT(fma(PIX_FLOAT(PIX_BITS(x)), (pix)(1.0f / 3.0f), (pix)(709958130.0f))));
     for (int i = 0; i < 2; i++) {
         pix cube = r * r * r;
@@ -72,21 +72,21 @@ inline pix cube_root(pix x) {
 }
 
 /* Index of a pixel in a padded plane, and the size of one. */
-inline size_t padded_at(gscl_visual_scale s, int x, int y) { return (size_t)(y + MARGIN) * s.stride + x + MARGIN; }
-inline size_t padded_plane(gscl_visual_scale s) { return (size_t)s.stride * (s.height + 2 * MARGIN); }
-inline size_t plain_plane(gscl_visual_scale s) { return (size_t)s.width * s.height; }
-inline size_t plain_at(gscl_visual_scale s, int x, int y) { return (size_t)y * s.width + x; }
+size_t padded_at(gscl_visual_scale s, int x, int y) { return (size_t)(y + MARGIN) * s.stride + x + MARGIN; }
+size_t padded_plane(gscl_visual_scale s) { return (size_t)s.stride * (s.height + 2 * MARGIN); }
+size_t plain_plane(gscl_visual_scale s) { return (size_t)s.width * s.height; }
+size_t plain_at(gscl_visual_scale s, int x, int y) { return (size_t)y * s.width + x; }
 
-/* First pixel and row of this work-item; false beyond the end. */
-inline bool visual_position(gscl_visual_scale s, int *x, int *y) {
-    int chunks = (s.width + LANES - 1) / LANES, i = (int)get_global_id(0);
+/* First pixel and row of a work-item; false beyond the end. */
+bool visual_position(size_t item, gscl_visual_scale s, int *x, int *y) {
+    int chunks = (s.width + LANES - 1) / LANES, i = (int)item;
     *x = i % chunks * LANES;
     *y = i / chunks;
     return *y < s.height;
 }
 
 /* The luminance of pixels of sRGB planes. */
-inline pix luminance_of(__global const float *restrict planes, size_t plane) {
+pix luminance_of(__global const float *restrict planes, size_t plane) {
     pix sum = (pix)(0.0f);
     UNROLL
     for (int k = 0; k < COLOURS; k++) sum = fma((pix)(luma_share(k)), linear_of(PIX_LOAD(planes + k * plane)), sum);
@@ -96,7 +96,7 @@ inline pix luminance_of(__global const float *restrict planes, size_t plane) {
 __kernel void visual_luminance(__global const float *restrict planes, gscl_visual_scale s,
                                __global float *restrict luminance) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = plain_at(s, x, y);
     pix_store_clipped(luminance_of(planes + at, plain_plane(s)), luminance + at, s.width - x);
 }
@@ -105,7 +105,7 @@ __kernel void visual_luminance(__global const float *restrict planes, gscl_visua
 __kernel void visual_luminance_half(__global const float *restrict planes, int width, int height, gscl_visual_scale s,
                                     __global float *restrict luminance) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t plane = (size_t)width * height;
     float sums[2 * LANES], halved[LANES];
     for (int i = 0; i < 2; i++) { /* two vectors of two rows each */
@@ -128,7 +128,7 @@ __kernel void visual_luminance_half(__global const float *restrict planes, int w
 __kernel void visual_luma(__global const float *restrict luminance, gscl_visual_scale s,
                           __global float *restrict luma) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     pix value = cube_root(PIX_LOAD(luminance + plain_at(s, x, y)) + CONE_BIAS) + LUMA_OFFSET;
     pix_store_clipped(value, luma + padded_at(s, x, y), s.width - x);
 }
@@ -137,7 +137,7 @@ __kernel void visual_luma(__global const float *restrict luminance, gscl_visual_
 __kernel void visual_blur_rows(__global const float *restrict rendering, __global const float *restrict target,
                                gscl_visual_scale s, __global float *restrict rows) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = padded_plane(s);
     pix m[3] = {(pix)(0.0f), (pix)(0.0f), (pix)(0.0f)};
     for (int t = 0; t < TAPS; t++) {
@@ -152,7 +152,7 @@ __kernel void visual_blur_rows(__global const float *restrict rendering, __globa
 }
 
 /* Vertical sums of padded planes. */
-inline pix column_sum(__global const float *restrict rows, size_t at, int stride) {
+pix column_sum(__global const float *restrict rows, size_t at, int stride) {
     pix sum = (pix)(0.0f);
     for (int t = 0; t < TAPS; t++)
         sum = fma((pix)(window[t]), PIX_LOAD(rows + at + (size_t)t * stride - (size_t)HALF_WINDOW * stride), sum);
@@ -163,7 +163,7 @@ inline pix column_sum(__global const float *restrict rows, size_t at, int stride
 __kernel void visual_statistics(__global const float *restrict rows, gscl_visual_scale s,
                                 __global float *restrict statistics) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = padded_plane(s), to = plain_at(s, x, y);
     pix mean = column_sum(rows, at, s.stride), square = column_sum(rows + plane, at, s.stride);
     pix_store_clipped(mean, statistics + to, s.width - x);
@@ -177,9 +177,9 @@ typedef struct {
     pix d, e;
 } visual_terms;
 
-inline visual_terms terms_of(__global const float *restrict moments, __global const float *restrict statistics,
-                             __global const float *restrict rendering, __global const float *restrict target,
-                             gscl_visual_scale s, int x, int y) {
+visual_terms terms_of(__global const float *restrict moments, __global const float *restrict statistics,
+                      __global const float *restrict rendering, __global const float *restrict target,
+                      gscl_visual_scale s, int x, int y) {
     size_t at = plain_at(s, x, y), plane = plain_plane(s), padded = padded_at(s, x, y);
     visual_terms t;
     t.x = PIX_LOAD(target + padded);
@@ -261,7 +261,7 @@ __kernel void visual_maps(__global const float *restrict moments, __global const
                           gscl_visual_scale s, __global const float *restrict shares, __global float *restrict maps,
                           __global float *restrict direct) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     visual_terms t = terms_of(moments, statistics, rendering, target, s, x, y);
     pix zero = (pix)(0.0f);
     pix by_d = fma((pix)(shares[1]), t.d * t.d * t.d, (pix)(shares[0]));
@@ -290,7 +290,7 @@ __kernel void visual_maps(__global const float *restrict moments, __global const
 __kernel void visual_blur_maps(__global const float *restrict maps, gscl_visual_scale s,
                                __global float *restrict rows) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     for (int j = 0; j < 4; j++) {
         size_t at = j * padded_plane(s) + padded_at(s, x, y);
         pix sum = (pix)(0.0f);
@@ -301,7 +301,7 @@ __kernel void visual_blur_maps(__global const float *restrict maps, gscl_visual_
 
 /* What a plane of half the size adds to LANES pixels of a row, as the transposed operation of halving: a quarter of each
  * value; an odd last row or column counts twice. */
-inline pix load_enlarged(__global const float *restrict half_size, gscl_visual_scale s, int x, int y) {
+pix load_enlarged(__global const float *restrict half_size, gscl_visual_scale s, int x, int y) {
     float values[LANES];
     __global const float *row = half_size + (size_t)(y / 2) * ((s.width + 1) / 2) + x / 2;
     float share = s.height % 2 == 1 && y == s.height - 1 ? 0.5f : 0.25f;
@@ -315,7 +315,7 @@ inline pix load_enlarged(__global const float *restrict half_size, gscl_visual_s
     return share * PIX_LOAD(values);
 }
 
-inline size_t half_plane(gscl_visual_scale s) { return (size_t)((s.width + 1) / 2) * ((s.height + 1) / 2); }
+size_t half_plane(gscl_visual_scale s) { return (size_t)((s.width + 1) / 2) * ((s.height + 1) / 2); }
 
 #define HAS_TERMS 1   /* the scale has terms of its own */
 #define HAS_SMALLER 2 /* the next smaller scale has some */
@@ -327,7 +327,7 @@ __kernel void visual_by_luminance(__global const float *restrict rows, __global 
                                   gscl_visual_scale s, __global const float *restrict smaller, int has,
                                   __global float *restrict by_luminance) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = plain_plane(s), to = plain_at(s, x, y);
     pix slope = (pix)(0.0f), curvature = (pix)(0.0f);
     if (has & HAS_TERMS) {
@@ -346,8 +346,8 @@ __kernel void visual_by_luminance(__global const float *restrict rows, __global 
 }
 
 /* One plane of the result of visual_by_luminance, which is of this size or of half of it. */
-inline pix load_by_luminance(__global const float *restrict by_luminance, int is_half, int j, gscl_visual_scale s,
-                             int x, int y) {
+pix load_by_luminance(__global const float *restrict by_luminance, int is_half, int j, gscl_visual_scale s, int x,
+                      int y) {
     return is_half ? load_enlarged(by_luminance + j * half_plane(s), s, x, y)
                    : PIX_LOAD(by_luminance + j * plain_plane(s) + plain_at(s, x, y));
 }
@@ -357,7 +357,7 @@ __kernel void visual_derivative(__global const float *restrict by_luminance, int
                                 __global const float *restrict rendering, __global const float *restrict target,
                                 gscl_visual_scale s, __global float *restrict derivative) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = plain_at(s, x, y), plane = plain_plane(s);
     pix slope = load_by_luminance(by_luminance, is_half, 0, s, x, y);
     for (int k = 0; k < CHANNELS; k++) {
@@ -373,7 +373,7 @@ __kernel void visual_model(__global const float *restrict by_luminance, int is_h
                            __global const float *restrict rendering, gscl_visual_scale s, float curvature_share,
                            __global float *restrict model) {
     int x, y;
-    if (!visual_position(s, &x, &y)) return;
+    if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = plain_at(s, x, y), plane = plain_plane(s);
     pix luma = (pix)(0.0f), slope = (pix)(0.0f); /* of luminance by luma */
     UNROLL
