@@ -10,6 +10,34 @@ typedef struct {
     pix transmittance[ROWS];   /* `alpha`: of the splats in front */
 } backward;
 
+/* The weighted error of luma of a row of pixels is that of the rendering less the target. */
+pix luma_error(const canvas *c, int r, __global const float *restrict target, int lanes) {
+    pix luma = -pix_load_clipped(target, lanes);
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), c->colour[k][r], luma);
+    return luma * pix_inside(lanes);
+}
+
+/* Adds the loss of an error `e` of channel `k`; returns half its derivative (of L1: its derivative).  `luma`: the weighted
+ * error of luma. */
+pix loss_derivative(pix *loss, pix e, int k, pix weight, pix luma) {
+    if (WEIGHTED == GSCL_WEIGHTED_PIXELS) {
+        pix d = weight * e;
+        *loss = fma(d, e, *loss);
+        return d;
+    }
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
+        *loss = fma(e, e, *loss);
+        return k < COLOURS ? fma((pix)(luma_share(k)), luma, e) : e;
+    }
+    if (LOSS == GSCL_LOSS_KIND_L2) {
+        *loss = fma(e, e, *loss);
+        return e;
+    }
+    *loss += fabs(e);
+    return sign(e);
+}
+
 /* Starts the backward pass from the rendering on the canvas; returns this work-item's part of the loss.  `target` is as
  * in fit_tiles. */
 pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const float *restrict target,
@@ -20,49 +48,25 @@ pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const f
         const size_t at =
             (size_t)((p.y + r) * settings.row_step + settings.first_row) * settings.shape.width + (size_t)p.x;
         b->dot[r] = (pix)(0.0f);
-#if WEIGHTED != GSCL_WEIGHTED_NOT
-        pix weight = (pix)(0.0f);
-        if (r < p.rows && p.lanes > 0) weight = pix_load_clipped(target + CHANNELS * plane + at, p.lanes);
-#endif
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-        pix luma = (pix)(0.0f);
-        if (r < p.rows && p.lanes > 0) {
-            luma = -pix_load_clipped(target + (CHANNELS + 1) * plane + at, p.lanes);
-            UNROLL
-            for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), c->colour[k][r], luma);
-            luma *= pix_inside(p.lanes);
+        const bool inside = r < p.rows && p.lanes > 0;
+        pix weight = (pix)(0.0f), luma = (pix)(0.0f);
+        if (WEIGHTED != GSCL_WEIGHTED_NOT && inside) weight = pix_load_clipped(target + CHANNELS * plane + at, p.lanes);
+        if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
+            if (inside) luma = luma_error(c, r, target + (CHANNELS + 1) * plane + at, p.lanes);
+            loss = fma(weight * luma, luma, loss);
+            luma *= weight;
         }
-        loss = fma(weight * luma, luma, loss);
-        luma *= weight;
-#endif
         UNROLL
         for (int k = 0; k < CHANNELS; k++) {
             pix d = (pix)(0.0f);
-            if (r < p.rows && p.lanes > 0) {
+            if (inside) {
                 pix value = pix_load_clipped(target + k * plane + at, p.lanes);
-#if LOSS == GSCL_LOSS_KIND_EXTERNAL
-                d = value;
-#else
-                pix e = (c->colour[k][r] - value) * pix_inside(p.lanes);
-#if WEIGHTED == GSCL_WEIGHTED_PIXELS
-                d = weight * e;
-                loss = fma(d, e, loss);
-#elif WEIGHTED == GSCL_WEIGHTED_LUMA
-                loss = fma(e, e, loss);
-                d = k < COLOURS ? fma((pix)(luma_share(k)), luma, e) : e;
-#elif LOSS == GSCL_LOSS_KIND_L2
-                loss = fma(e, e, loss);
-                d = e;
-#else
-                loss += fabs(e);
-                d = sign(e);
-#endif
-#endif
+                d = LOSS == GSCL_LOSS_KIND_EXTERNAL
+                        ? value
+                        : loss_derivative(&loss, (c->colour[k][r] - value) * pix_inside(p.lanes), k, weight, luma);
             }
             d *= settings.derivative_scale;
-#if BLEND == GSCL_NORMALIZED
-            d *= c->weight_sum[r]; /* the reciprocal, after canvas_end */
-#endif
+            if (BLEND == GSCL_NORMALIZED) d *= c->weight_sum[r]; /* the reciprocal, after canvas_end */
             b->slope[k][r] = d;
             b->dot[r] = fma(c->colour[k][r], d, b->dot[r]);
         }
@@ -71,7 +75,8 @@ pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const f
     return loss;
 }
 
-#define SHARES_SPLATS (ITEMS > 1 && BLEND != GSCL_ALPHA) /* each work-item takes other splats */
+/* Each work-item takes other splats.  A general program has one work-item for a tile. */
+#define SHARES_SPLATS (ITEMS > 1 && BLEND != GSCL_ALPHA)
 
 #if ITEMS == 1
 /* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
@@ -112,54 +117,45 @@ ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, p
     UNROLL
     for (int k = 0; k < CHANNELS; k++)
         by_share = fma((pix)(projected[GSCL_PROJECTED_COLOUR + k]), b->slope[k][r], by_share);
-#if TEXTURE
     pix by_wave = (pix)(0.0f); /* dL/dwave */
-    UNROLL
-    for (int k = 0; k < COLOURS; k++) by_wave += b->slope[k][r];
-    by_share = fma(wave_at(dx, dy, 0.0f, projected), by_wave, by_share);
-#endif
-#if BLEND == GSCL_NORMALIZED
-    pix share = w;
-    pix h = by_share - b->dot[r];
-#elif BLEND == GSCL_SUM
-    pix share = w;
-    pix h = by_share;
-#else
-    pix_mask not_clamped = w < (pix)(GSCL_MAX_ALPHA);
-    w = fmin(w, (pix)(GSCL_MAX_ALPHA));
-    pix share = w * b->transmittance[r];
-    b->dot[r] = fma(-share, by_share, b->dot[r]); /* of the part behind this splat */
-    pix h = select((pix)(0.0f), fma(b->transmittance[r], by_share, -b->dot[r] / (1.0f - w)), not_clamped);
-    b->transmittance[r] -= share;
-#endif
+    if (TEXTURE) {
+        UNROLL
+        for (int k = 0; k < COLOURS; k++) by_wave += b->slope[k][r];
+        by_share = fma(wave_at(dx, dy, 0.0f, projected), by_wave, by_share);
+    }
+    pix share = w, h = BLEND == GSCL_NORMALIZED ? by_share - b->dot[r] : by_share;
+    if (BLEND == GSCL_ALPHA) {
+        pix_mask not_clamped = PIX_MASK(w < (pix)(GSCL_MAX_ALPHA));
+        w = fmin(w, (pix)(GSCL_MAX_ALPHA));
+        share = w * b->transmittance[r];
+        b->dot[r] = fma(-share, by_share, b->dot[r]); /* of the part behind this splat */
+        h = select((pix)(0.0f), fma(b->transmittance[r], by_share, -b->dot[r] / (1.0f - w)), not_clamped);
+        b->transmittance[r] -= share;
+    }
     pix t = select((pix)(0.0f), WITH_OPACITY(h * s.gauss, projected), s.weight > (pix)(0.0f));
     pix tv = t * s.v;
-#if ROTATION
-    pix tu = t * s.u;
-    sums[GSCL_SLOT_U] += tu;
-    sums[GSCL_SLOT_UU] = fma(tu, s.u, sums[GSCL_SLOT_UU]);
-    sums[GSCL_SLOT_UV] = fma(tu, s.v, sums[GSCL_SLOT_UV]);
-#else
-    sums[GSCL_SLOT_U] += t; /* u is the same in all rows, slot_end multiplies by it */
-#endif
+    if (ROTATION) {
+        pix tu = t * s.u;
+        sums[GSCL_SLOT_U] += tu;
+        sums[GSCL_SLOT_UU] = fma(tu, s.u, sums[GSCL_SLOT_UU]);
+        sums[GSCL_SLOT_UV] = fma(tu, s.v, sums[GSCL_SLOT_UV]);
+    } else {
+        sums[GSCL_SLOT_U] += t; /* u is the same in all rows, slot_end multiplies by it */
+    }
     sums[GSCL_SLOT_V] += tv;
     sums[SLOT_VV] = fma(tv, s.v, sums[SLOT_VV]);
-#if OPACITY
-    sums[SLOT_OPACITY] = fma(h, s.weight, sums[SLOT_OPACITY]);
-#endif
+    if (OPACITY) sums[SLOT_OPACITY] = fma(h, s.weight, sums[SLOT_OPACITY]);
     UNROLL
     for (int k = 0; k < CHANNELS; k++) sums[SLOT_COLOUR + k] = fma(share, b->slope[k][r], sums[SLOT_COLOUR + k]);
-#if TEXTURE
-    sums[SLOT_WAVE] = fma(share * by_wave, wave_at(dx, dy, 0.25f, projected), sums[SLOT_WAVE]);
-#endif
+    if (TEXTURE) sums[SLOT_WAVE] = fma(share * by_wave, wave_at(dx, dy, 0.25f, projected), sums[SLOT_WAVE]);
 }
 
 /* Finishes the sums after the last row. */
 void slot_end(pix *restrict sums, splat_weight s) {
-#if !ROTATION
+    if (ROTATION) return;
     sums[GSCL_SLOT_U] *= s.u;
-    sums[GSCL_SLOT_UU] = fma(sums[GSCL_SLOT_U], s.u, sums[GSCL_SLOT_UU]);
-#endif
+    sums[GSCL_SLOT_UU] = fma(sums[GSCL_SLOT_U], s.u, sums[ANISOTROPY ? GSCL_SLOT_UU : SLOT_VV]);
+    if (!ANISOTROPY) sums[SLOT_VV] = sums[GSCL_SLOT_UU];
 }
 
 /* The step until which a tile with this loss is skipped, or 0. */

@@ -58,13 +58,11 @@ int2 outline_columns(outline *o, int row) {
 }
 
 pix projected_weight(pix dx, float dy, const projected_splat *a) {
-#if ROTATION
-    pix u = fma(dx, (pix)(a->projected[GSCL_PROJECTED_UX]), (pix)(dy * a->projected[GSCL_PROJECTED_UY]));
-    pix v = fma(dx, (pix)(a->projected[GSCL_PROJECTED_VX]), (pix)(dy * a->projected[GSCL_PROJECTED_VY]));
-#else
-    pix u = dx * a->projected[GSCL_PROJECTED_UX];
-    float v = dy * a->projected[GSCL_PROJECTED_VY];
-#endif
+    pix u = dx * a->projected[GSCL_PROJECTED_UX], v = (pix)(dy * a->projected[GSCL_PROJECTED_VY]);
+    if (ROTATION) {
+        u = fma(dx, (pix)(a->projected[GSCL_PROJECTED_UX]), (pix)(dy * a->projected[GSCL_PROJECTED_UY]));
+        v = fma(dx, (pix)(a->projected[GSCL_PROJECTED_VX]), v);
+    }
     return fmax(pix_exp2(fma(-u, u, -v * v)) - GSCL_WEIGHT_FLOOR, (pix)(0.0f));
 }
 

@@ -6,9 +6,7 @@ typedef struct {
     vfloat log_s1, log_s2; /* natural logarithms of the axes */
     vfloat s1, s2;         /* the axes, pixels (splat_set_axes) */
     vfloat colour[CHANNELS];
-#if TEXTURE
     vfloat wave_x, wave_y, wave_phase, wave_amplitude;
-#endif
 } splat;
 
 vfloat logistic(vfloat x) { return 1.0f / (1.0f + exp(-x)); }
@@ -34,12 +32,12 @@ splat splat_load(__global const float *restrict p, int lanes_used) {
     s.opacity = OPACITY ? logistic(LOAD_PARAM(p, GSCL_OPACITY, lanes_used)) : (vfloat)(1.0f);
     UNROLL
     for (int k = 0; k < CHANNELS; k++) s.colour[k] = LOAD_PARAM(p, GSCL_COLOUR + k, lanes_used);
-#if TEXTURE
-    s.wave_x = LOAD_PARAM(p, GSCL_WAVE_X, lanes_used);
-    s.wave_y = LOAD_PARAM(p, GSCL_WAVE_Y, lanes_used);
-    s.wave_phase = LOAD_PARAM(p, GSCL_WAVE_PHASE, lanes_used);
-    s.wave_amplitude = LOAD_PARAM(p, GSCL_WAVE_AMPLITUDE, lanes_used);
-#endif
+    if (TEXTURE) {
+        s.wave_x = LOAD_PARAM(p, GSCL_WAVE_X, lanes_used);
+        s.wave_y = LOAD_PARAM(p, GSCL_WAVE_Y, lanes_used);
+        s.wave_phase = LOAD_PARAM(p, GSCL_WAVE_PHASE, lanes_used);
+        s.wave_amplitude = LOAD_PARAM(p, GSCL_WAVE_AMPLITUDE, lanes_used);
+    }
     return s;
 }
 
@@ -70,14 +68,15 @@ projected_splat splat_project(splat s, gscl_view view) {
     a.projected[GSCL_PROJECTED_OPACITY] = s.opacity;
     a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (vfloat)(0.0f) : exp2(-i2 * i2 / down2);
     for (int k = 0; k < CHANNELS; k++) a.projected[GSCL_PROJECTED_COLOUR + k] = s.colour[k];
-#if TEXTURE
-    /* The level's box filter lowers the amplitude. */
-    vfloat cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
-    a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / view.inv_scale;
-    a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / view.inv_scale / down;
-    a.projected[GSCL_PROJECTED_WAVE_PHASE] = s.wave_phase;
-    a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] = s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * view.blur);
-#endif
+    if (TEXTURE) {
+        /* The level's box filter lowers the amplitude. */
+        vfloat cycles2 = fma(s.wave_x, s.wave_x, s.wave_y * s.wave_y);
+        a.projected[GSCL_PROJECTED_WAVE_X] = s.wave_x / view.inv_scale;
+        a.projected[GSCL_PROJECTED_WAVE_Y] = s.wave_y / view.inv_scale / down;
+        a.projected[GSCL_PROJECTED_WAVE_PHASE] = s.wave_phase;
+        a.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] =
+            s.wave_amplitude * exp(-2.0f * M_PI_F * M_PI_F * cycles2 * view.blur);
+    }
 
     /* Covariance entries; the half sizes of the outline follow from them. */
     vfloat xx = fma(c * s1, c * s1, (n * s2) * (n * s2)), yy = fma(n * s1, n * s1, (c * s2) * (c * s2));
@@ -126,11 +125,11 @@ void splat_store_projected(splat s, gscl_view view, size_t i, __global float *re
     UNROLL
     for (int k = 0; k < GSCL_PROJECTED_COLOUR + CHANNELS; k++)
         store_lanes(a.projected[k], projected + k, GSCL_PROJECTED);
-#if TEXTURE
-    UNROLL
-    for (int k = GSCL_PROJECTED_WAVE_X; k < GSCL_PROJECTED; k++)
-        store_lanes(a.projected[k], projected + k, GSCL_PROJECTED);
-#endif
+    if (TEXTURE) {
+        UNROLL
+        for (int k = GSCL_PROJECTED_WAVE_X; k < GSCL_PROJECTED; k++)
+            store_lanes(a.projected[k], projected + k, GSCL_PROJECTED);
+    }
     UNROLL
     for (int k = 0; k < GSCL_BOUNDS; k++) store_lanes(a.bounds[k], ellipse_bounds + k, GSCL_BOUNDS);
     __global int *box = (__global int *)(boxes + i);
@@ -176,15 +175,14 @@ splat splat_quantise(splat s, __global const float *restrict steps) {
                    fmax(rint((s.log_s2 + M_LN2_F) / scale), (vfloat)(0.0f)) * scale - M_LN2_F);
     vfloat cell = fmax(steps[GSCL_STEP_POSITION] * fmax(s.s1, s.s2), (vfloat)(1.0f / 32.0f));
     vfloat aspect = fmax(s.s1, s.s2) / fmin(s.s1, s.s2);
-#if ROTATION
-    vfloat angles =
-        clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), (vfloat)(1.0f), (vfloat)(512.0f));
-    vfloat turn = s.log_s1 < s.log_s2 ? (vfloat)(M_PI_2_F) : (vfloat)(0.0f); /* codes count from the major axis */
-    vfloat major_theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles;
-    s.theta = major_theta - turn;
-#else
     vfloat major_theta = (vfloat)(0.0f);
-#endif
+    if (ROTATION) {
+        vfloat angles =
+            clamp(ceil(M_PI_F / steps[GSCL_STEP_ANGLE] * (aspect - 1.0f / aspect)), (vfloat)(1.0f), (vfloat)(512.0f));
+        vfloat turn = s.log_s1 < s.log_s2 ? (vfloat)(M_PI_2_F) : (vfloat)(0.0f); /* codes count from the major axis */
+        major_theta = rint((s.theta + turn) * angles / M_PI_F) * M_PI_F / angles;
+        s.theta = major_theta - turn;
+    }
     splat_quantise_centre(&s, cell, rint(aspect), major_theta);
     float luma = steps[GSCL_STEP_LUMA];
 #if COLOURS == 3
@@ -199,10 +197,10 @@ splat splat_quantise(splat s, __global const float *restrict steps) {
 #if ALPHA_CHANNEL
     s.colour[COLOURS] = rint(s.colour[COLOURS] / steps[GSCL_STEP_ALPHA]) * steps[GSCL_STEP_ALPHA];
 #endif
-#if OPACITY
-    float levels = steps[GSCL_STEP_OPACITY];
-    s.opacity = clamp(rint(s.opacity * levels), (vfloat)(1.0f), (vfloat)(levels)) / levels;
-#endif
+    if (OPACITY) {
+        float levels = steps[GSCL_STEP_OPACITY];
+        s.opacity = clamp(rint(s.opacity * levels), (vfloat)(1.0f), (vfloat)(levels)) / levels;
+    }
     return s;
 }
 

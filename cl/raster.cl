@@ -3,33 +3,29 @@
 /* A splat's weight at a row of pixels, before opacity, and its frame coordinates.  An axis-aligned splat is the product
  * of a Gaussian of the column and a Gaussian of the row, which is updated from row to row by multiplication. */
 typedef struct {
-    pix u; /* gauss = 2^-(u^2 + v^2) */
-#if ROTATION
-    pix v;
-#else
-    float v;
-    pix column;                     /* 2^-u^2 */
-    float row, row_ratio, row_bend; /* 2^-v^2; the ratio of its next value to this; the ratio of two ratios */
-#endif
+    pix u, v; /* gauss = 2^-(u^2 + v^2) */
+    /* Of axis-aligned splats: 2^-u^2, 2^-v^2, the ratio of its next value to this, the ratio of two ratios. */
+    pix column;
+    float row, row_ratio, row_bend;
     pix gauss;
     pix weight; /* max(0, gauss - floor) */
 } splat_weight;
 
 /* Begins at a row that the outline touches, `dx` and `dy` from the centre. */
 ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const real *projected) {
-#if ROTATION
-    s->u = fma(dx, (pix)(projected[GSCL_PROJECTED_UX]), (pix)(dy * projected[GSCL_PROJECTED_UY]));
-    s->v = fma(dx, (pix)(projected[GSCL_PROJECTED_VX]), (pix)(dy * projected[GSCL_PROJECTED_VY]));
-#else
-    float step = projected[GSCL_PROJECTED_VY];
+    if (ROTATION) {
+        s->u = fma(dx, (pix)(projected[GSCL_PROJECTED_UX]), (pix)(dy * projected[GSCL_PROJECTED_UY]));
+        s->v = fma(dx, (pix)(projected[GSCL_PROJECTED_VX]), (pix)(dy * projected[GSCL_PROJECTED_VY]));
+        return;
+    }
+    real step = projected[GSCL_PROJECTED_VY], v = dy * step;
     s->u = dx * projected[GSCL_PROJECTED_UX];
-    s->v = dy * step;
+    s->v = (pix)(v);
     /* Exactly 0 outside the support: `row` may be rounded to more than 1 and would then give a gradient there. */
     s->column = select((pix)(0.0f), pix_exp2(-s->u * s->u), PIX_MASK(s->u * s->u < (pix)(SUPPORT2)));
-    s->row = exp2(-s->v * s->v);
-    s->row_ratio = exp2(fmin(-2.0f * s->v * step, 64.0f)) * projected[GSCL_PROJECTED_ROW_STEP];
+    s->row = exp2(-v * v);
+    s->row_ratio = exp2(fmin(-2.0f * v * step, 64.0f)) * projected[GSCL_PROJECTED_ROW_STEP];
     s->row_bend = projected[GSCL_PROJECTED_ROW_STEP] * projected[GSCL_PROJECTED_ROW_STEP];
-#endif
 }
 
 /* Sets the weight from a Gaussian. */
@@ -40,11 +36,7 @@ void weight_from_gauss(splat_weight *s, pix gauss) {
 
 /* Evaluates the Gaussian from the coordinates. */
 void weight_evaluate(splat_weight *s) {
-#if ROTATION
-    weight_from_gauss(s, pix_exp2(fma(-s->u, s->u, -s->v * s->v)));
-#else
-    weight_from_gauss(s, s->column * s->row);
-#endif
+    weight_from_gauss(s, ROTATION ? pix_exp2(fma(-s->u, s->u, -s->v * s->v)) : s->column * s->row);
 }
 
 /* A fit evaluates each row of each splat twice.  Where one work-item does so, forward and backward in the same order,
@@ -56,16 +48,15 @@ void weight_evaluate(splat_weight *s) {
 
 /* Goes on to the next row. */
 void weight_next_row(splat_weight *s, __global const real *restrict projected) {
-#if ROTATION
-    s->u += projected[GSCL_PROJECTED_UY];
-#else
-    s->row *= s->row_ratio;
-    s->row_ratio *= s->row_bend;
-#endif
+    if (ROTATION) {
+        s->u += projected[GSCL_PROJECTED_UY];
+    } else {
+        s->row *= s->row_ratio;
+        s->row_ratio *= s->row_bend;
+    }
     s->v += projected[GSCL_PROJECTED_VY];
 }
 
-#if TEXTURE
 /* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 for a splat without one. */
 pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected) {
     real amplitude = projected[GSCL_PROJECTED_WAVE_AMPLITUDE];
@@ -73,50 +64,32 @@ pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected
     return amplitude * pix_wave(dx, dy, projected[GSCL_PROJECTED_WAVE_X], projected[GSCL_PROJECTED_WAVE_Y],
                                 turns + projected[GSCL_PROJECTED_WAVE_PHASE]);
 }
-#endif
 
-#if OPACITY
-#define WITH_OPACITY(weight, projected) ((weight) * (projected)[GSCL_PROJECTED_OPACITY])
-#else
-#define WITH_OPACITY(weight, projected) (weight)
-#endif
+#define WITH_OPACITY(weight, projected) (OPACITY ? (weight) * (projected)[GSCL_PROJECTED_OPACITY] : (weight))
 
 /* The blend's running sums of one work-item. */
 typedef struct {
     pix colour[CHANNELS][ROWS];
-#if BLEND == GSCL_ALPHA
-    pix minus_opacity[ROWS]; /* transmittance - 1: a product near 1 would not change by very small opacities */
-#else
-    pix weight_sum[ROWS]; /* `normalized`; its reciprocal after canvas_end.  `sum`: always 1 */
-#endif
+    /* `normalized`: the sum of weights, after canvas_end its reciprocal.  `sum`: 1.  `alpha`: transmittance - 1, because a
+     * product near 1 would not change by very small opacities. */
+    pix weight_sum[ROWS];
 } canvas;
 
 void canvas_begin(canvas *c, __constant float *background) {
+    const float share = BLEND == GSCL_NORMALIZED ? GSCL_EPSILON : BLEND == GSCL_SUM ? 1.0f : 0.0f;
     for (int r = 0; r < ROWS; r++) {
         UNROLL
-        for (int k = 0; k < CHANNELS; k++) {
-#if BLEND == GSCL_NORMALIZED
-            c->colour[k][r] = (pix)(GSCL_EPSILON * background[k]);
-#elif BLEND == GSCL_SUM
-            c->colour[k][r] = (pix)(background[k]);
-#else
-            c->colour[k][r] = (pix)(0.0f);
-#endif
-        }
-#if BLEND == GSCL_ALPHA
-        c->minus_opacity[r] = (pix)(0.0f);
-#else
-        c->weight_sum[r] = (pix)(BLEND == GSCL_NORMALIZED ? GSCL_EPSILON : 1.0f);
-#endif
+        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = (pix)(share * background[k]);
+        c->weight_sum[r] = (pix)(share);
     }
 }
 
-#if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
+#if defined(EARLY_STOP)
 #define STOP_INTERVAL 4 /* splats from one test to the next */
 /* Whether the transmittance is so low at all pixels that splats further behind are not drawn. */
 bool canvas_is_opaque(const canvas *c) {
     for (int r = 0; r < ROWS; r++)
-        if (any(PIX_MASK(1.0f + c->minus_opacity[r] > (pix)(EARLY_STOP)))) return false;
+        if (any(PIX_MASK(1.0f + c->weight_sum[r] > (pix)(EARLY_STOP)))) return false;
     return true;
 }
 #endif
@@ -127,8 +100,8 @@ void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *res
                   __global const uint *restrict entries, int count, pix *restrict cached) {
     int row = 0;
     for (int i = 0; i < count; i++) {
-#if defined(EARLY_STOP) && BLEND == GSCL_ALPHA
-        if (i % STOP_INTERVAL == STOP_INTERVAL - 1 && canvas_is_opaque(c)) break;
+#if defined(EARLY_STOP)
+        if (BLEND == GSCL_ALPHA && i % STOP_INTERVAL == STOP_INTERVAL - 1 && canvas_is_opaque(c)) break;
 #endif
         uint entry = entries[BLEND == GSCL_ALPHA ? count - 1 - i : i];
         __global const real *restrict projected = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
@@ -136,31 +109,27 @@ void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *res
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
         pix dx = px - projected[GSCL_PROJECTED_X];
         real dy = py - projected[GSCL_PROJECTED_Y];
-#if TEXTURE
-        bool waved = projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f;
-#endif
+        const bool waved = TEXTURE && projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f;
         splat_weight s;
         weight_begin(&s, dx, dy + (float)first, projected);
         for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
             weight_evaluate(&s);
             if (cached && row < CACHED_ROWS) cached[row++] = s.gauss;
             pix w = WITH_OPACITY(s.weight, projected);
-#if BLEND == GSCL_ALPHA
-            w = fmin(w, (pix)(GSCL_MAX_ALPHA));
-            w = fma(w, c->minus_opacity[r], w);
-            c->minus_opacity[r] -= w;
-#elif BLEND == GSCL_NORMALIZED
-            c->weight_sum[r] += w;
-#endif
+            if (BLEND == GSCL_ALPHA) {
+                w = fmin(w, (pix)(GSCL_MAX_ALPHA));
+                w = fma(w, c->weight_sum[r], w);
+                c->weight_sum[r] -= w;
+            } else if (BLEND == GSCL_NORMALIZED) {
+                c->weight_sum[r] += w;
+            }
             UNROLL
             for (int k = 0; k < CHANNELS; k++)
                 c->colour[k][r] = fma(w, (pix)(projected[GSCL_PROJECTED_COLOUR + k]), c->colour[k][r]);
-#if TEXTURE
             if (!waved) continue;
             pix wave = w * wave_at(dx, dy + (float)r, 0.0f, projected);
             UNROLL
             for (int k = 0; k < COLOURS; k++) c->colour[k][r] += wave;
-#endif
         }
     }
 }
@@ -168,15 +137,15 @@ void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *res
 /* Turns the sums into colours, and the sum of weights of `normalized` into its reciprocal. */
 void canvas_end(canvas *c, __constant float *background) {
     for (int r = 0; r < ROWS; r++) {
-#if BLEND == GSCL_NORMALIZED
-        c->weight_sum[r] = 1.0f / c->weight_sum[r];
-        UNROLL
-        for (int k = 0; k < CHANNELS; k++) c->colour[k][r] *= c->weight_sum[r];
-#elif BLEND == GSCL_ALPHA
-        UNROLL
-        for (int k = 0; k < CHANNELS; k++)
-            c->colour[k][r] = fma(1.0f + c->minus_opacity[r], (pix)(background[k]), c->colour[k][r]);
-#endif
+        if (BLEND == GSCL_NORMALIZED) {
+            c->weight_sum[r] = 1.0f / c->weight_sum[r];
+            UNROLL
+            for (int k = 0; k < CHANNELS; k++) c->colour[k][r] *= c->weight_sum[r];
+        } else if (BLEND == GSCL_ALPHA) {
+            UNROLL
+            for (int k = 0; k < CHANNELS; k++)
+                c->colour[k][r] = fma(1.0f + c->weight_sum[r], (pix)(background[k]), c->colour[k][r]);
+        }
     }
 }
 
@@ -205,26 +174,20 @@ void canvas_clear(canvas *c) {
     for (int r = 0; r < ROWS; r++) {
         UNROLL
         for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = (pix)(0.0f);
-#if BLEND == GSCL_ALPHA
-        c->minus_opacity[r] = (pix)(0.0f);
-#else
-        c->weight_sum[r] = (pix)(BLEND == GSCL_NORMALIZED ? 0.0f : 1.0f);
-#endif
+        c->weight_sum[r] = (pix)(BLEND == GSCL_SUM ? 1.0f : 0.0f);
     }
 }
 
 /* Adds the sums of the runs before; `alpha`: of those in front. */
 void canvas_add(canvas *c, const canvas *before) {
     for (int r = 0; r < ROWS; r++) {
-#if BLEND == GSCL_ALPHA
-        pix transmittance = 1.0f + before->minus_opacity[r];
-        c->minus_opacity[r] = fma(transmittance, c->minus_opacity[r], before->minus_opacity[r]);
-#else
         pix transmittance = (pix)(1.0f);
-#if BLEND == GSCL_NORMALIZED
-        c->weight_sum[r] += before->weight_sum[r];
-#endif
-#endif
+        if (BLEND == GSCL_ALPHA) {
+            transmittance += before->weight_sum[r];
+            c->weight_sum[r] = fma(transmittance, c->weight_sum[r], before->weight_sum[r]);
+        } else if (BLEND == GSCL_NORMALIZED) {
+            c->weight_sum[r] += before->weight_sum[r];
+        }
         UNROLL
         for (int k = 0; k < CHANNELS; k++) c->colour[k][r] = fma(transmittance, c->colour[k][r], before->colour[k][r]);
     }

@@ -9,14 +9,12 @@ typedef struct {
     float fixed, square;
     float error; /* without the splat, under its weight */
     float linear[CHANNELS];
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-    float luma_linear, luma_square; /* likewise for the luma of c */
-#endif
+    float luma_linear, luma_square; /* likewise for the luma of c, where WEIGHTED is LUMA */
 } quadratic;
 
 /* Places of its sums. */
 #define QUADRATIC_LUMA (3 + CHANNELS)
-#define QUADRATIC_SUMS (QUADRATIC_LUMA + (WEIGHTED == GSCL_WEIGHTED_LUMA ? 2 : 0))
+#define QUADRATIC_SUMS (QUADRATIC_LUMA + (MAY_BE(WEIGHTED == GSCL_WEIGHTED_LUMA) ? 2 : 0))
 
 quadratic quadratic_of_sums(const float *sums) {
     quadratic q;
@@ -24,10 +22,10 @@ quadratic quadratic_of_sums(const float *sums) {
     q.square = sums[1];
     q.error = sums[2];
     for (int k = 0; k < CHANNELS; k++) q.linear[k] = sums[3 + k];
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-    q.luma_linear = sums[QUADRATIC_LUMA];
-    q.luma_square = sums[QUADRATIC_LUMA + 1];
-#endif
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
+        q.luma_linear = sums[QUADRATIC_LUMA];
+        q.luma_square = sums[QUADRATIC_LUMA + 1];
+    }
     return q;
 }
 
@@ -36,26 +34,22 @@ typedef struct {
     pix share;  /* s */
     pix weight; /* of squared errors */
     pix rendering[CHANNELS], error[CHANNELS];
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-    pix luma_weight, luma_error;
-#endif
+    pix luma_weight, luma_error; /* where WEIGHTED is LUMA */
 } rdo_pixels;
 
 ALWAYS_INLINE void pixels_load(rdo_pixels *x, const rdo_planes *p, size_t at, int lanes) {
     x->weight = (pix)(1.0f);
-#if WEIGHTED == GSCL_WEIGHTED_PIXELS
-    x->weight = PIX_LOAD(p->target + CHANNELS * p->plane + at);
-#elif WEIGHTED == GSCL_WEIGHTED_LUMA
-    x->luma_weight = PIX_LOAD(p->target + CHANNELS * p->plane + at);
-    x->luma_error = -PIX_LOAD(p->target + (CHANNELS + 1) * p->plane + at);
-#endif
+    if (WEIGHTED == GSCL_WEIGHTED_PIXELS) x->weight = PIX_LOAD(p->target + CHANNELS * p->plane + at);
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
+        x->luma_weight = PIX_LOAD(p->target + CHANNELS * p->plane + at);
+        x->luma_error = -PIX_LOAD(p->target + (CHANNELS + 1) * p->plane + at);
+    }
     UNROLL
     for (int k = 0; k < CHANNELS; k++) {
         x->rendering[k] = RDO_LOAD(p->rendering + k * p->plane + at, lanes);
         x->error[k] = x->rendering[k] - PIX_LOAD(p->target + k * p->plane + at);
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-        if (k < COLOURS) x->luma_error = fma((pix)(luma_share(k)), x->rendering[k], x->luma_error);
-#endif
+        if (WEIGHTED == GSCL_WEIGHTED_LUMA && k < COLOURS)
+            x->luma_error = fma((pix)(luma_share(k)), x->rendering[k], x->luma_error);
     }
 }
 
@@ -74,7 +68,14 @@ ALWAYS_INLINE void quadratic_add(pix *sums, const rdo_pixels *x, const pix *with
     sums[2] = fma(weighted, error, sums[2]);
 }
 
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
+/* The error of luma where the errors of the channels are others. */
+ALWAYS_INLINE pix luma_with(const rdo_pixels *x, const pix *errors) {
+    pix luma = x->luma_error;
+    UNROLL
+    for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), errors[k] - x->error[k], luma);
+    return luma;
+}
+
 /* The same for errors of luma. */
 ALWAYS_INLINE void quadratic_add_luma(pix *sums, const rdo_pixels *x, pix without, pix residual) {
     pix weighted = x->luma_weight * x->share;
@@ -83,7 +84,6 @@ ALWAYS_INLINE void quadratic_add_luma(pix *sums, const rdo_pixels *x, pix withou
     sums[QUADRATIC_LUMA] = fma(weighted, residual, sums[QUADRATIC_LUMA]);
     sums[QUADRATIC_LUMA + 1] = fma(weighted, x->share, sums[QUADRATIC_LUMA + 1]);
 }
-#endif
 
 /* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering. */
 quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local float *shared) {
@@ -103,9 +103,7 @@ quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local
             pixels_load(&pixels, p, at, lanes);
             pixels.share = blend_weight(dx, dy, a) * pix_inside(lanes);
             if (has_wave(a)) wave = projected_wave(dx, dy, a);
-#if BLEND == GSCL_NORMALIZED
-            pixels.share /= RDO_LOAD_WEIGHTS(p->weights + at, lanes) + pixels.share;
-#endif
+            if (BLEND == GSCL_NORMALIZED) pixels.share /= RDO_LOAD_WEIGHTS(p->weights + at, lanes) + pixels.share;
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 pix change = k < COLOURS ? wave : (pix)(0.0f);
@@ -113,12 +111,8 @@ quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local
                 residual[k] = fma(pixels.share, change, pixels.error[k]);
             }
             quadratic_add(sums, &pixels, pixels.error, residual);
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-            pix luma = pixels.luma_error;
-            UNROLL
-            for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), residual[k] - pixels.error[k], luma);
-            quadratic_add_luma(sums, &pixels, pixels.luma_error, luma);
-#endif
+            if (WEIGHTED == GSCL_WEIGHTED_LUMA)
+                quadratic_add_luma(sums, &pixels, pixels.luma_error, luma_with(&pixels, residual));
         }
     }
     items_sum(sums, QUADRATIC_SUMS, totals, shared);
@@ -152,18 +146,17 @@ colour_form form_of_quadratic(const quadratic *q, gscl_rdo_settings t) {
     f.linear[3] = q->linear[COLOURS];
     f.square[3][3] = q->square;
 #endif
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
 #if COLOURS == 3
     const float luma[3] = {1.0f, 0.5f * (luma_share(0) - luma_share(2)),
                            0.5f * (luma_share(1) - luma_share(0) - luma_share(2))};
 #else
     const float luma[1] = {1.0f};
 #endif
-    for (int i = 0; i < COLOURS; i++) {
-        f.linear[i] += luma[i] * q->luma_linear;
-        for (int j = 0; j < COLOURS; j++) f.square[i][j] += luma[i] * luma[j] * q->luma_square;
-    }
-#endif
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA)
+        for (int i = 0; i < COLOURS; i++) {
+            f.linear[i] += luma[i] * q->luma_linear;
+            for (int j = 0; j < COLOURS; j++) f.square[i][j] += luma[i] * luma[j] * q->luma_square;
+        }
     for (int i = 0; i < 4; i++) {
         f.linear[i] *= steps[i];
         for (int j = 0; j < 4; j++) f.square[i][j] *= steps[i] * steps[j];

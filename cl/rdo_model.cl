@@ -34,13 +34,13 @@ ALWAYS_INLINE void model_add(pix *sums, const rdo_pixels *x, pix u, pix v, pix b
     slope *= x->weight;
     square *= x->weight;
     sums[MODEL_ERROR] = fma(x->weight * error, error, sums[MODEL_ERROR]);
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-    pix luma = (pix)(0.0f);
-    UNROLL
-    for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), colour[k], luma);
-    slope = fma(x->luma_weight * x->luma_error, luma, slope);
-    square = fma(x->luma_weight * luma, luma, square);
-#endif
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
+        pix luma = (pix)(0.0f);
+        UNROLL
+        for (int k = 0; k < COLOURS; k++) luma = fma((pix)(luma_share(k)), colour[k], luma);
+        slope = fma(x->luma_weight * x->luma_error, luma, slope);
+        square = fma(x->luma_weight * luma, luma, square);
+    }
     int at = MODEL_SQUARE;
     UNROLL
     for (int i = 0; i < MODEL_PARAMS; i++) {
@@ -70,14 +70,14 @@ ALWAYS_INLINE void model_add_pixels(pix *sums, const projected_splat *a, const r
     rdo_pixels x;
     pixels_load(&x, p, at, lanes);
     if (has_wave(a)) wave = projected_wave(dx, dy, a);
-#if BLEND == GSCL_NORMALIZED
-    pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes), removed = weight / (sum - weight);
-    x.share = weight / sum;
-    base /= sum;
-#else
     pix removed = weight;
     x.share = weight;
-#endif
+    if (BLEND == GSCL_NORMALIZED) {
+        pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes);
+        removed = weight / (sum - weight);
+        x.share = weight / sum;
+        base /= sum;
+    }
     UNROLL
     for (int k = 0; k < CHANNELS; k++) {
         pix own = (pix)(d[GSCL_PROJECTED_COLOUR + k]);
@@ -87,15 +87,7 @@ ALWAYS_INLINE void model_add_pixels(pix *sums, const projected_splat *a, const r
         residual[k] = fma(-x.share, own, x.error[k]);
     }
     quadratic_add(sums, &x, without, residual);
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-    pix luma_without = x.luma_error, luma_residual = x.luma_error;
-    UNROLL
-    for (int k = 0; k < COLOURS; k++) {
-        luma_without = fma((pix)(luma_share(k)), without[k] - x.error[k], luma_without);
-        luma_residual = fma((pix)(luma_share(k)), residual[k] - x.error[k], luma_residual);
-    }
-    quadratic_add_luma(sums, &x, luma_without, luma_residual);
-#endif
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) quadratic_add_luma(sums, &x, luma_with(&x, without), luma_with(&x, residual));
     model_add(sums, &x, u, v, base, colour);
 }
 

@@ -2,6 +2,7 @@
 
 /* Move 0 changes nothing but the colour. */
 #define MOVES (GSCL_RDO_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
+#define MAX_MOVES (GSCL_RDO_MOVES + (MAY_BE(OPACITY) ? GSCL_RDO_OPACITY_MOVES : 0))
 /* Each of these moves is one step up; the move after it is one step down. */
 #define MOVE_ANGLE 7
 #define MOVE_X 9
@@ -26,8 +27,8 @@ bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, uni
  * with their new steps. */
 bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
                 __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
-    const int major_step[MOVES] = {0, 1, -1, 1, -1, 0, 0};
-    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
+    const int major_step[MAX_MOVES] = {0, 1, -1, 1, -1, 0, 0};
+    const int aspect_step[MAX_MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
     if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
     if (move >= MOVE_OPACITY) {
@@ -70,14 +71,11 @@ float codes_direction_bits(const gscl_codes *c, __global const gscl_rdo_tables *
 
 /* The bits of a splat's wave, or of having none. */
 float wave_bits(const gscl_codes *c, __global const float *restrict tables) {
-#if TEXTURE
+    if (!TEXTURE) return 0.0f;
     if (c->code[GSCL_CODE_AMPLITUDE] == 0) return tables[GSCL_BITS_PLAIN];
     return tables[GSCL_BITS_TEXTURED] + tables[GSCL_BITS_WAVE + c->code[GSCL_CODE_WAVE]] +
            tables[GSCL_BITS_DIRECTION + c->code[GSCL_CODE_DIRECTION]] +
            tables[GSCL_BITS_AMPLITUDE + c->code[GSCL_CODE_AMPLITUDE] - 1];
-#else
-    return 0.0f;
-#endif
 }
 
 /* The bits of all codes but those of the colour. */

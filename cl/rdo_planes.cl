@@ -30,11 +30,11 @@ void rendering_change(const projected_splat *a, float sign, const rdo_planes *p)
             float dy = (float)y + 0.5f - o.y;
             pix w = sign * blend_weight(dx, dy, a);
             if (has_wave(a)) wave = projected_wave(dx, dy, a);
-#if BLEND == GSCL_NORMALIZED
-            pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes) + w;
-            pix_store_clipped(sum, p->weights + at, lanes);
-            w /= sum;
-#endif
+            if (BLEND == GSCL_NORMALIZED) {
+                pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes) + w;
+                pix_store_clipped(sum, p->weights + at, lanes);
+                w /= sum;
+            }
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 __global float *plane = p->rendering + k * p->plane + at;

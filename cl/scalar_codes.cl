@@ -93,7 +93,7 @@ splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
     s.theta = g.theta;
     s.opacity = OPACITY ? ((float)c->code[GSCL_CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
     codes_colour(c, t, s.colour);
-#if TEXTURE
+    if (!TEXTURE) return s;
     s.wave_x = s.wave_y = 0.0f;
     if (c->code[GSCL_CODE_AMPLITUDE] > 0) {
         float frequency = wave_frequency(c->code[GSCL_CODE_WAVE]);
@@ -104,6 +104,5 @@ splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
     s.wave_phase = (float)c->code[GSCL_CODE_PHASE] * (1.0f / GSCL_PHASES);
     s.wave_amplitude = wave_amplitude(c->code[GSCL_CODE_AMPLITUDE], t);
     if (g.major > GSCL_LOG_LARGEST_WAVED_AXIS) s.wave_amplitude = 0.0f;
-#endif
     return s;
 }

@@ -6,7 +6,7 @@
  * for all directions at once, and estimates the others from the splat's Gaussian; the best wave of the scan, the
  * present one and its neighbours are then evaluated exactly. */
 
-#if TEXTURE
+#if MAY_BE(TEXTURE)
 #define SCANNED_WAVES 12                  /* the first of all wavelengths */
 #define VECTORS (GSCL_DIRECTIONS / LANES) /* of directions */
 #define MAX_SCAN_FREQUENCY 0.45f          /* cycles per pixel of the level: finer waves would alias */
@@ -20,32 +20,28 @@ void share_and_error(const projected_splat *plain, const outline *o, int x, int 
     const ulong plane = planes->plane;
     pix inside = pix_inside(lanes);
     pix s = blend_weight(pix_offsets() + ((float)x + 0.5f - o->x), (float)y + 0.5f - o->y, plain) * inside;
-#if BLEND == GSCL_NORMALIZED
-    s /= RDO_LOAD_WEIGHTS(planes->weights + at, lanes) + s;
-#endif
-    pix e = (pix)(0.0f);
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-    pix luma = -PIX_LOAD(target + (CHANNELS + 1) * plane + at), luma_weight = PIX_LOAD(target + CHANNELS * plane + at);
-#endif
+    if (BLEND == GSCL_NORMALIZED) s /= RDO_LOAD_WEIGHTS(planes->weights + at, lanes) + s;
+    pix e = (pix)(0.0f), luma = (pix)(0.0f), weight = (pix)(1.0f);
+    if (WEIGHTED != GSCL_WEIGHTED_NOT) weight = PIX_LOAD(target + CHANNELS * plane + at);
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) luma = -PIX_LOAD(target + (CHANNELS + 1) * plane + at);
     UNROLL
     for (int k = 0; k < COLOURS; k++) {
         pix p = RDO_LOAD(planes->rendering + k * plane + at, lanes),
             c = (pix)(plain->projected[GSCL_PROJECTED_COLOUR + k]);
         pix error = fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p - PIX_LOAD(target + k * plane + at));
         e += error;
-#if WEIGHTED == GSCL_WEIGHTED_LUMA
-        luma = fma((pix)(luma_share(k)), fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p), luma);
-#endif
+        if (WEIGHTED == GSCL_WEIGHTED_LUMA)
+            luma = fma((pix)(luma_share(k)), fma(s, BLEND == GSCL_NORMALIZED ? c - p : c, p), luma);
     }
-#if WEIGHTED == GSCL_WEIGHTED_LUMA /* Likewise, for a wave that changes luma as much as each colour. */
-    pix root = sqrt(fma(luma_weight, (pix)(1.0f / COLOURS), (pix)(1.0f)));
-    e = fma(luma_weight, luma, e) / root;
-    s *= root;
-#elif WEIGHTED == GSCL_WEIGHTED_PIXELS /* With the root of the weight on both, sums of products are weighted. */
-    pix root = sqrt(PIX_LOAD(target + CHANNELS * plane + at));
-    s *= root;
-    e *= root;
-#endif
+    if (WEIGHTED == GSCL_WEIGHTED_PIXELS) { /* with the root of the weight on both, sums of products are weighted */
+        pix root = sqrt(weight);
+        s *= root;
+        e *= root;
+    } else if (WEIGHTED == GSCL_WEIGHTED_LUMA) { /* likewise, for a wave that changes luma as much as each colour */
+        pix root = sqrt(fma(weight, (pix)(1.0f / COLOURS), (pix)(1.0f)));
+        e = fma(weight, luma, e) / root;
+        s *= root;
+    }
     *share = s;
     *error = e * inside;
 }

@@ -58,13 +58,13 @@ void gradient_from_sums(vfloat *restrict gradient, const float *restrict sums, s
     gradient[GSCL_Y] = view.inv_scale * view.row_scale *
                        fma(LOAD_LANES(projected + GSCL_PROJECTED_UY, GSCL_PROJECTED), du,
                            LOAD_LANES(projected + GSCL_PROJECTED_VY, GSCL_PROJECTED) * dv);
-#if TEXTURE
-    /* d/dcentre of cos(2 pi (k.d - h)) = 2 pi k sin(...), and sin is cos a quarter of a turn later. */
-    vfloat dwave = 2.0f * M_PI_F * LANE_SUM(SLOT_WAVE) * view.inv_scale;
-    gradient[GSCL_X] = fma(LOAD_LANES(projected + GSCL_PROJECTED_WAVE_X, GSCL_PROJECTED), dwave, gradient[GSCL_X]);
-    gradient[GSCL_Y] =
-        fma(LOAD_LANES(projected + GSCL_PROJECTED_WAVE_Y, GSCL_PROJECTED), dwave * view.row_scale, gradient[GSCL_Y]);
-#endif
+    if (TEXTURE) {
+        /* d/dcentre of cos(2 pi (k.d - h)) = 2 pi k sin(...), and sin is cos a quarter of a turn later. */
+        vfloat dwave = 2.0f * M_PI_F * LANE_SUM(SLOT_WAVE) * view.inv_scale;
+        gradient[GSCL_X] = fma(LOAD_LANES(projected + GSCL_PROJECTED_WAVE_X, GSCL_PROJECTED), dwave, gradient[GSCL_X]);
+        gradient[GSCL_Y] = fma(LOAD_LANES(projected + GSCL_PROJECTED_WAVE_Y, GSCL_PROJECTED), dwave * view.row_scale,
+                               gradient[GSCL_Y]);
+    }
     gradient[GSCL_LOG_S1] = factor * LANE_SUM(GSCL_SLOT_UU) * (s.s1 / e1) * (s.s1 / e1);
     gradient[GSCL_LOG_S2] = factor * LANE_SUM(SLOT_VV) * (s.s2 / e2) * (s.s2 / e2);
     gradient[GSCL_THETA] = ROTATION ? factor * LANE_SUM(GSCL_SLOT_UV) * (e1 / e2 - e2 / e1) : (vfloat)(0.0f);
