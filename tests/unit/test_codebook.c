@@ -114,7 +114,7 @@ static void run_pass(scene *s, double lambda, bool keep_all) {
 /* Runs passes until one changes nothing. */
 static void run_until_settled(scene *s) {
     float params[SPLATS * GSCL_PARAMS];
-    cl_int pairs[SPLATS][2];
+    int32_t pairs[SPLATS][2];
     for (int pass = 0; pass < MAX_PASSES; pass++) {
         run_pass(s, FREE_BITS, true);
         if (pass > 0 && memcmp(params, s->codebook.params, sizeof params) == 0 &&
@@ -135,9 +135,9 @@ static void check_minimum(scene *s) {
         for (int move = 0; move < 5; move++)
             for (int word = 0; word < c->books[GSCL_BOOK_COLOUR].count; word++) {
                 float *at = c->params + i * GSCL_PARAMS + (move > 2 ? GSCL_Y : GSCL_X);
-                cl_int *index = &c->pairs[i][GSCL_BOOK_COLOUR];
+                int32_t *index = &c->pairs[i][GSCL_BOOK_COLOUR];
                 const float old_at = *at;
-                const cl_int old_index = *index;
+                const int32_t old_index = *index;
                 *at += move == 0 ? 0 : (move & 1 ? 1.0f : -1.0f) * step[move > 2];
                 *index = word;
                 const double error = rendering_error(s);

@@ -140,7 +140,7 @@ static void test_reordering_keeps_the_optimiser(void **unused) {
     (void)unused;
     static const size_t order[3] = {4, 0, 2};
     float params[2][SPLATS * GSCL_PARAMS], moments[2][SPLATS * GSCL_PARAMS];
-    cl_int ages[3];
+    int32_t ages[3];
     gscl_fit fit = fit_of_a_ramp();
     append_splats(&fit);
     assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
@@ -181,7 +181,7 @@ static void test_fixed_splats_stay(void **unused) {
 
 static int skipped_tiles(gscl_fit *fit) {
     enum { TILES = 9 * 5 };
-    cl_int skip_until[TILES];
+    int32_t skip_until[TILES];
     int count = 0;
     assert_int_equal(gscl_buffer_read(context, &fit->skip.skip_until, 0, skip_until, sizeof skip_until), GSCL_OK);
     for (int i = 0; i < TILES; i++)

@@ -402,7 +402,7 @@ static void test_tiles_without_error_are_skipped(void **state) {
     const float params[3][GSCL_PARAMS] = {{20.0f, 20.0f, 1.5f, 1.5f, 0.0f, 0.0f, 1.0f},
                                           {30.0f, 40.0f, 1.5f, 1.0f, 0.5f, 0.0f, 0.0f},
                                           {80.0f, 30.0f, 2.0f, 2.0f, 0.0f, 0.0f, 0.5f}};
-    cl_int skip_until[TILES];
+    int32_t skip_until[TILES];
     for (int i = 0; i < PLANE; i++)
         target[i] = i % W < 48 ? synthetic_uniform(0.0, 1.0) : 0.5f;
     for (int m = 0; m < 2; m++) {

@@ -40,7 +40,7 @@ static const gscl_kernel_options plain = {.colours = 1};
 static gscl_result launch(gscl_context *context, size_t count) {
     cl_kernel kernel;
     gscl_buffer sums = {0};
-    cl_float factor = 1;
+    float factor = 1;
     assert_int_equal(gscl_kernel(context, GSCL_PROGRAM_BENCHMARK, &plain, "multiply_add", &kernel), GSCL_OK);
     assert_int_equal(gscl_buffer_reserve(context, &sums, 65536), GSCL_OK);
     const gscl_argument arguments[] = {GSCL_ARG(factor), GSCL_ARG_BUFFER(sums), GSCL_ARG(factor)};
@@ -84,10 +84,10 @@ static void test_resources_are_not_memory(void **state) {
 /* The codes of OpenCL 1.2 are -1..-19 and -30..-68. */
 static void test_every_error_has_a_name(void **state) {
     (void)state;
-    for (cl_int error = -1; error >= -68; error--) {
+    for (int32_t error = -1; error >= -68; error--) {
         const bool defined = error >= -19 || error <= -30;
         assert_int_equal(strncmp(gscl_cl_error_name(error), "CL_", 3) == 0, defined);
-        for (cl_int other = -1; defined && other > error; other--)
+        for (int32_t other = -1; defined && other > error; other--)
             assert_string_not_equal(gscl_cl_error_name(error), gscl_cl_error_name(other));
     }
 }

@@ -22,12 +22,12 @@
 /* What the device made of a fit's splats. */
 typedef struct device_lists {
     size_t count, tiles, tiles_x;
-    cl_int *boxes;
+    int32_t *boxes;
     gscl_link_grid *grids;
-    cl_int *links;
-    cl_uint *entries;
-    cl_int *ranges; /* two of each tile */
-    cl_int needed;
+    int32_t *links;
+    uint32_t *entries;
+    int32_t *ranges; /* two of each tile */
+    int32_t needed;
 } device_lists;
 
 static void *read_all(gscl_context *context, const gscl_buffer *buffer, size_t size) {
@@ -43,11 +43,11 @@ static device_lists read_lists(const gscl_fit *fit) {
     const gscl_renderer *r = &fit->renderer;
     device_lists lists = {
         .count = (size_t)r->count, .tiles = gscl_renderer_tiles(r), .tiles_x = (size_t)r->view.tiles_x};
-    lists.boxes = read_all(context, &r->boxes, lists.count * 4 * sizeof(cl_int));
+    lists.boxes = read_all(context, &r->boxes, lists.count * 4 * sizeof(int32_t));
     lists.grids = read_all(context, &fit->links.grids, lists.count * sizeof(gscl_link_grid));
-    lists.links = read_all(context, &fit->links.links, fit->link_capacity * sizeof(cl_int));
+    lists.links = read_all(context, &fit->links.links, fit->link_capacity * sizeof(int32_t));
     lists.entries = read_all(context, &r->entries, r->entries.size);
-    lists.ranges = read_all(context, &r->tile_ranges, lists.tiles * 2 * sizeof(cl_int));
+    lists.ranges = read_all(context, &r->tile_ranges, lists.tiles * 2 * sizeof(int32_t));
     assert_int_equal(gscl_buffer_read(context, &fit->links_needed, 0, &lists.needed, sizeof lists.needed), GSCL_OK);
     return lists;
 }
@@ -76,13 +76,13 @@ static void append_splats(gscl_fit *fit, size_t count) {
 }
 
 /* Links are numbered in the order of the splats; those that do not fit have none.  Returns how many there are. */
-static cl_int check_numbers(const device_lists *lists, size_t capacity) {
-    cl_int before = 0, used = 0;
+static int32_t check_numbers(const device_lists *lists, size_t capacity) {
+    int32_t before = 0, used = 0;
     for (size_t i = 0; i < lists->count; i++) {
-        const cl_int *box = lists->boxes + 4 * i;
+        const int32_t *box = lists->boxes + 4 * i;
         const gscl_link_grid *grid = &lists->grids[i];
         const bool is_empty = box[0] > box[1] || box[2] > box[3];
-        const cl_int tiles = is_empty ? 0 : (box[1] - box[0] + 1) * (box[3] - box[2] + 1);
+        const int32_t tiles = is_empty ? 0 : (box[1] - box[0] + 1) * (box[3] - box[2] + 1);
         const bool fits = (size_t)(before + tiles) <= capacity;
         assert_int_equal(grid->count, fits ? tiles : 0);
         if (fits) {
@@ -96,22 +96,22 @@ static cl_int check_numbers(const device_lists *lists, size_t capacity) {
 }
 
 /* Each entry is linked at its tile; all other links are -1. */
-static void check_entries(const device_lists *lists, cl_int used) {
-    cl_int linked = 0, left = 0;
+static void check_entries(const device_lists *lists, int32_t used) {
+    int32_t linked = 0, left = 0;
     for (size_t tile = 0; tile < lists->tiles; tile++)
-        for (cl_int i = lists->ranges[2 * tile]; i < lists->ranges[2 * tile + 1]; i++) {
+        for (int32_t i = lists->ranges[2 * tile]; i < lists->ranges[2 * tile + 1]; i++) {
             const gscl_link_grid *grid = &lists->grids[GSCL_ENTRY_SPLAT(lists->entries[i])];
-            const cl_int x = (cl_int)(tile % lists->tiles_x), y = (cl_int)(tile / lists->tiles_x);
-            const cl_int link = grid->origin + y * grid->stride + x;
+            const int32_t x = (int32_t)(tile % lists->tiles_x), y = (int32_t)(tile / lists->tiles_x);
+            const int32_t link = grid->origin + y * grid->stride + x;
             if (grid->count == 0)
                 continue;
             assert_in_range(link, grid->first, grid->first + grid->count - 1);
             assert_int_equal(lists->links[link], i);
             linked++;
         }
-    for (cl_int k = 0; k < used; k++)
+    for (int32_t k = 0; k < used; k++)
         left += lists->links[k] == -1;
-    assert_true(linked > (cl_int)lists->count / 2);
+    assert_true(linked > (int32_t)lists->count / 2);
     assert_int_equal(linked + left, used);
 }
 

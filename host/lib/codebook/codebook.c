@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runtime/vectors.h"
+
 static gscl_result book_create(gscl_book *book, gscl_context *context) {
     gscl_buffer *buffers[] = {&book->learnt, &book->stored, &book->first_moment, &book->second_moment};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
@@ -42,7 +44,7 @@ gscl_result gscl_codebook_create(gscl_codebook *c, gscl_fit *fit, int position_b
         GSCL_TRY(book_create(&c->books[b], fit->context));
     GSCL_TRY(allocate_host_copies(c));
     GSCL_TRY(gscl_buffer_reserve(fit->context, &c->learnt, gscl_room_for_splats(count) * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_reserve(fit->context, &c->indices, count * sizeof(cl_int2)));
+    GSCL_TRY(gscl_buffer_reserve(fit->context, &c->indices, count * sizeof(gscl_int2)));
     GSCL_TRY(gscl_fit_read(fit, c->params));
     return gscl_codebook_upload(c);
 }
@@ -64,7 +66,7 @@ void gscl_codebook_free(gscl_codebook *c) {
 gscl_result gscl_codebook_read_back(gscl_codebook *c) {
     const size_t count = gscl_codebook_splats(c);
     GSCL_TRY(gscl_buffer_read(c->fit->context, &c->learnt, 0, c->params, count * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_read(c->fit->context, &c->indices, 0, c->pairs, count * sizeof(cl_int2)));
+    GSCL_TRY(gscl_buffer_read(c->fit->context, &c->indices, 0, c->pairs, count * sizeof(gscl_int2)));
     for (int b = 0; b < GSCL_BOOKS; b++)
         GSCL_TRY(gscl_buffer_read(c->fit->context, &c->books[b].learnt, 0, c->books[b].words, GSCL_BOOK_BYTES));
     return GSCL_OK;
@@ -73,7 +75,7 @@ gscl_result gscl_codebook_read_back(gscl_codebook *c) {
 gscl_result gscl_codebook_upload(gscl_codebook *c) {
     const size_t count = gscl_codebook_splats(c);
     GSCL_TRY(gscl_buffer_write(c->fit->context, &c->learnt, 0, c->params, count * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_write(c->fit->context, &c->indices, 0, c->pairs, count * sizeof(cl_int2)));
+    GSCL_TRY(gscl_buffer_write(c->fit->context, &c->indices, 0, c->pairs, count * sizeof(gscl_int2)));
     for (int b = 0; b < GSCL_BOOKS; b++)
         GSCL_TRY(gscl_buffer_write(c->fit->context, &c->books[b].learnt, 0, c->books[b].words, GSCL_BOOK_BYTES));
     return GSCL_OK;

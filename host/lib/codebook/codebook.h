@@ -24,12 +24,12 @@ typedef struct gscl_codebook {
     int position_bits;
     int age;              /* steps of the books' optimiser since its last restart */
     gscl_buffer learnt;   /* the splats' own parameters; fit->renderer.params has those that the words give them */
-    gscl_buffer indices;  /* cl_int2: shape, colour */
+    gscl_buffer indices;  /* int2: shape, colour */
     float *words;         /* of all books */
     float *params;        /* host copy of `learnt`, as of the last gscl_codebook_read_back */
-    cl_int (*pairs)[2];   /* host copy of `indices` */
+    int32_t (*pairs)[2];  /* host copy of `indices` */
     float *sorted_params; /* scratch of gscl_codebook_sort, as are the next two */
-    cl_int (*sorted_pairs)[2];
+    int32_t (*sorted_pairs)[2];
     size_t *order;
 } gscl_codebook;
 

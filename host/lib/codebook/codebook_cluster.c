@@ -181,7 +181,7 @@ static gscl_kmeans_status cluster_splats(gscl_codebook *c, int book, int words, 
     gscl_kmeans_result result;
     gscl_kmeans_status status = gscl_kmeans_cluster(&points, &options, a->centroids, a->assignment, &result);
     for (size_t i = 0; i < n && status == GSCL_KMEANS_OK; i++)
-        c->pairs[i][book] = (cl_int)a->assignment[i];
+        c->pairs[i][book] = (int32_t)a->assignment[i];
     c->books[book].count = (int)result.clusters;
     return status;
 }

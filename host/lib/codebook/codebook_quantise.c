@@ -107,7 +107,7 @@ gscl_result gscl_codebook_quantise(const gscl_codebook *c, gscl_coded_image *cod
         write_book(c, b, file, places[b]);
     for (size_t i = 0; i < count; i++) {
         const float *p = c->params + i * GSCL_PARAMS;
-        const cl_int *pair = c->pairs[i];
+        const int32_t *pair = c->pairs[i];
         file->indexed[i] = (gsf_indexed_splat){(uint16_t)places[GSCL_BOOK_SHAPE][pair[GSCL_BOOK_SHAPE]],
                                                (uint16_t)places[GSCL_BOOK_COLOUR][pair[GSCL_BOOK_COLOUR]],
                                                cell_of(p[GSCL_X], c->fit->pyramid.width, c->position_bits),

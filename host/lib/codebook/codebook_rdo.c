@@ -85,11 +85,11 @@ static void rdo_set_settings(gscl_codebook_rdo *rdo, double lambda, bool keep_al
     rdo->settings =
         (gscl_word_rdo_settings){.view = c->fit->renderer.view,
                                  .image = gscl_renderer_shape(&c->fit->renderer),
-                                 .lambda = (cl_float)lambda,
+                                 .lambda = (float)lambda,
                                  .position_bits = (float)(2 * c->position_bits) - log2f((float)gscl_codebook_splats(c)),
                                  .cost_of_dropping = keep_all ? FLT_MAX : 0.0f,
-                                 .cell_x = (cl_float)c->fit->pyramid.width / (cl_float)(last + 1),
-                                 .cell_y = (cl_float)c->fit->pyramid.height / (cl_float)(last + 1),
+                                 .cell_x = (float)c->fit->pyramid.width / (float)(last + 1),
+                                 .cell_y = (float)c->fit->pyramid.height / (float)(last + 1),
                                  .last_x = last,
                                  .last_y = last,
                                  .colours = c->books[GSCL_BOOK_COLOUR].count};
@@ -112,8 +112,8 @@ static void count_bits_of_words(gscl_codebook_rdo *rdo, int book) {
 
 static void find_cell(gscl_codebook_rdo *rdo, size_t i) {
     const float *p = rdo->codebook->params + i * GSCL_PARAMS;
-    rdo->cells[i][0] = (cl_int)fmin(fmax(floor(p[GSCL_X] / rdo->settings.cell_x), 0), rdo->settings.last_x);
-    rdo->cells[i][1] = (cl_int)fmin(fmax(floor(p[GSCL_Y] / rdo->settings.cell_y), 0), rdo->settings.last_y);
+    rdo->cells[i][0] = (int32_t)fmin(fmax(floor(p[GSCL_X] / rdo->settings.cell_x), 0), rdo->settings.last_x);
+    rdo->cells[i][1] = (int32_t)fmin(fmax(floor(p[GSCL_Y] / rdo->settings.cell_y), 0), rdo->settings.last_y);
 }
 
 /* The pixels that the pass may change for a splat: its outline with a margin for a move by a cell, within the image. */
@@ -125,16 +125,16 @@ static void find_box(gscl_codebook_rdo *rdo, size_t i) {
     const float *shape = rdo->shapes + rdo->codebook->pairs[i][GSCL_BOOK_SHAPE] * GSCL_BOOK_DIMS;
     const gscl_half_size half = gscl_ellipse_half_size(shape[0], shape[1], shape[2], 0, sqrt(2 * GSCL_SUPPORT));
     const double width = half.width + (margin + s->cell_x), height = half.height + (margin + s->cell_y);
-    rdo->boxes[i][0] = (cl_int)fmax(floor(x - width), 0);
-    rdo->boxes[i][1] = (cl_int)fmin(ceil(x + width), r->width - 1);
-    rdo->boxes[i][2] = (cl_int)fmax(floor(y - height), 0);
-    rdo->boxes[i][3] = (cl_int)fmin(ceil(y + height), r->height - 1);
+    rdo->boxes[i][0] = (int32_t)fmax(floor(x - width), 0);
+    rdo->boxes[i][1] = (int32_t)fmin(ceil(x + width), r->width - 1);
+    rdo->boxes[i][2] = (int32_t)fmax(floor(y - height), 0);
+    rdo->boxes[i][3] = (int32_t)fmin(ceil(y + height), r->height - 1);
 }
 
 /* ---- Batches of splats that do not overlap ---- */
 
 /* The first batch that a splat with this box may be part of. */
-static int first_free_batch(const gscl_codebook_rdo *rdo, const cl_int *box) {
+static int first_free_batch(const gscl_codebook_rdo *rdo, const int32_t *box) {
     const int side = gscl_codebook_tunables.cell_side;
     int batch = 0;
     for (int y = box[2] / side; y <= box[3] / side; y++)
@@ -144,7 +144,7 @@ static int first_free_batch(const gscl_codebook_rdo *rdo, const cl_int *box) {
     return batch;
 }
 
-static void occupy_cells(gscl_codebook_rdo *rdo, const cl_int *box, int batch) {
+static void occupy_cells(gscl_codebook_rdo *rdo, const int32_t *box, int batch) {
     const int side = gscl_codebook_tunables.cell_side;
     for (int y = box[2] / side; y <= box[3] / side; y++)
         for (int x = box[0] / side; x <= box[1] / side; x++)
@@ -181,7 +181,7 @@ static gscl_result rdo_upload(gscl_codebook_rdo *rdo) {
 static gscl_result rdo_render(gscl_codebook_rdo *rdo) {
     gscl_renderer *r = &rdo->codebook->fit->renderer;
     const size_t plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
-    const cl_float one = 1.0f;
+    const float one = 1.0f;
     GSCL_TRY(gscl_renderer_bin(r, true));
     GSCL_TRY(gscl_renderer_draw(r));
     GSCL_TRY(gscl_buffer_zero(r->context, &rdo->front, 0, plane * (size_t)r->channels));
@@ -211,7 +211,7 @@ static gscl_result rdo_run_batches(gscl_codebook_rdo *rdo, int batches) {
         size_t count = 0;
         for (size_t i = 0; i < splats; i++)
             if (rdo->batch_of[i] == batch)
-                rdo->batch[count++] = (cl_int)i;
+                rdo->batch[count++] = (int32_t)i;
         GSCL_TRY(rdo_run_batch(rdo, count));
     }
     return GSCL_OK;

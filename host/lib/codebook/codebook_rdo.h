@@ -12,10 +12,10 @@ typedef struct gscl_codebook_rdo {
     gscl_word_rdo_settings settings; /* of the current pass */
     float *shapes;                   /* shape words, rounded to values of the file */
     float *bits[GSCL_BOOKS];         /* of each word */
-    cl_int (*cells)[2];              /* of the position grid, for each splat */
-    cl_int (*boxes)[4];              /* first and last column, first and last row of pixels, for each splat */
+    int32_t (*cells)[2];             /* of the position grid, for each splat */
+    int32_t (*boxes)[4];             /* first and last column, first and last row of pixels, for each splat */
     int *batch_of;                   /* the batch of each splat */
-    cl_int *batch;                   /* the splats of one batch */
+    int32_t *batch;                  /* the splats of one batch */
     int *next_batch;                 /* for each map cell: the first batch that no splat there is part of */
     int map_columns, map_rows;
     size_t *kept; /* the splats that the pass has kept */

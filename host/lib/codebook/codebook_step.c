@@ -2,10 +2,11 @@
 
 #include "cl/structs.h"
 #include "codebook/tunables.h"
+#include "runtime/vectors.h"
 
 static gscl_result round_book(gscl_codebook *c, int which) {
     gscl_book *book = &c->books[which];
-    const cl_int number = which, count = book->count, levels = (1 << book->bits) - 1;
+    const int32_t number = which, count = book->count, levels = (1 << book->bits) - 1;
     cl_kernel kernel;
     GSCL_TRY(gscl_kernel(c->fit->context, GSCL_PROGRAM_CODEBOOK, &c->fit->renderer.options, "book_quantise", &kernel));
     return GSCL_LAUNCH(c->fit->context, kernel, (size_t)gscl_codebook_dims(c, which), 1, GSCL_ARG_BUFFER(book->learnt),
@@ -15,9 +16,9 @@ static gscl_result round_book(gscl_codebook *c, int which) {
 gscl_result gscl_codebook_project(gscl_codebook *c) {
     gscl_renderer *r = &c->fit->renderer;
     cl_kernel kernel;
-    cl_float2 cell = {{(float)c->fit->pyramid.width / (float)(1 << c->position_bits),
-                       (float)c->fit->pyramid.height / (float)(1 << c->position_bits)}};
-    cl_int2 last = {{(1 << c->position_bits) - 1, (1 << c->position_bits) - 1}};
+    gscl_float2 cell = {{(float)c->fit->pyramid.width / (float)(1 << c->position_bits),
+                         (float)c->fit->pyramid.height / (float)(1 << c->position_bits)}};
+    gscl_int2 last = {{(1 << c->position_bits) - 1, (1 << c->position_bits) - 1}};
     for (int b = 0; b < GSCL_BOOKS; b++)
         GSCL_TRY(round_book(c, b));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "book_apply", &kernel));
@@ -87,5 +88,5 @@ gscl_result gscl_codebook_restart_optimiser(gscl_codebook *c) {
     }
     GSCL_TRY(gscl_buffer_zero(f->context, &f->first_moment, 0, splats * row));
     GSCL_TRY(gscl_buffer_zero(f->context, &f->second_moment, 0, splats * row));
-    return gscl_buffer_zero(f->context, &f->ages, 0, splats * sizeof(cl_int));
+    return gscl_buffer_zero(f->context, &f->ages, 0, splats * sizeof(int32_t));
 }

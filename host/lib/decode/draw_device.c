@@ -23,7 +23,7 @@ static uint32_t rows_of_band(const gscl_coded_image *coded, const gscl_frame *f,
 /* Draws the frame band by band, so that no buffer grows with the image. */
 static gscl_result draw_bands(gscl_renderer *r, const gscl_coded_image *coded, const gscl_frame *f,
                               const gscl_image *image, const gscl_draw_progress *progress) {
-    gscl_sample_layout layout = {(cl_int)image->channels, (cl_int)image->sample, image->premultiplied};
+    gscl_sample_layout layout = {(int32_t)image->channels, (int32_t)image->sample, image->premultiplied};
     const uint32_t rows = rows_of_band(coded, f, image, progress);
     for (uint32_t y = 0; y < f->height; y += rows) {
         uint32_t n = f->height - y < rows ? f->height - y : rows;

@@ -8,6 +8,7 @@
 #include "decode/tunables.h"
 #include "image/image.h"
 #include "runtime/mapping.h"
+#include "runtime/vectors.h"
 
 #define PADDING_ENTRIES 8 /* after the last list: searches load vectors of entries */
 
@@ -51,34 +52,34 @@ gscl_result gscl_renderer_set_view(gscl_renderer *r, int level, uint32_t x, uint
                                    uint32_t height) {
     float scale = (float)(1 << level);
     if (r->row_step > 1)
-        r->row_capacity = (cl_int)gscl_groups((size_t)r->row_capacity, (size_t)r->row_step);
+        r->row_capacity = (int32_t)gscl_groups((size_t)r->row_capacity, (size_t)r->row_step);
     r->row_step = 1;
     r->first_row = 0;
-    r->width = (cl_int)width;
-    r->height = r->view_height = (cl_int)height;
+    r->width = (int32_t)width;
+    r->height = r->view_height = (int32_t)height;
     r->view_y = (float)y;
     r->view = (gscl_view){.inv_scale = 1.0f / scale,
                           .row_scale = 1.0f,
                           .blur = (scale * scale - 1.0f) / 12.0f,
                           .x = (float)x,
                           .y = r->view_y,
-                          .tiles_x = (cl_int)gscl_groups(width, GSCL_TILE),
-                          .tiles_y = (cl_int)gscl_groups(height, GSCL_TILE)};
+                          .tiles_x = (int32_t)gscl_groups(width, GSCL_TILE),
+                          .tiles_y = (int32_t)gscl_groups(height, GSCL_TILE)};
     size_t tiles = gscl_renderer_tiles(r);
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_ranges, tiles * sizeof(cl_int2)));
-    return gscl_buffer_reserve(r->context, &r->row_totals, (size_t)r->view.tiles_y * sizeof(cl_int));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_ranges, tiles * sizeof(gscl_int2)));
+    return gscl_buffer_reserve(r->context, &r->row_totals, (size_t)r->view.tiles_y * sizeof(int32_t));
 }
 
 /* The centres of the drawn rows, which are first + 1/2, first + step + 1/2, ..., become those of rows 0, 1, ... */
 void gscl_renderer_set_rows(gscl_renderer *r, int step, int first) {
     if (step != r->row_step)
-        r->row_capacity = (cl_int)gscl_groups((size_t)r->row_capacity * (size_t)step, (size_t)r->row_step);
+        r->row_capacity = (int32_t)gscl_groups((size_t)r->row_capacity * (size_t)step, (size_t)r->row_step);
     r->row_step = step;
     r->first_row = first;
-    r->height = (cl_int)gscl_groups((size_t)(r->view_height - first), (size_t)step);
+    r->height = (int32_t)gscl_groups((size_t)(r->view_height - first), (size_t)step);
     r->view.row_scale = 1.0f / (float)step;
     r->view.y = (r->view_y + (float)first + 0.5f) / (float)step - 0.5f;
-    r->view.tiles_y = (cl_int)gscl_groups(gscl_groups((size_t)r->view_height, (size_t)step), GSCL_TILE);
+    r->view.tiles_y = (int32_t)gscl_groups(gscl_groups((size_t)r->view_height, (size_t)step), GSCL_TILE);
 }
 
 gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
@@ -87,7 +88,7 @@ gscl_result gscl_renderer_reserve(gscl_renderer *r, size_t count) {
     GSCL_TRY(gscl_buffer_grow(r->context, &r->params, count * GSCL_PARAMS * sizeof(float), used));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->projected, count * GSCL_PROJECTED * sizeof(float)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->ellipse_bounds, count * GSCL_BOUNDS * sizeof(float)));
-    return gscl_buffer_reserve(r->context, &r->boxes, count * sizeof(cl_int4));
+    return gscl_buffer_reserve(r->context, &r->boxes, count * sizeof(gscl_int4));
 }
 
 gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params, size_t count,
@@ -96,7 +97,7 @@ gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params
     GSCL_TRY(gscl_renderer_reserve(r, count));
     GSCL_TRY(gscl_buffer_write_async(r->context, &r->params, params, count * GSCL_PARAMS * sizeof(float)));
     GSCL_TRY(gscl_buffer_write_async(r->context, &r->background, background, (size_t)r->channels * sizeof(float)));
-    r->count = (cl_int)count;
+    r->count = (int32_t)count;
     return GSCL_OK;
 }
 
@@ -111,7 +112,7 @@ gscl_result gscl_renderer_set_splats(gscl_renderer *r, const float *params, size
     GSCL_TRY(gscl_buffer_write_staged(r->context, &r->staged_params, &r->params, 0, params,
                                       count * GSCL_PARAMS * sizeof(float)));
     GSCL_TRY(gscl_renderer_set_background(r, background));
-    r->count = (cl_int)count;
+    r->count = (int32_t)count;
     return GSCL_OK;
 }
 
@@ -133,7 +134,7 @@ gscl_result gscl_renderer_project(gscl_renderer *r) {
 gscl_result gscl_renderer_begin_lengths(gscl_renderer *r) {
     const size_t size = (size_t)r->view.tiles_y * sizeof *r->totals;
     if (r->totals_rows < r->view.tiles_y) {
-        cl_int *totals = malloc(size);
+        int32_t *totals = malloc(size);
         if (!totals)
             return gscl_fail_memory(r->context);
         if (r->totals_wait == r->context->waits)
@@ -149,9 +150,9 @@ gscl_result gscl_renderer_begin_lengths(gscl_renderer *r) {
 }
 
 /* The largest number of entries of a row of tiles, as last read. */
-static cl_int largest_row(const gscl_renderer *r) {
-    cl_int largest = 0;
-    for (cl_int i = 0; i < r->totals_read; i++)
+static int32_t largest_row(const gscl_renderer *r) {
+    int32_t largest = 0;
+    for (int32_t i = 0; i < r->totals_read; i++)
         if (r->totals[i] > largest)
             largest = r->totals[i];
     return largest;
@@ -160,19 +161,19 @@ static cl_int largest_row(const gscl_renderer *r) {
 static gscl_result set_row_capacity(gscl_renderer *r, size_t capacity) {
     if (capacity > INT_MAX / (size_t)r->view.tiles_y)
         return gscl_fail(r->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be drawn");
-    r->row_capacity = (cl_int)capacity;
+    r->row_capacity = (int32_t)capacity;
     size_t entries = capacity * (size_t)r->view.tiles_y + PADDING_ENTRIES;
-    return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(cl_uint));
+    return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(uint32_t));
 }
 
 /* Lists the splats of each band of rows of tiles, so that not every row goes over all splats. */
-static gscl_result list_bands(gscl_renderer *r, cl_int *band_rows) {
-    const cl_int rows = r->view.tiles_y;
-    cl_int bands = rows < gscl_decode_tunables.max_bands ? rows : gscl_decode_tunables.max_bands;
+static gscl_result list_bands(gscl_renderer *r, int32_t *band_rows) {
+    const int32_t rows = r->view.tiles_y;
+    int32_t bands = rows < gscl_decode_tunables.max_bands ? rows : gscl_decode_tunables.max_bands;
     cl_kernel kernel;
     *band_rows = (rows + bands - 1) / bands;
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(cl_int)));
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(int32_t)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(int32_t)));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_band_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
                        GSCL_ARG(r->count), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
@@ -194,7 +195,7 @@ static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings, const 
 static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
     const size_t tiles = gscl_renderer_tiles(r), group = gscl_bin_group_size(r->context);
     cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, tiles * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, tiles * sizeof(int32_t)));
     GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_count", &kernel));
     GSCL_TRY(GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
                          GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
@@ -216,7 +217,7 @@ static gscl_result launch_bin(gscl_renderer *r, const gscl_links *links) {
 
 /* The first capacity: an estimate, or that of the buffer. */
 static size_t first_row_capacity(const gscl_renderer *r) {
-    size_t held = r->entries.size / sizeof(cl_uint),
+    size_t held = r->entries.size / sizeof(uint32_t),
            estimate = (size_t)r->count + (size_t)gscl_decode_tunables.first_entries;
     held = held > PADDING_ENTRIES ? (held - PADDING_ENTRIES) / (size_t)r->view.tiles_y : 0;
     return held > estimate ? held : estimate;
@@ -249,7 +250,7 @@ gscl_result gscl_renderer_bin(gscl_renderer *r, bool exact) {
 }
 
 gscl_result gscl_renderer_end_lengths(gscl_renderer *r, double growth, gscl_lists_state *state) {
-    const cl_int largest = largest_row(r);
+    const int32_t largest = largest_row(r);
     const double expected = growth * largest;
     *state = largest > r->row_capacity ? GSCL_LISTS_CUT : GSCL_LISTS_KEPT;
     if (expected < INT_MAX && gscl_lists_have_room((size_t)expected, (size_t)r->row_capacity))
@@ -305,7 +306,7 @@ gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, v
         GSCL_TRY(gscl_renderer_begin_lengths(r));
         GSCL_TRY(launch_samples(r, layout));
         GSCL_TRY(read_samples(r, row, pixels, stride));
-        const cl_int largest = largest_row(r);
+        const int32_t largest = largest_row(r);
         if (largest <= r->row_capacity)
             return GSCL_OK;
         GSCL_TRY(set_row_capacity(r, (size_t)largest));

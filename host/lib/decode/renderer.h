@@ -20,16 +20,16 @@ typedef struct gscl_renderer {
     gscl_kernel_options options; /* gscl_renderer_set_options sets these two */
     int channels;
     gscl_view view;
-    cl_int width, height;       /* of the view, pixels: `height` of the rows that are drawn */
-    cl_int row_step, first_row; /* of the view, which are drawn */
-    cl_int view_height;         /* with all rows */
-    float view_y;               /* origin of the view with all rows */
-    cl_int count;               /* splats */
-    cl_int row_capacity;        /* list entries that each row of tiles owns */
-    cl_int *totals;             /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
-    cl_int totals_rows;         /* rows that totals has room for */
-    cl_int totals_read;         /* rows that were read: those of the view at that time */
-    uint64_t totals_wait;       /* waits of the context when they were last read: a later one has ended the copy */
+    int32_t width, height;       /* of the view, pixels: `height` of the rows that are drawn */
+    int32_t row_step, first_row; /* of the view, which are drawn */
+    int32_t view_height;         /* with all rows */
+    float view_y;                /* origin of the view with all rows */
+    int32_t count;               /* splats */
+    int32_t row_capacity;        /* list entries that each row of tiles owns */
+    int32_t *totals;             /* entries of each row of tiles, as last read from row_totals; lists may be shorter */
+    int32_t totals_rows;         /* rows that totals has room for */
+    int32_t totals_read;         /* rows that were read: those of the view at that time */
+    uint64_t totals_wait;        /* waits of the context when they were last read: a later one has ended the copy */
     gscl_staging staged_params, staged_steps, staged_background;
     gscl_buffer params, steps, projected, ellipse_bounds, boxes, entries, tile_counts, tile_ranges, row_totals,
         background, image;
@@ -92,8 +92,8 @@ gscl_result gscl_renderer_render(gscl_renderer *renderer);
 gscl_result gscl_renderer_samples(gscl_renderer *renderer, gscl_sample_layout layout, void *pixels, size_t stride);
 
 /* Floats from the start of one plane of renderer->image to the next. */
-static inline cl_ulong gscl_renderer_plane(const gscl_renderer *r) {
-    return (cl_ulong)r->width * (cl_ulong)r->height;
+static inline uint64_t gscl_renderer_plane(const gscl_renderer *r) {
+    return (uint64_t)r->width * (uint64_t)r->height;
 }
 /* Tiles of the view. */
 static inline size_t gscl_renderer_tiles(const gscl_renderer *r) {

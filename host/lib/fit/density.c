@@ -22,7 +22,7 @@ static float non_flat_area(const gscl_fit *f) {
 
 /* Replaces each value of the density by the sum of those at most `radius` columns and rows away; `flags`: by the number of
  * those that are not 0. */
-static gscl_result launch_box_sum(gscl_fit *f, gscl_placement_settings settings, cl_int radius, cl_int flags) {
+static gscl_result launch_box_sum(gscl_fit *f, gscl_placement_settings settings, int32_t radius, int32_t flags) {
     const size_t width = (size_t)settings.width, height = (size_t)settings.height;
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->row_sums, width * height * sizeof(float)));
@@ -53,7 +53,7 @@ static gscl_result seed_density(gscl_fit *f, gscl_placement_settings settings) {
     GSCL_TRY(gscl_fit_sum_error(f));
     if (settings.has_background) {
         const float distance = sqrtf(non_flat_area(f) / (float)settings.count);
-        GSCL_TRY(launch_box_sum(f, settings, (cl_int)(gscl_fit_tunables.background_distance * distance) + 1, 1));
+        GSCL_TRY(launch_box_sum(f, settings, (int32_t)(gscl_fit_tunables.background_distance * distance) + 1, 1));
     }
     GSCL_TRY(gscl_image_kernel(f->context, "seed_density", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(gscl_fit_level_pixels(f), GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
@@ -77,7 +77,7 @@ static gscl_result add_by_error(gscl_fit *f, size_t count, uint64_t *random) {
     gscl_placement_settings settings = gscl_placement_begin(f, count);
     const float area = non_flat_area(f), distance = sqrtf(area / (float)((size_t)f->renderer.count + count));
     const float mean_distance = sqrtf(area / (float)count); /* of the new splats */
-    const cl_int radius = (cl_int)(t->error_radius * distance) + 1;
+    const int32_t radius = (int32_t)(t->error_radius * distance) + 1;
     settings.density_scale = 1.0f / ((2.0f * (float)radius + 1.0f) * (2.0f * (float)radius + 1.0f));
     settings.axis = t->new_axis * distance * settings.scale / mean_distance;
     settings.least_distance = mean_distance;

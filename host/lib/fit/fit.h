@@ -15,7 +15,7 @@
 
 struct gscl_fit_readings {
     gscl_fit_control control;
-    cl_int links; /* that the splats need */
+    int32_t links; /* that the splats need */
 };
 
 typedef struct gscl_fit {
@@ -38,7 +38,7 @@ typedef struct gscl_fit {
     size_t link_capacity;
     bool has_old_lists;      /* of other splats, or of another level */
     bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended since */
-    cl_int known_splats;     /* then: the splats of these lists, at least one */
+    int32_t known_splats;    /* then: the splats of these lists, at least one */
     int steps_since_bin;     /* steps with the present lists */
     int steps_since_control; /* steps since the device followed their lengths (gscl_fit_control) */
     int steps_since_wait;    /* steps since the host read them */

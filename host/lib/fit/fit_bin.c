@@ -15,7 +15,7 @@ static gscl_result count_links(gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
     const size_t blocks = gscl_groups((size_t)r->count, GSCL_LINK_BLOCK), items = gscl_link_group_size(f->context);
     cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->block_links, blocks * sizeof(cl_long)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->block_links, blocks * sizeof(int64_t)));
     GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_BIN, &r->options, "count_links", &kernel));
     return GSCL_LAUNCH(f->context, kernel, blocks, items, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
                        GSCL_ARG_BUFFER(f->block_links));
@@ -24,13 +24,13 @@ static gscl_result count_links(gscl_fit *f) {
 /* Numbers the links of all splats; those of the last ones are left out where they do not fit. */
 static gscl_result number_links(gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
-    const cl_int capacity = (cl_int)f->link_capacity;
+    const int32_t capacity = (int32_t)f->link_capacity;
     const bool has_blocks = r->count > gscl_fit_tunables.max_counted_at_once;
-    const cl_int block = has_blocks ? GSCL_LINK_BLOCK : r->count + 1;
+    const int32_t block = has_blocks ? GSCL_LINK_BLOCK : r->count + 1;
     const size_t groups = gscl_groups((size_t)r->count, gscl_link_splats(f->context));
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.grids, (size_t)r->count * sizeof(gscl_link_grid)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.links, f->link_capacity * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.links, f->link_capacity * sizeof(int32_t)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->links_needed, sizeof f->reading->links));
     if (has_blocks)
         GSCL_TRY(count_links(f));
@@ -43,7 +43,7 @@ static gscl_result number_links(gscl_fit *f) {
 
 /* Makes room for a slot of each entry of the tiles' lists. */
 static gscl_result reserve_slots(gscl_fit *f) {
-    const size_t entries = f->renderer.entries.size / sizeof(cl_uint);
+    const size_t entries = f->renderer.entries.size / sizeof(uint32_t);
     return gscl_buffer_reserve(f->context, &f->gradient_slots, entries * slot_size(f) * sizeof(float));
 }
 

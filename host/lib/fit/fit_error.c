@@ -6,8 +6,8 @@
 #define MAX_GROUPS 1024      /* whose sums the last work-group adds up */
 
 gscl_result gscl_fit_sum_loss(gscl_fit *f) {
-    const cl_int tiles = (cl_int)gscl_renderer_tiles(&f->renderer);
-    const cl_float scale = 1.0f / ((float)gscl_renderer_plane(&f->renderer) * (float)f->renderer.channels);
+    const int32_t tiles = (int32_t)gscl_renderer_tiles(&f->renderer);
+    const float scale = 1.0f / ((float)gscl_renderer_plane(&f->renderer) * (float)f->renderer.channels);
     cl_kernel kernel;
     GSCL_TRY(gscl_image_kernel(f->context, "sum_loss", &kernel));
     return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
@@ -28,7 +28,7 @@ gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
 static gscl_result launch_error(gscl_fit *f) {
     cl_kernel kernel;
     const size_t pixels = gscl_fit_level_pixels(f);
-    const cl_int channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (cl_int)pixels;
+    const int32_t channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (int32_t)pixels;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "squared_error", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
@@ -60,25 +60,25 @@ gscl_result gscl_fit_error(gscl_fit *f, float *error) {
 typedef struct error_sum {
     const gscl_buffer *planes, *target; /* of the size of `level` */
     int level;
-    cl_int weighted;          /* GSCL_WEIGHTED_... */
+    int32_t weighted;         /* GSCL_WEIGHTED_... */
     const gscl_buffer *added; /* a float that is added twice, or NULL */
 } error_sum;
 
 /* How a sum over pixels is shared by work-groups. */
 typedef struct sum_parts {
-    cl_int pixels, share; /* of all groups, and of each */
-    cl_int groups;
+    int32_t pixels, share; /* of all groups, and of each */
+    int32_t groups;
 } sum_parts;
 
 static sum_parts parts_of(size_t pixels) {
     const size_t few = gscl_groups(pixels, PIXELS_OF_GROUP), most = few < MAX_GROUPS ? few : MAX_GROUPS;
     const size_t share = gscl_groups(pixels, most);
-    return (sum_parts){(cl_int)pixels, (cl_int)share, (cl_int)gscl_groups(pixels, share)};
+    return (sum_parts){(int32_t)pixels, (int32_t)share, (int32_t)gscl_groups(pixels, share)};
 }
 
 /* Adds the sums of the groups, and twice *added unless it is NULL, into *to. */
 static gscl_result launch_sum_groups(gscl_fit *f, sum_parts parts, const gscl_buffer *added, gscl_buffer *to) {
-    const cl_float factor = added ? 2.0f : 0.0f;
+    const float factor = added ? 2.0f : 0.0f;
     const gscl_buffer *other = added ? added : &f->error_sums;
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, to, sizeof(float)));
@@ -100,7 +100,7 @@ gscl_result gscl_fit_sum_error(gscl_fit *f) {
 /* Sums squared errors into f->distortion. */
 static gscl_result launch_sum(gscl_fit *f, const error_sum *s) {
     const sum_parts parts = parts_of(gscl_pyramid_pixels(&f->pyramid, s->level));
-    const cl_int channels = f->renderer.channels;
+    const int32_t channels = f->renderer.channels;
     cl_kernel kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_squared_error", &kernel));
@@ -111,7 +111,7 @@ static gscl_result launch_sum(gscl_fit *f, const error_sum *s) {
 }
 
 static gscl_result read_sum(gscl_fit *f, double *sum) {
-    cl_float value = 0;
+    float value = 0;
     GSCL_TRY(gscl_buffer_read(f->context, &f->distortion, 0, &value, sizeof value));
     *sum = value;
     return GSCL_OK;

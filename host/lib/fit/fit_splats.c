@@ -17,7 +17,7 @@ static gscl_result splats_reserve(gscl_fit *f, size_t count) {
     GSCL_TRY(gscl_buffer_zero(f->context, &f->gradients, 0, count * ROW)); /* kernels write fitted parameters only */
     GSCL_TRY(gscl_buffer_grow(f->context, &f->first_moment, count * ROW, used * ROW));
     GSCL_TRY(gscl_buffer_grow(f->context, &f->second_moment, count * ROW, used * ROW));
-    GSCL_TRY(gscl_buffer_grow(f->context, &f->ages, count * sizeof(cl_int), used * sizeof(cl_int)));
+    GSCL_TRY(gscl_buffer_grow(f->context, &f->ages, count * sizeof(int32_t), used * sizeof(int32_t)));
     f->capacity = count;
     return GSCL_OK;
 }
@@ -32,8 +32,8 @@ gscl_result gscl_fit_end_append(gscl_fit *f, size_t count) {
     const size_t used = (size_t)r->count;
     GSCL_TRY(gscl_buffer_zero(f->context, &f->first_moment, used * ROW, count * ROW));
     GSCL_TRY(gscl_buffer_zero(f->context, &f->second_moment, used * ROW, count * ROW));
-    GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(cl_int), count * sizeof(cl_int)));
-    r->count += (cl_int)count;
+    GSCL_TRY(gscl_buffer_zero(f->context, &f->ages, used * sizeof(int32_t), count * sizeof(int32_t)));
+    r->count += (int32_t)count;
     f->has_old_lists = true;
     /* The losses of the tiles were those of other splats. */
     GSCL_TRY(gscl_tile_skip_reset(&f->skip, f->context, gscl_renderer_tiles(r), &f->control));
@@ -74,10 +74,10 @@ gscl_result gscl_fit_reorder(gscl_fit *f, const size_t *order, size_t kept) {
     GSCL_TRY(reorder_rows(f, &f->renderer.params, ROW, order, kept));
     GSCL_TRY(reorder_rows(f, &f->first_moment, ROW, order, kept));
     GSCL_TRY(reorder_rows(f, &f->second_moment, ROW, order, kept));
-    GSCL_TRY(reorder_rows(f, &f->ages, sizeof(cl_int), order, kept));
+    GSCL_TRY(reorder_rows(f, &f->ages, sizeof(int32_t), order, kept));
     if (kept < (size_t)f->renderer.count)
         f->has_known_lengths = false; /* they were those of more splats */
-    f->renderer.count = (cl_int)kept;
+    f->renderer.count = (int32_t)kept;
     f->has_old_lists = true;
     return gscl_renderer_project(&f->renderer);
 }

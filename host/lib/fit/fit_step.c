@@ -44,7 +44,7 @@ static gscl_gather_settings gather_settings(const gscl_fit *f) {
 static gscl_adam_settings adam_settings(gscl_fit *f, float rate) {
     f->limits.rate = rate;
     return (gscl_adam_settings){
-        .splats = f->renderer.count, .fixed = (cl_int)f->fixed, .view = f->renderer.view, .limits = f->limits};
+        .splats = f->renderer.count, .fixed = (int32_t)f->fixed, .view = f->renderer.view, .limits = f->limits};
 }
 
 /* Sums the gradient slots of each splat into its gradients. */

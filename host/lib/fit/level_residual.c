@@ -36,8 +36,8 @@ static size_t block_means(const float *map, size_t width, size_t height, float *
 static gscl_result read_residual(gscl_fit *f, int level, float *map) {
     const gscl_pyramid *p = &f->pyramid;
     cl_kernel kernel;
-    cl_int width = (cl_int)gscl_pyramid_width(p, level), height = (cl_int)gscl_pyramid_height(p, level);
-    cl_int channels = p->channels;
+    int32_t width = (int32_t)gscl_pyramid_width(p, level), height = (int32_t)gscl_pyramid_height(p, level);
+    int32_t channels = p->channels;
     size_t pixels = gscl_pyramid_pixels(p, level + 1);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "level_residual", &kernel));

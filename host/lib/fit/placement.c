@@ -10,8 +10,8 @@
 
 gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
-    const cl_int width = (cl_int)gscl_fit_level_width(f), height = (cl_int)gscl_fit_level_height(f);
-    const cl_int strip = (cl_int)sqrt((double)width * height / (double)count) + 1;
+    const int32_t width = (int32_t)gscl_fit_level_width(f), height = (int32_t)gscl_fit_level_height(f);
+    const int32_t strip = (int32_t)sqrt((double)width * height / (double)count) + 1;
     return (gscl_placement_settings){.width = width,
                                      .height = height,
                                      .channels = f->renderer.channels,
@@ -19,7 +19,7 @@ gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
                                      .strip = strip,
                                      .columns = width * ((height + strip - 1) / strip),
                                      .first = f->renderer.count,
-                                     .count = (cl_int)count,
+                                     .count = (int32_t)count,
                                      .is_rotated = f->renderer.options.shape == GSCL_SHAPE_ROTATED,
                                      .min_axis = t->min_axis,
                                      .edge_stretch = t->edge_stretch,
@@ -31,8 +31,8 @@ gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
 static gscl_result add_up_columns(gscl_fit *f, gscl_placement_settings settings) {
     const size_t columns = (size_t)settings.columns, groups = gscl_groups(columns, COLUMNS_OF_GROUP);
     cl_kernel kernel;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->column_weights, columns * sizeof(cl_ulong)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->group_weights, groups * sizeof(cl_ulong)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->column_weights, columns * sizeof(uint64_t)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->group_weights, groups * sizeof(uint64_t)));
     GSCL_TRY(gscl_image_kernel(f->context, "weigh_columns", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings),
                          GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->column_weights),
@@ -44,7 +44,7 @@ static gscl_result add_up_columns(gscl_fit *f, gscl_placement_settings settings)
 
 gscl_result gscl_placement_append(gscl_fit *f, gscl_placement_settings settings, uint64_t *random) {
     const size_t count = (size_t)settings.count;
-    const cl_ulong seed = *random;
+    const uint64_t seed = *random;
     cl_kernel kernel;
     gscl_random_skip(random, GSCL_PLACEMENT_DRAWS * (uint64_t)count);
     GSCL_TRY(add_up_columns(f, settings));

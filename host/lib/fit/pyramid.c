@@ -24,10 +24,10 @@ gscl_result gscl_pyramid_halve(const gscl_pyramid *p, int level, size_t channel,
                                const gscl_buffer *to) {
     cl_kernel kernel;
     GSCL_TRY(gscl_image_kernel(p->context, "halve", &kernel));
-    cl_int from_width = (cl_int)gscl_pyramid_width(p, level), from_height = (cl_int)gscl_pyramid_height(p, level);
-    cl_int width = (cl_int)gscl_pyramid_width(p, level + 1), height = (cl_int)gscl_pyramid_height(p, level + 1);
+    int32_t from_width = (int32_t)gscl_pyramid_width(p, level), from_height = (int32_t)gscl_pyramid_height(p, level);
+    int32_t width = (int32_t)gscl_pyramid_width(p, level + 1), height = (int32_t)gscl_pyramid_height(p, level + 1);
     size_t pixels = gscl_pyramid_pixels(p, level + 1);
-    cl_ulong from_at = channel * gscl_pyramid_pixels(p, level), to_at = channel * pixels;
+    uint64_t from_at = channel * gscl_pyramid_pixels(p, level), to_at = channel * pixels;
     return GSCL_LAUNCH(p->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
                        GSCL_ARG_BUFFER(*from), GSCL_ARG(from_at), GSCL_ARG(from_width), GSCL_ARG(from_height),
                        GSCL_ARG_BUFFER(*to), GSCL_ARG(to_at), GSCL_ARG(width), GSCL_ARG(height));

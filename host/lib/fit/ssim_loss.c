@@ -76,8 +76,8 @@ static gscl_result ssim_finish(gscl_ssim *s, gscl_context *context, const gscl_k
     float pixels = (float)shape->width * (float)shape->height;
     bool has_windows = shape->width >= WINDOW && shape->height >= WINDOW;
     float windows = (float)(shape->width - WINDOW + 1) * (float)(shape->height - WINDOW + 1);
-    cl_float l1_share = has_windows ? 1.0f - weight : 1.0f;
-    cl_float ssim_share = has_windows ? 0.5f * weight * pixels / windows : 0.0f;
+    float l1_share = has_windows ? 1.0f - weight : 1.0f;
+    float ssim_share = has_windows ? 0.5f * weight * pixels / windows : 0.0f;
     size_t samples = (size_t)shape->width * (size_t)shape->height * (size_t)shape->channels;
     GSCL_TRY(gscl_buffer_reserve_image(context, derivative, samples * sizeof(float)));
     GSCL_TRY(ssim_kernel(context, options, "ssim_derivative", &kernel));
@@ -104,7 +104,7 @@ static gscl_result ssim_evaluate(gscl_ssim *s, gscl_context *context, const gscl
                                  const gscl_ssim_shape *shape, const gscl_buffer *rendering,
                                  const gscl_buffer *target) {
     cl_kernel kernel;
-    const cl_int has_rendering = rendering != NULL;
+    const int32_t has_rendering = rendering != NULL;
     GSCL_TRY(ssim_blur_rows(s, context, options, shape, rendering ? rendering : target, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_evaluate_windows", &kernel));
     GSCL_TRY(GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(s->moments),
@@ -116,7 +116,7 @@ gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_ke
                               int height, const gscl_buffer *rendering, const gscl_buffer *target,
                               gscl_buffer *weights) {
     const gscl_ssim_shape shape = ssim_shape(options, width, height);
-    const cl_int has_rendering = rendering != NULL;
+    const int32_t has_rendering = rendering != NULL;
     cl_kernel kernel;
     GSCL_TRY(ssim_evaluate(s, context, options, &shape, rendering, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_weights", &kernel));

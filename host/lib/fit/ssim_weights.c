@@ -14,14 +14,14 @@ static gscl_result weights_add(const gscl_pyramid *p, gscl_ssim *ssim, const gsc
                                const gscl_buffer *rendering, float share, const gscl_buffer *planes) {
     gscl_buffer part = {0};
     cl_kernel kernel;
-    const gscl_enlargement enlargement = {.from_width = (cl_int)gscl_pyramid_width(p, level),
-                                          .from_height = (cl_int)gscl_pyramid_height(p, level),
-                                          .width = (cl_int)gscl_pyramid_width(p, p->first_level),
-                                          .height = (cl_int)gscl_pyramid_height(p, p->first_level),
+    const gscl_enlargement enlargement = {.from_width = (int32_t)gscl_pyramid_width(p, level),
+                                          .from_height = (int32_t)gscl_pyramid_height(p, level),
+                                          .width = (int32_t)gscl_pyramid_width(p, p->first_level),
+                                          .height = (int32_t)gscl_pyramid_height(p, p->first_level),
                                           .shift = level - p->first_level,
                                           .share = share};
     size_t pixels = gscl_pyramid_pixels(p, p->first_level);
-    cl_ulong to_at = pixels * (size_t)p->channels;
+    uint64_t to_at = pixels * (size_t)p->channels;
     gscl_result result = gscl_ssim_weights(ssim, p->context, options, enlargement.from_width, enlargement.from_height,
                                            rendering, &p->levels[level], &part);
     if (result == GSCL_OK)
@@ -49,8 +49,8 @@ gscl_result gscl_weights_build(const gscl_pyramid *p, gscl_ssim *ssim, const gsc
 
 /* Raises the contrast of the first level into the adapted planes, by contrast gains at half its size. */
 static gscl_result raise_contrast(const gscl_pyramid *p, const gscl_buffer *gains, const gscl_buffer *adapted) {
-    cl_int channels = p->channels, width = (cl_int)gscl_pyramid_width(p, p->first_level),
-           height = (cl_int)gscl_pyramid_height(p, p->first_level);
+    int32_t channels = p->channels, width = (int32_t)gscl_pyramid_width(p, p->first_level),
+            height = (int32_t)gscl_pyramid_height(p, p->first_level);
     cl_kernel kernel;
     GSCL_TRY(gscl_image_kernel(p->context, "raise_contrast", &kernel));
     return GSCL_LAUNCH(p->context, kernel, gscl_groups(gscl_pyramid_pixels(p, p->first_level), GSCL_IMAGE_GROUP),

@@ -6,8 +6,8 @@
 #include "runtime/opencl.h"
 
 typedef struct gscl_tile_skip {
-    gscl_buffer skip_until; /* for each tile (cl_int) the step with which it is computed again, or 0 */
-    cl_int step;            /* steps since the last reset: there are losses to compare with when it is above 0 */
+    gscl_buffer skip_until; /* for each tile (int32_t) the step with which it is computed again, or 0 */
+    int32_t step;           /* steps since the last reset: there are losses to compare with when it is above 0 */
 } gscl_tile_skip;
 
 /* Computes all tiles from the next step on, until a threshold is set again in `control` (gscl_fit_control): for new splats

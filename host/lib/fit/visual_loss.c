@@ -94,8 +94,8 @@ static gscl_result reserve_padded(const visual_step *s, gscl_buffer *buffer, siz
 /* Measures the luminance of the level's planes, at its own size or, if that has no terms, at half of it. */
 static gscl_result make_first_luminance(const visual_step *s, const gscl_buffer *planes) {
     const gscl_visual_comparison *c = s->comparison;
-    const cl_int width = (cl_int)gscl_pyramid_width(c->pyramid, c->level);
-    const cl_int height = (cl_int)gscl_pyramid_height(c->pyramid, c->level);
+    const int32_t width = (int32_t)gscl_pyramid_width(c->pyramid, c->level);
+    const int32_t height = (int32_t)gscl_pyramid_height(c->pyramid, c->level);
     cl_kernel kernel;
     if (s->scale == c->level) {
         GSCL_TRY(find_kernel(s, "visual_luminance", &kernel));
@@ -187,7 +187,7 @@ static gscl_result sum_terms(const visual_step *s) {
     cl_kernel kernel;
     const gscl_visual_comparison *c = s->comparison;
     const gscl_visual_weights weights = weights_of(s);
-    const cl_float unit = c->share * (float)gscl_pyramid_pixels(c->pyramid, c->level) / 2000.0f;
+    const float unit = c->share * (float)gscl_pyramid_pixels(c->pyramid, c->level) / 2000.0f;
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->moments, 3 * plain_bytes(s)));
     GSCL_TRY(gscl_buffer_reserve(s->context, &v->row_sums, (size_t)s->shape.height * GSCL_VISUAL_SUMS * sizeof(float)));
     GSCL_TRY(gscl_buffer_reserve(s->context, &v->shares, GSCL_VISUAL_SUMS * sizeof(float)));
@@ -222,7 +222,7 @@ static gscl_result differentiate_scale(const visual_step *s, bool has_smaller) {
     gscl_visual *v = s->visual;
     cl_kernel kernel;
     const bool has_terms = s->scale >= first_scale(s->comparison);
-    const cl_int has = (has_terms ? 1 : 0) | (has_smaller ? 2 : 0); /* HAS_TERMS, HAS_SMALLER */
+    const int32_t has = (has_terms ? 1 : 0) | (has_smaller ? 2 : 0); /* HAS_TERMS, HAS_SMALLER */
     const gscl_buffer *buffers[] = {&s->buffers->rows, &v->direct, &s->buffers->luma, &s->buffers->target,
                                     &v->scales[s->scale + 1].by_luminance};
     if (has_terms) {
@@ -264,7 +264,7 @@ static gscl_result differentiate(gscl_visual *v, const gscl_visual_comparison *c
 gscl_result gscl_visual_derivative(gscl_visual *v, const gscl_visual_comparison *c, gscl_buffer *derivative) {
     const visual_step s = step_of(v, c, c->level);
     const size_t channels = (size_t)c->pyramid->channels;
-    const cl_int is_half = largest_scale(c) > c->level;
+    const int32_t is_half = largest_scale(c) > c->level;
     cl_kernel kernel;
     GSCL_TRY(differentiate(v, c));
     GSCL_TRY(gscl_buffer_reserve_image(s.context, derivative, channels * plain_bytes(&s)));
@@ -277,8 +277,8 @@ gscl_result gscl_visual_derivative(gscl_visual *v, const gscl_visual_comparison 
 
 gscl_result gscl_visual_model(gscl_visual *v, const gscl_visual_comparison *c, float curvature, gscl_buffer *model) {
     const visual_step s = step_of(v, c, c->level);
-    const cl_int is_half = largest_scale(c) > c->level;
-    const cl_float share = curvature;
+    const int32_t is_half = largest_scale(c) > c->level;
+    const float share = curvature;
     cl_kernel kernel;
     GSCL_TRY(differentiate(v, c));
     GSCL_TRY(find_kernel(&s, "visual_model", &kernel));
@@ -288,7 +288,7 @@ gscl_result gscl_visual_model(gscl_visual *v, const gscl_visual_comparison *c, f
 }
 
 gscl_result gscl_visual_read_loss(const gscl_visual *v, gscl_context *context, double *loss) {
-    cl_float value = 0;
+    float value = 0;
     GSCL_TRY(gscl_buffer_read(context, &v->loss, 0, &value, sizeof value));
     *loss = value;
     return GSCL_OK;

@@ -160,8 +160,8 @@ static gscl_result add_precisions(variant_set *b) {
     if (!has_double(context))
         return GSCL_OK;
     add_variant(b, b->exact, "precision", "float64", 64, false)->is_double = 1;
-    GSCL_TRY(gscl_buffer_reserve(context, &b->projected, b->subject->count * GSCL_PROJECTED * sizeof(cl_double)));
-    return gscl_buffer_reserve_image(context, &b->image, gscl_subject_samples(b->subject) * sizeof(cl_double));
+    GSCL_TRY(gscl_buffer_reserve(context, &b->projected, b->subject->count * GSCL_PROJECTED * sizeof(double)));
+    return gscl_buffer_reserve_image(context, &b->image, gscl_subject_samples(b->subject) * sizeof(double));
 }
 
 static void add_early_stops(variant_set *b) {

@@ -14,6 +14,7 @@
 #include "runtime/mapping.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
+#include "runtime/vectors.h"
 
 #define MAX_SERIES 12
 #define MAX_REPETITIONS 1000
@@ -95,7 +96,7 @@ static gscl_result run_multiply_add(bench *b, void *opaque) {
     const gscl_buffer *sums = opaque;
     const gscl_kernel_options options = {.colours = 1};
     cl_kernel kernel;
-    cl_float factor = 0.999f;
+    float factor = 0.999f;
     GSCL_TRY(gscl_kernel(b->context, GSCL_PROGRAM_BENCHMARK, &options, "multiply_add", &kernel));
     return GSCL_LAUNCH(b->context, kernel, gscl_measure_tunables.multiply_add_items / GROUP_SIZE, GROUP_SIZE,
                        GSCL_ARG(factor), GSCL_ARG_BUFFER(*sums));
@@ -181,8 +182,8 @@ static double pixels_inside(const gscl_benchmark_settings *s, const float *param
 /* Evaluations of the kernels: whole rows of tiles for each entry of a list. */
 static gscl_result count_evaluations(const gscl_renderer *r, double *evaluations) {
     size_t tiles = gscl_renderer_tiles(r);
-    cl_int2 *ranges = malloc(tiles * sizeof *ranges);
-    cl_uint *entries = malloc(r->entries.size);
+    gscl_int2 *ranges = malloc(tiles * sizeof *ranges);
+    uint32_t *entries = malloc(r->entries.size);
     gscl_result result = ranges && entries ? GSCL_OK : gscl_fail_memory(r->context);
     if (result == GSCL_OK)
         result = gscl_buffer_read(r->context, &r->tile_ranges, 0, ranges, tiles * sizeof *ranges);
@@ -190,7 +191,7 @@ static gscl_result count_evaluations(const gscl_renderer *r, double *evaluations
         result = gscl_buffer_read(r->context, &r->entries, 0, entries, r->entries.size);
     *evaluations = 0;
     for (size_t tile = 0; tile < tiles && result == GSCL_OK; tile++)
-        for (cl_int i = ranges[tile].s[0]; i < ranges[tile].s[1]; i++)
+        for (int32_t i = ranges[tile].s[0]; i < ranges[tile].s[1]; i++)
             *evaluations += GSCL_TILE * (GSCL_ENTRY_LAST_ROW(entries[i]) - GSCL_ENTRY_FIRST_ROW(entries[i]) + 1.0);
     free(ranges);
     free(entries);

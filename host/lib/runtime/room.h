@@ -7,6 +7,7 @@
  *   stages.h: the names of all stages
  *   text.h, cl_names.h: texts of fixed size, names of OpenCL's errors and kernels
  *   allocate.h: memory of sizes that 32 bits may not count
+ *   vectors.h: vectors in the layout of kernels
  *   stage_clock.h: times of stages
  *   queue.h: waiting for the device
  *   timing.h: times of kernels

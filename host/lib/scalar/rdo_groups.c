@@ -55,14 +55,14 @@ static gscl_rdo_task task_of(const gscl_renderer *r, const float *params, size_t
     const double half_width = half.width * r->view.inv_scale + gscl_scalar_tunables.rdo_growth_pixels;
     const double half_height = half.height * r->view.inv_scale + gscl_scalar_tunables.rdo_growth_pixels;
     const double x = params[GSCL_X] * r->view.inv_scale, y = params[GSCL_Y] * r->view.inv_scale;
-    return (gscl_rdo_task){.splat = (cl_int)splat,
-                           .x0 = (cl_int)floor(x - half_width),
-                           .x1 = (cl_int)ceil(x + half_width),
-                           .y0 = (cl_int)floor(y - half_height),
-                           .y1 = (cl_int)ceil(y + half_height)};
+    return (gscl_rdo_task){.splat = (int32_t)splat,
+                           .x0 = (int32_t)floor(x - half_width),
+                           .x1 = (int32_t)ceil(x + half_width),
+                           .y0 = (int32_t)floor(y - half_height),
+                           .y1 = (int32_t)ceil(y + half_height)};
 }
 
-static int cell_of(cl_int pixel, int cells) {
+static int cell_of(int32_t pixel, int cells) {
     const int cell = pixel < 0 ? 0 : pixel / CELL;
     return cell < cells ? cell : cells - 1;
 }

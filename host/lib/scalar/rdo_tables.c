@@ -30,8 +30,8 @@ gscl_codes gscl_rdo_codes_of(const gsf_splat *s) {
     return (gscl_codes){.code = {[GSCL_CODE_MAJOR] = s->major,
                                  [GSCL_CODE_ASPECT] = s->aspect,
                                  [GSCL_CODE_ANGLE] = s->angle,
-                                 [GSCL_CODE_X] = (cl_int)s->x,
-                                 [GSCL_CODE_Y] = (cl_int)s->y,
+                                 [GSCL_CODE_X] = (int32_t)s->x,
+                                 [GSCL_CODE_Y] = (int32_t)s->y,
                                  [GSCL_CODE_LUMA] = s->luma,
                                  [GSCL_CODE_CO] = s->co,
                                  [GSCL_CODE_CG] = s->cg,
@@ -174,12 +174,12 @@ static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, 
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
         gscl_major_entry *m = &t->majors[i];
         m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;
-        m->cells_x = (cl_int)gsf_position_cells(&image->steps, i, header->width);
-        m->cells_y = (cl_int)gsf_position_cells(&image->steps, i, header->height);
+        m->cells_x = (int32_t)gsf_position_cells(&image->steps, i, header->width);
+        m->cells_y = (int32_t)gsf_position_cells(&image->steps, i, header->height);
         m->bits = major_bits[i] + log2f((float)m->cells_x * (float)m->cells_y);
         gscl_aspect_entry *a = &t->aspects[i];
         a->angles = e->attributes.angles[i];
-        a->parts = (cl_int)e->attributes.parts[i];
+        a->parts = (int32_t)e->attributes.parts[i];
         a->bits = log2f((float)a->angles * (float)a->parts);
     }
     make_direction_bits(t, e);
@@ -202,7 +202,7 @@ static void make_texture_tables(gscl_rdo_tables *t, const code_list *list) {
     for (int i = 0; i < GSCL_WAVES; i++)
         waves[i] = directions[i] = amplitudes[i] = gscl_scalar_tunables.rdo_texture_count;
     for (size_t i = 0; i < list->count; i++) {
-        const cl_int *code = list->codes[i].code;
+        const int32_t *code = list->codes[i].code;
         if (code[GSCL_CODE_AMPLITUDE] == 0)
             continue;
         textured++;

@@ -99,7 +99,7 @@ static gscl_result rdo_visit_group(rdo_pass *p, int group) {
     const gscl_buffer *target = gscl_fit_weighted_target(p->fit);
     const size_t start = rdo->groups.start[group], count = rdo->groups.start[group + 1] - start;
     gscl_rdo_pass shared = p->shared;
-    shared.start = (cl_int)start;
+    shared.start = (int32_t)start;
     return GSCL_LAUNCH(r->context, p->visit, count, gscl_rdo_group_size(r->context), GSCL_ARG(shared),
                        GSCL_ARG_BUFFER(rdo->device_tasks), GSCL_ARG_BUFFER(rdo->device_codes),
                        GSCL_ARG_BUFFER(rdo->device_tables), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->weights),

@@ -54,7 +54,7 @@ static gscl_result open_preview(gscl_renderer *preview, const gscl_fit *fit, con
     gscl_renderer_set_options(preview, options);
     preview->count = 0;
     GSCL_TRY(gscl_renderer_reserve(preview, count));
-    preview->count = (cl_int)count;
+    preview->count = (int32_t)count;
     return gscl_renderer_set_view(preview, fit->pyramid.first_level, 0, 0,
                                   gscl_pyramid_width(&fit->pyramid, fit->pyramid.first_level),
                                   gscl_pyramid_height(&fit->pyramid, fit->pyramid.first_level));
