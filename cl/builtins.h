@@ -2,7 +2,7 @@
  *
  * PoCL 3 reads the whole of Clang's opencl-c.h, a megabyte, before each program, even if the program's kernels are in
  * its cache.  That takes most of the time of loading a program.  The build option -D_OPENCL_H_, the guard of that
- * header, keeps it out, and with -DGSCL_BUILTINS this file replaces it (host/lib/runtime/program.c).  Without that
+ * header, keeps it out, and with -DGSCL_BUILTINS this file replaces it (host/lib/opencl/program.c).  Without that
  * option this file is empty. */
 #ifdef GSCL_BUILTINS
 #define MAXFLOAT 0x1.fffffep127f

@@ -1,5 +1,5 @@
 /* The kernels: all OpenCL C of gscl, which draws splats and fits them, and the constants and structs that the host
- * shares with it.  The build embeds the files; host/lib/runtime/program.c joins them to programs.
+ * shares with it.  The build embeds the files; host/lib/opencl/program.c joins them to programs.
  *
  * In the order in which to read them:
  *   constants.h, structs.h: what the host reads as well

@@ -1,8 +1,8 @@
 /* The pixel vector: a work-item handles LANES neighbouring pixels of a row at once, in ROWS rows.  CPU mapping: LANES
  * 16, ROWS 16; a work-item draws a whole tile with explicit vectors.  GPU mapping: LANES 4, ROWS 1; a work-group of
- * 256 / LANES work-items draws a tile.  Some implementations get other values of both (host/lib/runtime/quirks.c).
+ * 256 / LANES work-items draws a tile.  Some implementations get other values of both (host/lib/opencl/quirks.c).
  *
- * Build options, each where the kernels depend on it (host/lib/runtime/build_options.c): LANES, ROWS, COLOURS (1 or 3),
+ * Build options, each where the kernels depend on it (host/lib/opencl/build_options.c): LANES, ROWS, COLOURS (1 or 3),
  * ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE, BLEND, WEIGHTED (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl).  The
  * options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT serve measurements of accuracy only
  * (host/lib/measure/accuracy.c). */

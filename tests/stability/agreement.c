@@ -15,7 +15,7 @@
 #include "fit/fit.h"
 #include "fit_oracle.h"
 #include "report.h"
-#include "runtime/quirks.h"
+#include "opencl/opencl_device.h"
 
 #define KINDS (GSCL_COLOUR + 1)
 
@@ -60,7 +60,7 @@ static reference reference_create(const scene *s, const float background[4]) {
                       .colours = SCENE_CHANNELS,
                       .opacity = true,
                       .stepped = s->shape != GSCL_SHAPE_ROTATED,
-                      .rounds_products = contexts[0]->quirks->software_fma,
+                      .rounds_products = gscl_opencl(contexts[0])->quirks->software_fma,
                       .level = s->level,
                       .width = scene_level_width(s),
                       .height = scene_level_height(s),

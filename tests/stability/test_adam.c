@@ -12,6 +12,7 @@
 #include "both_mappings.h"
 #include "fit/fit.h"
 #include "report.h"
+#include "runtime/queue.h"
 #include "scene.h"
 
 #define SIDE 64
@@ -169,7 +170,7 @@ static gscl_result run_steps(gscl_fit *fit, long count) {
         memcpy(before, gradients, sizeof before);
         GSCL_TRY(gscl_fit_adam(fit, &fit->renderer.params, 1.0f));
         if (step % 1000 == 999)
-            GSCL_CL(fit->context, clFinish(fit->context->queue));
+            GSCL_TRY(gscl_finish(fit->context));
     }
     return GSCL_OK;
 }

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "opencl/library.h"
+
 fake_opencl fake;
 
 /* The handle of the second device, which never reaches the real implementation. */
@@ -9,20 +11,8 @@ static char second_device;
 #define SECOND_DEVICE ((cl_device_id)(void *)&second_device)
 static cl_device_id first_device;
 
-cl_int __real_clGetDeviceIDs(cl_platform_id, cl_device_type, cl_uint, cl_device_id *, cl_uint *);
-cl_int __real_clGetDeviceInfo(cl_device_id, cl_device_info, size_t, void *, size_t *);
-cl_int __real_clGetPlatformInfo(cl_platform_id, cl_platform_info, size_t, void *, size_t *);
-cl_context __real_clCreateContext(const cl_context_properties *, cl_uint, const cl_device_id *, fake_notice, void *,
-                                  cl_int *);
-cl_int __real_clEnqueueNDRangeKernel(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *,
-                                     const size_t *, cl_uint, const cl_event *, cl_event *);
-cl_int __wrap_clGetDeviceIDs(cl_platform_id, cl_device_type, cl_uint, cl_device_id *, cl_uint *);
-cl_int __wrap_clGetDeviceInfo(cl_device_id, cl_device_info, size_t, void *, size_t *);
-cl_int __wrap_clGetPlatformInfo(cl_platform_id, cl_platform_info, size_t, void *, size_t *);
-cl_context __wrap_clCreateContext(const cl_context_properties *, cl_uint, const cl_device_id *, fake_notice, void *,
-                                  cl_int *);
-cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *,
-                                     const size_t *, cl_uint, const cl_event *, cl_event *);
+/* The functions of the library. */
+static gscl_cl_functions real;
 
 /* Copies a value as clGet*Info does; it fails when the buffer is too small. */
 static cl_int copy_info(const void *from, size_t length, size_t size, void *to, size_t *needed) {
@@ -35,24 +25,25 @@ static cl_int copy_info(const void *from, size_t length, size_t size, void *to, 
     return CL_SUCCESS;
 }
 
-cl_int __wrap_clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *devices,
-                             cl_uint *count) {
-    cl_uint real = 0;
+static cl_int CL_API_CALL fake_get_device_ids(cl_platform_id platform, cl_device_type type, cl_uint capacity,
+                                              cl_device_id *devices, cl_uint *count) {
+    cl_uint number = 0;
     cl_device_id all[64];
-    const cl_int error = __real_clGetDeviceIDs(platform, type, 64, all, &real);
+    const cl_int error = real.clGetDeviceIDs(platform, type, 64, all, &number);
     if (error != CL_SUCCESS)
         return error;
     first_device = all[0];
     if (fake.second_device)
-        all[real++] = SECOND_DEVICE;
+        all[number++] = SECOND_DEVICE;
     if (count)
-        *count = real;
+        *count = number;
     if (devices)
-        memcpy(devices, all, (capacity < real ? capacity : real) * sizeof *devices);
+        memcpy(devices, all, (capacity < number ? capacity : number) * sizeof *devices);
     return CL_SUCCESS;
 }
 
-cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info parameter, size_t size, void *value, size_t *needed) {
+static cl_int CL_API_CALL fake_get_device_info(cl_device_id device, cl_device_info parameter, size_t size, void *value,
+                                               size_t *needed) {
     const bool unavailable = device == SECOND_DEVICE ? fake.second_unavailable : fake.first_unavailable;
     const cl_bool no = CL_FALSE;
     if (fake.failing_info && parameter == fake.failing_info)
@@ -61,28 +52,40 @@ cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info parameter, siz
         return copy_info(&no, sizeof no, size, value, needed);
     if (parameter == CL_DEVICE_NAME && fake.device_name)
         return copy_info(fake.device_name, strlen(fake.device_name) + 1, size, value, needed);
-    return __real_clGetDeviceInfo(device == SECOND_DEVICE ? first_device : device, parameter, size, value, needed);
+    return real.clGetDeviceInfo(device == SECOND_DEVICE ? first_device : device, parameter, size, value, needed);
 }
 
-cl_int __wrap_clGetPlatformInfo(cl_platform_id platform, cl_platform_info parameter, size_t size, void *value,
-                                size_t *needed) {
+static cl_int CL_API_CALL fake_get_platform_info(cl_platform_id platform, cl_platform_info parameter, size_t size,
+                                                 void *value, size_t *needed) {
     if (parameter == CL_PLATFORM_NAME && fake.platform_name)
         return copy_info(fake.platform_name, strlen(fake.platform_name) + 1, size, value, needed);
-    return __real_clGetPlatformInfo(platform, parameter, size, value, needed);
+    return real.clGetPlatformInfo(platform, parameter, size, value, needed);
 }
 
-cl_context __wrap_clCreateContext(const cl_context_properties *properties, cl_uint count, const cl_device_id *devices,
-                                  fake_notice notice, void *data, cl_int *error) {
+static cl_context CL_API_CALL fake_create_context(const cl_context_properties *properties, cl_uint count,
+                                                  const cl_device_id *devices, fake_notice notice, void *data,
+                                                  cl_int *error) {
     fake.notice = notice;
     fake.notice_data = data;
-    return __real_clCreateContext(properties, count, devices, notice, data, error);
+    return real.clCreateContext(properties, count, devices, notice, data, error);
 }
 
-cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
-                                     const size_t *global_size, const size_t *group_size, cl_uint wait_count,
-                                     const cl_event *waits, cl_event *event) {
+static cl_int CL_API_CALL fake_launch(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
+                                      const size_t *offset, const size_t *global_size, const size_t *group_size,
+                                      cl_uint wait_count, const cl_event *waits, cl_event *event) {
     if (fake.launch_error != CL_SUCCESS)
         return fake.launch_error;
-    return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global_size, group_size, wait_count, waits,
-                                         event);
+    return real.clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global_size, group_size, wait_count, waits,
+                                       event);
+}
+
+void fake_opencl_install(void) {
+    if (gscl_opencl_library())
+        return; /* there are no devices */
+    real = gscl_cl;
+    gscl_cl.clGetDeviceIDs = fake_get_device_ids;
+    gscl_cl.clGetDeviceInfo = fake_get_device_info;
+    gscl_cl.clGetPlatformInfo = fake_get_platform_info;
+    gscl_cl.clCreateContext = fake_create_context;
+    gscl_cl.clEnqueueNDRangeKernel = fake_launch;
 }

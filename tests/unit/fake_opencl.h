@@ -1,5 +1,5 @@
-/* Intercepts OpenCL calls of the library (linked with --wrap), and simulates devices that this machine does not have.
- * All other calls reach the real implementation. */
+/* Takes the place of functions of OpenCL that the library calls (opencl/library.h), and simulates devices that this machine
+ * does not have.  All other calls reach the real implementation. */
 #ifndef GSCL_TESTS_FAKE_OPENCL_H
 #define GSCL_TESTS_FAKE_OPENCL_H
 
@@ -20,5 +20,8 @@ typedef struct fake_opencl {
 } fake_opencl;
 
 extern fake_opencl fake;
+
+/* To be called first. */
+void fake_opencl_install(void);
 
 #endif

@@ -1,10 +1,11 @@
 #include "faults.h"
 
-#include <CL/cl.h>
 #include <malloc.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+
+#include "opencl/library.h"
 
 #define MAX_PENDING 64 /* copies without waiting between two calls that wait */
 
@@ -48,7 +49,7 @@ int fault_live_blocks(void) {
     return live_blocks;
 }
 
-/* Two threads of the library call at the same time while one of them builds programs (runtime/prefetch.h). */
+/* Two threads of the library call at the same time while one of them builds programs (opencl/prefetch.h). */
 static bool fails(fault_kind kind, const char *call) {
     const int number = __atomic_add_fetch(&counts[kind], 1, __ATOMIC_RELAXED);
     const bool failed = kind == failing_kind && failing_number > 0 &&
@@ -121,20 +122,19 @@ static cl_int note_copy(cl_int error, cl_bool blocking, const void *memory) {
     return error;
 }
 
-/* Defines __wrap_NAME, which returns an error of its own in place of the call. */
-#define WRAP(name, parameters, arguments)                                                         \
-    cl_int __real_##name parameters;                                                              \
-    cl_int __wrap_##name parameters;                                                              \
-    cl_int __wrap_##name parameters {                                                             \
-        return opencl_fails(FAULT_OPENCL, #name) ? CL_OUT_OF_RESOURCES : __real_##name arguments; \
+/* The functions of the library. */
+static gscl_cl_functions real;
+
+/* Defines fail_NAME, which returns an error of its own in place of the call. */
+#define WRAP(name, parameters, arguments)                                                     \
+    static cl_int CL_API_CALL fail_##name parameters {                                        \
+        return opencl_fails(FAULT_OPENCL, #name) ? CL_OUT_OF_RESOURCES : real.name arguments; \
     }
 /* The same of a call that makes an object. */
 #define WRAP_MAKER(type, name, own, parameters, arguments) \
-    type __real_##name parameters;                         \
-    type __wrap_##name parameters;                         \
-    type __wrap_##name parameters {                        \
+    static type CL_API_CALL fail_##name parameters {       \
         if (!opencl_fails(own, #name))                     \
-            return __real_##name arguments;                \
+            return real.name arguments;                    \
         *error = CL_OUT_OF_RESOURCES;                      \
         return NULL;                                       \
     }
@@ -173,47 +173,59 @@ WRAP(clEnqueueCopyBuffer,
       const cl_event *list, cl_event *event),
      (q, from, to, from_offset, to_offset, size, waits, list, event))
 
-cl_int __real_clEnqueueReadBuffer(cl_command_queue, cl_mem, cl_bool, size_t, size_t, void *, cl_uint, const cl_event *,
-                                  cl_event *);
-cl_int __wrap_clEnqueueReadBuffer(cl_command_queue, cl_mem, cl_bool, size_t, size_t, void *, cl_uint, const cl_event *,
-                                  cl_event *);
-cl_int __wrap_clEnqueueReadBuffer(cl_command_queue q, cl_mem m, cl_bool blocking, size_t offset, size_t size, void *to,
-                                  cl_uint waits, const cl_event *list, cl_event *event) {
+static cl_int CL_API_CALL fail_clEnqueueReadBuffer(cl_command_queue q, cl_mem m, cl_bool blocking, size_t offset,
+                                                   size_t size, void *to, cl_uint waits, const cl_event *list,
+                                                   cl_event *event) {
     if (opencl_fails(FAULT_OPENCL, "clEnqueueReadBuffer"))
         return CL_OUT_OF_RESOURCES;
-    return note_copy(__real_clEnqueueReadBuffer(q, m, blocking, offset, size, to, waits, list, event), blocking, to);
+    return note_copy(real.clEnqueueReadBuffer(q, m, blocking, offset, size, to, waits, list, event), blocking, to);
 }
 
-cl_int __real_clEnqueueWriteBuffer(cl_command_queue, cl_mem, cl_bool, size_t, size_t, const void *, cl_uint,
-                                   const cl_event *, cl_event *);
-cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue, cl_mem, cl_bool, size_t, size_t, const void *, cl_uint,
-                                   const cl_event *, cl_event *);
-cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue q, cl_mem m, cl_bool blocking, size_t offset, size_t size,
-                                   const void *from, cl_uint waits, const cl_event *list, cl_event *event) {
+static cl_int CL_API_CALL fail_clEnqueueWriteBuffer(cl_command_queue q, cl_mem m, cl_bool blocking, size_t offset,
+                                                    size_t size, const void *from, cl_uint waits, const cl_event *list,
+                                                    cl_event *event) {
     if (opencl_fails(FAULT_OPENCL, "clEnqueueWriteBuffer"))
         return CL_OUT_OF_RESOURCES;
-    return note_copy(__real_clEnqueueWriteBuffer(q, m, blocking, offset, size, from, waits, list, event), blocking,
-                     from);
+    return note_copy(real.clEnqueueWriteBuffer(q, m, blocking, offset, size, from, waits, list, event), blocking, from);
 }
 
-cl_int __real_clEnqueueReadBufferRect(cl_command_queue, cl_mem, cl_bool, const size_t *, const size_t *, const size_t *,
-                                      size_t, size_t, size_t, size_t, void *, cl_uint, const cl_event *, cl_event *);
-cl_int __wrap_clEnqueueReadBufferRect(cl_command_queue, cl_mem, cl_bool, const size_t *, const size_t *, const size_t *,
-                                      size_t, size_t, size_t, size_t, void *, cl_uint, const cl_event *, cl_event *);
-cl_int __wrap_clEnqueueReadBufferRect(cl_command_queue q, cl_mem m, cl_bool blocking, const size_t *from,
-                                      const size_t *at, const size_t *size, size_t row, size_t slice, size_t to_row,
-                                      size_t to_slice, void *to, cl_uint waits, const cl_event *list, cl_event *event) {
+static cl_int CL_API_CALL fail_clEnqueueReadBufferRect(cl_command_queue q, cl_mem m, cl_bool blocking,
+                                                       const size_t *from, const size_t *at, const size_t *size,
+                                                       size_t row, size_t slice, size_t to_row, size_t to_slice,
+                                                       void *to, cl_uint waits, const cl_event *list, cl_event *event) {
     if (opencl_fails(FAULT_OPENCL, "clEnqueueReadBufferRect"))
         return CL_OUT_OF_RESOURCES;
-    return note_copy(__real_clEnqueueReadBufferRect(q, m, blocking, from, at, size, row, slice, to_row, to_slice, to,
-                                                    waits, list, event),
+    return note_copy(real.clEnqueueReadBufferRect(q, m, blocking, from, at, size, row, slice, to_row, to_slice, to,
+                                                  waits, list, event),
                      blocking, to);
 }
 
-cl_int __real_clFinish(cl_command_queue);
-cl_int __wrap_clFinish(cl_command_queue);
-cl_int __wrap_clFinish(cl_command_queue queue) {
+static cl_int CL_API_CALL fail_clFinish(cl_command_queue queue) {
     if (opencl_fails(FAULT_FINISH, "clFinish"))
         return CL_OUT_OF_RESOURCES;
-    return note_copy(__real_clFinish(queue), CL_TRUE, NULL);
+    return note_copy(real.clFinish(queue), CL_TRUE, NULL);
+}
+
+void faults_install(void) {
+    if (gscl_opencl_library())
+        return; /* there are no devices */
+    real = gscl_cl;
+    gscl_cl.clGetPlatformIDs = fail_clGetPlatformIDs;
+    gscl_cl.clGetDeviceIDs = fail_clGetDeviceIDs;
+    gscl_cl.clGetPlatformInfo = fail_clGetPlatformInfo;
+    gscl_cl.clGetDeviceInfo = fail_clGetDeviceInfo;
+    gscl_cl.clCreateContext = fail_clCreateContext;
+    gscl_cl.clCreateCommandQueue = fail_clCreateCommandQueue;
+    gscl_cl.clCreateProgramWithSource = fail_clCreateProgramWithSource;
+    gscl_cl.clBuildProgram = fail_clBuildProgram;
+    gscl_cl.clCreateKernel = fail_clCreateKernel;
+    gscl_cl.clCreateBuffer = fail_clCreateBuffer;
+    gscl_cl.clSetKernelArg = fail_clSetKernelArg;
+    gscl_cl.clEnqueueNDRangeKernel = fail_clEnqueueNDRangeKernel;
+    gscl_cl.clEnqueueFillBuffer = fail_clEnqueueFillBuffer;
+    gscl_cl.clEnqueueCopyBuffer = fail_clEnqueueCopyBuffer;
+    gscl_cl.clEnqueueReadBuffer = fail_clEnqueueReadBuffer;
+    gscl_cl.clEnqueueReadBufferRect = fail_clEnqueueReadBufferRect;
+    gscl_cl.clEnqueueWriteBuffer = fail_clEnqueueWriteBuffer;
+    gscl_cl.clFinish = fail_clFinish;
 }

@@ -1,5 +1,5 @@
-/* Faults of a test program that is linked with --wrap for the calls that faults.c replaces: the calls that the library makes
- * of OpenCL and for memory are counted, and chosen ones fail.  Memory that the library releases while a copy of the device
+/* Faults of a test program that is linked with --wrap for malloc, calloc, realloc and free: the calls that the library makes of
+ * OpenCL and for memory are counted, and chosen ones fail.  Memory that the library releases while a copy of the device
  * may still use it is detected, and blocks that it never releases are counted. */
 #ifndef GSCL_TESTS_FAULTS_H
 #define GSCL_TESTS_FAULTS_H
@@ -14,6 +14,8 @@ typedef enum fault_kind {
     FAULT_KINDS
 } fault_kind;
 
+/* Takes the place of functions of OpenCL that the library calls; to be called first. */
+void faults_install(void);
 /* Starts to count from 0.  Call `number` of a kind fails, counted from 1, and with `forever` all after it; number 0: none
  * fails. */
 void faults_begin(fault_kind kind, int number, bool forever);

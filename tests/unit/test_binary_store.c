@@ -20,7 +20,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "runtime/binary_store.h"
+#include "opencl/binary_store.h"
 
 #define LIMIT 100000 /* bytes */
 #define BYTES "the bytes of a program"

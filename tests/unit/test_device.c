@@ -220,5 +220,6 @@ int main(void) {
         cmocka_unit_test_setup(test_notices_are_logged, fake_nothing),
         cmocka_unit_test_setup(test_appended_text_is_whole, fake_nothing),
     };
+    fake_opencl_install();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -317,5 +317,6 @@ int main(void) {
         cmocka_unit_test(test_context),
         cmocka_unit_test(test_reading),
     };
+    faults_install();
     return cmocka_run_group_tests(tests, make_file, free_file);
 }

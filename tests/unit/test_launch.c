@@ -1,4 +1,4 @@
-/* Launches that fail, with runtime/opencl.c compiled with its debug checks. */
+/* Launches that fail, with opencl/launch.c compiled with its debug checks. */
 #include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,10 +10,11 @@
 #include <gscl/gscl.h>
 
 #include "fake_opencl.h"
-#include "runtime/build_options.h"
-#include "runtime/cl_names.h"
-#include "runtime/opencl.h"
-#include "runtime/programs.h"
+#include "opencl/build_options.h"
+#include "opencl/cl_error.h"
+#include "runtime/buffer.h"
+#include "runtime/launch.h"
+#include "runtime/queue.h"
 
 static int open_context(void **state) {
     gscl_context *context;
@@ -38,10 +39,10 @@ static const gscl_kernel_options plain = {.colours = 1};
 
 /* Launches `multiply_add`, which takes a factor and a buffer, with the first `count` arguments. */
 static gscl_result launch(gscl_context *context, size_t count) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     gscl_buffer sums = {0};
     float factor = 1;
-    assert_int_equal(gscl_kernel(context, GSCL_PROGRAM_BENCHMARK, &plain, "multiply_add", &kernel), GSCL_OK);
+    assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_BENCHMARK, &plain, "multiply_add", &kernel), GSCL_OK);
     assert_int_equal(gscl_buffer_reserve(context, &sums, 65536), GSCL_OK);
     const gscl_argument arguments[] = {GSCL_ARG(factor), GSCL_ARG_BUFFER(sums), GSCL_ARG(factor)};
     const gscl_result result = gscl_launch_(context, kernel, 1, 64, arguments, count);
@@ -112,5 +113,6 @@ int main(void) {
         cmocka_unit_test_setup(test_every_error_has_a_name, fake_nothing),
         cmocka_unit_test_setup(test_long_build_options_are_refused, fake_nothing),
     };
+    fake_opencl_install();
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

@@ -1,4 +1,4 @@
-/* Programs that another thread builds ahead of their use (runtime/prefetch.h): they are taken, kept, left out or dropped as
+/* Programs that another thread builds ahead of their use (opencl/prefetch.h): they are taken, kept, left out or dropped as
  * the case is, and one that cannot be built fails where it is needed. */
 #include <math.h>
 #include <setjmp.h>
@@ -11,11 +11,10 @@
 #include <gscl/gscl.h>
 
 #include "cl/constants.h"
-#include "runtime/build_options.h"
-#include "runtime/prefetch.h"
-#include "runtime/program.h"
-#include "runtime/programs.h"
-#include "runtime/quirks.h"
+#include "opencl/opencl_device.h"
+#include "opencl/prefetch.h"
+#include "opencl/program.h"
+#include "runtime/launch.h"
 
 #define LENGTH(a) (sizeof(a) / sizeof *(a))
 
@@ -44,7 +43,7 @@ static gscl_context *open_with(const gscl_quirks *quirks, log_counts *counts) {
     settings.log_opaque = counts;
     *counts = (log_counts){0, 0};
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
-    context->quirks = quirks;
+    gscl_opencl(context)->quirks = quirks;
     return context;
 }
 
@@ -57,14 +56,14 @@ static gscl_context *open_asking_for_image_and_bin(log_counts *counts) {
 }
 
 static void need(gscl_context *context, const gscl_program_request *request, const char *kernel_name) {
-    cl_kernel kernel;
-    assert_int_equal(gscl_kernel(context, request->kind, &request->options, kernel_name, &kernel), GSCL_OK);
+    gscl_kernel *kernel;
+    assert_int_equal(gscl_kernel_find(context, request->kind, &request->options, kernel_name, &kernel), GSCL_OK);
     assert_non_null(kernel);
 }
 
 static size_t count_programs(const gscl_context *context) {
     size_t count = 0;
-    for (const struct gscl_program *p = context->programs; p; p = p->next)
+    for (const struct gscl_program *p = gscl_opencl(context)->programs; p; p = p->next)
         count++;
     return count;
 }
@@ -89,7 +88,7 @@ static void test_programs_are_kept(void **state) {
     gscl_context *context = open_asking_for_image_and_bin(&counts);
     need(context, &bin_request, "bin"); /* the last one: both are built */
     gscl_prefetch_end(context);
-    assert_null(context->prefetch);
+    assert_null(gscl_opencl(context)->prefetch);
     assert_int_equal(count_programs(context), 2);
     need(context, &image_request, "sum_squared_error");
     assert_int_equal(counts.built, 0);
@@ -102,7 +101,7 @@ static void test_programs_that_are_there_are_left_out(void **state) {
     gscl_context *context = open_with(&aside, &counts);
     need(context, &image_request, "sum_squared_error");
     gscl_prefetch(context, &image_request, 1);
-    assert_null(context->prefetch);
+    assert_null(gscl_opencl(context)->prefetch);
     for (int i = 0; i < 2; i++)
         gscl_prefetch(context, &bin_request, 1);
     need(context, &bin_request, "bin");
@@ -143,11 +142,11 @@ static void test_a_program_that_cannot_be_built(void **state) {
                                       {.colours = 3, .blend = GSCL_ALPHA, .early_stop = (double)INFINITY}};
     for (int is_aside = 0; is_aside < 2; is_aside++) {
         log_counts counts;
-        cl_kernel kernel;
+        gscl_kernel *kernel;
         gscl_context *context = open_with(is_aside ? &aside : &not_aside, &counts);
         gscl_prefetch(context, &bad, 1);
-        assert_true((context->prefetch != NULL) == (is_aside != 0));
-        assert_int_equal(gscl_kernel(context, bad.kind, &bad.options, "raster_forward", &kernel),
+        assert_true((gscl_opencl(context)->prefetch != NULL) == (is_aside != 0));
+        assert_int_equal(gscl_kernel_find(context, bad.kind, &bad.options, "raster_forward", &kernel),
                          GSCL_ERROR_KERNEL_BUILD);
         assert_non_null(strstr(gscl_context_message(context), "could not build the kernels"));
         gscl_prefetch_end(context);
@@ -161,7 +160,7 @@ static void test_other_implementations_build_when_needed(void **state) {
     log_counts counts;
     gscl_context *context = open_with(&not_aside, &counts);
     gscl_prefetch(context, &image_request, 1);
-    assert_null(context->prefetch);
+    assert_null(gscl_opencl(context)->prefetch);
     need(context, &image_request, "sum_squared_error");
     assert_int_equal(counts.built, 1);
     gscl_context_free(&context);

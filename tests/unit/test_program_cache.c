@@ -9,10 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <CL/cl.h>
 #include <cmocka.h>
 #include <gscl/gscl.h>
 #include <unistd.h>
+
+#include "opencl/library.h"
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -42,21 +43,16 @@ static char folder[64];
 static uint8_t *file;
 static size_t file_size;
 
-cl_int __real_clGetPlatformInfo(cl_platform_id, cl_platform_info, size_t, void *, size_t *);
-cl_int __wrap_clGetPlatformInfo(cl_platform_id, cl_platform_info, size_t, void *, size_t *);
-cl_program __real_clCreateProgramWithSource(cl_context, cl_uint, const char **, const size_t *, cl_int *);
-cl_program __wrap_clCreateProgramWithSource(cl_context, cl_uint, const char **, const size_t *, cl_int *);
-cl_program __wrap_clCreateProgramWithBinary(cl_context, cl_uint, const cl_device_id *, const size_t *,
-                                            const unsigned char **, cl_int *, cl_int *);
-cl_int __wrap_clGetProgramInfo(cl_program, cl_program_info, size_t, void *, size_t *);
+/* The functions of the library. */
+static gscl_cl_functions real;
 
-cl_int __wrap_clGetPlatformInfo(cl_platform_id platform, cl_platform_info parameter, size_t size, void *value,
-                                size_t *needed) {
+static cl_int CL_API_CALL get_platform_info(cl_platform_id platform, cl_platform_info parameter, size_t size,
+                                            void *value, size_t *needed) {
     const char *text = parameter == CL_PLATFORM_NAME && !is_pocl ? "Forgetful" : NULL;
     if (parameter == CL_PLATFORM_VERSION)
         text = driver;
     if (!text)
-        return __real_clGetPlatformInfo(platform, parameter, size, value, needed);
+        return real.clGetPlatformInfo(platform, parameter, size, value, needed);
     if (needed)
         *needed = strlen(text) + 1;
     if (value && size < strlen(text) + 1)
@@ -66,11 +62,11 @@ cl_int __wrap_clGetPlatformInfo(cl_platform_id platform, cl_platform_info parame
     return CL_SUCCESS;
 }
 
-cl_program __wrap_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts,
-                                            const size_t *lengths, cl_int *error) {
+static cl_program CL_API_CALL create_with_source(cl_context context, cl_uint count, const char **texts,
+                                                 const size_t *lengths, cl_int *error) {
     assert_true(source_count < MAX_PROGRAMS && count <= MAX_FILES);
     source *s = &sources[source_count++];
-    s->program = __real_clCreateProgramWithSource(context, count, texts, lengths, error);
+    s->program = real.clCreateProgramWithSource(context, count, texts, lengths, error);
     s->count = count;
     memcpy(s->texts, texts, count * sizeof *texts);
     memcpy(s->lengths, lengths, count * sizeof *lengths);
@@ -78,9 +74,9 @@ cl_program __wrap_clCreateProgramWithSource(cl_context context, cl_uint count, c
     return s->program;
 }
 
-cl_program __wrap_clCreateProgramWithBinary(cl_context context, cl_uint count, const cl_device_id *devices,
-                                            const size_t *lengths, const unsigned char **binaries, cl_int *status,
-                                            cl_int *error) {
+static cl_program CL_API_CALL create_with_binary(cl_context context, cl_uint count, const cl_device_id *devices,
+                                                 const size_t *lengths, const unsigned char **binaries, cl_int *status,
+                                                 cl_int *error) {
     unsigned number = MAX_PROGRAMS;
     (void)devices;
     assert_int_equal(count, 1);
@@ -92,11 +88,11 @@ cl_program __wrap_clCreateProgramWithBinary(cl_context context, cl_uint count, c
         return NULL;
     source *s = &sources[number];
     from_binaries++;
-    return s->program = __real_clCreateProgramWithSource(context, s->count, s->texts, s->lengths, error);
+    return s->program = real.clCreateProgramWithSource(context, s->count, s->texts, s->lengths, error);
 }
 
-cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info parameter, size_t size, void *value,
-                               size_t *needed) {
+static cl_int CL_API_CALL get_program_info(cl_program program, cl_program_info parameter, size_t size, void *value,
+                                           size_t *needed) {
     unsigned number = source_count;
     (void)size;
     (void)needed;
@@ -110,6 +106,16 @@ cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info parameter, si
     else
         fail_msg("parameter %u", (unsigned)parameter);
     return CL_SUCCESS;
+}
+
+static void replace_functions(void) {
+    if (gscl_opencl_library())
+        return; /* there are no devices */
+    real = gscl_cl;
+    gscl_cl.clGetPlatformInfo = get_platform_info;
+    gscl_cl.clCreateProgramWithSource = create_with_source;
+    gscl_cl.clCreateProgramWithBinary = create_with_binary;
+    gscl_cl.clGetProgramInfo = get_program_info;
 }
 
 static void count_build(void *opaque, bool begins) {
@@ -260,5 +266,6 @@ int main(void) {
         cmocka_unit_test_setup(test_refused_binaries_are_built_anew, remove_cache),
         cmocka_unit_test_setup(test_unusable_folder_costs_time_only, remove_cache),
     };
+    replace_functions();
     return cmocka_run_group_tests(tests, make_file, remove_top);
 }

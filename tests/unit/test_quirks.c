@@ -12,7 +12,7 @@
 #include "fake_opencl.h"
 #include "runtime/kernel_options.h"
 #include "runtime/mapping.h"
-#include "runtime/quirks.h"
+#include "opencl/quirks.h"
 #include "synthetic_image.h"
 
 #define WIDTH 40 /* pixels: neither a multiple of a tile nor of a pixel vector */
@@ -147,5 +147,6 @@ int main(void) {
         cmocka_unit_test(test_rusticl_cpu_mapping),     cmocka_unit_test(test_rusticl_gpu_mapping),
         cmocka_unit_test(test_intel_cpu_mapping),       cmocka_unit_test(test_mesa_has_no_single_work_items),
     };
+    fake_opencl_install();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

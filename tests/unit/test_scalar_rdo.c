@@ -304,7 +304,7 @@ static void test_reused_buffers_change_nothing(void **state) {
         open_scene(&reused, contexts[m], GSF_BLEND_NORMALIZED, false, true, TRANSLUCENT);
         for (int pass = 0; pass < 8; pass++) /* enough to fill all groups, were they not emptied */
             check_call(&reused, gscl_scalar_rdo_pass(&reused.rdo, &reused.fit, &reused.coded, &settings));
-        const cl_mem weights = reused.rdo.weights.memory, codes = reused.rdo.device_codes.memory;
+        const void *weights = reused.rdo.weights.memory, *codes = reused.rdo.device_codes.memory;
         const gscl_scalar_rdo rdo = reused.rdo;
         reused.rdo = (gscl_scalar_rdo){0};
         close_scene(&reused);

@@ -181,21 +181,18 @@ static gscl_result rdo_upload(gscl_codebook_rdo *rdo) {
 static gscl_result rdo_render(gscl_codebook_rdo *rdo) {
     gscl_renderer *r = &rdo->codebook->fit->renderer;
     const size_t plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
-    const float one = 1.0f;
     GSCL_TRY(gscl_renderer_bin(r, true));
     GSCL_TRY(gscl_renderer_draw(r));
     GSCL_TRY(gscl_buffer_zero(r->context, &rdo->front, 0, plane * (size_t)r->channels));
-    GSCL_CL(r->context, clEnqueueFillBuffer(r->context->queue, rdo->transmittance.memory, &one, sizeof one, 0, plane, 0,
-                                            NULL, NULL));
-    return GSCL_OK;
+    return gscl_buffer_fill_ones(r->context, &rdo->transmittance, plane);
 }
 
 static gscl_result rdo_run_batch(gscl_codebook_rdo *rdo, size_t count) {
     gscl_codebook *c = rdo->codebook;
     gscl_renderer *r = &c->fit->renderer;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_write(r->context, &rdo->device_batch, 0, rdo->batch, count * sizeof *rdo->batch));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "word_rdo", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "word_rdo", &kernel));
     return GSCL_LAUNCH(
         r->context, kernel, count, gscl_rdo_group_size(r->context), GSCL_ARG_BUFFER(rdo->device_batch),
         GSCL_ARG_BUFFER(rdo->device_cells), GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(rdo->device_boxes),

@@ -7,21 +7,22 @@
 static gscl_result round_book(gscl_codebook *c, int which) {
     gscl_book *book = &c->books[which];
     const int32_t number = which, count = book->count, levels = (1 << book->bits) - 1;
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(c->fit->context, GSCL_PROGRAM_CODEBOOK, &c->fit->renderer.options, "book_quantise", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(
+        gscl_kernel_find(c->fit->context, GSCL_PROGRAM_CODEBOOK, &c->fit->renderer.options, "book_quantise", &kernel));
     return GSCL_LAUNCH(c->fit->context, kernel, (size_t)gscl_codebook_dims(c, which), 1, GSCL_ARG_BUFFER(book->learnt),
                        GSCL_ARG(number), GSCL_ARG(count), GSCL_ARG(levels), GSCL_ARG_BUFFER(book->stored));
 }
 
 gscl_result gscl_codebook_project(gscl_codebook *c) {
     gscl_renderer *r = &c->fit->renderer;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     gscl_float2 cell = {{(float)c->fit->pyramid.width / (float)(1 << c->position_bits),
                          (float)c->fit->pyramid.height / (float)(1 << c->position_bits)}};
     gscl_int2 last = {{(1 << c->position_bits) - 1, (1 << c->position_bits) - 1}};
     for (int b = 0; b < GSCL_BOOKS; b++)
         GSCL_TRY(round_book(c, b));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "book_apply", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_CODEBOOK, &r->options, "book_apply", &kernel));
     GSCL_TRY(GSCL_LAUNCH(r->context, kernel, gscl_groups(gscl_codebook_splats(c), GSCL_SPLATS_PER_GROUP),
                          GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(c->learnt), GSCL_ARG_BUFFER(c->indices),
                          GSCL_ARG_BUFFER(c->books[GSCL_BOOK_SHAPE].stored),
@@ -49,8 +50,8 @@ static gscl_result step_book(gscl_codebook *c, int which) {
     gscl_book *book = &c->books[which];
     gscl_fit *f = c->fit;
     const gscl_word_step_settings settings = step_settings(c, which);
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "book_step", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "book_step", &kernel));
     return GSCL_LAUNCH(f->context, kernel, (size_t)book->count, 1, GSCL_ARG_BUFFER(book->learnt),
                        GSCL_ARG_BUFFER(book->first_moment), GSCL_ARG_BUFFER(book->second_moment),
                        GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(f->gradients), GSCL_ARG(settings),
@@ -60,8 +61,8 @@ static gscl_result step_book(gscl_codebook *c, int which) {
 static gscl_result step_positions(gscl_codebook *c) {
     gscl_fit *f = c->fit;
     const gscl_word_step_settings settings = step_settings(c, GSCL_BOOK_SHAPE);
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "position_step", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "position_step", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(gscl_codebook_splats(c), GSCL_SPLATS_PER_GROUP),
                        GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(c->learnt), GSCL_ARG_BUFFER(f->first_moment),
                        GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages), GSCL_ARG_BUFFER(f->renderer.params),

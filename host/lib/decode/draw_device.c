@@ -8,6 +8,7 @@
 #include "decode/resize.h"
 #include "decode/tunables.h"
 #include "image/image.h"
+#include "runtime/queue.h"
 #include "runtime/stage_clock.h"
 
 /* Rows of a band: whole rows of tiles, as many as its samples and, where there is a callback, its work allow. */

@@ -8,6 +8,7 @@
 #include "decode/tunables.h"
 #include "image/image.h"
 #include "runtime/mapping.h"
+#include "runtime/queue.h"
 #include "runtime/vectors.h"
 
 #define PADDING_ENTRIES 8 /* after the last list: searches load vectors of entries */
@@ -95,8 +96,8 @@ gscl_result gscl_renderer_set_splats_async(gscl_renderer *r, const float *params
                                            const float *background) {
     r->count = 0;
     GSCL_TRY(gscl_renderer_reserve(r, count));
-    GSCL_TRY(gscl_buffer_write_async(r->context, &r->params, params, count * GSCL_PARAMS * sizeof(float)));
-    GSCL_TRY(gscl_buffer_write_async(r->context, &r->background, background, (size_t)r->channels * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_async(r->context, &r->params, 0, params, count * GSCL_PARAMS * sizeof(float)));
+    GSCL_TRY(gscl_buffer_write_async(r->context, &r->background, 0, background, (size_t)r->channels * sizeof(float)));
     r->count = (int32_t)count;
     return GSCL_OK;
 }
@@ -123,8 +124,8 @@ gscl_result gscl_renderer_set_steps(gscl_renderer *r, const float *steps) {
 }
 
 gscl_result gscl_renderer_project(gscl_renderer *r) {
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "project", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_RENDER, &r->options, "project", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                        gscl_splat_group_size(r->context, GSCL_PROGRAM_RENDER), GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(r->count), GSCL_ARG(r->view), GSCL_ARG_BUFFER(r->projected),
@@ -170,11 +171,11 @@ static gscl_result set_row_capacity(gscl_renderer *r, size_t capacity) {
 static gscl_result list_bands(gscl_renderer *r, int32_t *band_rows) {
     const int32_t rows = r->view.tiles_y;
     int32_t bands = rows < gscl_decode_tunables.max_bands ? rows : gscl_decode_tunables.max_bands;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     *band_rows = (rows + bands - 1) / bands;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(int32_t)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(int32_t)));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_band_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
                        GSCL_ARG(r->count), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
                        GSCL_ARG_BUFFER(r->listed_counts));
@@ -182,8 +183,8 @@ static gscl_result list_bands(gscl_renderer *r, int32_t *band_rows) {
 
 /* Fills the lists by a work-item for each row of tiles. */
 static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
                        GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids), GSCL_ARG(settings),
@@ -194,13 +195,13 @@ static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings, const 
 /* Fills the lists by a work-group for each tile. */
 static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
     const size_t tiles = gscl_renderer_tiles(r), group = gscl_bin_group_size(r->context);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, tiles * sizeof(int32_t)));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_count", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_count", &kernel));
     GSCL_TRY(GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
                          GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
                          GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->tile_counts)));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
     return GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
                        GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids), GSCL_ARG(settings),
@@ -266,10 +267,10 @@ gscl_result gscl_renderer_reserve_image(gscl_renderer *r) {
 }
 
 gscl_result gscl_renderer_draw(gscl_renderer *r) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const gscl_image_shape shape = gscl_renderer_shape(r);
     GSCL_TRY(gscl_renderer_reserve_image(r));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_forward", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_forward", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image), GSCL_ARG(shape));
@@ -282,9 +283,9 @@ gscl_result gscl_renderer_render(gscl_renderer *r) {
 }
 
 static gscl_result launch_samples(gscl_renderer *r, gscl_sample_layout layout) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const gscl_image_shape shape = gscl_renderer_shape(r);
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_samples", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_RENDER, &r->options, "raster_samples", &kernel));
     return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                        GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG(shape), GSCL_ARG(layout), GSCL_ARG_BUFFER(r->samples));

@@ -5,8 +5,8 @@
 
 #include "cl/structs.h"
 #include "runtime/mapping.h"
-#include "runtime/opencl.h"
-#include "runtime/programs.h"
+#include "runtime/buffer.h"
+#include "runtime/launch.h"
 #include "runtime/staging.h"
 
 /* The links of splats to their entries in the lists of the tiles (cl/links.cl). */

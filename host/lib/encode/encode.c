@@ -10,7 +10,7 @@
 #include "encode/psnr_search.h"
 #include "encode/settings.h"
 #include "encode/tunables.h"
-#include "runtime/prefetch.h"
+#include "runtime/launch.h"
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
 #include "scalar/encode_scalar.h"

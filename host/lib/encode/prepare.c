@@ -5,7 +5,7 @@
 #include "decode/blend.h"
 #include "decode/quantise.h"
 #include "encode/tunables.h"
-#include "runtime/prefetch.h"
+#include "runtime/launch.h"
 #include "session/effects.h"
 
 /* The header of the image, still without effects (gscl_effects_set_header). */

@@ -24,7 +24,7 @@ static float non_flat_area(const gscl_fit *f) {
  * those that are not 0. */
 static gscl_result launch_box_sum(gscl_fit *f, gscl_placement_settings settings, int32_t radius, int32_t flags) {
     const size_t width = (size_t)settings.width, height = (size_t)settings.height;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->row_sums, width * height * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "box_rows", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel,
@@ -39,7 +39,7 @@ static gscl_result launch_box_sum(gscl_fit *f, gscl_placement_settings settings,
 
 static gscl_result launch_edge_strength(gscl_fit *f, gscl_placement_settings settings) {
     const size_t pixels = gscl_fit_level_pixels(f);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "edge_strength", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
@@ -48,7 +48,7 @@ static gscl_result launch_edge_strength(gscl_fit *f, gscl_placement_settings set
 
 /* Makes the density of the first splats. */
 static gscl_result seed_density(gscl_fit *f, gscl_placement_settings settings) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(launch_edge_strength(f, settings));
     GSCL_TRY(gscl_fit_sum_error(f));
     if (settings.has_background) {

@@ -7,6 +7,7 @@
 #include "cl/constants.h"
 #include "fit/ssim_weights.h"
 #include "fit/tunables.h"
+#include "runtime/queue.h"
 #include "runtime/timing.h"
 
 #define SSIM_WEIGHT 0.5f /* paper, section 3.4 */
@@ -48,7 +49,7 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
         return gscl_fail_memory(context);
     f->reading->control.log_max = f->limits.log_max;
     GSCL_TRY(gscl_buffer_reserve(context, &f->control, sizeof f->reading->control));
-    GSCL_TRY(gscl_buffer_write_async(context, &f->control, &f->reading->control, sizeof f->reading->control));
+    GSCL_TRY(gscl_buffer_write_async(context, &f->control, 0, &f->reading->control, sizeof f->reading->control));
     GSCL_TRY(gscl_pyramid_create(&f->pyramid, context, width, height, first_level, f->renderer.channels,
                                  options->weighted, planes));
     if (options->weighted == GSCL_WEIGHTED_PIXELS)

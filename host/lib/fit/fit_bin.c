@@ -3,6 +3,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/tunables.h"
+#include "runtime/queue.h"
 
 /* Floats of a slot. */
 static size_t slot_size(const gscl_fit *f) {
@@ -14,9 +15,9 @@ static size_t slot_size(const gscl_fit *f) {
 static gscl_result count_links(gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
     const size_t blocks = gscl_groups((size_t)r->count, GSCL_LINK_BLOCK), items = gscl_link_group_size(f->context);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->block_links, blocks * sizeof(int64_t)));
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_BIN, &r->options, "count_links", &kernel));
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_BIN, &r->options, "count_links", &kernel));
     return GSCL_LAUNCH(f->context, kernel, blocks, items, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
                        GSCL_ARG_BUFFER(f->block_links));
 }
@@ -28,13 +29,13 @@ static gscl_result number_links(gscl_fit *f) {
     const bool has_blocks = r->count > gscl_fit_tunables.max_counted_at_once;
     const int32_t block = has_blocks ? GSCL_LINK_BLOCK : r->count + 1;
     const size_t groups = gscl_groups((size_t)r->count, gscl_link_splats(f->context));
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.grids, (size_t)r->count * sizeof(gscl_link_grid)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.links, f->link_capacity * sizeof(int32_t)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->links_needed, sizeof f->reading->links));
     if (has_blocks)
         GSCL_TRY(count_links(f));
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_BIN, &r->options, "number_links", &kernel));
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_BIN, &r->options, "number_links", &kernel));
     return GSCL_LAUNCH(f->context, kernel, groups, gscl_link_group_size(f->context), GSCL_ARG_BUFFER(r->boxes),
                        GSCL_ARG(r->count), GSCL_ARG(block), GSCL_ARG_BUFFER(f->block_links), GSCL_ARG(capacity),
                        GSCL_ARG_BUFFER(f->links.grids), GSCL_ARG_BUFFER(f->links.links),

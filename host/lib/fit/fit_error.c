@@ -1,6 +1,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/tunables.h"
+#include "runtime/queue.h"
 
 #define PIXELS_OF_GROUP 1024 /* at least, of those that a work-group adds up */
 #define MAX_GROUPS 1024      /* whose sums the last work-group adds up */
@@ -8,7 +9,7 @@
 gscl_result gscl_fit_sum_loss(gscl_fit *f) {
     const int32_t tiles = (int32_t)gscl_renderer_tiles(&f->renderer);
     const float scale = 1.0f / ((float)gscl_renderer_plane(&f->renderer) * (float)f->renderer.channels);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_image_kernel(f->context, "sum_loss", &kernel));
     return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
                        GSCL_ARG(scale), GSCL_ARG_BUFFER(f->control));
@@ -26,7 +27,7 @@ gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
 
 /* Writes the squared error of each pixel of the rendering against the level's target. */
 static gscl_result launch_error(gscl_fit *f) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const size_t pixels = gscl_fit_level_pixels(f);
     const int32_t channels = f->renderer.channels, weighted = f->renderer.options.weighted, count = (int32_t)pixels;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
@@ -80,7 +81,7 @@ static sum_parts parts_of(size_t pixels) {
 static gscl_result launch_sum_groups(gscl_fit *f, sum_parts parts, const gscl_buffer *added, gscl_buffer *to) {
     const float factor = added ? 2.0f : 0.0f;
     const gscl_buffer *other = added ? added : &f->error_sums;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, to, sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_groups", &kernel));
     return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error_sums), GSCL_ARG(parts.groups),
@@ -89,7 +90,7 @@ static gscl_result launch_sum_groups(gscl_fit *f, sum_parts parts, const gscl_bu
 
 gscl_result gscl_fit_sum_error(gscl_fit *f) {
     const sum_parts parts = parts_of(gscl_fit_level_pixels(f));
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_plane", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error),
@@ -101,7 +102,7 @@ gscl_result gscl_fit_sum_error(gscl_fit *f) {
 static gscl_result launch_sum(gscl_fit *f, const error_sum *s) {
     const sum_parts parts = parts_of(gscl_pyramid_pixels(&f->pyramid, s->level));
     const int32_t channels = f->renderer.channels;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_squared_error", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(*s->planes),

@@ -8,8 +8,8 @@
  * writes the gradient slots. */
 static gscl_result launch_tiles(gscl_fit *f, const gscl_buffer *target) {
     gscl_renderer *r = &f->renderer;
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_FIT, &r->options, "fit_tiles", &kernel));
     /* A level has 4^level fewer pixels to add up, of which one in row_step is drawn. */
     const gscl_fit_settings settings = {.shape = gscl_renderer_shape(r),
                                         .row_step = r->row_step,
@@ -52,8 +52,8 @@ static gscl_result launch_gather(gscl_fit *f) {
     gscl_renderer *r = &f->renderer;
     const gscl_gather_settings settings = gather_settings(f);
     const slot_groups groups = slot_groups_of(f, GSCL_PROGRAM_GRADIENTS);
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "gather_gradients", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "gather_gradients", &kernel));
     return GSCL_LAUNCH(f->context, kernel, groups.count, groups.size, GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->projected),
                        GSCL_ARG_BUFFER(f->links.grids), GSCL_ARG_BUFFER(f->links.links),
@@ -64,8 +64,8 @@ static gscl_result launch_gather(gscl_fit *f) {
 static gscl_result launch_step(gscl_fit *f, gscl_gather_settings drawn, gscl_adam_settings settings) {
     gscl_renderer *r = &f->renderer;
     const slot_groups groups = slot_groups_of(f, GSCL_PROGRAM_FIT);
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_FIT, &r->options, "step_splats", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_FIT, &r->options, "step_splats", &kernel));
     return GSCL_LAUNCH(f->context, kernel, groups.count, groups.size, GSCL_ARG_BUFFER(r->params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
                        GSCL_ARG_BUFFER(r->steps), GSCL_ARG(drawn), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control),
@@ -77,8 +77,8 @@ static gscl_result launch_step(gscl_fit *f, gscl_gather_settings drawn, gscl_ada
 gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
     gscl_renderer *r = &f->renderer;
     const gscl_adam_settings settings = adam_settings(f, rate);
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "adam_step", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_GRADIENTS, &r->options, "adam_step", &kernel));
     return GSCL_LAUNCH(f->context, kernel, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                        gscl_splat_group_size(f->context, GSCL_PROGRAM_GRADIENTS), GSCL_ARG_BUFFER(*params),
                        GSCL_ARG_BUFFER(f->first_moment), GSCL_ARG_BUFFER(f->second_moment), GSCL_ARG_BUFFER(f->ages),
@@ -122,7 +122,7 @@ static gscl_result bin_and_check(gscl_fit *f) {
                                                 has_loss ? gscl_tile_skip_share(r->channels, non_flat_tiles(f)) : 0,
                                             .splats = r->count,
                                             .low_height = low_height};
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     if (has_loss)
         GSCL_TRY(gscl_fit_sum_loss(f));
     GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths || f->steps_since_wait >= wait_interval(f)));

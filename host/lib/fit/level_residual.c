@@ -35,7 +35,7 @@ static size_t block_means(const float *map, size_t width, size_t height, float *
 /* Reads the residual of each pixel of the next smaller level. */
 static gscl_result read_residual(gscl_fit *f, int level, float *map) {
     const gscl_pyramid *p = &f->pyramid;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     int32_t width = (int32_t)gscl_pyramid_width(p, level), height = (int32_t)gscl_pyramid_height(p, level);
     int32_t channels = p->channels;
     size_t pixels = gscl_pyramid_pixels(p, level + 1);

@@ -30,7 +30,7 @@ gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
 /* Sums the density over the columns of the walk, each with those before it. */
 static gscl_result add_up_columns(gscl_fit *f, gscl_placement_settings settings) {
     const size_t columns = (size_t)settings.columns, groups = gscl_groups(columns, COLUMNS_OF_GROUP);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->column_weights, columns * sizeof(uint64_t)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->group_weights, groups * sizeof(uint64_t)));
     GSCL_TRY(gscl_image_kernel(f->context, "weigh_columns", &kernel));
@@ -45,7 +45,7 @@ static gscl_result add_up_columns(gscl_fit *f, gscl_placement_settings settings)
 gscl_result gscl_placement_append(gscl_fit *f, gscl_placement_settings settings, uint64_t *random) {
     const size_t count = (size_t)settings.count;
     const uint64_t seed = *random;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     gscl_random_skip(random, GSCL_PLACEMENT_DRAWS * (uint64_t)count);
     GSCL_TRY(add_up_columns(f, settings));
     GSCL_TRY(gscl_fit_begin_append(f, count));

@@ -15,14 +15,14 @@ size_t gscl_pyramid_pixels(const gscl_pyramid *p, int level) {
     return (size_t)gscl_pyramid_width(p, level) * gscl_pyramid_height(p, level);
 }
 
-gscl_result gscl_image_kernel(gscl_context *context, const char *name, cl_kernel *kernel) {
+gscl_result gscl_image_kernel(gscl_context *context, const char *name, gscl_kernel **kernel) {
     static const gscl_kernel_options none;
-    return gscl_kernel(context, GSCL_PROGRAM_IMAGE, &none, name, kernel);
+    return gscl_kernel_find(context, GSCL_PROGRAM_IMAGE, &none, name, kernel);
 }
 
 gscl_result gscl_pyramid_halve(const gscl_pyramid *p, int level, size_t channel, const gscl_buffer *from,
                                const gscl_buffer *to) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_image_kernel(p->context, "halve", &kernel));
     int32_t from_width = (int32_t)gscl_pyramid_width(p, level), from_height = (int32_t)gscl_pyramid_height(p, level);
     int32_t width = (int32_t)gscl_pyramid_width(p, level + 1), height = (int32_t)gscl_pyramid_height(p, level + 1);

@@ -2,7 +2,7 @@
 #ifndef GSCL_LIB_FIT_PYRAMID_H
 #define GSCL_LIB_FIT_PYRAMID_H
 
-#include "runtime/opencl.h"
+#include "runtime/launch.h"
 
 #define GSCL_MAX_LEVELS 15 /* 16384 pixels down to 1 */
 
@@ -39,7 +39,7 @@ gscl_result gscl_pyramid_halve(const gscl_pyramid *pyramid, int level, size_t ch
                                const gscl_buffer *to);
 
 /* A kernel of cl/image.cl, whose program has no options. */
-gscl_result gscl_image_kernel(gscl_context *context, const char *name, cl_kernel *kernel);
+gscl_result gscl_image_kernel(gscl_context *context, const char *name, gscl_kernel **kernel);
 /* Work-items of a group of these kernels, which take one pixel each. */
 #define GSCL_IMAGE_GROUP 64
 

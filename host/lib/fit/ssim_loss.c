@@ -29,8 +29,8 @@ static size_t ssim_groups(const gscl_context *context, const gscl_ssim_shape *sh
 }
 
 static gscl_result ssim_kernel(gscl_context *context, const gscl_kernel_options *options, const char *name,
-                               cl_kernel *kernel) {
-    return gscl_kernel(context, GSCL_PROGRAM_SSIM, options, name, kernel);
+                               gscl_kernel **kernel) {
+    return gscl_kernel_find(context, GSCL_PROGRAM_SSIM, options, name, kernel);
 }
 
 /* Makes room for the maps.  Their margins are zeros, which kernels never overwrite. */
@@ -52,7 +52,7 @@ static gscl_result ssim_reserve(gscl_ssim *s, gscl_context *context, const gscl_
 /* Horizontal sums of the moments of two images. */
 static gscl_result ssim_blur_rows(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options,
                                   const gscl_ssim_shape *shape, const gscl_buffer *first, const gscl_buffer *second) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(ssim_kernel(context, options, "ssim_blur_rows", &kernel));
     GSCL_TRY(ssim_reserve(s, context, shape));
     return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(*first),
@@ -62,7 +62,7 @@ static gscl_result ssim_blur_rows(gscl_ssim *s, gscl_context *context, const gsc
 /* Blurs the maps along y; the sums replace the moments. */
 static gscl_result ssim_blur_columns(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options,
                                      const gscl_ssim_shape *shape) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(ssim_kernel(context, options, "ssim_blur_columns", &kernel));
     return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(s->maps), GSCL_ARG(*shape),
                        GSCL_ARG_BUFFER(s->moments));
@@ -72,7 +72,7 @@ static gscl_result ssim_blur_columns(gscl_ssim *s, gscl_context *context, const 
 static gscl_result ssim_finish(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options,
                                const gscl_ssim_shape *shape, const gscl_buffer *rendering, const gscl_buffer *target,
                                float weight, gscl_buffer *derivative) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     float pixels = (float)shape->width * (float)shape->height;
     bool has_windows = shape->width >= WINDOW && shape->height >= WINDOW;
     float windows = (float)(shape->width - WINDOW + 1) * (float)(shape->height - WINDOW + 1);
@@ -90,7 +90,7 @@ gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl
                                  int height, const gscl_buffer *rendering, const gscl_buffer *target, float weight,
                                  gscl_buffer *derivative) {
     const gscl_ssim_shape shape = ssim_shape(options, width, height);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(ssim_blur_rows(s, context, options, &shape, rendering, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_window_derivatives", &kernel));
     GSCL_TRY(GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), GROUP, GSCL_ARG_BUFFER(s->moments),
@@ -103,7 +103,7 @@ gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl
 static gscl_result ssim_evaluate(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options,
                                  const gscl_ssim_shape *shape, const gscl_buffer *rendering,
                                  const gscl_buffer *target) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const int32_t has_rendering = rendering != NULL;
     GSCL_TRY(ssim_blur_rows(s, context, options, shape, rendering ? rendering : target, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_evaluate_windows", &kernel));
@@ -117,7 +117,7 @@ gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_ke
                               gscl_buffer *weights) {
     const gscl_ssim_shape shape = ssim_shape(options, width, height);
     const int32_t has_rendering = rendering != NULL;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(ssim_evaluate(s, context, options, &shape, rendering, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_weights", &kernel));
     GSCL_TRY(gscl_buffer_reserve_image(context, weights, (size_t)width * (size_t)height * sizeof(float)));
@@ -128,7 +128,7 @@ gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_ke
 gscl_result gscl_ssim_contrast_gains(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
                                      int height, gscl_buffer *gains) {
     const gscl_ssim_shape shape = ssim_shape(options, width, height);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     size_t plane = (size_t)width * (size_t)height * sizeof(float);
     GSCL_TRY(ssim_kernel(context, options, "ssim_contrast_gains", &kernel));
     GSCL_TRY(gscl_buffer_reserve_image(context, gains, 2 * (size_t)shape.channels * plane));

@@ -3,8 +3,8 @@
 #ifndef GSCL_LIB_SSIM_LOSS_H
 #define GSCL_LIB_SSIM_LOSS_H
 
-#include "runtime/opencl.h"
-#include "runtime/programs.h"
+#include "runtime/buffer.h"
+#include "runtime/launch.h"
 
 /* Padded maps of all channels, kept between calls for images of the same size. */
 typedef struct gscl_ssim {

@@ -13,7 +13,7 @@
 static gscl_result weights_add(const gscl_pyramid *p, gscl_ssim *ssim, const gscl_kernel_options *options, int level,
                                const gscl_buffer *rendering, float share, const gscl_buffer *planes) {
     gscl_buffer part = {0};
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const gscl_enlargement enlargement = {.from_width = (int32_t)gscl_pyramid_width(p, level),
                                           .from_height = (int32_t)gscl_pyramid_height(p, level),
                                           .width = (int32_t)gscl_pyramid_width(p, p->first_level),
@@ -51,7 +51,7 @@ gscl_result gscl_weights_build(const gscl_pyramid *p, gscl_ssim *ssim, const gsc
 static gscl_result raise_contrast(const gscl_pyramid *p, const gscl_buffer *gains, const gscl_buffer *adapted) {
     int32_t channels = p->channels, width = (int32_t)gscl_pyramid_width(p, p->first_level),
             height = (int32_t)gscl_pyramid_height(p, p->first_level);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(gscl_image_kernel(p->context, "raise_contrast", &kernel));
     return GSCL_LAUNCH(p->context, kernel, gscl_groups(gscl_pyramid_pixels(p, p->first_level), GSCL_IMAGE_GROUP),
                        GSCL_IMAGE_GROUP, GSCL_ARG_BUFFER(p->levels[p->first_level]), GSCL_ARG_BUFFER(*gains),

@@ -3,7 +3,7 @@
 #define GSCL_LIB_FIT_TILE_SKIP_H
 
 #include "cl/structs.h"
-#include "runtime/opencl.h"
+#include "runtime/buffer.h"
 
 typedef struct gscl_tile_skip {
     gscl_buffer skip_until; /* for each tile (int32_t) the step with which it is computed again, or 0 */

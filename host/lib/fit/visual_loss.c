@@ -73,8 +73,8 @@ static int last_scale(const gscl_visual_comparison *c) {
     return last;
 }
 
-static gscl_result find_kernel(const visual_step *s, const char *name, cl_kernel *kernel) {
-    return gscl_kernel(s->context, GSCL_PROGRAM_VISUAL, s->comparison->options, name, kernel);
+static gscl_result find_kernel(const visual_step *s, const char *name, gscl_kernel **kernel) {
+    return gscl_kernel_find(s->context, GSCL_PROGRAM_VISUAL, s->comparison->options, name, kernel);
 }
 
 static size_t pixel_groups(const visual_step *s) {
@@ -96,7 +96,7 @@ static gscl_result make_first_luminance(const visual_step *s, const gscl_buffer 
     const gscl_visual_comparison *c = s->comparison;
     const int32_t width = (int32_t)gscl_pyramid_width(c->pyramid, c->level);
     const int32_t height = (int32_t)gscl_pyramid_height(c->pyramid, c->level);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     if (s->scale == c->level) {
         GSCL_TRY(find_kernel(s, "visual_luminance", &kernel));
         return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(*planes), GSCL_ARG(s->shape),
@@ -128,7 +128,7 @@ static gscl_result make_luminance(gscl_visual *v, const gscl_visual_comparison *
 }
 
 static gscl_result make_luma(const visual_step *s, gscl_buffer *luma) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(reserve_padded(s, luma, 1));
     GSCL_TRY(find_kernel(s, "visual_luma", &kernel));
     return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(s->buffers->luminance),
@@ -136,7 +136,7 @@ static gscl_result make_luma(const visual_step *s, gscl_buffer *luma) {
 }
 
 static gscl_result blur_rows(const visual_step *s, const gscl_buffer *luma) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(reserve_padded(s, &s->buffers->rows, 4));
     GSCL_TRY(find_kernel(s, "visual_blur_rows", &kernel));
     return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(*luma),
@@ -147,7 +147,7 @@ static gscl_result blur_rows(const visual_step *s, const gscl_buffer *luma) {
 
 /* Its mean and its variance. */
 static gscl_result make_statistics(const visual_step *s) {
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(blur_rows(s, &s->buffers->target));
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &s->buffers->statistics, 2 * plain_bytes(s)));
     GSCL_TRY(find_kernel(s, "visual_statistics", &kernel));
@@ -184,7 +184,7 @@ static gscl_visual_weights weights_of(const visual_step *s) {
 /* The terms of a scale, their sums, and what the derivative by each map's values is. */
 static gscl_result sum_terms(const visual_step *s) {
     gscl_visual *v = s->visual;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const gscl_visual_comparison *c = s->comparison;
     const gscl_visual_weights weights = weights_of(s);
     const float unit = c->share * (float)gscl_pyramid_pixels(c->pyramid, c->level) / 2000.0f;
@@ -204,7 +204,7 @@ static gscl_result sum_terms(const visual_step *s) {
 /* The derivatives by what the terms are made of, blurred along rows. */
 static gscl_result differentiate_terms(const visual_step *s) {
     gscl_visual *v = s->visual;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(reserve_padded(s, &s->buffers->maps, 4));
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->direct, 2 * plain_bytes(s)));
     GSCL_TRY(find_kernel(s, "visual_maps", &kernel));
@@ -220,7 +220,7 @@ static gscl_result differentiate_terms(const visual_step *s) {
 /* The derivative by the luminance of a scale, with those of smaller scales. */
 static gscl_result differentiate_scale(const visual_step *s, bool has_smaller) {
     gscl_visual *v = s->visual;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     const bool has_terms = s->scale >= first_scale(s->comparison);
     const int32_t has = (has_terms ? 1 : 0) | (has_smaller ? 2 : 0); /* HAS_TERMS, HAS_SMALLER */
     const gscl_buffer *buffers[] = {&s->buffers->rows, &v->direct, &s->buffers->luma, &s->buffers->target,
@@ -265,7 +265,7 @@ gscl_result gscl_visual_derivative(gscl_visual *v, const gscl_visual_comparison 
     const visual_step s = step_of(v, c, c->level);
     const size_t channels = (size_t)c->pyramid->channels;
     const int32_t is_half = largest_scale(c) > c->level;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(differentiate(v, c));
     GSCL_TRY(gscl_buffer_reserve_image(s.context, derivative, channels * plain_bytes(&s)));
     GSCL_TRY(find_kernel(&s, "visual_derivative", &kernel));
@@ -279,7 +279,7 @@ gscl_result gscl_visual_model(gscl_visual *v, const gscl_visual_comparison *c, f
     const visual_step s = step_of(v, c, c->level);
     const int32_t is_half = largest_scale(c) > c->level;
     const float share = curvature;
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     GSCL_TRY(differentiate(v, c));
     GSCL_TRY(find_kernel(&s, "visual_model", &kernel));
     return GSCL_LAUNCH(s.context, kernel, pixel_groups(&s), GROUP,

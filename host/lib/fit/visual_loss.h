@@ -9,7 +9,7 @@
 
 #include "cl/structs.h"
 #include "fit/pyramid.h"
-#include "runtime/programs.h"
+#include "runtime/launch.h"
 
 /* Scales are 1, 1/2, ... 1/16; the sixth of SSIMULACRA 2 has next to no weight. */
 #define GSCL_VISUAL_SCALES 5

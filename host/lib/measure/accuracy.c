@@ -52,16 +52,16 @@ static gscl_result draw_double(variant_set *b) {
     gscl_renderer *r = &b->renderer;
     gscl_kernel_options options = r->options;
     const gscl_image_shape shape = gscl_renderer_shape(r);
-    cl_kernel project, raster;
+    gscl_kernel *project, *raster;
     options.is_double = 1;
     options.shape = GSCL_SHAPE_ROTATED; /* project_double makes splats of this shape only */
     GSCL_TRY(gscl_renderer_project(r));
     GSCL_TRY(gscl_renderer_bin(r, true));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_double", &project));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_ACCURACY, &options, "project_double", &project));
     GSCL_TRY(GSCL_LAUNCH(r->context, project, gscl_groups((size_t)r->count, GSCL_SPLATS_PER_GROUP),
                          GSCL_SPLATS_PER_GROUP, GSCL_ARG_BUFFER(r->params), GSCL_ARG(r->count),
                          GSCL_ARG_BUFFER(b->projected)));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_ACCURACY, &options, "raster_forward", &raster));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_ACCURACY, &options, "raster_forward", &raster));
     return GSCL_LAUNCH(r->context, raster, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                        GSCL_ARG_BUFFER(b->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                        GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(b->image), GSCL_ARG(shape));
@@ -148,16 +148,10 @@ static void add_exponentials(variant_set *b) {
             ->exponential = i;
 }
 
-static bool has_double(const gscl_context *context) {
-    cl_device_fp_config config = 0;
-    clGetDeviceInfo(context->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL);
-    return config != 0;
-}
-
 static gscl_result add_precisions(variant_set *b) {
     gscl_context *context = b->subject->context;
     add_variant(b, b->exact, "precision", "float32", 32, true);
-    if (!has_double(context))
+    if (!context->backend->has_double(context))
         return GSCL_OK;
     add_variant(b, b->exact, "precision", "float64", 64, false)->is_double = 1;
     GSCL_TRY(gscl_buffer_reserve(context, &b->projected, b->subject->count * GSCL_PROJECTED * sizeof(double)));

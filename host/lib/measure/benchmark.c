@@ -95,9 +95,9 @@ static void report_samples(bench *b, const char *name, double work, double flop)
 static gscl_result run_multiply_add(bench *b, void *opaque) {
     const gscl_buffer *sums = opaque;
     const gscl_kernel_options options = {.colours = 1};
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     float factor = 0.999f;
-    GSCL_TRY(gscl_kernel(b->context, GSCL_PROGRAM_BENCHMARK, &options, "multiply_add", &kernel));
+    GSCL_TRY(gscl_kernel_find(b->context, GSCL_PROGRAM_BENCHMARK, &options, "multiply_add", &kernel));
     return GSCL_LAUNCH(b->context, kernel, gscl_measure_tunables.multiply_add_items / GROUP_SIZE, GROUP_SIZE,
                        GSCL_ARG(factor), GSCL_ARG_BUFFER(*sums));
 }
@@ -105,8 +105,8 @@ static gscl_result run_multiply_add(bench *b, void *opaque) {
 static gscl_result run_copy(bench *b, void *opaque) {
     const gscl_buffer *buffers = opaque;
     const gscl_kernel_options options = {.colours = 1};
-    cl_kernel kernel;
-    GSCL_TRY(gscl_kernel(b->context, GSCL_PROGRAM_BENCHMARK, &options, "copy", &kernel));
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(b->context, GSCL_PROGRAM_BENCHMARK, &options, "copy", &kernel));
     size_t items = gscl_measure_tunables.copy_bytes / sizeof(float) / (size_t)gscl_mapping_lanes(b->context);
     return GSCL_LAUNCH(b->context, kernel, items / GROUP_SIZE, GROUP_SIZE, GSCL_ARG_BUFFER(buffers[0]),
                        GSCL_ARG_BUFFER(buffers[1]));

@@ -2,7 +2,7 @@
 #ifndef GSCL_LIB_REFERENCE_H
 #define GSCL_LIB_REFERENCE_H
 
-#include "runtime/programs.h"
+#include "runtime/launch.h"
 
 #define GSCL_REFERENCE_NO_CUT 40.0 /* as `support`: Gaussians below exp(-40) do not change a sum in double precision */
 

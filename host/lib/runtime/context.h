@@ -1,5 +1,4 @@
-/* The library's context: a device, its queue, its kernels, and the text of the last error.  This header does without those
- * of OpenCL, so that decoding can be built without them: cl_context is a pointer to struct _cl_context, and so on. */
+/* The library's context: a device, what is known of its work, and the text of the last error. */
 #ifndef GSCL_LIB_CONTEXT_H
 #define GSCL_LIB_CONTEXT_H
 
@@ -10,11 +9,10 @@
 
 #define GSCL_MESSAGE_SIZE 512
 
-struct gscl_program;  /* program.h */
-struct gscl_prefetch; /* prefetch.c */
-struct gscl_timings;  /* timing.c */
-struct gscl_parked;   /* opencl.c */
-struct gscl_quirks;   /* quirks.h */
+struct gscl_backend;     /* backend.h */
+struct gscl_work_shapes; /* mapping.h */
+struct gscl_timings;     /* timing.c */
+struct gscl_parked;      /* queue.c */
 
 /* Wall-clock time and number of runs of one stage. */
 typedef struct gscl_stage_time_sum {
@@ -32,34 +30,23 @@ typedef struct gscl_stage_clock {
     gscl_stage_time_sum sums[GSCL_STAGE_COUNT];
 } gscl_stage_clock;
 
-#define GSCL_MAX_UNLAUNCHED 64
-
 struct gscl_context {
-    struct _cl_platform_id *platform; /* these four are NULL where is_host */
-    struct _cl_device_id *device;
-    struct _cl_context *cl;
-    struct _cl_command_queue *queue;
+    const struct gscl_backend *backend; /* the implementation of the device; NULL where is_host */
+    void *device;                       /* its state; NULL where is_host */
     gscl_device_info info;
-    const struct gscl_quirks *quirks; /* of the OpenCL implementation; NULL where is_host */
-    bool is_open;                     /* gscl_context_create succeeded */
-    bool is_host;                     /* the device "host": decodes without OpenCL */
-    bool is_cpu;                      /* the device is a CPU */
-    bool gpu_mapping;                 /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
-    struct gscl_program *programs;    /* built so far, a list */
-    struct gscl_prefetch *prefetch;   /* programs that another thread builds, or NULL */
-    bool own_builtins;                /* programs declare built-in functions with cl/builtins.h (program.c) */
-    char *cache_folder;               /* where built programs are kept (program_cache.h), or NULL */
-    gscl_build_callback build;        /* may be NULL */
+    bool is_open;                          /* gscl_context_create succeeded */
+    bool is_host;                          /* the device "host": decodes without OpenCL */
+    bool is_cpu;                           /* the device is a CPU */
+    bool gpu_mapping;                      /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
+    const struct gscl_work_shapes *shapes; /* what the implementation changes of the mappings; NULL where is_host */
+    gscl_build_callback build;             /* may be NULL */
     void *build_opaque;
-    bool has_work;           /* something was enqueued since the host last waited for the device */
-    uint64_t waits;          /* of the host for the device: calls that ended with an empty queue */
-    size_t unlaunched_count; /* kernels that the first launch may yet build */
-    struct _cl_kernel *unlaunched[GSCL_MAX_UNLAUNCHED];
+    bool has_work;  /* the device was asked for something since the host last waited for it */
+    uint64_t waits; /* of the host for the device: calls after which it had no work */
     gscl_stage_clock clock;
-    struct gscl_timings *timings;                 /* NULL unless the caller asked for timings */
-    void (*settle)(struct gscl_context *context); /* waits for the device and adds its times up; NULL where is_host */
-    struct gscl_parked *parked;                   /* memory to release later (opencl.h), or NULL */
-    void *decoder;                                /* state that is kept between decodes (decode/decode.c), or NULL */
+    struct gscl_timings *timings; /* NULL unless the caller asked for timings */
+    struct gscl_parked *parked;   /* memory to release later (queue.h), or NULL */
+    void *decoder;                /* state that is kept between decodes (decode/decode.c), or NULL */
     void (*decoder_free)(void *decoder);
     gscl_log_callback log;
     void *log_opaque;

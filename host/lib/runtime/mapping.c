@@ -1,30 +1,29 @@
 #include "runtime/mapping.h"
 
 #include "cl/constants.h"
-#include "runtime/quirks.h"
 #include "runtime/tunables.h"
 
-/* What the implementation's quirks change; 0: nothing. */
-static const gscl_work_shape *mapping_quirks(const gscl_context *context) {
-    return context->gpu_mapping ? &context->quirks->gpu : &context->quirks->cpu;
+/* What the implementation changes of the context's mapping; 0: nothing. */
+static const gscl_work_shape *mapping_shape(const gscl_context *context) {
+    return context->gpu_mapping ? &context->shapes->gpu : &context->shapes->cpu;
 }
 
 bool gscl_mapping_auto(const gscl_context *context) {
-    return !context->is_cpu || context->quirks->wide_groups;
+    return !context->is_cpu || context->shapes->wide_groups;
 }
 
 /* Whether groups have as many work-items as on a GPU where a single one could do their work. */
 static bool has_wide_groups(const gscl_context *context) {
-    return context->gpu_mapping || context->quirks->wide_groups;
+    return context->gpu_mapping || context->shapes->wide_groups;
 }
 
 int gscl_mapping_lanes(const gscl_context *context) {
-    const int lanes = mapping_quirks(context)->lanes;
+    const int lanes = mapping_shape(context)->lanes;
     return lanes ? lanes : context->gpu_mapping ? gscl_runtime_tunables.gpu_lanes : gscl_runtime_tunables.cpu_lanes;
 }
 
 int gscl_mapping_rows(const gscl_context *context) {
-    const int rows = mapping_quirks(context)->rows;
+    const int rows = mapping_shape(context)->rows;
     return rows ? rows : context->gpu_mapping ? gscl_runtime_tunables.gpu_rows : gscl_runtime_tunables.cpu_rows;
 }
 
@@ -34,7 +33,7 @@ int gscl_mapping_cached_rows(const gscl_context *context) {
 
 /* Explicit vectors take longer to build.  Only a fit runs its kernels often enough to make up for it. */
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind) {
-    const int lanes = mapping_quirks(context)->splat_lanes;
+    const int lanes = mapping_shape(context)->splat_lanes;
     const bool is_of_a_fit = kind == GSCL_PROGRAM_FIT || kind == GSCL_PROGRAM_GRADIENTS;
     if (!is_of_a_fit || context->gpu_mapping)
         return 1;

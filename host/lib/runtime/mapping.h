@@ -7,6 +7,17 @@
 
 #define GSCL_MAX_SPLAT_LANES 16
 
+/* The work of a work-item in one mapping, as in gscl_runtime_tunables.  0: the value of gscl_runtime_tunables. */
+typedef struct gscl_work_shape {
+    int lanes, rows, splat_lanes;
+} gscl_work_shape;
+
+/* What an implementation of devices changes of the mappings. */
+typedef struct gscl_work_shapes {
+    bool wide_groups; /* CPUs are like GPUs: AUTO is the GPU mapping, whose groups the other has, too */
+    gscl_work_shape cpu, gpu;
+} gscl_work_shapes;
+
 /* Whether the context's device gets the GPU mapping where none is asked for. */
 bool gscl_mapping_auto(const gscl_context *context);
 /* Pixels of a row that a work-item of this context's mapping handles at once. */

@@ -1,29 +1,26 @@
-/* The OpenCL runtime: devices, contexts, programs, buffers, launches, and times of stages and kernels.
+/* What all devices share: contexts, buffers, launches, waits, times of stages and kernels.  backend.h is the interface that an
+ * implementation of devices fills.
  *
- * It may use: nothing of the library but the sources of the kernels (cl/).
+ * It may use: nothing of the library, and of cl/ the constants.
  *
  * In the order in which to read them:
  *   context.h: the context and its error message
  *   stages.h: the names of all stages
- *   text.h, cl_names.h: texts of fixed size, names of OpenCL's errors and kernels
+ *   text.h: texts of fixed size
  *   allocate.h: memory of sizes that 32 bits may not count
- *   vectors.h: vectors in the layout of kernels
  *   stage_clock.h: times of stages
+ *   kernel_options.h, mapping.h: the options that kernels are specialised for, and how they share work
+ *   device_list.h: the devices of the machine
+ *   backend.h: what an implementation of devices does
  *   queue.h: waiting for the device
  *   timing.h: times of kernels
- *   opencl.h: checked calls, buffers, launches
+ *   buffer.h: memory of the device
+ *   launch.h: looking kernels up, and launching them
+ *   vectors.h: vectors in the layout of kernels
  *   staging.h: copies to the device without waiting
- *   quirks.h: what some OpenCL implementations need otherwise
- *   device_list.h, device.h: listing and choosing devices
- *   kernel_options.h, mapping.h, build_options.h: the options that kernels are specialised for
- *   program.h, kernel_sources.h: building a program
- *   prefetch.h: building programs ahead of their use
- *   programs.h: looking kernels up
- *   binary_store.h, binary_store_trim.h, program_cache.h: programs that are kept from process to process
  *   tunables.h: the numbers that were found by trying
  *   struct_size.h: structs of programs that were compiled with an older header
- *   open_device.h: opening the OpenCL device of a context
- *   open_context.c, result.c: the public functions */
+ *   result.c: public functions that need no context */
 #ifndef GSCL_ROOM_LIB_RUNTIME_H
 #define GSCL_ROOM_LIB_RUNTIME_H
 #endif

@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200112L
 #include "runtime/stage_clock.h"
 
+#include "runtime/queue.h"
+
 #ifdef _WIN32
 #include <windows.h>
 
@@ -24,8 +26,7 @@ gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
     gscl_stage_clock *clock = &context->clock;
     if (clock->users == 0 || clock->frozen)
         return GSCL_STAGE_NONE;
-    if (context->settle)
-        context->settle(context);
+    gscl_settle(context);
     double now = gscl_now();
     gscl_stage_id ended = clock->current;
     clock->sums[ended].seconds += now - clock->start_s;

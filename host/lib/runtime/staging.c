@@ -20,10 +20,7 @@ gscl_result gscl_buffer_write_staged(gscl_context *context, gscl_staging *stagin
     }
     memcpy(staging->memory, data, size);
     staging->waits = context->waits;
-    GSCL_CL(context, gscl_queue_note_work(context, CL_FALSE,
-                                          clEnqueueWriteBuffer(context->queue, buffer->memory, CL_FALSE, offset, size,
-                                                               staging->memory, 0, NULL, NULL)));
-    return GSCL_OK;
+    return gscl_buffer_write_async(context, buffer, offset, staging->memory, size);
 }
 
 void gscl_staging_free(gscl_context *context, gscl_staging *staging) {

@@ -2,7 +2,7 @@
 #ifndef GSCL_LIB_STAGING_H
 #define GSCL_LIB_STAGING_H
 
-#include "runtime/opencl.h"
+#include "runtime/buffer.h"
 
 /* Memory of the host from which a buffer is written.  Zeroed: empty. */
 typedef struct gscl_staging {

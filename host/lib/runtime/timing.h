@@ -5,19 +5,14 @@
 #ifndef GSCL_LIB_TIMING_H
 #define GSCL_LIB_TIMING_H
 
-#include <CL/cl.h>
 #include <gscl/measure.h>
 
 #include "runtime/stage_clock.h"
 
-/* Waits for the device and adds up the times of its kernels, where they are measured (gscl_context.settle). */
-void gscl_timing_settle(gscl_context *context);
-
-/* Where to put the event of a kernel that is being launched with `items` work-items; NULL when nothing is measured. */
-cl_event *gscl_timing_event(gscl_context *context, cl_kernel kernel, size_t items);
-
-/* Adds the time of a launch that may have built its kernel, where kernels are measured. */
-void gscl_timing_add_build(gscl_context *context, cl_kernel kernel, double seconds);
+/* The timing of a kernel that is being launched with `items` work-items; NULL where kernels are not measured. */
+gscl_timing *gscl_timing_begin(gscl_context *context, const char *kernel_name, size_t items);
+/* Adds one run of a kernel. */
+void gscl_timing_add(gscl_context *context, gscl_timing *timing, double seconds);
 
 /* Time of all kernels since the timings were reset, seconds. */
 double gscl_kernel_seconds(const gscl_context *context);

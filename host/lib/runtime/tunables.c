@@ -13,6 +13,4 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .gpu_link_items = 32,
     .gpu_slot_items = 32,
     .gpu_rdo_items = 64,
-    .found_build_s = 0.05,
-    .cache_bytes = UINT64_C(64) << 20,
 };

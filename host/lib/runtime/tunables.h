@@ -20,10 +20,6 @@ struct gscl_runtime_tunables {
                              slot */
     int gpu_rdo_items;  /* work-items: of a group that visits a splat in a rate-distortion pass, GPU mapping; a multiple
                              of 4 */
-    double found_build_s; /* seconds: a build that takes less found the program built, in a cache of the OpenCL
-                             implementation.  PoCL takes 0.001 to 0.01 s for those and 0.1 to 0.7 s for others */
-    uint64_t cache_bytes; /* bytes: all built programs in the folder of a cache; those of an encode take 0.6 MB with
-                             Intel's runtime, and each combination of effects and blends has its own */
 };
 
 extern const struct gscl_runtime_tunables gscl_runtime_tunables;

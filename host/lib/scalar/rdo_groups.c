@@ -6,6 +6,7 @@
 
 #include "cl/constants.h"
 #include "decode/ellipse.h"
+#include "runtime/queue.h"
 #include "scalar/tunables.h"
 
 #define CELL 16 /* pixels */

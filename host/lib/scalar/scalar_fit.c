@@ -7,7 +7,7 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 #include "fit/density.h"
-#include "runtime/prefetch.h"
+#include "runtime/launch.h"
 #include "runtime/timing.h"
 #include "session/encode_trace.h"
 

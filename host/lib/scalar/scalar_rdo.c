@@ -6,6 +6,7 @@
 
 #include "cl/constants.h"
 #include "runtime/mapping.h"
+#include "runtime/queue.h"
 #include "runtime/timing.h"
 #include "scalar/rdo_tables.h"
 #include "scalar/tunables.h"
@@ -17,7 +18,7 @@ typedef struct rdo_pass {
     gscl_coded_image *coded;
     size_t count; /* splats before the pass */
     float background[4];
-    cl_kernel visit;
+    gscl_kernel *visit;
     gscl_rdo_pass shared;
 } rdo_pass;
 
@@ -75,7 +76,7 @@ static gscl_result rdo_draw(rdo_pass *p) {
     gscl_renderer *r = &p->fit->renderer;
     const gscl_image_shape shape = gscl_renderer_shape(r);
     const size_t plane = (size_t)gscl_renderer_plane(r) * sizeof(float);
-    cl_kernel kernel;
+    gscl_kernel *kernel;
     gscl_fit_release_scratch(p->fit);
     GSCL_TRY(gscl_renderer_set_steps(r, NULL));
     GSCL_TRY(gscl_fit_replace(p->fit, rdo->params, p->count, p->background));
@@ -83,7 +84,7 @@ static gscl_result rdo_draw(rdo_pass *p) {
     GSCL_TRY(gscl_renderer_begin_lengths(r));
     GSCL_TRY(gscl_renderer_reserve_image(r));
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->weights, plane));
-    GSCL_TRY(gscl_kernel(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_begin", &kernel));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_begin", &kernel));
     GSCL_TRY(GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_tile_group_size(r->context),
                          GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
                          GSCL_ARG_BUFFER(r->background), GSCL_ARG_BUFFER(r->image), GSCL_ARG_BUFFER(rdo->weights),
@@ -125,7 +126,7 @@ static gscl_result rdo_visit_all(rdo_pass *p, double lambda_scale) {
     GSCL_TRY(rdo_prepare(p, &size));
     GSCL_TRY(rdo_draw(p));
     p->shared.settings.lambda = (float)(lambda_scale / (2.0 * 8.0 * (double)size)); /* of the error, which it has */
-    GSCL_TRY(gscl_kernel(context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
+    GSCL_TRY(gscl_kernel_find(context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)
         GSCL_TRY(rdo_visit_group(p, group));
     return gscl_buffer_read(context, &rdo->device_codes, 0, rdo->codes, p->count * sizeof *rdo->codes);

@@ -1,0 +1,11 @@
+/* All devices of this machine, of every implementation. */
+#ifndef GSCL_LIB_DEVICE_DEVICE_LIST_H
+#define GSCL_LIB_DEVICE_DEVICE_LIST_H
+
+#include "runtime/device_list.h"
+
+/* Lists the devices of all implementations, those that cannot be used too.  At most one is the default, and it can be used.
+ * Fails when the host has no memory left; the list may be freed in either case. */
+gscl_result gscl_device_list_create(gscl_device_list *list);
+
+#endif

@@ -1,0 +1,9 @@
+/* The device "host": the processor itself, which draws without OpenCL (room `software`). */
+#ifndef GSCL_LIB_HOST_DEVICE_H
+#define GSCL_LIB_HOST_DEVICE_H
+
+#include "runtime/context.h"
+
+gscl_result gscl_host_open(gscl_context *context, const gscl_context_settings *settings);
+
+#endif

@@ -1,0 +1,65 @@
+#include "opencl/open.h"
+
+#include <stdlib.h>
+
+#include "opencl/cl_error.h"
+#include "opencl/kernel_times.h"
+#include "opencl/opencl_device.h"
+#include "opencl/program_cache.h"
+#include "opencl/programs.h"
+
+/* Logs a notice of the OpenCL implementation, which may call this function at any time and from any thread. */
+static void CL_CALLBACK log_notice(const char *text, const void *details, size_t size, void *context) {
+    (void)details;
+    (void)size;
+    gscl_log(context, GSCL_LOG_WARNING, "OpenCL: %s", text ? text : "");
+}
+
+static gscl_result create_queue(gscl_context *context, gscl_opencl_device *device) {
+    cl_int error;
+    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)device->platform, 0};
+    device->context = gscl_cl.clCreateContext(properties, 1, &device->id, log_notice, context, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateContext", "");
+    const cl_command_queue_properties queue_properties = device->times ? CL_QUEUE_PROFILING_ENABLE : 0;
+    device->queue = gscl_cl.clCreateCommandQueue(device->context, device->id, queue_properties, &error);
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateCommandQueue", "");
+    return GSCL_OK;
+}
+
+gscl_result gscl_opencl_open(gscl_context *context, const gscl_listed_device *listed,
+                             const gscl_context_settings *settings) {
+    gscl_opencl_device *device = context->device = calloc(1, sizeof *device);
+    if (!device)
+        return gscl_fail_memory(context);
+    device->platform = listed->platform;
+    device->id = listed->handle;
+    device->quirks = listed->quirks;
+    device->own_builtins = listed->quirks->own_builtins;
+    GSCL_TRY(gscl_program_cache_open(context, settings->cache_folder));
+    if (context->timings)
+        GSCL_TRY(gscl_opencl_times_create(context)); /* before the queue, which then measures */
+    return create_queue(context, device);
+}
+
+void gscl_opencl_close(gscl_context *context) {
+    gscl_opencl_device *device = gscl_opencl(context);
+    if (!device)
+        return;
+    gscl_programs_free(context);
+    gscl_opencl_times_free(context);
+    if (device->queue)
+        gscl_cl.clReleaseCommandQueue(device->queue);
+    if (device->context)
+        gscl_cl.clReleaseContext(device->context);
+    gscl_program_cache_close(context);
+    free(device);
+    context->device = NULL;
+}
+
+bool gscl_opencl_has_double(gscl_context *context) {
+    cl_device_fp_config config = 0;
+    gscl_cl.clGetDeviceInfo(gscl_opencl(context)->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL);
+    return config != 0;
+}

@@ -1,0 +1,187 @@
+#include "opencl/program.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "opencl/cl_error.h"
+#include "opencl/kernel_sources.h"
+#include "opencl/opencl_device.h"
+#include "opencl/program_cache.h"
+#include "opencl/tunables.h"
+#include "runtime/stage_clock.h"
+
+#define MAX_FILES 20 /* source files of a program */
+/* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
+#define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
+
+#define COMMON_FILES "builtins.h", "constants.h", "structs.h", "macros.h", "options.h"
+/* From parameters to projected splats. */
+#define SPLAT_FILES "splat_lanes.cl", "direction.cl", "project.cl"
+
+/* Source files of each kind, in the order in which the compiler reads them. */
+static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
+    [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "links.cl", "bin.cl"},
+    [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "samples.cl"},
+    [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "fit.cl", "update.cl",
+                          "step.cl"},
+    [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", SPLAT_FILES, "slots.cl", "update.cl", "gradients.cl"},
+    [GSCL_PROGRAM_SCALAR_RDO] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "rdo_items.cl", "outline.cl",
+                                 "scalar_codes.cl", "rdo_planes.cl", "rdo_colour.cl", "rdo_moves.cl", "rdo_model.cl",
+                                 "texture.cl", "scalar_rdo.cl"},
+    [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "fit.cl", "update.cl",
+                               "rdo_items.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
+    [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
+    [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
+    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "random.h",
+                            "placement.cl"},
+    [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
+    [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "accuracy.cl"},
+};
+
+static const struct gscl_kernel_source *find_source(const char *name) {
+    for (size_t i = 0; i < gscl_kernel_source_count; i++)
+        if (strcmp(gscl_kernel_sources[i].name, name) == 0)
+            return &gscl_kernel_sources[i];
+    return NULL;
+}
+
+/* The source files of a program. */
+typedef struct program_sources {
+    size_t count;
+    const char *texts[MAX_FILES];
+    size_t lengths[MAX_FILES];
+} program_sources;
+
+/* Returns NULL, or the name of the file that is missing in this build. */
+static const char *find_sources(gscl_program_kind kind, program_sources *sources) {
+    const char *const *names = program_files[kind];
+    for (sources->count = 0; sources->count < MAX_FILES && names[sources->count]; sources->count++) {
+        const struct gscl_kernel_source *source = find_source(names[sources->count]);
+        if (!source)
+            return names[sources->count];
+        sources->texts[sources->count] = source->text;
+        sources->lengths[sources->count] = source->length;
+    }
+    return NULL;
+}
+
+/* The compiler's log, to be freed; NULL when it cannot be read. */
+static char *build_log(const gscl_context *context, const struct gscl_program *program) {
+    size_t size = 0;
+    if (gscl_cl.clGetProgramBuildInfo(program->program, gscl_opencl(context)->id, CL_PROGRAM_BUILD_LOG, 0, NULL,
+                                      &size) != CL_SUCCESS)
+        return NULL;
+    char *log = calloc(size + 1, 1);
+    if (log && gscl_cl.clGetProgramBuildInfo(program->program, gscl_opencl(context)->id, CL_PROGRAM_BUILD_LOG, size,
+                                             log, NULL) != CL_SUCCESS) {
+        free(log);
+        log = NULL;
+    }
+    return log;
+}
+
+/* Logs the compiler's messages; the first line becomes the message of the error. */
+static gscl_result build_fail(gscl_context *context, const struct gscl_program *program, cl_int error) {
+    char *log = build_log(context, program);
+    gscl_log(context, GSCL_LOG_ERROR, "kernel build with %s: %s", program->options, log ? log : "");
+    const gscl_result result =
+        gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "%s could not build the kernels (%s) with %s: %.*s",
+                  context->info.device_name, gscl_cl_error_name(error), program->options,
+                  log ? (int)strcspn(log, "\n") : 0, log ? log : "");
+    free(log);
+    return result;
+}
+
+/* Creates and builds the program, in place of one that was created before.  `extra`: options beyond its own. */
+static gscl_result try_build(gscl_context *context, struct gscl_program *program, program_sources *sources,
+                             const char *extra, cl_int *error) {
+    char options[GSCL_MAX_BUILD_OPTIONS + sizeof OWN_BUILTINS];
+    snprintf(options, sizeof options, "%s%s", program->options, extra); /* always fits */
+    if (program->program)
+        gscl_cl.clReleaseProgram(program->program);
+    program->program = gscl_cl.clCreateProgramWithSource(gscl_opencl(context)->context, (cl_uint)sources->count,
+                                                         sources->texts, sources->lengths, error);
+    if (*error != CL_SUCCESS)
+        return gscl_cl_fail(context, *error, "clCreateProgramWithSource", "");
+    *error = gscl_cl.clBuildProgram(program->program, 1, &gscl_opencl(context)->id, options, NULL, NULL);
+    return GSCL_OK;
+}
+
+/* Builds with cl/builtins.h where it is of use; that file has no double precision. */
+static gscl_result build(gscl_context *context, struct gscl_program *program, program_sources *sources) {
+    cl_int error = CL_BUILD_PROGRAM_FAILURE;
+    if (gscl_opencl(context)->own_builtins && program->kind != GSCL_PROGRAM_ACCURACY) {
+        GSCL_TRY(try_build(context, program, sources, OWN_BUILTINS, &error));
+        gscl_opencl(context)->own_builtins = error == CL_SUCCESS;
+        if (error != CL_SUCCESS)
+            gscl_log(context, GSCL_LOG_DEBUG, "cl/builtins.h is not enough for %s", program->options);
+    }
+    if (error != CL_SUCCESS)
+        GSCL_TRY(try_build(context, program, sources, "", &error));
+    return error == CL_SUCCESS ? GSCL_OK : build_fail(context, program, error);
+}
+
+/* Builds the program, and tells the caller of it. */
+static gscl_result build_reported(gscl_context *context, struct gscl_program *program, program_sources *sources) {
+    gscl_report_build(context, true);
+    const gscl_result result = build(context, program, sources);
+    gscl_report_build(context, false);
+    return result;
+}
+
+gscl_result gscl_program_create(gscl_context *context, gscl_program_kind kind, const char *options,
+                                struct gscl_program **program) {
+    struct gscl_program *p = *program = calloc(1, sizeof *p);
+    if (!p)
+        return gscl_fail_memory(context);
+    p->kind = kind;
+    snprintf(p->options, sizeof p->options, "%s", options);
+    return GSCL_OK;
+}
+
+void gscl_program_drop(struct gscl_program *program) {
+    for (size_t i = 0; i < program->kernel_count; i++)
+        gscl_cl.clReleaseKernel(program->kernels[i].kernel);
+    program->kernel_count = 0;
+    if (program->program)
+        gscl_cl.clReleaseProgram(program->program);
+    program->program = NULL;
+}
+
+void gscl_program_free(struct gscl_program *program) {
+    gscl_program_drop(program);
+    free(program);
+}
+
+struct gscl_program *gscl_program_find(const gscl_context *context, gscl_program_kind kind, const char *options) {
+    struct gscl_program *p = gscl_opencl(context)->programs;
+    while (p && !(p->kind == kind && strcmp(p->options, options) == 0))
+        p = p->next;
+    return p;
+}
+
+void gscl_program_keep(gscl_context *context, struct gscl_program *program) {
+    program->next = gscl_opencl(context)->programs;
+    gscl_opencl(context)->programs = program;
+}
+
+gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program) {
+    const double start = gscl_now();
+    program_sources sources;
+    char key[GSCL_PROGRAM_KEY_SIZE];
+    const char *missing = find_sources(program->kind, &sources);
+    if (missing)
+        return gscl_fail(context, GSCL_ERROR_KERNEL_BUILD, "kernel source %s is not in this build", missing);
+    const bool has_key =
+        gscl_program_key(context, program->options, sources.texts, sources.lengths, sources.count, key);
+    program->program = has_key ? gscl_program_load(context, key, program->options) : NULL;
+    const bool found = program->program != NULL;
+    const gscl_result result = found ? GSCL_OK : build_reported(context, program, &sources);
+    program->is_new = !found && gscl_now() - start > gscl_opencl_tunables.found_build_s;
+    if (result == GSCL_OK && has_key && !found)
+        gscl_program_save(context, key, program->program);
+    gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built",
+             1e3 * (gscl_now() - start), program->options);
+    return result;
+}
