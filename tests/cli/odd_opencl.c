@@ -6,7 +6,7 @@
  *   hang        the first launch of a kernel never returns
  *   wrong       one sample of the picture of gscl devices --check is wrong
  *   no-memory   kernels cannot be launched */
-#define _GNU_SOURCE
+#define _DEFAULT_SOURCE /* usleep */
 #include <CL/cl.h>
 #include <dlfcn.h>
 #include <stdlib.h>
@@ -25,6 +25,13 @@ typedef cl_int launch_function(cl_command_queue, cl_kernel, cl_uint, const size_
 typedef cl_int read_function(cl_command_queue, cl_mem, cl_bool, size_t, size_t, void *, cl_uint, const cl_event *,
                              cl_event *);
 
+static void *library;
+
+/* Adds OpenCL to the functions of the process, where libgscl looks for them first and meets those below. */
+__attribute__((constructor)) static void open_library(void) {
+    library = dlopen("libOpenCL.so.1", RTLD_LAZY | RTLD_GLOBAL);
+}
+
 static int is_odd(const char *way) {
     const char *chosen = getenv("ODD_OPENCL");
     return chosen && strcmp(chosen, way) == 0;
@@ -34,7 +41,7 @@ cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id *dev
                       void(CL_CALLBACK *notify)(cl_program, void *), void *data) {
     static int was_slow;
     build_function *build;
-    *(void **)&build = dlsym(RTLD_NEXT, "clBuildProgram");
+    *(void **)&build = dlsym(library, "clBuildProgram");
     if (is_odd("slow-build") && !was_slow++)
         usleep(1200000);
     return build(program, count, devices, options, notify, data);
@@ -45,7 +52,7 @@ static cl_device_id first_device;
 cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *devices,
                       cl_uint *count) {
     device_ids_function *get;
-    *(void **)&get = dlsym(RTLD_NEXT, "clGetDeviceIDs");
+    *(void **)&get = dlsym(library, "clGetDeviceIDs");
     const cl_int error = get(platform, type, capacity, devices, count);
     if (error == CL_SUCCESS && devices && !first_device)
         first_device = devices[0];
@@ -56,7 +63,7 @@ cl_context clCreateContext(const cl_context_properties *properties, cl_uint coun
                            void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *data,
                            cl_int *error) {
     context_function *create;
-    *(void **)&create = dlsym(RTLD_NEXT, "clCreateContext");
+    *(void **)&create = dlsym(library, "clCreateContext");
     if (is_odd("refuse") && devices[0] != first_device) {
         *error = CL_OUT_OF_RESOURCES;
         return NULL;
@@ -68,7 +75,7 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
                               const size_t *global_size, const size_t *group_size, cl_uint wait_count,
                               const cl_event *waits, cl_event *event) {
     launch_function *launch;
-    *(void **)&launch = dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
+    *(void **)&launch = dlsym(library, "clEnqueueNDRangeKernel");
     if (is_odd("crash"))
         abort();
     while (is_odd("hang"))
@@ -81,7 +88,7 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
 cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
                            void *data, cl_uint wait_count, const cl_event *waits, cl_event *event) {
     read_function *read;
-    *(void **)&read = dlsym(RTLD_NEXT, "clEnqueueReadBuffer");
+    *(void **)&read = dlsym(library, "clEnqueueReadBuffer");
     const cl_int error = read(queue, buffer, blocking, offset, size, data, wait_count, waits, event);
     if (is_odd("wrong") && error == CL_SUCCESS && size == CHECKED_SIZE)
         *(float *)data = *(float *)data < 0.5f ? 1 : 0;

@@ -8,6 +8,8 @@ lowest to the highest.  The script fails when
  - files include each other in a circle (a source and the header of its name count as one file),
  - host/tool or a public header includes a header of the library that is not public,
  - an #include "..." or <gscl/...> names no file of the tree,
+ - a file outside host/lib/opencl names a type, a constant, a function or a header of OpenCL, or a room other than `device`
+   uses host/lib/opencl,
  - a room is missing from the lists or has no room.h, or its room.h does not state what the room may use, or names files
    that do not exist.
 
@@ -36,6 +38,14 @@ BINDINGS.append("host/colours")
 # The decoder for web pages is compiled with parts of the library.
 BINDINGS.append("host/web")
 BASE["host/web"] = ["host/lib", "format", "cl"]
+# Rooms that only these rooms may use.
+USERS = {"opencl": ["device"]}
+# Where OpenCL may be named: its room, and tests that take the place of its functions or look at its errors.
+OPENCL_ROOM = "host/lib/opencl/"
+OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/faults.c",
+                "tests/unit/test_device.c", "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
+OPENCL_NAME = re.compile(r"\b(?!cl_khr_)(?:_?cl_[a-z]\w*|CL_[A-Z]\w*|cl[A-Z]\w*)|[<\"](?:CL|OpenCL)/\w+\.h")
+COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|(?<!include )"(?:\\.|[^"\\\n])*"', re.DOTALL)
 PUBLIC = "host/include/gscl/"
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
@@ -66,9 +76,9 @@ def read(root, path):
         return file.read()
 
 
-def sources(root):
+def sources(root, tops=("format", "cl", "host")):
     found = set()
-    for top in ("format", "cl", "host"):
+    for top in tops:
         for folder, _, names in os.walk(os.path.join(root, top)):
             found |= {os.path.relpath(os.path.join(folder, name), root) for name in names if name.endswith(SUFFIXES)}
     return found
@@ -162,6 +172,8 @@ def fault(path, target):
         return f"points upward, from {user[1]} to the top of {used[0]}"
     if user[1] and rooms.index(used[1]) > rooms.index(user[1]):
         return f"points upward, from {user[1]} to {used[1]}"
+    if user[1] != used[1] and user[1] not in USERS.get(used[1], [user[1]]):
+        return f"{user[1]} may not use {used[1]}"
     return None
 
 
@@ -197,6 +209,17 @@ def circles(arrows):
         if node not in index:
             visit(node)
     return found
+
+
+def opencl_names(root):
+    """Names of OpenCL outside its room."""
+    for path in sorted(sources(root, ("format", "cl", "host", "tests"))):
+        if path.startswith(OPENCL_ROOM) or path in OPENCL_TESTS:
+            continue
+        match = OPENCL_NAME.search(COMMENT_OR_STRING.sub(" ", read(root, path)))
+        if match:
+            name = match.group().lstrip('<"')
+            yield f"{path}: names {name} of OpenCL, which only {OPENCL_ROOM} may"
 
 
 def unlisted_rooms(files):
@@ -246,6 +269,7 @@ def check(root, folders):
         called, unmatched = calls(root, folders, files)
         arrows |= called
         faults += unmatched
+    faults += opencl_names(root)
     faults += [f"{path} -> {target}: {why}" for path, target in sorted(arrows) if (why := fault(path, target))]
     return faults + ["circle: " + " ".join(group) for group in circles(arrows)]
 

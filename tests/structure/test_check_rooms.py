@@ -25,6 +25,10 @@ def include(path, name):
     return lambda root: append(root, path, f'\n#include {name}\n')
 
 
+def code(path, text):
+    return lambda root: append(root, path, f"\n{text}\n")
+
+
 def remove(path):
     return lambda root: os.remove(os.path.join(root, path))
 
@@ -59,6 +63,15 @@ FAULTS = {
     "a room that is not listed": (new_room, "attic is not in the list"),
     "a room without room.h": (remove("host/lib/fit/room.h"), "is missing"),
     "a room.h that names a missing file": (rename_in_room, "names no_such_file.h"),
+    "an include of OpenCL's room by one that is not for devices": (include("host/lib/fit/fit.c", '"opencl/program.h"'),
+                                                                   "fit may not use opencl"),
+    "a header of OpenCL outside its room": (include("cl/structs.h", "<CL/cl.h>"), "names CL/cl.h of OpenCL"),
+    "a type of OpenCL outside its room": (code("host/lib/fit/fit.c", "static cl_int count;"), "names cl_int of OpenCL"),
+    "a struct of OpenCL outside its room": (code("host/lib/fit/fit.h", "struct _cl_mem;"), "names _cl_mem of OpenCL"),
+    "a constant of OpenCL outside its room": (code("host/lib/device/open_device.c", "int i = CL_SUCCESS;"),
+                                              "names CL_SUCCESS of OpenCL"),
+    "a call of OpenCL outside its room": (code("host/tool/main.c", "void f(void) { clFinish(0); }"), "names clFinish of"),
+    "OpenCL in comments and texts": (code("host/lib/fit/fit.c", "/* cl_int */ const char *s = \"clFinish\";"), None),
     "a header that its room.h does not name": (lambda root: append(root, "host/lib/fit/new.h", "\n"), "not name new.h"),
 }
 
@@ -108,6 +121,11 @@ CALLS = {
 }
 
 
+def is_expected(status, text, fault):
+    """Whether the script found the fault, or none where that is None."""
+    return status == 1 and fault in text if fault else status == 0
+
+
 def outcomes():
     """Pairs of a test's name and its fault, or None."""
     status, text = check(ROOT)
@@ -117,13 +135,12 @@ def outcomes():
             copy_tree(root)
             spoil(root)
             status, text = check(root)
-            yield name, None if status == 1 and expected in text else text
+            yield name, None if is_expected(status, text, expected) else text
     for name, (make, expected) in CALLS.items():
         with tempfile.TemporaryDirectory() as root:
             copy_tree(root)
             status, text = check(root, make(root))
-            good = status == 1 and expected in text if expected else status == 0
-            yield name, None if good else text
+            yield name, None if is_expected(status, text, expected) else text
 
 
 def main():
