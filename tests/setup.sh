@@ -1,7 +1,7 @@
 # For tests/quickstart.sh and tests/run.sh, which read this file with `.`: Debian packages.
 
 # Packages of the library and the tool, and PoCL, an OpenCL device on any CPU.
-build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-opencl-dev
+build_packages="meson ninja-build pkg-config gcc g++ libc6-dev python3 opencl-headers ocl-icd-libopencl1
     pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libcairo2-dev"
 # Packages of the decoder for web pages.
 web_packages="binaryen clang esbuild lld"

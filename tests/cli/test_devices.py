@@ -74,6 +74,35 @@ class AllDevices(ToolTest):
         self.refused("all", 'no OpenCL device matches "all"', "decode", "0.gscl", "-o", "out.png", "--device", "all")
 
 
+class WithoutLoader(ToolTest):
+    """A machine whose OpenCL loader is missing, or too old to have a function that is needed."""
+
+    def setUp(self):
+        super().setUp()
+        self.path("missing").mkdir()
+        self.write("missing/libOpenCL.so.1", b"")
+        self.path("old").mkdir()
+        self.path("old/libOpenCL.so.1").symlink_to(os.environ["ODD_OPENCL_MODULE"])
+
+    def test_encoding_fails(self):
+        self.write_png("0.png", textured(24, 16))
+        for name, reason in ("missing", r"libOpenCL\.so\.1: "), ("old", r"libOpenCL\.so\.1 has no function clCreateBuffer"):
+            with self.subTest(name):
+                self.refused("OpenCL", rf"no OpenCL device was found \([^)]*{reason}[^)]*\); install .* "
+                             r"ocl-icd-libopencl1 and pocl-opencl-icd$", "encode", "0.png", *FAST,
+                             env={"LD_LIBRARY_PATH": self.path(name)})
+
+    def test_host_decodes(self):
+        self.write_png("0.png", textured(24, 16))
+        self.gscl("encode", "0.png", "-q", *FAST)
+        self.gscl("decode", "0.gscl", "-o", "with.png", "--device", "host")
+        for name in "missing", "old":
+            loader = {"LD_LIBRARY_PATH": self.path(name)}
+            self.assertEqual([device["id"] for device in self.gscl_json("devices", env=loader)], ["host"])
+            self.gscl("decode", "0.gscl", "-o", f"{name}.png", env=loader)
+            self.assertEqual(self.path(f"{name}.png").read_bytes(), self.path("with.png").read_bytes())
+
+
 class Check(ToolTest):
     def check(self, way=None, arguments=(), **variables):
         """The exit code and the rows of the report, with a device that is broken in one way."""

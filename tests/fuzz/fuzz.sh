@@ -47,7 +47,7 @@ image)
 options)
     sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c host/colours/*.c | grep -v jpeg2000) host/tool/plot/plot.c"
     options="-max_len=300 -close_fd_mask=3"
-    more="-Wl,--wrap=options_parse $folder/library/libgscl.a $image_libraries -lOpenCL -lm -ldl"
+    more="-Wl,--wrap=options_parse $folder/library/libgscl.a $image_libraries -lm -ldl"
     measured="host/tool/cli/options.c host/tool/cli/colour_name.c host/tool/commands/effect_list.c host/tool/cli/base64.c"
     ;;
 *)

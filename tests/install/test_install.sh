@@ -13,6 +13,13 @@ library=$(find "$work" -name libgscl.so)
 prefix=${library%/lib/*}
 libdir=$(dirname "$library")
 
+# OpenCL is opened at run time: nothing is linked with it.
+for linked in "$library" "$prefix"/bin/gscl; do
+    if [ -f "$linked" ] && readelf -d "$linked" | grep 'NEEDED.*OpenCL'; then
+        exit 1
+    fi
+done
+
 for file in mime/packages/gscl.xml misc/gscl.magic; do
     test -f "$prefix/share/$file"
 done

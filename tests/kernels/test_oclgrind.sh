@@ -21,8 +21,14 @@ is_silent() {
     oclgrind --build-options -cl-opt-disable --check-api --data-races "$gscl" "$@" >"$work/output" 2>&1 && ! grep -q . "$work/output"
 }
 
-echo 1..12
-number=0
+# Oclgrind takes the place of OpenCL's functions by LD_PRELOAD: without it PoCL would run the kernels, and find nothing.
+echo 1..13
+number=1
+if oclgrind "$gscl" devices 2>&1 | grep -q "Oclgrind"; then
+    echo "ok 1 - kernels run in oclgrind"
+else
+    echo "not ok 1 - kernels run in oclgrind"
+fi
 for mapping in cpu gpu; do
     for mode in "--effort 1 --blend normalized" "--effort 0 --tune ssim" "--effort 0 --tune visual" "--effort 0 --blend alpha" "--effort 1 --blend sum" "--effort 0 --profile paper"; do
         number=$((number + 1))

@@ -145,7 +145,7 @@ typedef struct gscl_device_info {
 #define GSCL_HOST_DEVICE "host"
 
 /* Lists all OpenCL devices in the order of their ids.  *devices is the first one; the caller releases the whole list with
- * gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device. */
+ * gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device, or no OpenCL loader. */
 GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices);
 
 typedef enum gscl_log_level {
