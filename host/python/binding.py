@@ -1,4 +1,4 @@
-"""Writes the C source of the module `name`, through which Python calls libgscl: binding.py NAME OUTPUT HEADER...
+"""Writes the C source of the module _gscl, through which Python calls libgscl: binding.py OUTPUT HEADER...
 
 The declarations are those of the library's headers, so that they cannot differ from it.
 """
@@ -20,13 +20,13 @@ def declarations(header):
     return "\n".join(line for line in text.splitlines() if not line.startswith("#") or constant.match(line))
 
 
-def main(name, output, *headers):
+def main(output, *headers):
     builder = cffi.FFI()
     for header in headers:
         with open(header, encoding="utf-8") as file:
             builder.cdef(declarations(file.read()))
     builder.cdef(CALLBACKS)
-    builder.set_source(f"gscl.{name}", "#include <gscl/gscl.h>\n#include <gscl/measure.h>")
+    builder.set_source("gscl._gscl", "#include <gscl/gscl.h>\n#include <gscl/measure.h>")
     builder.emit_c_code(output)
 
 

@@ -43,7 +43,7 @@ class DeviceError(Error, RuntimeError):
 
 
 class NoPlatformError(DeviceError):
-    """There is no OpenCL platform, or no device at all."""
+    """There is no OpenCL device, or no OpenCL loader that would find one."""
 
     code = 10
 
@@ -79,7 +79,7 @@ class KernelBuildError(DeviceError):
 
 
 class NoOpenCLError(DeviceError):
-    """This needs OpenCL, and the device is "host" or the machine has no OpenCL loader."""
+    """This needs OpenCL, and the device is "host"."""
 
     code = 16
 
