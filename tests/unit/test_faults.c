@@ -175,6 +175,7 @@ static void sweep_encodes(gscl_profile profile, fault_kind kind, bool forever) {
     assert_int_equal(encode(context, profile, &expected, &expected_size), GSCL_OK);
     const int count = faults_end(kind), step = count / (sample > 0 ? sample : 1) + 1;
     int faults = 0;
+    assert_true(count > 0);
     for (int number = 1; number <= count; number += step, faults++) {
         if (faults % 4 == 3) {
             gscl_context_free(&context);
@@ -218,7 +219,8 @@ static void test_encode_memory(void **state) {
 
 static void sweep_contexts(fault_kind kind) {
     bool reached = true;
-    for (int number = 1; reached; number++) {
+    int number = 1;
+    for (; reached; number++) {
         gscl_context *context;
         const int live = fault_live_blocks();
         faults_begin(kind, number, false);
@@ -228,6 +230,7 @@ static void sweep_contexts(fault_kind kind) {
         gscl_context_free(&context);
         assert_int_equal(fault_live_blocks(), live);
     }
+    assert_true(number > 4);
 }
 
 static void test_context(void **state) {
