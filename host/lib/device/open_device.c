@@ -74,25 +74,6 @@ static gscl_result device_fail_none(gscl_context *context, const gscl_device_lis
                      names[0] ? names : "none that can be used");
 }
 
-static gscl_result device_choose(gscl_context *context, const gscl_device_list *list, const char *selector,
-                                 const gscl_listed_device **chosen) {
-    size_t found = 0;
-    for (size_t i = 0; i < list->count; i++)
-        if (!list->devices[i].unusable[0] && device_matches(&list->devices[i].info, selector)) {
-            *chosen = &list->devices[i];
-            found++;
-        }
-    if (found == 0)
-        return device_fail_none(context, list, selector);
-    if (found > 1) {
-        char names[320];
-        device_list_name(list, selector, names, sizeof names);
-        return gscl_fail(context, GSCL_ERROR_AMBIGUOUS_DEVICE, "\"%.60s\" matches more than one OpenCL device: %s",
-                         selector, names);
-    }
-    return GSCL_OK;
-}
-
 static gscl_result device_open_listed(gscl_context *context, const gscl_listed_device *device,
                                       const gscl_context_settings *settings) {
     context->backend = device->backend;
@@ -106,15 +87,34 @@ static gscl_result device_open_listed(gscl_context *context, const gscl_listed_d
     return context->backend->open(context, device, settings);
 }
 
+/* Opens the one device of the list that the settings ask for. */
+static gscl_result device_open_chosen(gscl_context *context, const gscl_device_list *list,
+                                      const gscl_context_settings *settings) {
+    const char *selector = settings->device;
+    size_t found = 0;
+    const gscl_listed_device *chosen = NULL;
+    for (size_t i = 0; i < list->count; i++)
+        if (!list->devices[i].unusable[0] && device_matches(&list->devices[i].info, selector)) {
+            chosen = &list->devices[i];
+            found++;
+        }
+    if (found == 0)
+        return device_fail_none(context, list, selector);
+    if (found > 1) {
+        char names[320];
+        device_list_name(list, selector, names, sizeof names);
+        return gscl_fail(context, GSCL_ERROR_AMBIGUOUS_DEVICE, "\"%.60s\" matches more than one OpenCL device: %s",
+                         selector, names);
+    }
+    return device_open_listed(context, chosen, settings);
+}
+
 gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings *settings) {
     gscl_device_list list;
-    const gscl_listed_device *chosen = NULL;
     if (settings->device && strcmp(settings->device, GSCL_HOST_DEVICE) == 0)
         return gscl_host_open(context, settings);
     gscl_result result = gscl_device_list_create(&list);
-    result = result == GSCL_OK ? device_choose(context, &list, settings->device, &chosen) : gscl_fail_memory(context);
-    if (result == GSCL_OK)
-        result = device_open_listed(context, chosen, settings);
+    result = result == GSCL_OK ? device_open_chosen(context, &list, settings) : gscl_fail_memory(context);
     gscl_device_list_free(&list);
     return result;
 }

@@ -55,10 +55,10 @@ static cl_int device_describe_platform(gscl_listed_device *d) {
         return error;
     error = device_query_short_text(d, (device_query){true, CL_PLATFORM_NAME}, sizeof d->info.platform_name,
                                     d->info.platform_name);
-    if (error == CL_SUCCESS)
+    if (error == CL_SUCCESS) {
         d->quirks = gscl_quirks_find(d->info.platform_name, version);
-    if (d->quirks)
         d->shapes = &d->quirks->shapes;
+    }
     free(version);
     return error;
 }
