@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import unittest
 
-from tool import ToolTest, main
+from tool import TIMEOUT, ToolTest, main
 
 DOCUMENTS = pathlib.Path(os.environ["DOCUMENTS"])
 
@@ -19,7 +19,7 @@ def needs(program):
 
 
 def run(*command):
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60)
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=TIMEOUT)
     return done.returncode, done.stdout, done.stderr
 
 

@@ -36,7 +36,7 @@ class InPlace(ToolTest):
 
     def written(self, name):
         """A file that a process substitution writes, which the shell does not wait for."""
-        return self.shell(f"for i in $(seq 600); do [ -e {name}.done ] && break; sleep 0.1; done; cat {name}")
+        return self.shell(f"until [ -e {name}.done ]; do sleep 0.1; done; cat {name}")
 
 
 class Places(InPlace):
@@ -100,7 +100,8 @@ class Places(InPlace):
                 self.assertRegex(self.error, r"\Agscl: [^\n]*: cannot be written: No space left on device\n\Z")
 
     def test_reader_that_ends(self):
-        self.assertEqual(self.shell("{ sleep 0.3; W -o /dev/stdout; echo $? > code; } | :; cat code"), b"141\n")
+        script = "{ until [ -e closed ]; do sleep 0.1; done; W -o /dev/stdout; echo $? > code; } | { exec <&-; touch closed; }; cat code"
+        self.assertEqual(self.shell(script), b"141\n")
 
     def test_descriptors_that_cannot_be_written(self):
         for words in ("-o - >&-", "-o /dev/stdout >&-", "-o /dev/fd/9 9>&-", "-o /dev/fd/9 9< in.png", "-o /dev/fd/99999999"):

@@ -208,8 +208,8 @@ class Thumbnails(DesktopTest):
         queue = [*service, "org.freedesktop.thumbnails.Thumbnailer1.Queue", f"['{self.path('in.gscl').as_uri()}']",
                  "['image/x-gscl']", "normal", "default", "0"]
         thumbnails = self.path("cache/thumbnails/normal")
-        # The session ends when its program does: it waits until the thumbnail is whole, for 20 s at most.
-        wait = f'"$@" && for i in $(seq 100); do grep -qs IEND "{thumbnails}"/*.png && exit; sleep 0.2; done'
+        # The session ends when its program does: it waits until the thumbnail is whole.
+        wait = f'"$@" && until grep -qs IEND "{thumbnails}"/*.png; do sleep 0.2; done'
         done = self.start("--", "sh", "-c", wait, "wait", *queue, program="dbus-run-session", env=self.env)
         files = list(thumbnails.glob("*.png"))
         self.assertEqual(len(files), 1, done.stderr)

@@ -128,7 +128,7 @@ full_suite() {
     more=encode
     [ "$1" != rusticl ] || more= # the search of a small file alone takes longer than a test may
     STABILITY_SMALL=1 OCL_ICD_VENDORS=$work/$1 meson test -C "$build" --no-rebuild --num-processes 1 \
-        --timeout-multiplier 20 --logbase "$1" $full_tests $more
+        --timeout-multiplier 5 --logbase "$1" $full_tests $more
     report "$1: unit tests, hard cases and command line (meson-logs/$1.txt)" $?
 }
 
@@ -147,7 +147,7 @@ for name in $names; do
     [ -n "$quick" ] || full_suite "$name"
 done
 if [ -z "$quick" ]; then
-    OCL_ICD_VENDORS=$pocl meson test -C "$build" --no-rebuild --timeout-multiplier 5 oclgrind "hard cases in oclgrind"
+    OCL_ICD_VENDORS=$pocl meson test -C "$build" --no-rebuild oclgrind "hard cases in oclgrind"
     report "whole small encodes in oclgrind" $?
 fi
 [ "$failed" = 0 ]

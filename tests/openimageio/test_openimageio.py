@@ -14,7 +14,7 @@ from gscl_file import contained, header
 from images import (Image, exr_bytes, jpeg_bytes, jpeg_exif, max_difference, png_bytes, png_icc, png_xmp, psnr, read_png,
                     scene)
 from profiles import DISPLAY_P3, SRGB, exif_bytes, icc_rgb
-from tool import FAST, ToolTest, main
+from tool import FAST, TIMEOUT, ToolTest, main
 
 MAKE, ORIENTATION = 0x010F, 0x0112
 QUICK = ("--attrib", "gscl:effort", 0)
@@ -288,14 +288,14 @@ class Tool(ToolTest):
 class Programs(ToolTest):
     def test_use_plugin(self):
         self.encode(scene(300, 200))
-        done = subprocess.run([os.environ["USE_PLUGIN"], "in.gscl"], cwd=self.folder, capture_output=True, timeout=60)
+        done = subprocess.run([os.environ["USE_PLUGIN"], "in.gscl"], cwd=self.folder, capture_output=True, timeout=TIMEOUT)
         self.assertEqual(done.returncode, 0, (done.stdout + done.stderr).decode())
 
     def test_conformance(self):
         """The files of the conformance set give the pictures that they should, within 1/255, or are refused."""
         index = [entry for entry in json.loads((CONFORMANCE / "index.json").read_text()) if not entry["bare"]]
         files = [CONFORMANCE / "files" / (entry["file"] + ".gscl") for entry in index]
-        done = subprocess.run([os.environ["USE_PLUGIN"], self.folder, *files], capture_output=True, timeout=120, text=True)
+        done = subprocess.run([os.environ["USE_PLUGIN"], self.folder, *files], capture_output=True, timeout=TIMEOUT, text=True)
         for number, (entry, line) in enumerate(zip(index, done.stdout.splitlines(), strict=True)):
             with self.subTest(file=entry["file"]):
                 self.assertEqual("refused" if line == "refused" else "valid",

@@ -100,7 +100,7 @@ def test_fork(data):
     gscl.decode(data, device=gscl.devices()[0].id)
     child = os.fork()
     if child == 0:
-        signal.alarm(60)  # ends a child that waits for ever
+        signal.alarm(1800)  # ends a child that waits for ever
         try:
             gscl.decode(data)
             try:

@@ -6,7 +6,9 @@ import {tmpdir} from 'node:os';
 import {extname, join, normalize} from 'node:path';
 
 const TYPES = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json', '.svg': 'image/svg+xml'};
-const TIMEOUT = 60000; /* ms for one command, on a loaded machine */
+export const TIMEOUT = 600000; /* ms for one command: it ends what hangs, however loaded the machine */
+
+export const pause = ms => new Promise(resolve => setTimeout(resolve, ms));
 
 /* Serves the files of folders {prefix: folder}; `handlers` {path: (request, response) => ...} come first. */
 export const serve = async (folders, handlers = {}) => {
@@ -93,12 +95,12 @@ export class Chromium {
     return result.value;
   }
   /* Waits until an expression is true. */
-  async until(expression, ms = 20000) {
-    for (const end = Date.now() + ms; ; await new Promise(resolve => setTimeout(resolve, 20))) {
+  async until(expression) {
+    for (const end = Date.now() + TIMEOUT; ; await pause(20)) {
       if (await this.evaluate(expression).catch(() => false))
         return;
       if (Date.now() > end)
-        throw Error(`in ${ms} ms this did not become true: ${expression}`);
+        throw Error(`in ${TIMEOUT} ms this did not become true: ${expression}`);
     }
   }
   /* Samples of a canvas, 4 bytes a pixel: {width, height, data}.  `find` is an expression. */

@@ -10,7 +10,7 @@ import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 
-import {Chromium, serve} from './chromium.mjs';
+import {Chromium, TIMEOUT, pause, serve} from './chromium.mjs';
 import {assertPicture} from './compare.mjs';
 import {readPng} from './png.mjs';
 import {runTests, test} from './tap.mjs';
@@ -55,6 +55,8 @@ const show = async body => {
   pages[++count] = body;
   await browser.open(`${site.url}/page?name=${count}`);
 };
+/* Waits until /slow.gscl was asked for; the limit of the whole program ends it. */
+const slowRequest = async () => { while (!slow) await pause(20); };
 const canvasOf = id => `document.getElementById('${id}').shadowRoot.querySelector('canvas')`;
 const loaded = id => browser.until(`events.some(([id, name]) => id == '${id}' && name == 'load')`);
 const shoot = async name => screenshots && (mkdirSync(screenshots, {recursive: true}), writeFileSync(join(screenshots, `${name}.png`), await browser.screenshot()));
@@ -219,8 +221,7 @@ test('the old picture stays until the new one is there', async () => {
   await show(`<gscl-image id="a" src="/files/wide.gscl"></gscl-image>`);
   await loaded('a');
   await browser.evaluate(`events.length = 0, a.setAttribute('src', '/slow.gscl'), 0`);
-  for (let i = 0; i < 300 && !slow; i++)
-    await new Promise(resolve => setTimeout(resolve, 20));
+  await slowRequest();
   assert.equal(await browser.evaluate(`${canvasOf('a')}.width`), 160);
   slow.writeHead(200, {'content-type': 'application/octet-stream'}).end(fileOf('scene.gscl')), slow = undefined;
   await loaded('a');
@@ -232,8 +233,7 @@ test('an element draws while bytes arrive', async () => {
     const file = fileOf(name);
     await show('<gscl-image id="a" src="/slow.gscl"></gscl-image>');
     await browser.until('document.querySelector("gscl-image").shadowRoot');
-    for (let i = 0; i < 300 && !slow; i++)
-      await new Promise(resolve => setTimeout(resolve, 20));
+    await slowRequest();
     slow.writeHead(200, {'content-type': 'application/octet-stream'});
     const draws = [];
     let sent = 0;
@@ -242,14 +242,14 @@ test('an element draws while bytes arrive', async () => {
       writeFileSync(join(made, 'part.gscl'), file.subarray(0, size));
       const expected = decodeBy('part.gscl', '--partial');
       await browser.until(`${canvasOf('a')}.width == 320`);
-      for (let i = 0; ; i++) /* until the bytes have come */
+      for (const end = Date.now() + TIMEOUT; ; ) /* until the bytes have come */
         try {
           assertPicture(await browser.pixels(canvasOf('a')), expected, `${name}: ${size} bytes`);
           break;
         } catch (error) {
-          if (i > 100)
+          if (Date.now() > end)
             throw error;
-          await new Promise(resolve => setTimeout(resolve, 50));
+          await pause(50);
         }
       draws.push(size);
       assert.equal(await browser.evaluate('events.filter(([id]) => id).length'), 0);
@@ -294,8 +294,7 @@ test('an element drops what arrives of a file that it no longer shows', async ()
         return bytes;
       };
       a.setAttribute('src', '/slow.gscl'); })`);
-    for (let i = 0; i < 300 && !slow; i++)
-      await new Promise(resolve => setTimeout(resolve, 20));
+    await slowRequest();
     slow.writeHead(200, {'content-type': 'application/octet-stream'});
     slow.write(fileOf('scene.gscl').subarray(0, 2200));
     await browser.until('window.isJoining');
