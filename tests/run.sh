@@ -3,32 +3,97 @@
 #
 # Installs missing packages (Debian), builds in folders build*/ and ends with one line, "N passed, N failed".
 # Exits with 0 only if no test failed.
+#
+# What runs after what: release_build first, and then two lanes at once, each from top to bottom.  No lane waits for another,
+# and none needs what another writes.  Those in kernel_lane find kernels that tests above them have compiled.
 set -u
 cd "$(dirname "$0")/.."
 . tests/setup.sh
-install_packages $build_packages $test_packages || { echo "0 passed, 1 failed"; exit 1; }
 
-# All tests but those of tests/devices run on PoCL, whatever else is installed.
-[ ! -f /etc/OpenCL/vendors/pocl.icd ] || export OCL_ICD_VENDORS=/etc/OpenCL/vendors/pocl.icd
-
-passed=0
-failed=0
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-
-# check NAME COMMAND...: one test, whose output is printed only when it fails.
-check() {
-    name=$1
-    shift
-    if "$@" >"$log" 2>&1; then
-        passed=$((passed + 1))
-        echo "ok      $name"
-    else
-        failed=$((failed + 1))
-        echo "FAILED  $name"
-        tail -n 40 "$log" | sed 's/^/        /'
-    fi
+# The lanes test this build.  Newer compilers than Debian 12's may have further warnings: then the tests run all the same.
+release_build() {
+    set -- -Dtool=enabled -Dtests=enabled -Dweb=enabled -Dopenimageio=enabled -Ddesktop=enabled
+    CC=gcc CXX=g++ check "build, no warnings from gcc" build build-test "$@" -Dwerror=true ||
+        check "build with warnings" build build-test "$@" -Dwerror=false
 }
+
+kernel_lane() {
+    suite build-test
+    sanitizers
+}
+
+build_lane() {
+    check "quickstart" sh tests/quickstart.sh # of the README, in build/ and out/
+    sources
+    library_without_opencl
+    library_alone
+    CC=clang CXX=clang++ check "no warnings from clang" \
+        build build-clang -Dwerror=true -Dtool=enabled -Dtests=enabled -Dweb=disabled
+    check "no data races" sh tests/check_threads.sh build-thread
+    check "valgrind" sh tests/check_valgrind.sh build-test
+    check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
+    python_package
+    image_files
+}
+
+# Checks of the sources, and of the release build as it is.
+sources() {
+    check "install" sh tests/install/test_install.sh build-test
+    check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
+    check "public headers" sh tests/install/check_headers.sh host/include
+    check "format of sources" sh tests/check_format.sh
+    check "clang-tidy" sh tests/check_tidy.sh build-test
+    check "analyzer of gcc" sh tests/check_analyzer.sh build-test
+    check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
+    check "rooms are checked" python3 tests/structure/test_check_rooms.py
+}
+
+# The Python package, in a virtual environment.
+python_package() {
+    check "python wheel" sh tests/python/install.sh build-test/python
+    pytest_suite results.xml sh tests/python/test.sh build-test/python
+}
+
+# Image files of all kinds, by many writers, in the same environment.
+image_files() {
+    check "writers and readers of image files" sh tests/formats/install.sh build-test/python
+    pytest_suite formats.xml sh tests/formats/test.sh build-test build-test/python
+}
+
+# Host code under ASan and UBSan, with small hard cases; check_leaks.sh, after the tests whose kernels it finds, looks for leaks.
+sanitizers() {
+    check "build with sanitizers" build build-sanitize \
+        --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled
+    export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+    export STABILITY_SMALL=1
+    suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
+    unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
+    check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
+}
+
+# Here, and on other machines.
+library_without_opencl() {
+    check "build without OpenCL" build build-decoder -Dopencl=disabled -Dtool=disabled -Dtests=enabled -Dweb=disabled \
+        -Dopenimageio=disabled -Ddesktop=disabled
+    export STABILITY_SMALL=1
+    suite build-decoder
+    unset STABILITY_SMALL
+    check "library without OpenCL" sh tests/install/test_without_opencl.sh build-decoder
+    show "other machines" sh tests/portability/run.sh --quick
+    for machine in $quick_machines; do
+        add_counts "build-portability/$machine/meson-logs/testlog.json"
+    done
+}
+
+# The library without the tool needs no C++ compiler.
+library_alone() {
+    CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
+    check "install of the library" sh tests/install/test_install.sh build-library
+    check "reproducible and hardened build" sh tests/install/test_reproducible.sh
+    check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
+}
+
+# ---- How they run -----------------------------------------------------------------------------------
 
 # build FOLDER [MESON OPTIONS]
 build() {
@@ -40,16 +105,55 @@ build() {
     meson setup $again "$folder" "$@" && ninja -C "$folder"
 }
 
+# timed COMMAND...: runs it with its output in $log, and sets $seconds.
+timed() {
+    began=$(date +%s)
+    "$@" >"$log" 2>&1
+    code=$?
+    seconds=$(($(date +%s) - began))
+    return $code
+}
+
+# print_whole: prints standard input, with no line of another lane in between.
+print_whole() {
+    cat >"$log.whole"
+    flock "$work/output" cat "$log.whole"
+}
+
+# add PASSED FAILED: one line of counts, written at once.
+add() {
+    echo "$1 $2" >>"$work/counts"
+}
+
+# check NAME COMMAND...: one test, whose output is printed only when it fails.
+check() {
+    name=$1
+    shift
+    if timed "$@"; then
+        add 1 0
+        echo "ok      $name ($seconds s)" | print_whole
+    else
+        add 0 1
+        { echo "FAILED  $name ($seconds s)" && tail -n 40 "$log" | sed 's/^/        /'; } | print_whole
+        return 1
+    fi
+}
+
+# show NAME COMMAND...: prints all output; the caller counts its tests.
+show() {
+    name=$1
+    shift
+    timed "$@"
+    { cat "$log" && echo "ran     $name ($seconds s)"; } | print_whole
+}
+
 # add_counts FILE: adds each single test of a file of results to the count.
 add_counts() {
-    counts=$(python3 tests/count_results.py "$1")
-    passed=$((passed + ${counts% *}))
-    failed=$((failed + ${counts#* }))
+    add $(python3 tests/count_results.py "$1")
 }
 
 # The kernels are the same in all builds.
-kernels=$PWD/build-test/kernels
-with_cache="$PWD/tests/with_cache.py $kernels"
+with_cache="$PWD/tests/with_cache.py $PWD/build-test/kernels"
 
 # suite FOLDER [MESON TEST ARGUMENTS]
 suite() {
@@ -57,71 +161,46 @@ suite() {
     shift
     results=$folder/meson-logs/testlog-with_cache.py.json # meson names it after the wrapper
     rm -f "$results"
-    meson test -C "$folder" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
+    show "tests of $folder" meson test -C "$folder" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
     add_counts "$results"
 }
 
-# The quick start of the README, in build/ and out/.
-check "quickstart" sh tests/quickstart.sh
+# pytest_suite RESULTS COMMAND...: RESULTS is what the command writes in build-test/python.
+pytest_suite() {
+    results=build-test/python/$1
+    shift
+    rm -f "$results"
+    show "tests in $results" env POCL_CACHE_DIR="$PWD/build-test/python/pocl" $with_cache "$@"
+    add_counts "$results"
+}
 
-# All tests of a release build.
-check "build" build build-test -Dtool=enabled -Dtests=enabled -Dweb=enabled -Dopenimageio=enabled -Ddesktop=enabled
-suite build-test
-check "valgrind" sh tests/check_valgrind.sh build-test
-check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
-check "install" sh tests/install/test_install.sh build-test
-check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
-check "public headers" sh tests/install/check_headers.sh host/include
-check "format of sources" sh tests/check_format.sh
-check "clang-tidy" sh tests/check_tidy.sh build-test
-check "analyzer of gcc" sh tests/check_analyzer.sh build-test
-check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
-check "rooms are checked" python3 tests/structure/test_check_rooms.py
+# All tests but those of tests/devices run on PoCL, whatever else is installed.
+[ ! -f /etc/OpenCL/vendors/pocl.icd ] || export OCL_ICD_VENDORS=/etc/OpenCL/vendors/pocl.icd
 
-# The Python package, in a virtual environment.
-rm -f build-test/python/results.xml
-check "python wheel" sh tests/python/install.sh build-test/python
-POCL_CACHE_DIR=$PWD/build-test/python/pocl $with_cache sh tests/python/test.sh build-test/python
-add_counts build-test/python/results.xml
+# In a lane: run.sh --lane LANE WORK
+if [ "${1:-}" = --lane ]; then
+    work=$3
+    log=$work/$2.log
+    "$2"
+    exit 0
+fi
 
-# Image files of all kinds, by many writers.
-rm -f build-test/python/formats.xml
-check "writers and readers of image files" sh tests/formats/install.sh build-test/python
-POCL_CACHE_DIR=$PWD/build-test/python/pocl $with_cache sh tests/formats/test.sh build-test build-test/python
-add_counts build-test/python/formats.xml
+work=$(mktemp -d)
+log=$work/release_build.log
+lanes=
+# Each lane is a process group, which ends with this script.
+trap 'for lane in $lanes; do kill -s TERM -- "-$lane" 2>/dev/null; done; wait; rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM HUP
 
-# Host code under ASan and UBSan, with small hard cases; check_leaks.sh checks for leaks.
-check "build with sanitizers" build build-sanitize \
-    --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled
-export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-export STABILITY_SMALL=1
-suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
-unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
-check "no data races" sh tests/check_threads.sh build-thread
-check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
-
-# The library without OpenCL: here, and on other machines.
-check "build without OpenCL" build build-decoder -Dopencl=disabled -Dtool=disabled -Dtests=enabled -Dweb=disabled \
-    -Dopenimageio=disabled -Ddesktop=disabled
-export STABILITY_SMALL=1
-suite build-decoder
-unset STABILITY_SMALL
-check "library without OpenCL" sh tests/install/test_without_opencl.sh build-decoder
-sh tests/portability/run.sh --quick
-for machine in $quick_machines; do
-    add_counts "build-portability/$machine/meson-logs/testlog.json"
+install_packages $build_packages $test_packages $(for machine in $quick_machines; do machine_packages "$machine"; done) ||
+    { echo "0 passed, 1 failed"; exit 1; }
+release_build
+for lane in kernel_lane build_lane; do
+    setsid sh tests/run.sh --lane "$lane" "$work" &
+    lanes="$lanes $!"
 done
-
-# The library alone needs no C++ compiler.
-CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
-check "install of the library" sh tests/install/test_install.sh build-library
-check "reproducible and hardened build" sh tests/install/test_reproducible.sh
-check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
-
-for compiler in gcc:g++ clang:clang++; do
-    CC=${compiler%:*} CXX=${compiler#*:} check "no warnings from ${compiler%:*}" \
-        build "build-${compiler%:*}" --werror -Dtool=enabled -Dtests=enabled -Dweb=disabled
+for lane in $lanes; do
+    wait "$lane" || { echo "FAILED  a lane ended before its last test"; add 0 1; }
 done
-
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ]
+lanes=
+awk '{ passed += $1; failed += $2 } END { print passed " passed, " failed " failed"; exit failed > 0 }' "$work/counts"
