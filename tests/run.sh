@@ -27,8 +27,9 @@ build_lane() {
     sources
     library_without_opencl
     library_alone
+    # Its warnings do not depend on optimisation.
     CC=clang CXX=clang++ check "no warnings from clang" \
-        build build-clang -Dwerror=true -Dtool=enabled -Dtests=enabled -Dweb=disabled
+        build build-clang -Dwerror=true -Doptimization=0 -Db_ndebug=true -Dtool=enabled -Dtests=enabled -Dweb=disabled
     check "no data races" sh tests/check_threads.sh build-thread
     check "valgrind" sh tests/check_valgrind.sh build-test
     check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
@@ -63,7 +64,8 @@ image_files() {
 # Host code under ASan and UBSan, with small hard cases; check_leaks.sh, after the tests whose kernels it finds, looks for leaks.
 sanitizers() {
     check "build with sanitizers" build build-sanitize \
-        --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled
+        --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled \
+        -Dopenimageio=disabled -Ddesktop=disabled -Dplots=disabled
     export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     export STABILITY_SMALL=1
     suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
