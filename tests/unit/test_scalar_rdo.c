@@ -109,11 +109,18 @@ static double error_of(scene *s) {
     return sum;
 }
 
-/* Every other pass scans for waves. */
+/* Every other pass scans for waves.  A pass depends on the codes alone: where one with a scan and one without change none, the
+ * passes after them would do the same. */
 static void run_passes_with(scene *s, gscl_scalar_rdo_settings settings, int passes) {
-    for (int pass = 0; pass < passes; pass++) {
+    gsf_splat before[SPLATS];
+    for (int pass = 0, unchanged = 0; pass < passes && unchanged < 2; pass++) {
+        const uint32_t count = s->coded.file.header.splat_count;
+        memcpy(before, s->coded.file.splats, count * sizeof *before);
         settings.scan_textures = pass % 2 == 0;
         check_call(s, gscl_scalar_rdo_pass(&s->rdo, &s->fit, &s->coded, &settings));
+        const bool same = s->coded.file.header.splat_count == count &&
+                          memcmp(before, s->coded.file.splats, count * sizeof *before) == 0;
+        unchanged = same ? unchanged + 1 : 0;
     }
 }
 
