@@ -4,11 +4,15 @@
 #   rusticl   of Mesa, on llvmpipe: the Debian package mesa-opencl-icd
 #   intel     Intel's runtime for CPUs: from PyPI, installed in BUILD/devices
 # For each of them and for both mappings, decodes files of the conformance set, which may differ from gscl's decoder in C
-# (device "host") by 1 of 255, and encodes a picture of 192x128 in both profiles.  So few splats differ by 1.2 dB (standard
-# deviation, profile paper) from one seed to the next, so the mean PSNR of 3 seeds is compared with that of 6 with PoCL: it
-# may be 3 dB below, 3.5 standard deviations of the difference; a gradient of the wrong sign costs 5 dB and more.  Without
-# --quick also runs the unit tests of kernels, the hard cases of tests/stability and the tests of the command line on each:
-# an hour or more.
+# (device "host") by 1 of 255, and encodes a picture of 192x128 in both profiles.  The PSNR is compared with the mean of 6 seeds
+# with PoCL.  So few splats differ by 1.2 dB (standard deviation, profile paper) from one seed to the next: a first encode that
+# is at most 1 dB below suffices, else the mean of two, else that of three may be 3 dB below, 3.5 standard deviations of the
+# difference.  With PoCL, a gradient of the wrong sign makes the mean of three seeds fall, in dB:
+#   profile    x      y     axes          angle   opacity
+#   default    13.8   6.3   12.9, 12.8    4.4     (not fitted)
+#   paper      11.9   4.9    9.6, 10.5    1.3     0.9
+# The opacity's is thus not found here, but by test_gradients.  Without --quick also runs the unit tests of kernels, that one
+# among them, the hard cases of tests/stability and the tests of the command line on each: an hour or more.
 # Without any implementation it does nothing and succeeds.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -72,32 +76,37 @@ make_picture() {
 
 # encode IMPLEMENTATION MAPPING PROFILE SEED: adds the PSNR to IMPLEMENTATION.psnr
 encode() {
-    timeout -k 10 300 "$gscl" encode "$work/picture.png" -o "$work/$1.gscl" --splats 100 --effort 1 --quiet --mapping "$2" \
+    timeout -k 10 1800 "$gscl" encode "$work/picture.png" -o "$work/$1.gscl" --splats 100 --effort 1 --quiet --mapping "$2" \
         --profile "$3" --seed "$4" &&
         "$gscl" decode "$work/$1.gscl" -o "$work/$1.png" --device host &&
         "$gscl" compare "$work/picture.png" "$work/$1.png" >"$work/$1.txt" &&
         field "$work/$1.txt" PSNR >>"$work/$1.psnr"
 }
 
-# encodes IMPLEMENTATION MAPPING PROFILE SEED...: with each seed
-encodes() {
-    : >"$work/$1.psnr"
-    encoder="$1 $2 $3"
-    shift 3
-    for seed in "$@"; do
-        encode $encoder "$seed" || return 1
-    done
-}
-
 # mean FILE: of the numbers in its lines
 mean() {
-    awk '{ sum += $1 } END { printf "%.3f\n", sum / NR }' "$1"
+    awk '{ sum += $1 } END { if (NR) printf "%.3f\n", sum / NR }' "$1"
+}
+
+# is_above BOUND IMPLEMENTATION: whether the mean PSNR of the encodes so far is.
+is_above() {
+    awk "BEGIN { exit !($(mean "$work/$2.psnr") > $1) }"
+}
+
+# reaches REFERENCE IMPLEMENTATION MAPPING PROFILE: encodes with up to three seeds.
+reaches() {
+    : >"$work/$2.psnr"
+    for seed in 1 2 3; do
+        encode "$2" "$3" "$4" "$seed" || return 1
+        is_above "$1 - 1" "$2" && return 0
+    done
+    is_above "$1 - 3" "$2"
 }
 
 # decodes IMPLEMENTATION MAPPING FILE: like device host, but for 1 of 255.
 decodes() {
     "$gscl" decode "$conformance/$3.gscl" -o "$work/host.png" --device host &&
-        timeout -k 10 100 "$gscl" decode "$conformance/$3.gscl" -o "$work/device.png" --mapping "$2" &&
+        timeout -k 10 1800 "$gscl" decode "$conformance/$3.gscl" -o "$work/device.png" --mapping "$2" &&
         "$gscl" compare "$work/host.png" "$work/device.png" >"$work/decode.txt" &&
         awk "BEGIN { exit !($(field "$work/decode.txt" 'max difference') <= 1) }"
 }
@@ -114,8 +123,7 @@ quick_tests() {
         done
         for profile in default paper; do
             reference=$(mean "$work/pocl-$profile.psnr")
-            encodes "$1" $mapping $profile 1 2 3 2>>"$work/$1.log" &&
-                awk "BEGIN { exit !($(mean "$work/$1.psnr") > $reference - 3) }"
+            reaches "$reference" "$1" $mapping $profile 2>>"$work/$1.log"
             report "$1, $mapping mapping: encodes, profile $profile, $(mean "$work/$1.psnr") dB; PoCL: $reference dB" $?
         done
     done
@@ -137,7 +145,10 @@ find_implementations
 make_picture
 pocl=/etc/OpenCL/vendors/pocl.icd
 for profile in default paper; do
-    OCL_ICD_VENDORS=$pocl encodes pocl cpu $profile 1 2 3 4 5 6 || { echo "not ok - encodes with PoCL"; exit 1; }
+    : >"$work/pocl.psnr"
+    for seed in 1 2 3 4 5 6; do
+        OCL_ICD_VENDORS=$pocl encode pocl cpu $profile $seed || { echo "not ok - encodes with PoCL"; exit 1; }
+    done
     mv "$work/pocl.psnr" "$work/pocl-$profile.psnr"
 done
 for name in $names; do
