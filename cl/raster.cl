@@ -6,7 +6,7 @@ typedef struct {
     pix u, v; /* gauss = 2^-(u^2 + v^2) */
     /* Of axis-aligned splats: 2^-u^2, 2^-v^2, the ratio of its next value to this, the ratio of two ratios. */
     pix column;
-    float row, row_ratio, row_bend;
+    real row, row_ratio, row_bend;
     pix gauss;
     pix weight; /* max(0, gauss - floor) */
 } splat_weight;
@@ -24,7 +24,7 @@ ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const
     /* Exactly 0 outside the support: `row` may be rounded to more than 1 and would then give a gradient there. */
     s->column = select((pix)(0.0f), pix_exp2(-s->u * s->u), PIX_MASK(s->u * s->u < (pix)(SUPPORT2)));
     s->row = exp2(-v * v);
-    s->row_ratio = exp2(fmin(-2.0f * v * step, 64.0f)) * projected[GSCL_PROJECTED_ROW_STEP];
+    s->row_ratio = exp2(fmin(-2.0f * v * step, (real)(64.0f))) * projected[GSCL_PROJECTED_ROW_STEP];
     s->row_bend = projected[GSCL_PROJECTED_ROW_STEP] * projected[GSCL_PROJECTED_ROW_STEP];
 }
 
