@@ -3,7 +3,7 @@
  *
  * In the order in which to read them:
  *   constants.h, structs.h: what the host reads as well
- *   builtins.h, macros.h, options.h, pixel.cl, splat_lanes.cl: options, vectors of pixels and of splats
+ *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   group_scan.cl, group_sum.cl: prefix sums and sums over a work-group
  *   direction.cl, project.cl, links.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
  *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to
@@ -122,15 +122,6 @@
 
 /* Steps for which a tile without error is skipped (cl/fit.cl), found by trying. */
 #define GSCL_SKIP_STEPS 7
-
-/* Options that a general program reads when it runs (cl/options.h). */
-#define GSCL_GENERAL_OPACITY 0
-#define GSCL_GENERAL_TEXTURE 1
-#define GSCL_GENERAL_SHAPE 2
-#define GSCL_GENERAL_BLEND 3
-#define GSCL_GENERAL_WEIGHTED 4
-#define GSCL_GENERAL_LOSS 5
-#define GSCL_GENERAL_OPTIONS 6
 
 /* Adam (cl/update.cl, cl/codebook.cl). */
 #define GSCL_ADAM_BETA1 0.9f

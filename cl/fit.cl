@@ -10,7 +10,7 @@ typedef struct {
     pix transmittance[ROWS];   /* `alpha`: of the splats in front */
 } backward;
 
-/* The weighted error of luma of a row of pixels is that of the rendering less the target. */
+/* The error of luma in a row of pixels; 0 outside the image. */
 pix luma_error(const canvas *c, int r, __global const float *restrict target, int lanes) {
     pix luma = -pix_load_clipped(target, lanes);
     UNROLL
@@ -75,8 +75,7 @@ pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const f
     return loss;
 }
 
-/* Each work-item takes other splats.  A general program has one work-item for a tile. */
-#define SHARES_SPLATS (ITEMS > 1 && BLEND != GSCL_ALPHA)
+#define SHARES_SPLATS (ITEMS > 1 && BLEND != GSCL_ALPHA) /* each work-item takes other splats */
 
 #if ITEMS == 1
 /* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
@@ -154,8 +153,7 @@ ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, p
 void slot_end(pix *restrict sums, splat_weight s) {
     if (ROTATION) return;
     sums[GSCL_SLOT_U] *= s.u;
-    sums[GSCL_SLOT_UU] = fma(sums[GSCL_SLOT_U], s.u, sums[ANISOTROPY ? GSCL_SLOT_UU : SLOT_VV]);
-    if (!ANISOTROPY) sums[SLOT_VV] = sums[GSCL_SLOT_UU];
+    sums[GSCL_SLOT_UU] = fma(sums[GSCL_SLOT_U], s.u, sums[GSCL_SLOT_UU]);
 }
 
 /* The step until which a tile with this loss is skipped, or 0. */

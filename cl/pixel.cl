@@ -25,6 +25,8 @@ typedef float real;
 #define ITEMS_X (GSCL_TILE / LANES)
 #define ITEMS_Y (GSCL_TILE / ROWS)
 #define ITEMS (ITEMS_X * ITEMS_Y)
+#define ROTATION (SHAPE == GSCL_SHAPE_ROTATED)
+#define ANISOTROPY (SHAPE != GSCL_SHAPE_ISOTROPIC)
 
 #if LANES == 16
 typedef REALS(16) pix;

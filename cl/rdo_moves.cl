@@ -2,7 +2,6 @@
 
 /* Move 0 changes nothing but the colour. */
 #define MOVES (GSCL_RDO_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
-#define MAX_MOVES (GSCL_RDO_MOVES + (MAY_BE(OPACITY) ? GSCL_RDO_OPACITY_MOVES : 0))
 /* Each of these moves is one step up; the move after it is one step down. */
 #define MOVE_ANGLE 7
 #define MOVE_X 9
@@ -27,8 +26,8 @@ bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, uni
  * with their new steps. */
 bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
                 __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
-    const int major_step[MAX_MOVES] = {0, 1, -1, 1, -1, 0, 0};
-    const int aspect_step[MAX_MOVES] = {0, 0, 0, 1, -1, -1, 1};
+    const int major_step[MOVES] = {0, 1, -1, 1, -1, 0, 0};
+    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
     if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
     if (move >= MOVE_OPACITY) {

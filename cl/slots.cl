@@ -7,14 +7,9 @@
  * With h = dL/dweight and t = h * opacity * gauss, a slot holds
  *     sum t u, t v, t u^2, [t u v,] t v^2, [h weight,] w dL/dcolour for each channel, and [w dL/dwave times the wave a
  *     quarter of a turn on, whose phase moves with the splat].
- * A circle has one sum instead of t u^2 and t v^2.  In a general program (options.h) every sum has a place of its own. */
-#ifdef GENERAL
-#define SLOT_SHAPE GSCL_SHAPE_ROTATED
-#else
-#define SLOT_SHAPE SHAPE
-#endif
-#define SLOT_VV GSCL_SLOT_VV(SLOT_SHAPE)
-#define SLOT_OPACITY GSCL_SLOT_OPACITY(SLOT_SHAPE)
-#define SLOT_COLOUR GSCL_SLOT_COLOUR(SLOT_SHAPE, MAY_BE(OPACITY))
-#define SLOT_WAVE GSCL_SLOT_WAVE(SLOT_SHAPE, MAY_BE(OPACITY), CHANNELS)
-#define SLOT GSCL_SLOT_SIZE(SLOT_SHAPE, MAY_BE(OPACITY), CHANNELS, MAY_BE(TEXTURE))
+ * A circle has one sum instead of t u^2 and t v^2. */
+#define SLOT_VV GSCL_SLOT_VV(SHAPE)
+#define SLOT_OPACITY GSCL_SLOT_OPACITY(SHAPE)
+#define SLOT_COLOUR GSCL_SLOT_COLOUR(SHAPE, OPACITY)
+#define SLOT_WAVE GSCL_SLOT_WAVE(SHAPE, OPACITY, CHANNELS)
+#define SLOT GSCL_SLOT_SIZE(SHAPE, OPACITY, CHANNELS, TEXTURE)

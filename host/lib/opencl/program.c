@@ -15,7 +15,7 @@
 /* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
 #define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
 
-#define COMMON_FILES "builtins.h", "constants.h", "structs.h", "macros.h", "options.h"
+#define COMMON_FILES "builtins.h", "constants.h", "structs.h", "macros.h"
 /* From parameters to projected splats. */
 #define SPLAT_FILES "splat_lanes.cl", "direction.cl", "project.cl"
 
