@@ -3,9 +3,9 @@
  *
  * In the order in which to read them:
  *   constants.h, structs.h: what the host reads as well
- *   builtins.h, macros.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
+ *   builtins.h, macros.h, options.h, pixel.cl, splat_lanes.cl: vectors of pixels and of splats
  *   group_scan.cl, group_sum.cl: prefix sums and sums over a work-group
- *   direction.cl, project.cl, links.cl, bin.cl, raster.cl, samples.cl: from parameters to an image
+ *   direction.cl, project.cl, splats.cl, links.cl, bin.cl, raster.cl, draw.cl, samples.cl: from parameters to an image
  *   slots.cl, fit.cl, update.cl, step.cl, gradients.cl, image.cl, sums.cl, ssim.cl, visual.cl: from an image to
  *     gradients, and a step of the optimiser
  *   random.h, placement.cl: where splats are added
@@ -154,13 +154,14 @@
 #define GSCL_BENCHMARK_CHAINS 10   /* independent chains: more than latency times units of a processor */
 #define GSCL_BENCHMARK_LENGTH 4096 /* multiply-adds of each chain */
 
-/* Pixels of a line that a work-item sums windows of, and columns of the walk that it adds up (cl/placement.cl). */
+/* Pixels of a line that a work-item sums windows of, and columns of the walk that a group adds up (cl/placement.cl). */
 #define GSCL_BOX_LENGTH 16
-#define GSCL_COLUMNS_OF_ITEM 4
+#define GSCL_COLUMNS_OF_GROUP 256
 #define GSCL_PLACEMENT_DRAWS \
     3 /* random numbers for a splat: of its place in the density, and of the point of its pixel */
 
-#define GSCL_SUM_ITEMS 64 /* work-items of a group of cl/sums.cl, most of one of cl/group_sum.cl: a power of 2 */
+#define GSCL_SUM_ITEMS \
+    64 /* shares of a sum, and most work-items of a group that sums (cl/group_sum.cl): a power of 2 */
 
 /* Taps of the Gaussian window of SSIM along each axis (cl/ssim.cl). */
 #define GSCL_SSIM_WINDOW 11

@@ -75,7 +75,11 @@ pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const f
     return loss;
 }
 
-#define SHARES_SPLATS (ITEMS > 1 && BLEND != GSCL_ALPHA) /* each work-item takes other splats */
+#if ITEMS > 1
+#define SHARES_SPLATS (BLEND != GSCL_ALPHA) /* each work-item takes other splats */
+#else
+#define SHARES_SPLATS 0
+#endif
 
 #if ITEMS == 1
 /* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
@@ -90,9 +94,9 @@ float8 pix_sum_8(const pix *restrict s) {
     float16 c = (float16)(b[0].even, b[1].even) + (float16)(b[0].odd, b[1].odd);
     return c.even + c.odd;
 }
-#define SUMS LARGER(SLOT, 8) /* no fewer than pix_sum_8 reads */
+#define SUMS LARGER(MAX_SLOT, 8) /* no fewer than pix_sum_8 reads */
 #else
-#define SUMS SLOT
+#define SUMS MAX_SLOT
 #endif
 
 /* Stores the sums of one work-item. */
@@ -101,10 +105,12 @@ void slot_store(__global float *restrict slot, const pix *restrict sums) {
     float first[8];
     vstore8(pix_sum_8(sums), 0, first);
     UNROLL
-    for (int k = 0; k < SLOT; k++) slot[k] = k < 8 ? first[k] : pix_sum(sums[k]);
+    for (int k = 0; k < MAX_SLOT; k++)
+        if (k < SLOT) slot[k] = k < 8 ? first[k] : pix_sum(sums[k]);
 #else
     UNROLL
-    for (int k = 0; k < SLOT; k++) slot[k] = pix_sum(sums[k]);
+    for (int k = 0; k < MAX_SLOT; k++)
+        if (k < SLOT) slot[k] = pix_sum(sums[k]);
 #endif
 }
 
@@ -275,7 +281,7 @@ __kernel void fit_tiles(__global const float *restrict splats, __global const ui
     __local shared_backward shared_state;
 #endif
 #if ITEMS > 1
-    __local float shared[SLOT * ITEMS];
+    __local float shared[MAX_SLOT * ITEMS];
 #else
     __local float *shared = NULL;
 #endif

@@ -101,10 +101,11 @@ ulong column_weight(__global const float *restrict density, gscl_placement_setti
     return sum;
 }
 
-/* The columns of a work-item. */
-int2 own_columns(size_t item, gscl_placement_settings t) {
-    const int first = (int)item * GSCL_COLUMNS_OF_ITEM;
-    return (int2)(min(first, t.columns), min(first + GSCL_COLUMNS_OF_ITEM, t.columns));
+/* The columns of a work-item: its share in the GSCL_COLUMNS_OF_GROUP of group `group`. */
+int2 own_columns(size_t group, gscl_placement_settings t) {
+    const int share = GSCL_COLUMNS_OF_GROUP / (int)get_local_size(0);
+    const int first = (int)group * GSCL_COLUMNS_OF_GROUP + (int)get_local_id(0) * share;
+    return (int2)(min(first, t.columns), min(first + share, t.columns));
 }
 
 /* Weights of columns, and of all columns of each work-group. */
@@ -112,25 +113,27 @@ __kernel void weigh_columns(__global const float *restrict density, gscl_placeme
                             __global const float *restrict total, __global ulong *restrict weights,
                             __global ulong *restrict group_weights) {
     __local long sums[GSCL_SUM_ITEMS];
-    const int2 own = own_columns(get_global_id(0), t);
+    const int2 own = own_columns(get_group_id(0), t);
+    const int items = (int)get_local_size(0);
     ulong sum = 0;
     for (int i = own.x; i < own.y; i++) sum += weights[i] = column_weight(density, t, *total, i);
-    group_scan((long)sum, GSCL_SUM_ITEMS, sums);
-    if (get_local_id(0) == 0) group_weights[get_group_id(0)] = (ulong)sums[GSCL_SUM_ITEMS - 1];
+    group_scan((long)sum, items, sums);
+    if (get_local_id(0) == 0) group_weights[get_group_id(0)] = (ulong)sums[items - 1];
 }
 
 /* Adds to the weight of each column those before it in the walk. */
 __kernel void add_columns(gscl_placement_settings t, __global const ulong *restrict group_weights,
                           __global ulong *restrict weights) {
     __local long sums[GSCL_SUM_ITEMS];
-    const int2 own = own_columns(get_global_id(0), t);
+    const int2 own = own_columns(get_group_id(0), t);
+    const int items = (int)get_local_size(0);
     ulong before = 0, sum = 0;
-    for (int i = (int)get_local_id(0); i < (int)get_group_id(0); i += GSCL_SUM_ITEMS) before += group_weights[i];
-    group_scan((long)before, GSCL_SUM_ITEMS, sums);
-    before = (ulong)sums[GSCL_SUM_ITEMS - 1];
+    for (int i = (int)get_local_id(0); i < (int)get_group_id(0); i += items) before += group_weights[i];
+    group_scan((long)before, items, sums);
+    before = (ulong)sums[items - 1];
     barrier(CLK_LOCAL_MEM_FENCE);
     for (int i = own.x; i < own.y; i++) sum += weights[i];
-    before += (ulong)group_scan((long)sum, GSCL_SUM_ITEMS, sums) - sum;
+    before += (ulong)group_scan((long)sum, items, sums) - sum;
     for (int i = own.x; i < own.y; i++) weights[i] = before += weights[i];
 }
 
@@ -175,11 +178,12 @@ float sample_distance(__global const float *restrict density, gscl_placement_set
 
 /* ---- Splats ---- */
 
-/* Adds the structure tensor of a work-item's pixels around a pixel: sums of the products of the derivatives in x and y, over
+/* Adds a share of the structure tensor of the pixels around a pixel: sums of the products of the derivatives in x and y, over
  * all channels. */
-void add_tensor(__global const float *restrict planes, gscl_placement_settings t, int2 at, int radius, float *tensor) {
+void add_tensor(__global const float *restrict planes, gscl_placement_settings t, int2 at, int radius, int share,
+                float *tensor) {
     const int side = 2 * radius + 1;
-    for (int i = (int)get_local_id(0); i < side * side; i += GSCL_SUM_ITEMS) {
+    for (int i = share; i < side * side; i += GSCL_SUM_ITEMS) {
         const int x = at.x - radius + i % side, y = at.y - radius + i / side;
         if (x < 1 || y < 1 || x > t.width - 2 || y > t.height - 2) continue;
         for (int k = 0; k < t.channels; k++) {
@@ -222,8 +226,13 @@ __kernel void place_splats(__global const float *restrict planes, __global const
     float tensor[3] = {0.0f, 0.0f, 0.0f};
     if (t.is_rotated != 0) {
         const float radius = fmin(fmax(sigma / t.scale, 1.0f), (float)t.max_edge_radius);
-        add_tensor(planes, t, at, (int)radius, tensor);
-        group_sums(tensor, 3, sums);
+        FOR_SHARES(j) {
+            float own[3] = {0.0f, 0.0f, 0.0f};
+            add_tensor(planes, t, at, (int)radius, j, own);
+            for (int k = 0; k < 3; k++) sums[k * GSCL_SUM_ITEMS + j] = own[k];
+        }
+        shares_sum(3, sums);
+        for (int k = 0; k < 3; k++) tensor[k] = sums[k * GSCL_SUM_ITEMS];
     }
     if (item > 0) return;
     params += ((size_t)t.first + i) * GSCL_PARAMS;

@@ -14,7 +14,7 @@ typedef struct {
 
 /* Places of its sums. */
 #define QUADRATIC_LUMA (3 + CHANNELS)
-#define QUADRATIC_SUMS (QUADRATIC_LUMA + (WEIGHTED == GSCL_WEIGHTED_LUMA ? 2 : 0))
+#define QUADRATIC_SUMS (QUADRATIC_LUMA + (MAX_WEIGHTED == GSCL_WEIGHTED_LUMA ? 2 : 0))
 
 quadratic quadratic_of_sums(const float *sums) {
     quadratic q;

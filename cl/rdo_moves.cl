@@ -26,8 +26,8 @@ bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, uni
  * with their new steps. */
 bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
                 __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
-    const int major_step[MOVES] = {0, 1, -1, 1, -1, 0, 0};
-    const int aspect_step[MOVES] = {0, 0, 0, 1, -1, -1, 1};
+    const int major_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 1, -1, 1, -1, 0, 0};
+    const int aspect_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
     if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
     if (move >= MOVE_OPACITY) {

@@ -49,6 +49,7 @@ float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *
 /* Moves that are evaluated exactly in a visit; those of opacity always are, because the model does not know them. */
 #define PREDICTED_MOVES 3
 #define EVALUATED_MOVES (PREDICTED_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
+#define MAX_EVALUATED_MOVES (PREDICTED_MOVES + (MAX_OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
 
 /* The predicted cost of a move from `now`, whose cost is known.  MAXFLOAT: the move is not possible. */
 float predict_move(int move, const rdo_choice *now, const splat_geometry *from, const projected_splat *a,
@@ -68,7 +69,7 @@ float predict_move(int move, const rdo_choice *now, const splat_geometry *from, 
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0. */
 int promising_moves(int *restrict moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
                     const rdo_visit_context *v) {
-    float costs[EVALUATED_MOVES];
+    float costs[MAX_EVALUATED_MOVES];
     int count = 0;
     splat_geometry from = codes_geometry_of(&now->codes, v);
     for (int i = 0; i < EVALUATED_MOVES; i++) moves[i] = 0;
@@ -138,7 +139,7 @@ bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context 
     projected_splat a = codes_project(&before, v);
     splat_model m = model_of(&a, &v->planes, shared);
     rdo_choice best = {before, 0.0f};
-    int moves[EVALUATED_MOVES];
+    int moves[MAX_EVALUATED_MOVES];
     best.cost = choose_colour(&best.codes, &m.colour, v);
     int count = promising_moves(moves, &best, &a, &m, v);
     const bool has_wave = wave_may_pay(&before, &m, v), may_drop = best.cost >= v->cost_of_dropping;
@@ -149,8 +150,9 @@ bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context 
     const bool is_dropped = is_gone || best.cost >= v->cost_of_dropping;
     if (is_dropped) codes->code[GSCL_CODE_MAJOR] = -1;
     if (RDO_ITEMS == 1 && is_dropped) return false;
-#if TEXTURE
-    if (has_wave || RDO_ITEMS > 1) texture_choose(&best.codes, v->tables, v->settings, v->view, &v->planes, shared);
+#if MAX_TEXTURE
+    if (TEXTURE && (has_wave || RDO_ITEMS > 1))
+        texture_choose(&best.codes, v->tables, v->settings, v->view, &v->planes, shared);
 #endif
     a = codes_project(&best.codes, v);
     rendering_change(&a, is_dropped ? 0.0f : 1.0f, &v->planes);

@@ -1,7 +1,8 @@
-/* Sums over an image, of work-groups of GSCL_SUM_ITEMS work-items, and what a fit takes from them.  All are trees in an order
- * that does not depend on the device (group_sum.cl), so that the same input always gives the same sum. */
+/* Sums over an image in GSCL_SUM_ITEMS shares by each work-group, and what a fit takes from them.  All are trees in an order
+ * that does not depend on the device or on the size of the groups (group_sum.cl), so that the same input always gives the
+ * same sum. */
 
-/* A sum that keeps what rounding lost (Kahan): of each work-item, which adds up many numbers of a large image. */
+/* A sum that keeps what rounding lost (Kahan): of each share, which adds up many numbers of a large image. */
 typedef struct {
     float sum, lost;
 } long_sum;
@@ -13,16 +14,29 @@ long_sum long_sum_add(long_sum s, float number) {
     return s;
 }
 
+/* The sum of `count` numbers at sums[0]. */
+void share_sums(__global const float *restrict numbers, int count, __local float *restrict sums) {
+    FOR_SHARES(j) {
+        long_sum own = {0.0f, 0.0f};
+        for (int i = j; i < count; i += GSCL_SUM_ITEMS) own = long_sum_add(own, numbers[i]);
+        sums[j] = own.sum;
+    }
+    shares_sum(1, sums);
+}
+
 /* Squared error of the pixels of each work-group, `share` neighbours; the last group may have fewer. */
 __kernel void sum_squared_error(__global const float *restrict rendering, __global const float *restrict target,
                                 int channels, int weighted, int count, int share, __global float *restrict group_sums) {
     __local float sums[GSCL_SUM_ITEMS];
     int first = (int)get_group_id(0) * share, end = min(count - first, share);
-    long_sum own = {0.0f, 0.0f};
-    for (int i = (int)get_local_id(0); i < end; i += GSCL_SUM_ITEMS)
-        own = long_sum_add(own, error_of_pixel(rendering, target, channels, weighted, count, first + i));
-    float total = group_sum(own.sum, sums);
-    if (get_local_id(0) == 0) group_sums[get_group_id(0)] = total;
+    FOR_SHARES(j) {
+        long_sum own = {0.0f, 0.0f};
+        for (int i = j; i < end; i += GSCL_SUM_ITEMS)
+            own = long_sum_add(own, error_of_pixel(rendering, target, channels, weighted, count, first + i));
+        sums[j] = own.sum;
+    }
+    shares_sum(1, sums);
+    if (get_local_id(0) == 0) group_sums[get_group_id(0)] = sums[0];
 }
 
 /* The sum of a plane's values, likewise. */
@@ -30,30 +44,24 @@ __kernel void sum_plane(__global const float *restrict plane, int count, int sha
                         __global float *restrict group_sums) {
     __local float sums[GSCL_SUM_ITEMS];
     int first = (int)get_group_id(0) * share, end = min(count - first, share);
-    long_sum own = {0.0f, 0.0f};
-    for (int i = (int)get_local_id(0); i < end; i += GSCL_SUM_ITEMS) own = long_sum_add(own, plane[first + i]);
-    float total = group_sum(own.sum, sums);
-    if (get_local_id(0) == 0) group_sums[get_group_id(0)] = total;
+    share_sums(plane + first, end, sums);
+    if (get_local_id(0) == 0) group_sums[get_group_id(0)] = sums[0];
 }
 
 /* Adds up the sums of groups, and `factor` times another number.  One work-group. */
 __kernel void sum_groups(__global const float *restrict group_sums, int count, float factor,
                          __global const float *restrict other, __global float *restrict total) {
     __local float sums[GSCL_SUM_ITEMS];
-    long_sum own = {0.0f, 0.0f};
-    for (int i = (int)get_local_id(0); i < count; i += GSCL_SUM_ITEMS) own = long_sum_add(own, group_sums[i]);
-    float all = group_sum(own.sum, sums);
-    if (get_local_id(0) == 0) *total = factor == 0.0f ? all : fma(factor, *other, all);
+    share_sums(group_sums, count, sums);
+    if (get_local_id(0) == 0) *total = factor == 0.0f ? sums[0] : fma(factor, *other, sums[0]);
 }
 
 /* The mean loss of a step from those of its tiles.  One work-group.  `scale`: 1 / samples. */
 __kernel void sum_loss(__global const float *restrict tile_loss, int count, float scale,
                        __global gscl_fit_control *restrict control) {
     __local float sums[GSCL_SUM_ITEMS];
-    long_sum own = {0.0f, 0.0f};
-    for (int i = (int)get_local_id(0); i < count; i += GSCL_SUM_ITEMS) own = long_sum_add(own, tile_loss[i]);
-    float total = group_sum(own.sum, sums);
-    if (get_local_id(0) == 0) control->loss = total * scale;
+    share_sums(tile_loss, count, sums);
+    if (get_local_id(0) == 0) control->loss = sums[0] * scale;
 }
 
 /* Bounds the axes where the lists of the tiles are long, sets the threshold of skipped tiles, and counts low splats.  One
@@ -61,14 +69,19 @@ __kernel void sum_loss(__global const float *restrict tile_loss, int count, floa
 __kernel void control_fit(__global const int *restrict row_totals, int rows,
                           __global const float *restrict ellipse_bounds, gscl_control_settings settings,
                           __global gscl_fit_control *restrict control) {
-    __local float sums[GSCL_SUM_ITEMS], low_sums[GSCL_SUM_ITEMS];
-    float own = 0.0f, own_low = 0.0f;
-    for (int i = (int)get_local_id(0); i < rows; i += GSCL_SUM_ITEMS) own += (float)row_totals[i];
-    for (int i = (int)get_local_id(0); i < settings.splats; i += GSCL_SUM_ITEMS)
-        own_low +=
-            ellipse_bounds[(size_t)i * GSCL_BOUNDS + GSCL_BOUNDS_HALF_HEIGHT] < settings.low_height ? 1.0f : 0.0f;
-    float entries = group_sum(own, sums), low = group_sum(own_low, low_sums);
+    __local float sums[2 * GSCL_SUM_ITEMS];
+    FOR_SHARES(j) {
+        float own = 0.0f, own_low = 0.0f;
+        for (int i = j; i < rows; i += GSCL_SUM_ITEMS) own += (float)row_totals[i];
+        for (int i = j; i < settings.splats; i += GSCL_SUM_ITEMS)
+            own_low +=
+                ellipse_bounds[(size_t)i * GSCL_BOUNDS + GSCL_BOUNDS_HALF_HEIGHT] < settings.low_height ? 1.0f : 0.0f;
+        sums[j] = own;
+        sums[GSCL_SUM_ITEMS + j] = own_low;
+    }
+    shares_sum(2, sums);
     if (get_local_id(0) > 0) return;
+    const float entries = sums[0], low = sums[GSCL_SUM_ITEMS];
     control->low_splats = low / fmax((float)settings.splats, 1.0f);
     if (entries > settings.max_entries)
         control->log_max = fmax(control->log_max - settings.reduction, settings.log_min);

@@ -6,7 +6,7 @@
  * for all directions at once, and estimates the others from the splat's Gaussian; the best wave of the scan, the
  * present one and its neighbours are then evaluated exactly. */
 
-#if TEXTURE
+#if MAX_TEXTURE
 #define SCANNED_WAVES 12                  /* the first of all wavelengths */
 #define VECTORS (GSCL_DIRECTIONS / LANES) /* of directions */
 #define MAX_SCAN_FREQUENCY 0.45f          /* cycles per pixel of the level: finer waves would alias */

@@ -157,7 +157,7 @@ bool gather(vfloat *restrict gradient, __global const float *restrict params, __
             gscl_gather_settings drawn, __global const float *restrict projected,
             __global const gscl_link_grid *restrict grids, __global const int *restrict links,
             __global const float *restrict slots, __local float *restrict shared, size_t i, int *restrict lanes_used) {
-    float sums[SPLAT_LANES * SLOT];
+    float sums[SPLAT_LANES * MAX_SLOT];
     if (SLOT_ITEMS == 1 && i >= (size_t)drawn.splats) return false;
     *lanes_used = min(drawn.splats - (int)i, SPLAT_LANES);
     slots_sum(sums, i, *lanes_used, grids, links, slots, shared);

@@ -232,22 +232,26 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
 }
 
 /* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3, by an error shares[PEAKS] times
- * its 5th power.  Also adds the loss of the scale to *loss.  One work-group, of GSCL_SUM_ITEMS work-items. */
+ * its 5th power.  Also adds the loss of the scale to *loss.  One work-group. */
 __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s, gscl_visual_weights weights,
                             float unit, __global float *restrict shares, __global float *restrict loss) {
     __local float shared[GSCL_VISUAL_SUMS * GSCL_SUM_ITEMS];
     /* Copied, because Mesa's compiler fails on a run-time index into a struct that was passed by value. */
     const float by_sum[GSCL_VISUAL_SUMS] = {weights.weight[0], weights.weight[1], weights.weight[2], weights.weight[3],
                                             weights.weight[4], weights.weight[5], weights.weight[6]};
-    float sums[GSCL_VISUAL_SUMS], pixels = (float)s.width * (float)s.height, total = 0.0f;
-    for (int j = 0; j < GSCL_VISUAL_SUMS; j++) sums[j] = 0.0f;
-    for (int y = (int)get_local_id(0); y < s.height; y += GSCL_SUM_ITEMS)
-        for (int j = 0; j < GSCL_VISUAL_SUMS; j++) sums[j] += row_sums[y * GSCL_VISUAL_SUMS + j];
-    group_sums(sums, GSCL_VISUAL_SUMS, shared);
+    float pixels = (float)s.width * (float)s.height, total = 0.0f;
+    FOR_SHARES(i) {
+        for (int j = 0; j < GSCL_VISUAL_SUMS; j++) shared[j * GSCL_SUM_ITEMS + i] = 0.0f;
+        for (int y = i; y < s.height; y += GSCL_SUM_ITEMS)
+            for (int j = 0; j < GSCL_VISUAL_SUMS; j++)
+                shared[j * GSCL_SUM_ITEMS + i] += row_sums[y * GSCL_VISUAL_SUMS + j];
+    }
+    shares_sum(GSCL_VISUAL_SUMS, shared);
     if (get_local_id(0) > 0) return;
     for (int j = 0; j < GSCL_VISUAL_SUMS; j++) {
         float power = j == GSCL_VISUAL_PEAKS ? 6.0f : j % 2 ? 4.0f : 1.0f;
-        float norm = exp2(log2(fmax(sums[j] / pixels, 1e-30f)) / power), weight = by_sum[j];
+        float sum = shared[j * GSCL_SUM_ITEMS], weight = by_sum[j];
+        float norm = exp2(log2(fmax(sum / pixels, 1e-30f)) / power);
         total = fma(weight, norm, total);
         shares[j] = unit * weight / pixels * exp2((1.0f - power) * log2(norm));
     }

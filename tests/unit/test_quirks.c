@@ -121,7 +121,7 @@ static void test_mesa_has_no_single_work_items(void **state) {
     gscl_context *forced = open_as("rusticl", GSCL_MAPPING_CPU), *chosen = open_as("rusticl", GSCL_MAPPING_AUTO);
     gscl_context *unknown = open_as("Somebody's", GSCL_MAPPING_AUTO);
     assert_true(gscl_rdo_group_size(forced) > 1);
-    assert_true(gscl_row_group_size(forced) > 1);
+    assert_true(gscl_sum_group_size(forced) > 1);
     assert_true(chosen->gpu_mapping);
     assert_false(unknown->gpu_mapping);
     assert_int_equal(gscl_rdo_group_size(unknown), 1);

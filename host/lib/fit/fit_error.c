@@ -11,8 +11,8 @@ gscl_result gscl_fit_sum_loss(gscl_fit *f) {
     const float scale = 1.0f / ((float)gscl_renderer_plane(&f->renderer) * (float)f->renderer.channels);
     gscl_kernel *kernel;
     GSCL_TRY(gscl_image_kernel(f->context, "sum_loss", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->tile_loss), GSCL_ARG(tiles),
-                       GSCL_ARG(scale), GSCL_ARG_BUFFER(f->control));
+    return GSCL_LAUNCH(f->context, kernel, 1, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG(tiles), GSCL_ARG(scale), GSCL_ARG_BUFFER(f->control));
 }
 
 gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
@@ -84,8 +84,8 @@ static gscl_result launch_sum_groups(gscl_fit *f, sum_parts parts, const gscl_bu
     gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, to, sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_groups", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error_sums), GSCL_ARG(parts.groups),
-                       GSCL_ARG(factor), GSCL_ARG_BUFFER(*other), GSCL_ARG_BUFFER(*to));
+    return GSCL_LAUNCH(f->context, kernel, 1, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(f->error_sums),
+                       GSCL_ARG(parts.groups), GSCL_ARG(factor), GSCL_ARG_BUFFER(*other), GSCL_ARG_BUFFER(*to));
 }
 
 gscl_result gscl_fit_sum_error(gscl_fit *f) {
@@ -93,8 +93,9 @@ gscl_result gscl_fit_sum_error(gscl_fit *f) {
     gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_plane", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error),
-                         GSCL_ARG(parts.pixels), GSCL_ARG(parts.share), GSCL_ARG_BUFFER(f->error_sums)));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, gscl_sum_group_size(f->context),
+                         GSCL_ARG_BUFFER(f->error), GSCL_ARG(parts.pixels), GSCL_ARG(parts.share),
+                         GSCL_ARG_BUFFER(f->error_sums)));
     return launch_sum_groups(f, parts, NULL, &f->density_total);
 }
 
@@ -105,9 +106,10 @@ static gscl_result launch_sum(gscl_fit *f, const error_sum *s) {
     gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error_sums, MAX_GROUPS * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "sum_squared_error", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(*s->planes),
-                         GSCL_ARG_BUFFER(*s->target), GSCL_ARG(channels), GSCL_ARG(s->weighted), GSCL_ARG(parts.pixels),
-                         GSCL_ARG(parts.share), GSCL_ARG_BUFFER(f->error_sums)));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, (size_t)parts.groups, gscl_sum_group_size(f->context),
+                         GSCL_ARG_BUFFER(*s->planes), GSCL_ARG_BUFFER(*s->target), GSCL_ARG(channels),
+                         GSCL_ARG(s->weighted), GSCL_ARG(parts.pixels), GSCL_ARG(parts.share),
+                         GSCL_ARG_BUFFER(f->error_sums)));
     return launch_sum_groups(f, parts, s->added, &f->distortion);
 }
 

@@ -127,8 +127,9 @@ static gscl_result bin_and_check(gscl_fit *f) {
         GSCL_TRY(gscl_fit_sum_loss(f));
     GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths || f->steps_since_wait >= wait_interval(f)));
     GSCL_TRY(gscl_image_kernel(f->context, "control_fit", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG(r->view.tiles_y),
-                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control));
+    return GSCL_LAUNCH(f->context, kernel, 1, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(r->row_totals),
+                       GSCL_ARG(r->view.tiles_y), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(f->control));
 }
 
 /* Writes the derivative of an external loss by the rendering. */

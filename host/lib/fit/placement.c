@@ -6,8 +6,6 @@
 #include "fit/random.h"
 #include "fit/tunables.h"
 
-#define COLUMNS_OF_GROUP ((size_t)GSCL_SUM_ITEMS * GSCL_COLUMNS_OF_ITEM)
-
 gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
     const int32_t width = (int32_t)gscl_fit_level_width(f), height = (int32_t)gscl_fit_level_height(f);
@@ -29,16 +27,16 @@ gscl_placement_settings gscl_placement_begin(const gscl_fit *f, size_t count) {
 
 /* Sums the density over the columns of the walk, each with those before it. */
 static gscl_result add_up_columns(gscl_fit *f, gscl_placement_settings settings) {
-    const size_t columns = (size_t)settings.columns, groups = gscl_groups(columns, COLUMNS_OF_GROUP);
+    const size_t columns = (size_t)settings.columns, groups = gscl_groups(columns, GSCL_COLUMNS_OF_GROUP);
     gscl_kernel *kernel;
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->column_weights, columns * sizeof(uint64_t)));
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->group_weights, groups * sizeof(uint64_t)));
     GSCL_TRY(gscl_image_kernel(f->context, "weigh_columns", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, groups, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings),
-                         GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->column_weights),
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, groups, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(f->error),
+                         GSCL_ARG(settings), GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->column_weights),
                          GSCL_ARG_BUFFER(f->group_weights)));
     GSCL_TRY(gscl_image_kernel(f->context, "add_columns", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, groups, GSCL_SUM_ITEMS, GSCL_ARG(settings),
+    return GSCL_LAUNCH(f->context, kernel, groups, gscl_sum_group_size(f->context), GSCL_ARG(settings),
                        GSCL_ARG_BUFFER(f->group_weights), GSCL_ARG_BUFFER(f->column_weights));
 }
 
@@ -50,8 +48,9 @@ gscl_result gscl_placement_append(gscl_fit *f, gscl_placement_settings settings,
     GSCL_TRY(add_up_columns(f, settings));
     GSCL_TRY(gscl_fit_begin_append(f, count));
     GSCL_TRY(gscl_image_kernel(f->context, "place_splats", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, count, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(f->pyramid.levels[f->level]),
-                         GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings), GSCL_ARG_BUFFER(f->density_total),
-                         GSCL_ARG_BUFFER(f->column_weights), GSCL_ARG(seed), GSCL_ARG_BUFFER(f->renderer.params)));
+    GSCL_TRY(GSCL_LAUNCH(f->context, kernel, count, gscl_sum_group_size(f->context),
+                         GSCL_ARG_BUFFER(f->pyramid.levels[f->level]), GSCL_ARG_BUFFER(f->error), GSCL_ARG(settings),
+                         GSCL_ARG_BUFFER(f->density_total), GSCL_ARG_BUFFER(f->column_weights), GSCL_ARG(seed),
+                         GSCL_ARG_BUFFER(f->renderer.params)));
     return gscl_fit_end_append(f, count);
 }

@@ -192,13 +192,14 @@ static gscl_result sum_terms(const visual_step *s) {
     GSCL_TRY(gscl_buffer_reserve(s->context, &v->row_sums, (size_t)s->shape.height * GSCL_VISUAL_SUMS * sizeof(float)));
     GSCL_TRY(gscl_buffer_reserve(s->context, &v->shares, GSCL_VISUAL_SUMS * sizeof(float)));
     GSCL_TRY(find_kernel(s, "visual_terms_row", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(s->context, kernel, (size_t)s->shape.height, gscl_row_group_size(s->context),
+    GSCL_TRY(GSCL_LAUNCH(s->context, kernel, (size_t)s->shape.height, gscl_sum_group_size(s->context),
                          GSCL_ARG_BUFFER(s->buffers->rows), GSCL_ARG_BUFFER(s->buffers->statistics),
                          GSCL_ARG_BUFFER(s->buffers->luma), GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(s->shape),
                          GSCL_ARG_BUFFER(v->moments), GSCL_ARG_BUFFER(v->row_sums)));
     GSCL_TRY(find_kernel(s, "visual_shares", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, 1, GSCL_SUM_ITEMS, GSCL_ARG_BUFFER(v->row_sums), GSCL_ARG(s->shape),
-                       GSCL_ARG(weights), GSCL_ARG(unit), GSCL_ARG_BUFFER(v->shares), GSCL_ARG_BUFFER(v->loss));
+    return GSCL_LAUNCH(s->context, kernel, 1, gscl_sum_group_size(s->context), GSCL_ARG_BUFFER(v->row_sums),
+                       GSCL_ARG(s->shape), GSCL_ARG(weights), GSCL_ARG(unit), GSCL_ARG_BUFFER(v->shares),
+                       GSCL_ARG_BUFFER(v->loss));
 }
 
 /* The derivatives by what the terms are made of, blurred along rows. */

@@ -68,7 +68,7 @@ size_t gscl_rdo_group_size(const gscl_context *context) {
     return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_rdo_items : 1;
 }
 
-size_t gscl_row_group_size(const gscl_context *context) {
+size_t gscl_sum_group_size(const gscl_context *context) {
     return has_wide_groups(context) ? GSCL_SUM_ITEMS : 1;
 }
 
