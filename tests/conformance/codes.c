@@ -570,7 +570,7 @@ static void print_pixels(bool bare, const char *path, char **places, int count) 
 static void print_decoders(void) {
     gscl_device_info *devices = NULL;
     puts("decode-host");
-    if (gscl_list_devices(&devices) != GSCL_ERROR_NO_OPENCL)
+    if (gscl_list_devices(&devices) != GSCL_ERROR_NO_ENCODER)
         puts("decode-cpu\ndecode-gpu");
     gscl_free(devices);
 }

@@ -63,7 +63,7 @@ def encode(picture, **options):
         (gscl.InvalidArgumentError, ".", {"bytes": -5}),
         (gscl.InvalidArgumentError, "cicp", {"cicp": (300, 1)}),
         (gscl.UnknownDeviceError, "no-such-device", {"device": "no-such-device"}),
-        (gscl.NoOpenCLError, "OpenCL", {"device": "host"}),
+        (gscl.NoEncoderError, "OpenCL", {"device": "host"}),
     ],
     ids=str,
 )

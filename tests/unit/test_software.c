@@ -376,10 +376,10 @@ static void test_encoding_is_refused(void **state) {
     uint8_t pixels[12] = {0}, *bytes = NULL;
     size_t size = 0;
     const gscl_image image = {.width = 2, .height = 2, .channels = 3, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
-    assert_int_equal(gscl_encode(contexts[HOST], &image, NULL, &bytes, &size, NULL), GSCL_ERROR_NO_OPENCL);
+    assert_int_equal(gscl_encode(contexts[HOST], &image, NULL, &bytes, &size, NULL), GSCL_ERROR_NO_ENCODER);
     assert_non_null(strstr(gscl_context_message(contexts[HOST]), "encoding needs an OpenCL device"));
     assert_true(!bytes && size == 0);
-    assert_int_equal(gscl_benchmark_kernels(contexts[HOST], NULL, ignore, NULL), GSCL_ERROR_NO_OPENCL);
+    assert_int_equal(gscl_benchmark_kernels(contexts[HOST], NULL, ignore, NULL), GSCL_ERROR_NO_ENCODER);
     assert_non_null(strstr(gscl_context_message(contexts[HOST]), "a benchmark needs"));
 }
 

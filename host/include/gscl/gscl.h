@@ -90,7 +90,7 @@ typedef enum gscl_result {
     GSCL_ERROR_DEVICE_MEMORY = 13,    /* the device has too little memory for this image */
     GSCL_ERROR_DEVICE_FAILED = 14,    /* an OpenCL call failed */
     GSCL_ERROR_KERNEL_BUILD = 15,     /* the device's compiler rejected a kernel */
-    GSCL_ERROR_NO_OPENCL = 16,        /* this needs OpenCL, and the context or the library is without it */
+    GSCL_ERROR_NO_ENCODER = 16,       /* this needs kernels, and the context or the library only decodes */
     GSCL_ERROR_NOT_GSCL = 20,         /* not a gscl file */
     GSCL_ERROR_NEWER_VERSION = 21,    /* written in a newer format version */
     GSCL_ERROR_TRUNCATED = 22,        /* the file ends too early */
@@ -137,14 +137,15 @@ typedef struct gscl_device_info {
     uint64_t max_allocation_bytes; /* largest single buffer */
 } gscl_device_info;
 
-/* The id of a device that every machine has: the library itself, which decodes on one core, without OpenCL.  Pictures are
- * those of OpenCL devices within the tolerance of the format.  It starts at once, and is the fastest choice for pictures
- * up to some megapixels where kernels are not loaded yet.  Encoding and the measurements of gscl/measure.h fail on it with
- * GSCL_ERROR_NO_OPENCL.  It must be asked for by name, and gscl_list_devices does not list it.  A library that was built
- * without OpenCL has this device only, and takes it as the default. */
+/* The id of a device that every machine has: the processor itself.  It needs no OpenCL and starts at once.  A library that was
+ * built with kernels for this processor (meson option `native`) encodes, decodes and measures on it, with threads; all but the
+ * measurements of other precision (gscl_measure_accuracy, gscl_measure_gradients), which fail with GSCL_ERROR_KERNEL_BUILD.
+ * Its kernels have the CPU mapping only.  In other libraries it decodes on one core, and all else fails with
+ * GSCL_ERROR_NO_ENCODER; gscl_list_devices does not list it then.  Pictures are those of OpenCL devices within the tolerance
+ * of the format. */
 #define GSCL_HOST_DEVICE "host"
 
-/* Lists all OpenCL devices in the order of their ids.  *devices is the first one; the caller releases the whole list with
+/* Lists all devices that encode: those of OpenCL in the order of their ids, then the processor.  *devices is the first one; the caller releases the whole list with
  * gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device, or no OpenCL loader. */
 GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices);
 
@@ -161,10 +162,13 @@ typedef void (*gscl_log_callback)(void *opaque, gscl_log_level level, const char
  * that are found built are not reported.  It must not call the library with this context. */
 typedef void (*gscl_build_callback)(void *opaque, bool begins);
 
+#define GSCL_MAX_THREADS 1024
+
 typedef struct gscl_context_settings {
     size_t struct_size;   /* set by gscl_context_settings_default */
     const char *device;   /* "P.D", or a part of a device or platform name, or GSCL_HOST_DEVICE; default NULL: the first
-                              GPU, else the first accelerator, else the first CPU */
+                              GPU, else the first accelerator, else GSCL_HOST_DEVICE where it encodes, else the first
+                              CPU of OpenCL.  With GSCL_MAPPING_GPU: of OpenCL devices only */
     gscl_mapping mapping; /* default AUTO */
     bool timing;          /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
     gscl_log_callback log;     /* default NULL: no log */
@@ -176,6 +180,9 @@ typedef struct gscl_context_settings {
                                  it.  A folder that cannot be read or written costs time and is no error */
     gscl_build_callback build; /* default NULL */
     void *build_opaque;        /* first argument of `build` */
+    int threads; /* of GSCL_HOST_DEVICE, the caller's included: 1 to GSCL_MAX_THREADS; default 0: as many as the process may
+                     run (affinity, and the quotas of control groups).  Files and pictures do not depend on it.  Several
+                     contexts that work at the same time share the processor: each takes fewer threads */
 } gscl_context_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_context_settings_default. */

@@ -2,7 +2,7 @@
  *
  * Contents: comparing images; time of stages and kernels; costs of effects in a file; speed of a device; accuracy of
  * drawing and of derivatives.  A library that was built without OpenCL has none of it: all functions that can fail return
- * GSCL_ERROR_NO_OPENCL. */
+ * GSCL_ERROR_NO_ENCODER. */
 #ifndef GSCL_MEASURE_H
 #define GSCL_MEASURE_H
 

@@ -9,6 +9,7 @@
 #include "decode/draw_progress.h"
 #include "decode/frame.h"
 #include "decode/resize.h"
+#include "decode/tunables.h"
 #include "image/image.h"
 #include "runtime/allocate.h"
 #include "runtime/stage_clock.h"
@@ -115,9 +116,11 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
 
 static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
                         const gscl_image *image, const gscl_draw_progress *progress) {
+    const uint64_t pixels = (uint64_t)image->width * image->height;
+    const bool in_software = !context->backend || (context->is_host && pixels <= gscl_decode_tunables.software_pixels);
     GSCL_TRY(gscl_draw_progress_report(context, progress, f, 0));
-    return context->is_host ? draw_in_software(context, coded, f, image, progress)
-                            : gscl_draw_on_device(context, coded, f, image, progress);
+    return in_software ? draw_in_software(context, coded, f, image, progress)
+                       : gscl_draw_on_device(context, coded, f, image, progress);
 }
 
 gscl_result gscl_decode_within(gscl_context *context, const uint8_t *bytes, size_t size,

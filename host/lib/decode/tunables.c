@@ -4,6 +4,8 @@ const struct gscl_decode_tunables gscl_decode_tunables = {
     .band_samples = 16 << 20,
     .band_work = 5e7,
 
+    .software_pixels = 65536,
+
     .first_entries = 1024,
     .spare_part = 4,
     .growth_part = 2,

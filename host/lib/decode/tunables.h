@@ -2,12 +2,17 @@
 #ifndef GSCL_LIB_DECODE_TUNABLES_H
 #define GSCL_LIB_DECODE_TUNABLES_H
 
+#include <stdint.h>
+
 struct gscl_decode_tunables {
     /* Samples of a band of the drawn image: a larger image is drawn in several bands, so that the device needs room for
      * one band only. */
     int band_samples;
     /* Evaluations of a band where the caller has a callback: a tenth of a second of a core. */
     double band_work;
+
+    /* Pixels up to which the device "host" draws in software, which begins sooner than kernels do. */
+    uint64_t software_pixels;
 
     /* Entries that a row of tiles has room for at first, in addition to one for each splat. */
     int first_entries;

@@ -3,24 +3,26 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "opencl/backend.h"
+#include "device/backends.h"
 
-static const gscl_backend *const backends[] = {&gscl_opencl_backend};
-
-/* 3 for a GPU, 2 for an accelerator, 1 for any other device, 0 for one that cannot be used. */
-static int device_preference(const gscl_listed_device *d) {
-    if (d->unusable[0])
+/* The larger, the better; 0 for a device that cannot be used. */
+static int device_preference(const gscl_listed_device *d, gscl_mapping mapping) {
+    if (d->unusable[0] || (d->kind == GSCL_DEVICE_HOST && mapping == GSCL_MAPPING_GPU))
         return 0;
-    return d->kind == GSCL_DEVICE_GPU ? 3 : d->kind == GSCL_DEVICE_ACCELERATOR ? 2 : 1;
+    return d->kind == GSCL_DEVICE_GPU           ? 4
+           : d->kind == GSCL_DEVICE_ACCELERATOR ? 3
+           : d->kind == GSCL_DEVICE_HOST        ? 2
+                                                : 1;
 }
 
-static void device_list_mark_default(gscl_device_list *list) {
+static void device_list_mark_default(gscl_device_list *list, gscl_mapping mapping) {
     static const char *const reasons[] = {"", "the first CPU; there is no GPU or accelerator",
+                                          "kernels are compiled already; there is no GPU or accelerator",
                                           "the first accelerator; there is no GPU", "the first GPU"};
     int best_preference = 0;
     gscl_listed_device *best = NULL;
     for (size_t i = 0; i < list->count; i++) {
-        const int preference = device_preference(&list->devices[i]);
+        const int preference = device_preference(&list->devices[i], mapping);
         if (preference > best_preference) {
             best = &list->devices[i];
             best_preference = preference;
@@ -32,16 +34,16 @@ static void device_list_mark_default(gscl_device_list *list) {
     snprintf(best->info.why_default, sizeof best->info.why_default, "%s", reasons[best_preference]);
 }
 
-gscl_result gscl_device_list_create(gscl_device_list *list) {
+gscl_result gscl_device_list_create(gscl_device_list *list, gscl_mapping mapping) {
     gscl_result result = GSCL_OK;
     *list = (gscl_device_list){0};
-    for (size_t b = 0; b < sizeof backends / sizeof *backends && result == GSCL_OK; b++) {
+    for (size_t b = 0; gscl_backends[b] && result == GSCL_OK; b++) {
         size_t i = list->count;
-        result = backends[b]->list(list);
+        result = gscl_backends[b]->list(list);
         while (i < list->count)
-            list->devices[i++].backend = backends[b];
+            list->devices[i++].backend = gscl_backends[b];
     }
-    device_list_mark_default(list);
+    device_list_mark_default(list, mapping);
     return result;
 }
 
@@ -49,7 +51,7 @@ gscl_result gscl_list_devices(gscl_device_info **devices) {
     if (!devices)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_device_list list;
-    gscl_result result = gscl_device_list_create(&list);
+    gscl_result result = gscl_device_list_create(&list, GSCL_MAPPING_AUTO);
     gscl_device_info *infos = result == GSCL_OK ? malloc((list.count + 1) * sizeof *infos) : NULL;
     size_t usable = 0;
     for (size_t i = 0; infos && i < list.count; i++)

@@ -1,4 +1,4 @@
-/* The device "host": the processor itself, which draws without OpenCL (room `software`). */
+/* The device "host" of a library that has no kernels for this processor: it draws in software (room `software`). */
 #ifndef GSCL_LIB_HOST_DEVICE_H
 #define GSCL_LIB_HOST_DEVICE_H
 

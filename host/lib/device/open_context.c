@@ -25,10 +25,13 @@ gscl_result gscl_context_create(gscl_context **context, const gscl_context_setti
     c->build_opaque = s.build_opaque;
     if ((int)s.mapping < GSCL_MAPPING_AUTO || s.mapping > GSCL_MAPPING_GPU)
         return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "mapping %d is none of auto, cpu and gpu", (int)s.mapping);
+    if (s.threads < 0 || s.threads > GSCL_MAX_THREADS)
+        return gscl_fail(c, GSCL_ERROR_INVALID_ARGUMENT, "%d threads: there may be 1 to %d, or 0 for all", s.threads,
+                         GSCL_MAX_THREADS);
     GSCL_TRY(gscl_device_open(c, &s));
     c->is_open = true;
     gscl_log(c, GSCL_LOG_INFO, "device %s: %s%s", c->info.id, c->info.device_name,
-             c->is_host       ? ""
+             !c->backend      ? ""
              : c->gpu_mapping ? " (GPU mapping)"
                               : " (CPU mapping)");
     return GSCL_OK;

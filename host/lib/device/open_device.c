@@ -25,7 +25,7 @@ static bool contains_ignoring_case(const char *text, const char *part) {
 static bool device_matches(const gscl_device_info *info, const char *selector) {
     if (!selector)
         return info->is_default;
-    if (isdigit((unsigned char)selector[0]))
+    if (isdigit((unsigned char)selector[0]) || strcmp(info->id, GSCL_HOST_DEVICE) == 0)
         return strcmp(info->id, selector) == 0;
     return contains_ignoring_case(info->device_name, selector) || contains_ignoring_case(info->platform_name, selector);
 }
@@ -48,7 +48,7 @@ static void device_list_name(const gscl_device_list *list, const char *selector,
 }
 
 static gscl_result device_fail_unusable(gscl_context *context, gscl_result result, const gscl_listed_device *d) {
-    return gscl_fail(context, result, "OpenCL device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
+    return gscl_fail(context, result, "device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
 }
 
 /* The error when no usable device matches. */
@@ -70,7 +70,7 @@ static gscl_result device_fail_none(gscl_context *context, const gscl_device_lis
         if (device_matches(&list->devices[i].info, selector))
             return device_fail_unusable(context, GSCL_ERROR_UNKNOWN_DEVICE, &list->devices[i]);
     device_list_name(list, NULL, names, sizeof names);
-    return gscl_fail(context, GSCL_ERROR_UNKNOWN_DEVICE, "no OpenCL device matches \"%.60s\"; there is %s", selector,
+    return gscl_fail(context, GSCL_ERROR_UNKNOWN_DEVICE, "no device matches \"%.60s\"; there is %s", selector,
                      names[0] ? names : "none that can be used");
 }
 
@@ -78,10 +78,15 @@ static gscl_result device_open_listed(gscl_context *context, const gscl_listed_d
                                       const gscl_context_settings *settings) {
     context->backend = device->backend;
     context->info = device->info;
-    context->is_cpu = device->kind == GSCL_DEVICE_CPU;
+    context->is_host = device->kind == GSCL_DEVICE_HOST;
+    context->is_cpu = device->kind == GSCL_DEVICE_CPU || context->is_host;
     context->shapes = device->shapes;
     context->gpu_mapping =
         settings->mapping == GSCL_MAPPING_AUTO ? gscl_mapping_auto(context) : settings->mapping == GSCL_MAPPING_GPU;
+    if (context->is_host && context->gpu_mapping)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the kernels of the device \"host\" have the CPU mapping; choose an OpenCL device for the GPU "
+                         "mapping");
     if (settings->timing)
         GSCL_TRY(gscl_timing_create(context));
     return context->backend->open(context, device, settings);
@@ -98,22 +103,22 @@ static gscl_result device_open_chosen(gscl_context *context, const gscl_device_l
             chosen = &list->devices[i];
             found++;
         }
+    if (found == 0 && selector && strcmp(selector, GSCL_HOST_DEVICE) == 0)
+        return gscl_host_open(context, settings);
     if (found == 0)
         return device_fail_none(context, list, selector);
     if (found > 1) {
         char names[320];
         device_list_name(list, selector, names, sizeof names);
-        return gscl_fail(context, GSCL_ERROR_AMBIGUOUS_DEVICE, "\"%.60s\" matches more than one OpenCL device: %s",
-                         selector, names);
+        return gscl_fail(context, GSCL_ERROR_AMBIGUOUS_DEVICE, "\"%.60s\" matches more than one device: %s", selector,
+                         names);
     }
     return device_open_listed(context, chosen, settings);
 }
 
 gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings *settings) {
     gscl_device_list list;
-    if (settings->device && strcmp(settings->device, GSCL_HOST_DEVICE) == 0)
-        return gscl_host_open(context, settings);
-    gscl_result result = gscl_device_list_create(&list);
+    gscl_result result = gscl_device_list_create(&list, settings->mapping);
     result = result == GSCL_OK ? device_open_chosen(context, &list, settings) : gscl_fail_memory(context);
     gscl_device_list_free(&list);
     return result;

@@ -165,7 +165,7 @@ static void encoder_end(gscl_encoder *e) {
 
 static gscl_result encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
                           uint8_t **bytes, size_t *size, gscl_encode_report *report) {
-    GSCL_TRY(gscl_require_opencl(context, "encoding"));
+    GSCL_TRY(gscl_require_encoder(context, "encoding"));
     gscl_encoder e = {.context = context};
     gscl_encode_settings_default(&e.settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_encode_settings, trace, settings, &e.settings));

@@ -268,7 +268,7 @@ static gscl_result bench_create(gscl_context *context, const gscl_benchmark_sett
                                 gscl_measurement_callback callback, void *opaque, bench **b) {
     if (!context || !callback)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    GSCL_TRY(gscl_require_opencl(context, "a benchmark"));
+    GSCL_TRY(gscl_require_encoder(context, "a benchmark"));
     gscl_benchmark_settings s;
     gscl_benchmark_settings_default(&s);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_benchmark_settings, repetitions, settings, &s));

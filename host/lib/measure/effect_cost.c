@@ -108,7 +108,7 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
     if (!bytes || !uses || !count || (image && !context))
         return gscl_complete_message(context, GSCL_ERROR_INVALID_ARGUMENT);
     if (image)
-        GSCL_TRY(gscl_require_opencl(context, "measuring effects"));
+        GSCL_TRY(gscl_require_encoder(context, "measuring effects"));
     gscl_result result = gscl_probe(bytes, size, settings, &info);
     const bool bare = settings && settings->bare;
     if (result == GSCL_OK)

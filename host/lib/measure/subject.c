@@ -51,7 +51,7 @@ gscl_result gscl_subject_open(gscl_subject *s, gscl_context *context, const gscl
     if (!context || !image || !bytes)
         return GSCL_ERROR_INVALID_ARGUMENT;
     s->context = context;
-    GSCL_TRY(gscl_require_opencl(context, "measuring accuracy"));
+    GSCL_TRY(gscl_require_encoder(context, "measuring accuracy"));
     gscl_accuracy_settings_default(&s->settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_accuracy_settings, splats, settings, &s->settings));
     GSCL_TRY(check_settings(context, &s->settings));

@@ -29,11 +29,13 @@ gscl_result gscl_require_open(gscl_context *context) {
                      "the context has no device, because gscl_context_create failed");
 }
 
-gscl_result gscl_require_opencl(gscl_context *context, const char *activity) {
+gscl_result gscl_require_encoder(gscl_context *context, const char *activity) {
     GSCL_TRY(gscl_require_open(context));
-    if (!context->is_host)
+    if (context->backend)
         return GSCL_OK;
-    return gscl_fail(context, GSCL_ERROR_NO_OPENCL, "%s needs an OpenCL device; the device \"host\" only decodes",
+    return gscl_fail(context, GSCL_ERROR_NO_ENCODER,
+                     "%s needs kernels, and the device \"host\" of this library only decodes: it was built without "
+                     "kernels for this processor; choose an OpenCL device",
                      activity);
 }
 

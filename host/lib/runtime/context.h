@@ -31,14 +31,14 @@ typedef struct gscl_stage_clock {
 } gscl_stage_clock;
 
 struct gscl_context {
-    const struct gscl_backend *backend; /* the implementation of the device; NULL where is_host */
-    void *device;                       /* its state; NULL where is_host */
+    const struct gscl_backend *backend; /* the implementation of the device; NULL where it only decodes */
+    void *device;                       /* its state; NULL likewise */
     gscl_device_info info;
     bool is_open;                          /* gscl_context_create succeeded */
-    bool is_host;                          /* the device "host": decodes without OpenCL */
+    bool is_host;                          /* the device "host": the processor itself */
     bool is_cpu;                           /* the device is a CPU */
     bool gpu_mapping;                      /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
-    const struct gscl_work_shapes *shapes; /* what the implementation changes of the mappings; NULL where is_host */
+    const struct gscl_work_shapes *shapes; /* what the implementation changes of the mappings; NULL without one */
     gscl_build_callback build;             /* may be NULL */
     void *build_opaque;
     bool has_work;  /* the device was asked for something since the host last waited for it */
@@ -64,9 +64,9 @@ gscl_result gscl_fail_memory(gscl_context *context);
 
 /* Fails with GSCL_ERROR_INVALID_ARGUMENT where gscl_context_create failed: such a context only has a message. */
 gscl_result gscl_require_open(gscl_context *context);
-/* Fails likewise, and with GSCL_ERROR_NO_OPENCL and a message that names the activity ("encoding") where the context
- * is without OpenCL. */
-gscl_result gscl_require_opencl(gscl_context *context, const char *activity);
+/* Fails likewise, and with GSCL_ERROR_NO_ENCODER and a message that names the activity ("encoding") where the context's
+ * device only decodes. */
+gscl_result gscl_require_encoder(gscl_context *context, const char *activity);
 
 /* Static analysers read one source file at a time; these macros state that a failure is never GSCL_OK. */
 #ifdef __clang_analyzer__

@@ -11,7 +11,8 @@ struct gscl_quirks;  /* opencl/quirks.h */
 
 typedef enum gscl_device_kind {
     GSCL_DEVICE_OTHER,
-    GSCL_DEVICE_CPU,
+    GSCL_DEVICE_CPU,  /* of OpenCL */
+    GSCL_DEVICE_HOST, /* this processor, with kernels that were compiled with the library */
     GSCL_DEVICE_ACCELERATOR,
     GSCL_DEVICE_GPU
 } gscl_device_kind;

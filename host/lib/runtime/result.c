@@ -38,8 +38,8 @@ const char *gscl_result_text(gscl_result result) {
         return "an OpenCL call failed";
     case GSCL_ERROR_KERNEL_BUILD:
         return "the OpenCL device could not build the kernels";
-    case GSCL_ERROR_NO_OPENCL:
-        return "this needs an OpenCL device, and the context or the library is without OpenCL";
+    case GSCL_ERROR_NO_ENCODER:
+        return "this needs kernels for the processor or an OpenCL device, and the context or the library has neither";
     case GSCL_ERROR_NOT_GSCL:
         return "not a gscl file";
     case GSCL_ERROR_NEWER_VERSION:

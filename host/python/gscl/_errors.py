@@ -78,7 +78,7 @@ class KernelBuildError(DeviceError):
     code = 15
 
 
-class NoOpenCLError(DeviceError):
+class NoEncoderError(DeviceError):
     """This needs OpenCL, and the device is "host"."""
 
     code = 16

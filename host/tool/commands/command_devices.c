@@ -67,7 +67,7 @@ static int list_devices(bool as_json) {
     gscl_device_info *devices = NULL;
     gscl_context *host;
     const gscl_result result = gscl_list_devices(&devices);
-    if (result != GSCL_OK && result != GSCL_ERROR_NO_PLATFORM && result != GSCL_ERROR_NO_OPENCL)
+    if (result != GSCL_OK && result != GSCL_ERROR_NO_PLATFORM && result != GSCL_ERROR_NO_ENCODER)
         return report_result(NULL, "OpenCL", result);
     const int status = open_device(&(device_choice){.device = GSCL_HOST_DEVICE}, &host);
     char text[EXPLANATION_SIZE];

@@ -17,7 +17,7 @@ import distributed
 import numpy
 
 from gscl._encode import encode
-from gscl._errors import InvalidArgumentError, NoOpenCLError
+from gscl._errors import InvalidArgumentError, NoEncoderError
 from gscl.batch import _report, _storage, _work
 from gscl.batch._plan import Pictures, Plan, make_plan
 from gscl.batch._work import Encoder, Job
@@ -136,7 +136,7 @@ def _check_settings(settings: Mapping[str, Any]) -> None:
     """Raises what every picture would raise."""
     try:
         encode(numpy.zeros((8, 8), numpy.uint8), device="host", **settings)
-    except NoOpenCLError:
+    except NoEncoderError:
         pass  # as "host" does not encode
 
 

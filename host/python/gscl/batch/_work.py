@@ -17,7 +17,7 @@ from gscl._errors import (
     AmbiguousDeviceError,
     DeviceError,
     FileError,
-    NoOpenCLError,
+    NoEncoderError,
     NoPlatformError,
     UnknownDeviceError,
 )
@@ -32,7 +32,7 @@ Encoder = Callable[..., Encoded]
 """Called with the bytes of a picture's file, and by name with `device` and the settings of the run."""
 
 # Errors that each picture would have on this machine: the task fails, and Dask tries it on another one.
-_OF_THE_MACHINE = (NoPlatformError, UnknownDeviceError, AmbiguousDeviceError, NoOpenCLError)
+_OF_THE_MACHINE = (NoPlatformError, UnknownDeviceError, AmbiguousDeviceError, NoEncoderError)
 # Errors of storage that trying again does not mend.
 _LASTING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, PermissionError, ValueError, ImportError)
 

@@ -1,5 +1,5 @@
-/* What a library without OpenCL (meson setup -Dopencl=disabled) has in place of draw_device.c and of the rooms above: its
- * contexts are those of the device "host", which only decodes. */
+/* What a library with neither OpenCL nor compiled kernels (meson setup -Dopencl=disabled -Dnative=disabled) has in place of
+ * draw_device.c and of the rooms above: its contexts are those of the device "host", which only decodes. */
 #include <gscl/measure.h>
 
 #include "decode/draw_device.h"
@@ -7,19 +7,19 @@
 
 static gscl_result refuse(gscl_context *context, const char *activity) {
     gscl_forget_message(context);
-    return context ? gscl_require_opencl(context, activity) : GSCL_ERROR_INVALID_ARGUMENT;
+    return context ? gscl_require_encoder(context, activity) : GSCL_ERROR_INVALID_ARGUMENT;
 }
 
 /* Every context that is open is that of the device "host", which draws in software. */
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
                                 const gscl_image *image, const gscl_draw_progress *progress) {
     (void)coded, (void)f, (void)image, (void)progress;
-    return gscl_require_opencl(context, "drawing");
+    return gscl_require_encoder(context, "drawing");
 }
 
 gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison) {
     (void)a, (void)b, (void)comparison;
-    return GSCL_ERROR_NO_OPENCL;
+    return GSCL_ERROR_NO_ENCODER;
 }
 
 gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
@@ -32,7 +32,7 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
                                  const gscl_read_settings *settings, const gscl_image *image, gscl_effect_use *uses,
                                  size_t *count) {
     (void)bytes, (void)size, (void)settings, (void)image, (void)uses, (void)count;
-    return context ? refuse(context, "measuring effects") : GSCL_ERROR_NO_OPENCL;
+    return context ? refuse(context, "measuring effects") : GSCL_ERROR_NO_ENCODER;
 }
 
 gscl_result gscl_benchmark_device(gscl_context *context, const gscl_benchmark_settings *settings,

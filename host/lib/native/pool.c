@@ -1,0 +1,143 @@
+#define _POSIX_C_SOURCE 200809L
+#include "native/pool.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+
+/* One piece of work that threads share: each takes the next part until none is left. */
+typedef struct pool_job {
+    gscl_pool_work *work;
+    const void *opaque;
+    size_t count, part;
+    size_t next; /* first item that nobody has taken; atomic */
+} pool_job;
+
+struct gscl_pool {
+    pthread_mutex_t lock;
+    pthread_cond_t begin, end;
+    int thread_count; /* those that run may be fewer, the caller's is not among them */
+    int started;      /* threads; those that could not be started are not tried again */
+    bool is_closing;
+    unsigned round; /* of work, which threads wait for */
+    int places;     /* threads that may yet join this round */
+    int working;    /* threads that have joined it and not ended */
+    pool_job job;
+    pthread_t threads[];
+};
+
+/* Pools of this process that do work now. */
+static int busy_pools;
+
+static void take_parts(pool_job *job) {
+    for (;;) {
+        const size_t first = __atomic_fetch_add(&job->next, job->part, __ATOMIC_RELAXED);
+        if (first >= job->count)
+            return;
+        job->work(job->opaque, first, job->count - first < job->part ? job->count : first + job->part);
+    }
+}
+
+static void *run_thread(void *opaque) {
+    gscl_pool *pool = opaque;
+    unsigned seen = 0;
+    pthread_mutex_lock(&pool->lock);
+    while (!pool->is_closing) {
+        if (pool->round == seen || pool->places == 0) {
+            seen = pool->round;
+            pthread_cond_wait(&pool->begin, &pool->lock);
+            continue;
+        }
+        seen = pool->round;
+        pool->places--;
+        pool->working++;
+        pthread_mutex_unlock(&pool->lock);
+        take_parts(&pool->job);
+        pthread_mutex_lock(&pool->lock);
+        if (--pool->working == 0)
+            pthread_cond_signal(&pool->end);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+gscl_result gscl_pool_create(gscl_context *context, int threads, gscl_pool **pool) {
+    gscl_pool *p = *pool = calloc(1, sizeof *p + (size_t)threads * sizeof(pthread_t));
+    if (!p)
+        return gscl_fail_memory(context);
+    p->thread_count = threads - 1;
+    pthread_mutex_init(&p->lock, NULL);
+    pthread_cond_init(&p->begin, NULL);
+    pthread_cond_init(&p->end, NULL);
+    return GSCL_OK;
+}
+
+void gscl_pool_free(gscl_pool *pool) {
+    if (!pool)
+        return;
+    pthread_mutex_lock(&pool->lock);
+    pool->is_closing = true;
+    pthread_cond_broadcast(&pool->begin);
+    pthread_mutex_unlock(&pool->lock);
+    for (int i = 0; i < pool->started; i++)
+        pthread_join(pool->threads[i], NULL);
+    pthread_cond_destroy(&pool->begin);
+    pthread_cond_destroy(&pool->end);
+    pthread_mutex_destroy(&pool->lock);
+    free(pool);
+}
+
+/* Starts threads until there are `wanted`.  They have no signals to handle, which are for the program's threads. */
+static void start_threads(gscl_pool *pool, int wanted) {
+    sigset_t all, before;
+    if (pool->started >= wanted)
+        return;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (pool->started < wanted) {
+        if (pthread_create(&pool->threads[pool->started], NULL, run_thread, pool) != 0) {
+            pool->thread_count = pool->started;
+            break;
+        }
+        pool->started++;
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+/* Threads beside the caller's: at most `wanted`, and fewer where other pools are at work. */
+static int helpers_of(const gscl_pool *pool, int wanted, int busy) {
+    const int free_threads = (pool->thread_count + 1) / busy;
+    const int threads = wanted < free_threads ? wanted : free_threads;
+    return threads > pool->thread_count ? pool->thread_count : threads < 1 ? 0 : threads - 1;
+}
+
+/* Returns the number of threads beside the caller's. */
+static int run_shared(gscl_pool *pool, int helpers, pool_job job) {
+    pthread_mutex_lock(&pool->lock);
+    start_threads(pool, helpers);
+    pool->job = job;
+    helpers = helpers < pool->started ? helpers : pool->started;
+    pool->places = helpers;
+    pool->round++;
+    pthread_cond_broadcast(&pool->begin);
+    pthread_mutex_unlock(&pool->lock);
+    take_parts(&pool->job);
+    pthread_mutex_lock(&pool->lock);
+    pool->places = 0; /* a thread that has not woken up yet is too late */
+    while (pool->working > 0)
+        pthread_cond_wait(&pool->end, &pool->lock);
+    pthread_mutex_unlock(&pool->lock);
+    return helpers;
+}
+
+int gscl_pool_run(gscl_pool *pool, int threads, size_t count, size_t part, gscl_pool_work *work, const void *opaque) {
+    const pool_job job = {.work = work, .opaque = opaque, .count = count, .part = part};
+    const int busy = __atomic_add_fetch(&busy_pools, 1, __ATOMIC_RELAXED);
+    int helpers = count > part ? helpers_of(pool, threads, busy) : 0;
+    if (helpers > 0)
+        helpers = run_shared(pool, helpers, job);
+    else
+        work(opaque, 0, count);
+    __atomic_sub_fetch(&busy_pools, 1, __ATOMIC_RELAXED);
+    return helpers + 1;
+}

@@ -1,0 +1,16 @@
+/* The processor as an implementation of devices: kernels that were compiled with the library (cl/native.py), and threads.
+ *
+ * It may use: runtime.  Only the room `device` uses it.
+ *
+ * In the order in which to read them:
+ *   backend.h: the functions of this room that runtime/backend.h asks for
+ *   programs.h: the compiled kernels of each processor, and which one serves which options
+ *   processor.h: the kernels for the processor that this is
+ *   thread_count.h: the threads that this process may run
+ *   pool.h: threads that share a launch
+ *   native_device.h, launch.h: the device of a context, its kernels and launches
+ *   memory.h: its memory
+ *   tunables.h: the numbers that were found by trying */
+#ifndef GSCL_ROOM_LIB_NATIVE_H
+#define GSCL_ROOM_LIB_NATIVE_H
+#endif
