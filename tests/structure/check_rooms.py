@@ -10,6 +10,8 @@ lowest to the highest.  The script fails when
  - an #include "..." or <gscl/...> names no file of the tree,
  - a file outside host/lib/opencl names a type, a constant, a function or a header of OpenCL, or a room other than `device`
    uses host/lib/opencl,
+ - a file of the library or of format/ calls a function of the C library that rounds differently on other machines,
+   and is not in a room whose results are in no file,
  - a room is missing from the lists or has no room.h, or its room.h does not state what the room may use, or names files
    that do not exist.
 
@@ -45,6 +47,9 @@ OPENCL_ROOM = "host/lib/opencl/"
 OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/faults.c",
                 "tests/unit/test_device.c", "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
 OPENCL_NAME = re.compile(r"\b(?!cl_khr_)(?:_?cl_[a-z]\w*|CL_[A-Z]\w*|cl[A-Z]\w*)|[<\"](?:CL|OpenCL)/\w+\.h")
+# What rounds differently on other machines (host/lib/runtime/elementary.h), and the rooms that may call it.
+INEXACT = re.compile(r"(?<![\w.>])(?:a?(?:sin|cos|tan)h?|atan2|exp2?|expm1|log(?:2|10|1p|b)?|pow|hypot|cbrt|[lt]gamma|erfc?)[fl]?\(")
+INEXACT_ROOMS = ("host/lib/measure/", "host/lib/opencl/")
 COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|(?<!include )"(?:\\.|[^"\\\n])*"', re.DOTALL)
 PUBLIC = "host/include/gscl/"
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
@@ -222,6 +227,14 @@ def opencl_names(root):
             yield f"{path}: names {name} of OpenCL, which only {OPENCL_ROOM} may"
 
 
+def inexact_calls(root):
+    """Calls in the library and format/ of functions of the C library on which bytes of files must not depend."""
+    for path in sorted(sources(root, ("format", "host/lib"))):
+        match = INEXACT.search(COMMENT_OR_STRING.sub(" ", read(root, path)))
+        if match and not path.startswith(INEXACT_ROOMS):
+            yield f"{path}: calls {match.group()[:-1]} of the C library, which rounds differently on other machines"
+
+
 def unlisted_rooms(files):
     for path in sorted(files):
         room = room_of(path)
@@ -270,6 +283,7 @@ def check(root, folders):
         arrows |= called
         faults += unmatched
     faults += opencl_names(root)
+    faults += inexact_calls(root)
     faults += [f"{path} -> {target}: {why}" for path, target in sorted(arrows) if (why := fault(path, target))]
     return faults + ["circle: " + " ".join(group) for group in circles(arrows)]
 

@@ -72,6 +72,9 @@ FAULTS = {
                                               "names CL_SUCCESS of OpenCL"),
     "a call of OpenCL outside its room": (code("host/tool/main.c", "void f(void) { clFinish(0); }"), "names clFinish of"),
     "OpenCL in comments and texts": (code("host/lib/fit/fit.c", "/* cl_int */ const char *s = \"clFinish\";"), None),
+    "a function that rounds as the machine does": (code("host/lib/fit/fit.c", "double f(double x) { return exp(x); }"), "calls exp of"),
+    "one in single precision": (code("format/model.c", "float f(float x) { return log2f(x); }"), "calls log2f of"),
+    "one in a room whose results are in no file": (code("host/lib/measure/subject.c", "double g(double x) { return exp(x); }"), None),
     "a header that its room.h does not name": (lambda root: append(root, "host/lib/fit/new.h", "\n"), "not name new.h"),
 }
 

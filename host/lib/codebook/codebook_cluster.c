@@ -9,11 +9,17 @@
 #include "codebook/tunables.h"
 #include "decode/quantise.h"
 #include "fit/random.h"
+#include "runtime/elementary.h"
 
 static const float pi = 3.14159265f;
 
 static float logistic(float x) {
-    return 1.0f / (1.0f + expf(-x));
+    return 1.0f / (1.0f + (float)gscl_exp(-x));
+}
+
+static float hyperbolic_sine(float x) {
+    const double power = gscl_exp(x);
+    return (float)(0.5 * (power - 1.0 / power));
 }
 
 /* The axes, the longer first, and the angle of the longer one. */
@@ -32,11 +38,11 @@ static void embed_shape(const float *p, float *point) {
     const struct gscl_codebook_tunables *t = &gscl_codebook_tunables;
     float major, minor, theta;
     canonical_shape(p, &major, &minor, &theta);
-    float radius = 0.5f * sinhf(fminf(major - minor, t->max_log_aspect));
+    float radius = 0.5f * hyperbolic_sine(fminf(major - minor, t->max_log_aspect));
     point[0] = t->scale_metric * major;
     point[1] = t->scale_metric * minor;
-    point[2] = radius * cosf(2 * theta);
-    point[3] = radius * sinf(2 * theta);
+    point[2] = radius * (float)gscl_cos(2 * theta);
+    point[3] = radius * (float)gscl_sin(2 * theta);
 }
 
 static void embed_colour(const gscl_codebook *c, const float *p, float *point) {
@@ -60,7 +66,7 @@ static int embedded_dims(const gscl_codebook *c, int book) {
 
 /* The weight of a splat in its cluster: the light that it contributes to the rendering. */
 static float splat_weight(const float *p) {
-    return expf(0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2])) * logistic(p[GSCL_OPACITY]);
+    return (float)gscl_exp(0.5f * (p[GSCL_LOG_S1] + p[GSCL_LOG_S2])) * logistic(p[GSCL_OPACITY]);
 }
 
 /* The current words as starting points. */
@@ -102,8 +108,8 @@ static void add_member(const gscl_codebook *c, int book, const float *p, member_
     float length = w * (major - minor + gscl_codebook_tunables.direction_offset);
     m->sum[0] += w * major;
     m->sum[1] += w * minor;
-    m->sum[2] += length * cosf(2 * theta);
-    m->sum[3] += length * sinf(2 * theta);
+    m->sum[2] += length * (float)gscl_cos(2 * theta);
+    m->sum[3] += length * (float)gscl_sin(2 * theta);
 }
 
 /* Sets a word to the mean of its members; a word whose members weigh nothing stays. */
@@ -121,7 +127,7 @@ static void set_word_to_mean(const gscl_codebook *c, int book, const member_sums
     }
     word[0] = (float)(m->sum[0] / m->weight);
     word[1] = (float)(m->sum[1] / m->weight);
-    word[2] = (float)(0.5 * atan2(m->sum[3], m->sum[2]));
+    word[2] = (float)(0.5 * gscl_atan2(m->sum[3], m->sum[2]));
     if (word[2] < 0)
         word[2] += pi;
 }

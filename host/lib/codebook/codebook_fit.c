@@ -10,6 +10,7 @@
 #include "codebook/tunables.h"
 #include "decode/quantise.h"
 #include "fit/density.h"
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "session/encode_trace.h"
 
@@ -25,7 +26,7 @@ static double rate_at(double fraction) {
     return t->learning_rate *
            (fraction < t->decay_start
                 ? 1.0
-                : t->final_rate + fall * (1 + cos(3.14159265 * (fraction - t->decay_start) / range)));
+                : t->final_rate + fall * (1 + gscl_cos(3.14159265 * (fraction - t->decay_start) / range)));
 }
 
 static int level_at(double fraction, int first_level) {

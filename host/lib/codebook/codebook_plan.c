@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "codebook/tunables.h"
+#include "runtime/elementary.h"
 
 /* Words grow with the square root of the file, since their cost is shared by more splats. */
 static int words_for(double bits) {
@@ -15,18 +16,14 @@ static int word_bits_for(double bits) {
     return bits < t->fine_words_bits ? t->coarse_word_bits : t->fine_word_bits;
 }
 
-static double log2_factorial(double n) {
-    return lgamma(n + 1) / log(2);
-}
-
 double gscl_codebook_splats_for(double bits, int shape_words, int colour_words, int word_bits, int colour_dims) {
     const struct gscl_codebook_tunables *t = &gscl_codebook_tunables;
     double books = t->side_bits + word_bits * (3.0 * shape_words + colour_dims * (double)colour_words) -
-                   log2_factorial(shape_words) - log2_factorial(colour_words);
-    double splat_bits = log2(shape_words) + log2(colour_words) - t->index_saving + 2 * t->position_bits;
+                   gscl_log2_factorial(shape_words) - gscl_log2_factorial(colour_words);
+    double splat_bits = gscl_log2(shape_words) + gscl_log2(colour_words) - t->index_saving + 2 * t->position_bits;
     double n = fmax((bits - books) / splat_bits, 1);
     for (int i = 0; i < 20; i++) /* the order of n splats saves log2 n! bits: a fixed-point iteration */
-        n = fmax((bits - books) / (splat_bits - log2_factorial(n) / n), 1);
+        n = fmax((bits - books) / (splat_bits - gscl_log2_factorial(n) / n), 1);
     return n;
 }
 

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runtime/elementary.h"
+
 /* A dimension of a word in the units of the file (format/format.h). */
 static double to_units(int book, int dim, int channels, float value) {
     const double pi = 3.14159265358979323846;
@@ -13,7 +15,7 @@ static double to_units(int book, int dim, int channels, float value) {
         return (value - pi * floor(value / pi)) * 256 / pi;
     if (dim < channels)
         return value * 255.0;
-    return 255.0 / (1.0 + exp(-value));
+    return 255.0 / (1.0 + gscl_exp(-value));
 }
 
 /* The range of a dimension over all words, in whole units and within the format's limits. */

@@ -7,6 +7,7 @@
 
 #include "codebook/tunables.h"
 #include "decode/ellipse.h"
+#include "runtime/elementary.h"
 #include "runtime/mapping.h"
 
 static gscl_context *context_of(const gscl_codebook_rdo *rdo) {
@@ -82,17 +83,17 @@ void gscl_codebook_rdo_free(gscl_codebook_rdo *rdo) {
 static void rdo_set_settings(gscl_codebook_rdo *rdo, double lambda, bool keep_all) {
     const gscl_codebook *c = rdo->codebook;
     const int last = (1 << c->position_bits) - 1;
-    rdo->settings =
-        (gscl_word_rdo_settings){.view = c->fit->renderer.view,
-                                 .image = gscl_renderer_shape(&c->fit->renderer),
-                                 .lambda = (float)lambda,
-                                 .position_bits = (float)(2 * c->position_bits) - log2f((float)gscl_codebook_splats(c)),
-                                 .cost_of_dropping = keep_all ? FLT_MAX : 0.0f,
-                                 .cell_x = (float)c->fit->pyramid.width / (float)(last + 1),
-                                 .cell_y = (float)c->fit->pyramid.height / (float)(last + 1),
-                                 .last_x = last,
-                                 .last_y = last,
-                                 .colours = c->books[GSCL_BOOK_COLOUR].count};
+    rdo->settings = (gscl_word_rdo_settings){.view = c->fit->renderer.view,
+                                             .image = gscl_renderer_shape(&c->fit->renderer),
+                                             .lambda = (float)lambda,
+                                             .position_bits = (float)(2 * c->position_bits) -
+                                                              (float)gscl_log2((double)gscl_codebook_splats(c)),
+                                             .cost_of_dropping = keep_all ? FLT_MAX : 0.0f,
+                                             .cell_x = (float)c->fit->pyramid.width / (float)(last + 1),
+                                             .cell_y = (float)c->fit->pyramid.height / (float)(last + 1),
+                                             .last_x = last,
+                                             .last_y = last,
+                                             .colours = c->books[GSCL_BOOK_COLOUR].count};
 }
 
 /* Bits of each word, from the number of its uses. */
@@ -107,7 +108,7 @@ static void count_bits_of_words(gscl_codebook_rdo *rdo, int book) {
     for (size_t i = 0; i < splats; i++)
         bits[c->pairs[i][book]] += 1.0f;
     for (int k = 0; k < count; k++)
-        bits[k] = -log2f(bits[k] / ((float)splats + prior * (float)count));
+        bits[k] = (float)-gscl_log2(bits[k] / ((float)splats + prior * (float)count));
 }
 
 static void find_cell(gscl_codebook_rdo *rdo, size_t i) {

@@ -7,6 +7,7 @@
 #include "codebook/codebook_quantise.h"
 #include "codebook/codebook_step.h"
 #include "codebook/tunables.h"
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "session/encode_trace.h"
 
@@ -23,7 +24,7 @@ static void log_pass(const gscl_codebook_state *s, double error_before, double l
     const gscl_book *books = s->codebook.books;
     gscl_log(s->encoder->context, GSCL_LOG_DEBUG,
              "RDO pass: %.2f dB before, then %d splats, %d shapes, %d colours, %zu bytes, lambda scale %.2f",
-             -10 * log10(error_before / ((double)gscl_renderer_plane(r) * r->channels)), (int)r->count,
+             -10 * gscl_log10(error_before / ((double)gscl_renderer_plane(r) * r->channels)), (int)r->count,
              books[GSCL_BOOK_SHAPE].count, books[GSCL_BOOK_COLOUR].count, size, lambda_scale);
 }
 
@@ -69,7 +70,7 @@ static double target_size(const gscl_codebook_plan *plan, double first, int roun
 static void update_lambda(gscl_codebook_state *s, size_t before, size_t size, double target) {
     const struct gscl_codebook_tunables *t = &gscl_codebook_tunables;
     const double next = (double)size * fmin((double)size / (double)before, 1);
-    s->lambda_scale *= fmin(fmax(pow(next / target, t->lambda_gain), t->min_lambda_change), t->max_lambda_change);
+    s->lambda_scale *= fmin(fmax(gscl_pow(next / target, t->lambda_gain), t->min_lambda_change), t->max_lambda_change);
 }
 
 gscl_result gscl_codebook_run_rounds(gscl_codebook_state *s) {

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "runtime/elementary.h"
+
 typedef struct gscl_half_size {
     double width, height;
 } gscl_half_size;
@@ -13,7 +15,7 @@ typedef struct gscl_half_size {
  * The outline of a splat has the reach sqrt(2 * GSCL_SUPPORT). */
 static inline gscl_half_size gscl_ellipse_half_size(double log_s1, double log_s2, double theta, double variance,
                                                     double reach) {
-    const double c = cos(theta), s = sin(theta), v1 = exp(2.0 * log_s1), v2 = exp(2.0 * log_s2);
+    const double c = gscl_cos(theta), s = gscl_sin(theta), v1 = gscl_exp(2.0 * log_s1), v2 = gscl_exp(2.0 * log_s2);
     return (gscl_half_size){reach * sqrt(c * c * v1 + s * s * v2 + variance),
                             reach * sqrt(s * s * v1 + c * c * v2 + variance)};
 }

@@ -1,6 +1,5 @@
 /* Public functions that inspect files without a device. */
 #include <gscl/gscl.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,6 +7,7 @@
 #include "decode/blend.h"
 #include "decode/coded_image.h"
 #include "decode/frame.h"
+#include "runtime/elementary.h"
 #include "runtime/struct_size.h"
 
 static const struct {
@@ -171,10 +171,10 @@ static gscl_splat drawn_splat(const float *params, const gsf_header *header) {
     bool chroma = header->has_chroma;
     gscl_splat s = {.x = params[GSCL_X],
                     .y = params[GSCL_Y],
-                    .sigma1 = expf(params[GSCL_LOG_S1]),
-                    .sigma2 = expf(params[GSCL_LOG_S2]),
+                    .sigma1 = (float)gscl_exp(params[GSCL_LOG_S1]),
+                    .sigma2 = (float)gscl_exp(params[GSCL_LOG_S2]),
                     .theta = params[GSCL_THETA],
-                    .opacity = header->has_opacity ? 1.0f / (1.0f + expf(-params[GSCL_OPACITY])) : 1.0f};
+                    .opacity = header->has_opacity ? 1.0f / (1.0f + (float)gscl_exp(-params[GSCL_OPACITY])) : 1.0f};
     for (int k = 0; k < 3; k++)
         s.colour[k] = params[GSCL_COLOUR + (chroma ? k : 0)];
     s.colour[3] = header->has_alpha ? params[GSCL_COLOUR + (chroma ? 3 : 1)] : 1.0f;

@@ -6,6 +6,7 @@
 #include "cl/constants.h"
 #include "decode/tunables.h"
 #include "decode/ycocg.h"
+#include "runtime/elementary.h"
 
 #define COLOUR_STEPS 16 /* number of steps that the format offers */
 
@@ -48,7 +49,7 @@ static uint8_t scaled_levels(uint8_t code, double factor) {
     double levels = gsf_colour_levels(code) / factor;
     unsigned best = 0;
     for (unsigned i = 1; i < COLOUR_STEPS; i++)
-        if (fabs(log(gsf_colour_levels(i) / levels)) < fabs(log(gsf_colour_levels(best) / levels)))
+        if (fabs(gscl_ln(gsf_colour_levels(i) / levels)) < fabs(gscl_ln(gsf_colour_levels(best) / levels)))
             best = i;
     return (uint8_t)best;
 }
@@ -70,7 +71,7 @@ uint16_t gscl_quantise_background(const gsf_header *header, float value) {
 
 float gscl_logit(double opacity) {
     double o = opacity < 1e-30 ? 1e-30 : opacity > 1 - 1e-7 ? 1 - 1e-7 : opacity;
-    return (float)log(o / (1 - o));
+    return (float)gscl_ln(o / (1 - o));
 }
 
 static void quantise_colour(const gsf_coded_image *p, const float *colour, gsf_splat *s) {
@@ -108,12 +109,12 @@ static void quantise_position(const gsf_coded_image *p, const float *params, gsf
     double x = params[GSCL_X], y = params[GSCL_Y];
     if (grid.parts_x > 1) {
         s->y = nearest_cell(y, step_y, grid.cells_y);
-        x += ((s->y + 0.5) * step_y - y) / tan(theta);
+        x += ((s->y + 0.5) * step_y - y) / gscl_tan(theta);
         s->x = nearest_cell(x, step_x, grid.cells_x);
     } else {
         s->x = nearest_cell(x, step_x, grid.cells_x);
         if (grid.parts_y > 1)
-            y += ((s->x + 0.5) * step_x - x) * tan(theta);
+            y += ((s->x + 0.5) * step_x - x) * gscl_tan(theta);
         s->y = nearest_cell(y, step_y, grid.cells_y);
     }
 }
@@ -132,9 +133,9 @@ static void quantise_texture(const gsf_coded_image *p, const float *params, gsf_
     if (!p->header.has_texture || amplitude < 1)
         return;
     t->amplitude = (uint8_t)fmin(amplitude, GSF_AMPLITUDES);
-    t->wave =
-        (uint8_t)nearest_code(-log2(hypot(x, y) * GSCL_FIRST_WAVELENGTH) / GSCL_OCTAVES_PER_WAVE, 0, GSF_WAVES - 1);
-    t->direction = (uint8_t)(((int)lrint(atan2(y, x) * GSF_DIRECTIONS / pi) + GSF_DIRECTIONS) % GSF_DIRECTIONS);
+    t->wave = (uint8_t)nearest_code(-gscl_log2(gscl_hypot(x, y) * GSCL_FIRST_WAVELENGTH) / GSCL_OCTAVES_PER_WAVE, 0,
+                                    GSF_WAVES - 1);
+    t->direction = (uint8_t)(((int)lrint(gscl_atan2(y, x) * GSF_DIRECTIONS / pi) + GSF_DIRECTIONS) % GSF_DIRECTIONS);
     double turns = params[GSCL_WAVE_PHASE] - floor(params[GSCL_WAVE_PHASE]);
     t->phase = (uint8_t)((int)lrint(turns * GSF_PHASES) % GSF_PHASES);
 }
@@ -154,7 +155,7 @@ void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) 
     quantise_texture(p, params, &s->texture);
     if (p->header.has_opacity) {
         int levels = p->steps.opacity + 1;
-        double opacity = 1 / (1 + exp(-params[GSCL_OPACITY]));
+        double opacity = 1 / (1 + gscl_exp(-params[GSCL_OPACITY]));
         s->opacity = (uint16_t)(nearest_code(opacity * levels, 1, levels) - 1);
     }
 }
@@ -189,9 +190,9 @@ static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, f
     double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH, cosine = 1, sine = 0;
     if (t->amplitude > 0) { /* most splats have no wave, and these functions are slow */
         double direction = t->direction * pi / GSF_DIRECTIONS;
-        frequency *= exp2(-GSCL_OCTAVES_PER_WAVE * t->wave);
-        cosine = cos(direction);
-        sine = sin(direction);
+        frequency *= gscl_exp2(-GSCL_OCTAVES_PER_WAVE * t->wave);
+        cosine = gscl_cos(direction);
+        sine = gscl_sin(direction);
     }
     params[GSCL_WAVE_X] = (float)(frequency * cosine);
     params[GSCL_WAVE_Y] = (float)(frequency * sine);
@@ -239,7 +240,7 @@ void gscl_fit_steps_to_colour(gsf_coded_image *p, const float *colour) {
             p->steps.chroma = (uint8_t)chroma;
             double finer_luma = gsf_colour_levels(p->steps.luma) / (double)gsf_colour_levels(initial.luma);
             double finer_chroma = gsf_colour_levels(p->steps.chroma) / (double)gsf_colour_levels(initial.chroma);
-            double bits = log2(finer_luma) + 2 * log2(finer_chroma);
+            double bits = gscl_log2(finer_luma) + 2 * gscl_log2(finer_chroma);
             double cost = coded_colour_error(p, colour) + gscl_decode_tunables.error_per_bit * bits;
             if (cost < lowest) {
                 lowest = cost;

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "cl/constants.h"
+#include "runtime/elementary.h"
 
 static double box_variance(double scale) {
     return scale < 1 ? (1 / (scale * scale) - 1) / 12 : 0;
@@ -10,16 +11,16 @@ static double box_variance(double scale) {
 
 /* Transforms a covariance and decomposes it into axes and angle. */
 static void resize_shape(float *p, double sx, double sy) {
-    double v1 = exp(2.0 * p[GSCL_LOG_S1]), v2 = exp(2.0 * p[GSCL_LOG_S2]);
-    double c = cos(p[GSCL_THETA]), s = sin(p[GSCL_THETA]);
+    double v1 = gscl_exp(2.0 * p[GSCL_LOG_S1]), v2 = gscl_exp(2.0 * p[GSCL_LOG_S2]);
+    double c = gscl_cos(p[GSCL_THETA]), s = gscl_sin(p[GSCL_THETA]);
     double xx = (c * c * v1 + s * s * v2 + box_variance(sx)) * sx * sx;
     double yy = (s * s * v1 + c * c * v2 + box_variance(sy)) * sy * sy;
     double xy = c * s * (v1 - v2) * sx * sy;
-    double mean = (xx + yy) / 2, half = hypot((xx - yy) / 2, xy);
+    double mean = (xx + yy) / 2, half = gscl_hypot((xx - yy) / 2, xy);
     double large = mean + half, small = fmax((xx * yy - xy * xy) / large, 1e-6 * large * 1e-6);
-    p[GSCL_LOG_S1] = (float)(0.5 * log(large));
-    p[GSCL_LOG_S2] = (float)(0.5 * log(small));
-    p[GSCL_THETA] = (float)(0.5 * atan2(2 * xy, xx - yy));
+    p[GSCL_LOG_S1] = (float)(0.5 * gscl_ln(large));
+    p[GSCL_LOG_S2] = (float)(0.5 * gscl_ln(small));
+    p[GSCL_THETA] = (float)(0.5 * gscl_atan2(2 * xy, xx - yy));
 }
 
 /* The wave keeps its place in the image; the box filter lowers its amplitude. */
@@ -28,7 +29,7 @@ static void resize_wave(float *p, double sx, double sy) {
     const double blur = x * x * box_variance(sx) + y * y * box_variance(sy);
     p[GSCL_WAVE_X] = (float)(x / sx);
     p[GSCL_WAVE_Y] = (float)(y / sy);
-    p[GSCL_WAVE_AMPLITUDE] *= (float)exp(-2 * pi * pi * blur);
+    p[GSCL_WAVE_AMPLITUDE] *= (float)gscl_exp(-2 * pi * pi * blur);
 }
 
 void gscl_resize_splats(float *params, size_t count, double sx, double sy) {

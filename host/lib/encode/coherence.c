@@ -5,6 +5,7 @@
 
 #include "encode/tunables.h"
 #include "image/box_sum.h"
+#include "runtime/elementary.h"
 
 /* One plane of the image at a level, the mean of all channels. */
 typedef struct field {
@@ -40,7 +41,7 @@ static double coherence_of(const field *f, int radius, float *planes, double *li
     for (int i = 0; i < 3; i++)
         gscl_box_sum(planes + (size_t)i * pixels, f->width, f->height, radius, line);
     for (size_t i = 0; i < pixels; i++) {
-        directed += hypot(t.difference[i], t.mixed[i]);
+        directed += gscl_hypot(t.difference[i], t.mixed[i]);
         all += t.sum[i];
     }
     return all > 0 ? directed / all : 0;

@@ -5,6 +5,7 @@
 #include "encode/coherence.h"
 #include "encode/prepare.h"
 #include "encode/tunables.h"
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "scalar/encode_scalar.h"
 
@@ -30,7 +31,7 @@ static gscl_result probe_psnr(const effect_search *s, const gscl_source *source,
         effects.off |= GSCL_EFFECT_OPACITY;
     gscl_effects_set_header(&effects, &source->background, &header);
     GSCL_TRY(gscl_scalar_probe_fit(e, source, &header, e->target, &mse));
-    *psnr = -10 * log10(fmax(mse + missing_mse, 1e-12));
+    *psnr = -10 * gscl_log10(fmax(mse + missing_mse, 1e-12));
     return GSCL_OK;
 }
 
@@ -93,7 +94,7 @@ static gscl_result decide_chroma(effect_search *s, const gscl_image *image) {
     if (colour > gscl_encode_tunables.max_probe_colour)
         return GSCL_OK;
     GSCL_TRY(measure_current_psnr(s));
-    double grey = -20 * log10(fmax(colour, 1e-6)); /* upper bound: only the colours are wrong */
+    double grey = -20 * gscl_log10(fmax(colour, 1e-6)); /* upper bound: only the colours are wrong */
     if (s->psnr <= grey)
         GSCL_TRY(try_grey(s, image, colour * colour, &grey));
     decide_by_trial(&e->effects, GSCL_EFFECT_CHROMA, s->psnr > grey, s->psnr - grey);

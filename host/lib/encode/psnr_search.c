@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "encode/tunables.h"
+#include "runtime/elementary.h"
 
 gscl_psnr_search gscl_psnr_search_begin(double target, double pixels) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
@@ -19,11 +20,11 @@ static double next_size(const gscl_psnr_search *s) {
     if (s->low_bytes > 0 && s->high_bytes > 0) {
         double t = (aim - s->low_db) / (s->high_db - s->low_db);
         t = fmin(fmax(t, 0.1), 0.9);
-        bytes = s->low_bytes * pow(s->high_bytes / s->low_bytes, t);
+        bytes = s->low_bytes * gscl_pow(s->high_bytes / s->low_bytes, t);
     } else if (s->low_bytes > 0) {
-        bytes = s->low_bytes * fmin(pow(2, (aim - s->low_db) / db_per_doubling + 0.1), 8);
+        bytes = s->low_bytes * fmin(gscl_exp2((aim - s->low_db) / db_per_doubling + 0.1), 8);
     } else {
-        bytes = s->high_bytes * fmax(pow(2, (aim - s->high_db) / db_per_doubling - 0.1), 0.1);
+        bytes = s->high_bytes * fmax(gscl_exp2((aim - s->high_db) / db_per_doubling - 0.1), 0.1);
     }
     return floor(fmin(bytes, s->max_bytes));
 }

@@ -8,6 +8,7 @@
 #include "fit/placement.h"
 #include "fit/tunables.h"
 #include "image/tunables.h"
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 
 #define SPLIT_FACTOR 1.6f /* the paper's released code */
@@ -112,8 +113,8 @@ static float log_size(const float *p) {
 /* Copies a splat and moves the copy against the gradient by half its size; `moment`: first moments, in the splat's
  * frame (cl/update.cl). */
 static void clone_splat(const float *from, const float *moment, float *to) {
-    float norm = hypotf(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * expf(log_size(from));
-    float c = cosf(from[GSCL_THETA]), s = sinf(from[GSCL_THETA]);
+    float norm = (float)gscl_hypot(moment[GSCL_X], moment[GSCL_Y]), step = 0.5f * (float)gscl_exp(log_size(from));
+    float c = (float)gscl_cos(from[GSCL_THETA]), s = (float)gscl_sin(from[GSCL_THETA]);
     memcpy(to, from, GSCL_PARAMS * sizeof(float));
     if (!(norm > 0))
         return;
@@ -124,15 +125,17 @@ static void clone_splat(const float *from, const float *moment, float *to) {
 /* Replaces a splat by two smaller ones, which lie apart along its longer axis. */
 static void split_splat(float *from, float *to) {
     bool first = from[GSCL_LOG_S1] >= from[GSCL_LOG_S2];
-    float length = 0.5f * expf(from[first ? GSCL_LOG_S1 : GSCL_LOG_S2]),
+    float length = 0.5f * (float)gscl_exp(from[first ? GSCL_LOG_S1 : GSCL_LOG_S2]),
           angle = from[GSCL_THETA] + (first ? 0 : 1.57079633f);
-    from[GSCL_LOG_S1] -= logf(SPLIT_FACTOR);
-    from[GSCL_LOG_S2] -= logf(SPLIT_FACTOR);
+    float x = length * (float)gscl_cos(angle), y = length * (float)gscl_sin(angle);
+    float shrinking = (float)gscl_ln(SPLIT_FACTOR);
+    from[GSCL_LOG_S1] -= shrinking;
+    from[GSCL_LOG_S2] -= shrinking;
     memcpy(to, from, GSCL_PARAMS * sizeof(float));
-    to[GSCL_X] += length * cosf(angle);
-    to[GSCL_Y] += length * sinf(angle);
-    from[GSCL_X] -= length * cosf(angle);
-    from[GSCL_Y] -= length * sinf(angle);
+    to[GSCL_X] += x;
+    to[GSCL_Y] += y;
+    from[GSCL_X] -= x;
+    from[GSCL_Y] -= y;
 }
 
 /* Clones or splits the `count` splats with the largest gradients.  `params`: the fit's splats, with room for `count`

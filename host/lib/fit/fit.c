@@ -7,6 +7,7 @@
 #include "cl/constants.h"
 #include "fit/ssim_weights.h"
 #include "fit/tunables.h"
+#include "runtime/elementary.h"
 #include "runtime/queue.h"
 #include "runtime/timing.h"
 
@@ -24,12 +25,12 @@ static void mean_colour(const float *planes, int channels, size_t pixels, float 
 
 static gscl_limits first_limits(uint32_t width, uint32_t height, int blend) {
     float longer = (float)(width > height ? width : height);
-    float log_min = logf(gscl_fit_tunables.min_axis);
+    float log_min = (float)gscl_ln(gscl_fit_tunables.min_axis);
     return (gscl_limits){.width = (float)width,
                          .height = (float)height,
                          .log_min = log_min,
-                         .log_max = fmaxf(logf(longer), log_min),
-                         .log_aspect = logf(gscl_fit_tunables.max_aspect),
+                         .log_max = fmaxf((float)gscl_ln(longer), log_min),
+                         .log_aspect = (float)gscl_ln(gscl_fit_tunables.max_aspect),
                          .colour_min = blend == GSCL_SUM ? -1.0f : 0.0f,
                          .colour_max = 1.0f};
 }

@@ -7,6 +7,7 @@
 #include "image/ssimulacra2.h"
 #include "runtime/allocate.h"
 #include "runtime/context.h"
+#include "runtime/elementary.h"
 #include "runtime/struct_size.h"
 
 #define PEAK 255.0
@@ -82,7 +83,7 @@ static void measure_error(const gscl_image *a, const gscl_image *b, gscl_compari
                 add_error(of_a.alpha, of_b.alpha, count, &sum, &largest);
         }
     comparison->mse = PEAK * PEAK * sum / ((double)a->width * a->height * a->channels);
-    comparison->psnr = 10.0 * log10(PEAK * PEAK / comparison->mse);
+    comparison->psnr = 10.0 * gscl_log10(PEAK * PEAK / comparison->mse);
     comparison->max_difference = PEAK * largest;
 }
 
@@ -102,7 +103,7 @@ static void make_taps(double taps[WINDOW]) {
     double sum = 0.0;
     for (int i = 0; i < WINDOW; i++) {
         const double x = i - WINDOW / 2;
-        sum += taps[i] = exp(-x * x / (2.0 * WINDOW_SIGMA * WINDOW_SIGMA));
+        sum += taps[i] = gscl_exp(-x * x / (2.0 * WINDOW_SIGMA * WINDOW_SIGMA));
     }
     for (int i = 0; i < WINDOW; i++)
         taps[i] /= sum;
@@ -196,8 +197,8 @@ static void measure_channel(float *a, float *b, uint32_t width, uint32_t height,
         const similarity here = plane_similarity(a, b, width, height, rows);
         if (scale == 0)
             *ssim = here.ssim;
-        product *=
-            pow(fmax(scale < GSCL_MS_SSIM_SCALES - 1 ? here.contrast : here.ssim, 0.0), gscl_ms_ssim_exponents[scale]);
+        product *= gscl_pow(fmax(scale < GSCL_MS_SSIM_SCALES - 1 ? here.contrast : here.ssim, 0.0),
+                            gscl_ms_ssim_exponents[scale]);
         halve_plane(a, width, height);
         halve_plane(b, width, height);
         width = (width + 1) / 2;

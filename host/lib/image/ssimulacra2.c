@@ -5,6 +5,7 @@
 
 #include "image/image.h"
 #include "runtime/context.h"
+#include "runtime/elementary.h"
 
 #define SCALES GSCL_SSIMULACRA2_SCALES
 #define NORMS 2
@@ -77,7 +78,7 @@ static image_pair pair_of(double *memory, uint32_t width, uint32_t height) {
 }
 
 static double linear_of(double srgb) {
-    return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
+    return srgb <= 0.04045 ? srgb / 12.92 : gscl_pow((srgb + 0.055) / 1.055, 2.4);
 }
 
 /* Linear RGB of one image in front of a grey background. */
@@ -116,12 +117,12 @@ static image_pair halve_pair(const image_pair *pair, double *memory) {
 /* In place: linear RGB becomes X, Y and B - Y, moved and scaled to about 0..1. */
 static void to_xyb(double *planes, size_t plane) {
     double *p[3] = {planes, planes + plane, planes + 2 * plane};
-    const double black = cbrt(BIAS);
+    const double black = gscl_cbrt(BIAS);
     for (size_t i = 0; i < plane; i++) {
         double response[3];
         for (int k = 0; k < 3; k++) {
             const double cone = cones[k][0] * p[0][i] + cones[k][1] * p[1][i] + cones[k][2] * p[2][i] + BIAS;
-            response[k] = cbrt(fmax(cone, 0.0)) - black;
+            response[k] = gscl_cbrt(fmax(cone, 0.0)) - black;
         }
         const double y = 0.5 * (response[0] + response[1]);
         p[0][i] = 14.0 * 0.5 * (response[0] - response[1]) + 0.42;
@@ -305,5 +306,5 @@ gscl_result gscl_ssimulacra2_sum(const float *a, const float *b, uint32_t width,
 double gscl_ssimulacra2_score(double sum) {
     const double x = 0.9562382616834844 * sum;
     const double mapped = ((6.248496625763138e-5 * x - 0.020884521182843837) * x + 2.326765642916932) * x;
-    return 100.0 - 10.0 * pow(mapped, 0.6276336467831387);
+    return 100.0 - 10.0 * gscl_pow(mapped, 0.6276336467831387);
 }

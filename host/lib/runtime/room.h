@@ -1,5 +1,5 @@
 /* What all devices share: contexts, buffers, launches, waits, times of stages and kernels.  backend.h is the interface that an
- * implementation of devices fills.
+ * implementation of devices fills.  And what all other rooms may compute with.
  *
  * It may use: nothing of the library, and of cl/ the constants.
  *
@@ -8,6 +8,7 @@
  *   stages.h: the names of all stages
  *   text.h: texts of fixed size
  *   allocate.h: memory of sizes that 32 bits may not count
+ *   elementary.h: exp, log, sin and others, with the same bits on every machine
  *   stage_clock.h: times of stages
  *   kernel_options.h, mapping.h: the options that kernels are specialised for, and how they share work
  *   device_list.h: the devices of the machine

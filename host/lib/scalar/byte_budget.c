@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runtime/elementary.h"
 #include "scalar/choose_codes.h"
 #include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
@@ -21,7 +22,7 @@ static double aimed_size(const gscl_scalar_state *s) {
 /* Lowers the price so far that a pass is expected to use the bytes that are left. */
 static void lower_price(gscl_scalar_state *s) {
     const double aim = aimed_size(s);
-    const double factor = fmax(pow((double)s->size / aim, tunables->refund_gain), tunables->slack_factor);
+    const double factor = fmax(gscl_pow((double)s->size / aim, tunables->refund_gain), tunables->slack_factor);
     s->lambda_scale = fmax(s->lambda_scale * factor, tunables->min_lambda_scale);
 }
 
@@ -66,8 +67,8 @@ static gscl_result note_size(price_search *p, gscl_scalar_state *s, double lambd
  * on the two sides of the budget meets it. */
 static double next_price(const price_search *p, double aim) {
     if (p->low == 0)
-        return p->high * pow(p->high_size / aim, tunables->refund_gain);
-    return p->low * pow(p->high / p->low, (p->low_size - aim) / (p->low_size - p->high_size));
+        return p->high * gscl_pow(p->high_size / aim, tunables->refund_gain);
+    return p->low * gscl_pow(p->high / p->low, (p->low_size - aim) / (p->low_size - p->high_size));
 }
 
 static gscl_result try_price(price_search *p, gscl_scalar_state *s) {

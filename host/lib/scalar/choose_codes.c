@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
@@ -71,7 +72,7 @@ void gscl_scalar_update_lambda(gscl_scalar_state *s, size_t size_before, double 
     /* At this lambda the file would go on shrinking: the target is compared with the size after the next pass. */
     const double before = (double)size_before, size = (double)s->size;
     const double next = size < before ? size * size / before : size;
-    s->lambda_scale = fmin(fmax(s->lambda_scale * pow(next / target_size, gain), tunables->min_lambda_scale),
+    s->lambda_scale = fmin(fmax(s->lambda_scale * gscl_pow(next / target_size, gain), tunables->min_lambda_scale),
                            tunables->max_lambda_scale);
 }
 
@@ -123,7 +124,7 @@ static gscl_result pass_towards_budget(gscl_scalar_state *s) {
             continue;
         if (pass == 0)
             excess = fmax((double)s->size - budget, 0);
-        gscl_scalar_update_lambda(s, before, budget + excess * pow(fmax(left, 0), tunables->excess_exponent),
+        gscl_scalar_update_lambda(s, before, budget + excess * gscl_pow(fmax(left, 0), tunables->excess_exponent),
                                   tunables->lambda_gain);
     }
     return GSCL_OK;

@@ -8,6 +8,7 @@
 #include "format/attributes.h"
 #include "format/count_split.h"
 #include "format/tables.h"
+#include "runtime/elementary.h"
 #include "scalar/tunables.h"
 
 /* Fails to compile unless kernels and format agree on a number of codes. */
@@ -93,7 +94,7 @@ static void bits_of_counts(const double *counts, int n, float *bits) {
     for (int i = 0; i < n; i++) {
         const double before = i > 0 ? counts[i - 1] : 0, after = i + 1 < n ? counts[i + 1] : 0;
         const double count = (1 - spread) * counts[i] + spread / 2 * (before + after);
-        bits[i] = (float)(-log2((count + floor) / total));
+        bits[i] = (float)(-gscl_log2((count + floor) / total));
     }
 }
 
@@ -135,7 +136,7 @@ static void make_aspect_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
         for (unsigned aspect = 0; aspect <= GSCL_MAX_SCALE; aspect++) {
             const double freq = gsf_conditional_row(&e->attributes.aspect, row)[aspect < last ? aspect : last];
             const double codes = aspect < last ? 1 : GSCL_MAX_SCALE + 1 - last;
-            t->shape_bits[major][aspect] = (float)-log2(freq / e->attributes.aspect.total[row] / codes);
+            t->shape_bits[major][aspect] = (float)-gscl_log2(freq / e->attributes.aspect.total[row] / codes);
         }
     }
 }
@@ -146,7 +147,7 @@ static void make_direction_bits(gscl_rdo_tables *t, const rdo_expectation *e) {
     for (unsigned row = 0; row < GSCL_DIRECTION_ROWS; row++)
         for (unsigned i = 0; i < GSCL_DIRECTIONS; i++)
             t->direction_bits[row][i] =
-                (float)-log2(GSCL_DIRECTIONS * (double)gsf_conditional_row(model, row)[i] / model->total[row]);
+                (float)-gscl_log2(GSCL_DIRECTIONS * (double)gsf_conditional_row(model, row)[i] / model->total[row]);
 }
 
 /* The bits of majors, from the shares of the splats that the count splits expect after those that exist. */
@@ -159,7 +160,7 @@ static void make_major_bits(float *bits, const code_list *list, const rdo_expect
             gsf_class_weight_table[gsf_size_row((unsigned)major, typical, GSF_CLASS_BELOW, GSF_CLASS_ROWS)];
         const double a = weights[0] / (double)GSF_WEIGHT_UNIT, b = weights[1] / (double)GSF_WEIGHT_UNIT;
         const double share = major > 0 ? (a + counts[major]) / (a + b + left) : 1;
-        bits[major] = (float)-log2(rest * share);
+        bits[major] = (float)-gscl_log2(rest * share);
         rest *= 1 - share;
         left -= counts[major];
     }
@@ -176,11 +177,11 @@ static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, 
         m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;
         m->cells_x = (int32_t)gsf_position_cells(&image->steps, i, header->width);
         m->cells_y = (int32_t)gsf_position_cells(&image->steps, i, header->height);
-        m->bits = major_bits[i] + log2f((float)m->cells_x * (float)m->cells_y);
+        m->bits = major_bits[i] + (float)gscl_log2((float)m->cells_x * (float)m->cells_y);
         gscl_aspect_entry *a = &t->aspects[i];
         a->angles = e->attributes.angles[i];
         a->parts = (int32_t)e->attributes.parts[i];
-        a->bits = log2f((float)a->angles * (float)a->parts);
+        a->bits = (float)gscl_log2((float)a->angles * (float)a->parts);
     }
     make_direction_bits(t, e);
 }
@@ -191,7 +192,7 @@ static void make_colour_tables(gscl_rdo_tables *t, const gscl_rdo_settings *sett
         const int min = settings->min[k], n = settings->max[k] - min + 1;
         float *bits = t->bits + k * GSCL_COLOUR_CODES + GSCL_COLOUR_CODES / 2 + min;
         for (int i = 0; i < n; i++)
-            bits[i] = (float)-log2(fmax(e->probability[k][i], 1e-9) / (double)count);
+            bits[i] = (float)-gscl_log2(fmax(e->probability[k][i], 1e-9) / (double)count);
     }
 }
 
@@ -211,8 +212,8 @@ static void make_texture_tables(gscl_rdo_tables *t, const code_list *list) {
         amplitudes[code[GSCL_CODE_AMPLITUDE] - 1]++;
     }
     count *= 1 + gscl_scalar_tunables.rdo_textured_share;
-    t->bits[GSCL_BITS_PLAIN] = (float)-log2(fmax(count - textured, 1) / (count + 1));
-    t->bits[GSCL_BITS_TEXTURED] = (float)(log2(GSCL_PHASES) - log2(fmax(textured, 1) / (count + 1)));
+    t->bits[GSCL_BITS_PLAIN] = (float)-gscl_log2(fmax(count - textured, 1) / (count + 1));
+    t->bits[GSCL_BITS_TEXTURED] = (float)(gscl_log2(GSCL_PHASES) - gscl_log2(fmax(textured, 1) / (count + 1)));
     bits_of_counts(waves, GSCL_WAVES, t->bits + GSCL_BITS_WAVE);
     bits_of_counts(directions, GSCL_DIRECTIONS, t->bits + GSCL_BITS_DIRECTION);
     bits_of_counts(amplitudes, GSCL_AMPLITUDES, t->bits + GSCL_BITS_AMPLITUDE);

@@ -7,6 +7,7 @@
 #include "cl/constants.h"
 #include "decode/quantise.h"
 #include "fit/density.h"
+#include "runtime/elementary.h"
 #include "runtime/launch.h"
 #include "runtime/timing.h"
 #include "session/encode_trace.h"
@@ -16,7 +17,7 @@ static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables
 /* The learning rate at this fraction of the steps: cosine decay over the second half. */
 static float learning_rate(double fraction) {
     const double min = tunables->min_learning_rate, angle = 3.14159265 * (fraction - 0.5) / 0.5;
-    return (float)(tunables->learning_rate * (fraction < 0.5 ? 1.0 : min + (1 - min) * 0.5 * (1 + cos(angle))));
+    return (float)(tunables->learning_rate * (fraction < 0.5 ? 1.0 : min + (1 - min) * 0.5 * (1 + gscl_cos(angle))));
 }
 
 /* 1: the steps of the fit see all rows of the image at this fraction of them; 2: every second one. */
@@ -178,7 +179,7 @@ static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     const double loss = s->fit.known_loss; /* of some steps ago, because the device is not waited for */
     if (!progress->callback || step % tunables->report_interval != 0)
         return GSCL_OK;
-    progress->psnr = is_plain && loss > 0 ? -10 * log10(loss) : 0;
+    progress->psnr = is_plain && loss > 0 ? -10 * gscl_log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
     return gscl_progress_report(s->encoder->context, progress, s->fit_end * step / s->steps);
 }

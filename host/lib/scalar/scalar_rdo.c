@@ -1,10 +1,10 @@
 #include "scalar/scalar_rdo.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "cl/constants.h"
+#include "runtime/elementary.h"
 #include "runtime/mapping.h"
 #include "runtime/queue.h"
 #include "runtime/timing.h"
@@ -156,13 +156,13 @@ gscl_result gscl_scalar_rdo_pass(gscl_scalar_rdo *rdo, gscl_fit *fit, gscl_coded
     rdo_pass p = {.rdo = rdo, .fit = fit, .coded = coded, .count = coded->file.header.splat_count};
     if (p.count == 0)
         return GSCL_OK;
-    p.shared = (gscl_rdo_pass){.settings = gscl_rdo_settings_of(&coded->file),
-                               .view = r->view,
-                               .width = r->width,
-                               .height = r->height,
-                               .bits_per_splat =
-                                   -log2f((float)(p.count - fit->fixed)), /* the order of all splats saves bits */
-                               .cost_of_dropping = settings->keep_all ? FLT_MAX : 0.0f};
+    p.shared = (gscl_rdo_pass){
+        .settings = gscl_rdo_settings_of(&coded->file),
+        .view = r->view,
+        .width = r->width,
+        .height = r->height,
+        .bits_per_splat = (float)-gscl_log2((double)(p.count - fit->fixed)), /* the order of all splats saves bits */
+        .cost_of_dropping = settings->keep_all ? FLT_MAX : 0.0f};
     p.shared.settings.visits = gscl_scalar_tunables.rdo_visits;
     p.shared.settings.move_slack = gscl_scalar_tunables.move_slack;
     p.shared.settings.scan = settings->scan_textures;

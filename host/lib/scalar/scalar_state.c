@@ -5,6 +5,7 @@
 
 #include "cl/constants.h"
 #include "decode/quantise.h"
+#include "runtime/elementary.h"
 #include "scalar/search_plan.h"
 
 /* Splats that the budget is expected to hold. */
@@ -85,7 +86,7 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
 static double share_of_size(const gscl_scalar_state *s) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
     const double size = fmax(s->source_pixels / t->large_image_pixels, 1);
-    return fmax(pow(size, -t->large_image_exponent), t->least_share);
+    return fmax(gscl_pow(size, -t->large_image_exponent), t->least_share);
 }
 
 /* Steps of the fit: more where splats are far apart, fewer of large images. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "fit/random.h"
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/search_plan.h"
@@ -77,15 +78,15 @@ static gscl_result choose_candidate_codes(gscl_search *q, double *error) {
 /* The error that an image is expected to have at the size of the budget.  Far from it, the last codes gain less by the
  * bit than they do in the mean. */
 static double scaled_error(const gscl_search *q, double error, size_t size) {
-    const double excess = log((double)size / (double)q->s->bytes);
-    return error * exp(tunables->search_size_slope * excess + tunables->search_size_curvature * excess * excess);
+    const double excess = gscl_ln((double)size / (double)q->s->bytes);
+    return error * gscl_exp(tunables->search_size_slope * excess + tunables->search_size_curvature * excess * excess);
 }
 
 /* The price of all later rounds follows the size, too: the candidates have the size of the budget in the mean.  Below
  * the lowest price of a pass it would have no effect any more. */
 static void update_price(gscl_search *q) {
     const double bytes = (double)q->s->bytes;
-    q->lambda *= pow((double)q->s->size / bytes, tunables->search_price_gain);
+    q->lambda *= gscl_pow((double)q->s->size / bytes, tunables->search_price_gain);
     q->lambda = fmax(q->lambda, tunables->min_lambda_scale * q->best.error / (2 * 8 * bytes));
 }
 

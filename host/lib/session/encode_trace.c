@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "session/tunables.h"
 
@@ -92,7 +93,7 @@ static gscl_result measure_preview(gscl_renderer *preview, gscl_fit *fit, double
         GSCL_TRY(gscl_renderer_render(preview));
         GSCL_TRY(gscl_fit_mse_against_source(fit, &preview->image, &mse));
     }
-    *psnr = isfinite(mse) ? -10 * log10(mse) : 0;
+    *psnr = isfinite(mse) ? -10 * gscl_log10(mse) : 0;
     return GSCL_OK;
 }
 

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "runtime/elementary.h"
+
 #define REACH2 (2.0 * (double)GSCL_SUPPORT) /* squared distance of the outline, in axes */
 #define TO_FRAME 0.84932180028801907        /* sqrt(log2(e) / 2): exp(-d^2 / 2) = 2^-(TO_FRAME d)^2 */
 
@@ -32,7 +34,7 @@ static void project_colour(const gscl_kernel_options *options, const float *para
     const int channels = options->colours + options->alpha_channel;
     for (int k = 0; k < channels; k++)
         e->colour[k] = params[GSCL_COLOUR + k];
-    e->opacity = options->opacity ? (float)(1 / (1 + exp(-(double)params[GSCL_OPACITY]))) : 1.0f;
+    e->opacity = options->opacity ? (float)(1 / (1 + gscl_exp(-(double)params[GSCL_OPACITY]))) : 1.0f;
     e->wave_x = params[GSCL_WAVE_X];
     e->wave_y = params[GSCL_WAVE_Y];
     e->wave_phase = params[GSCL_WAVE_PHASE];
@@ -41,10 +43,10 @@ static void project_colour(const gscl_kernel_options *options, const float *para
 
 bool gscl_ellipse_project(const gscl_kernel_options *options, const float *params, uint32_t width, uint32_t height,
                           gscl_ellipse *e) {
-    const double s1 = exp((double)params[GSCL_LOG_S1]);
-    const double s2 = options->shape == GSCL_SHAPE_ISOTROPIC ? s1 : exp((double)params[GSCL_LOG_S2]);
+    const double s1 = gscl_exp((double)params[GSCL_LOG_S1]);
+    const double s2 = options->shape == GSCL_SHAPE_ISOTROPIC ? s1 : gscl_exp((double)params[GSCL_LOG_S2]);
     const double theta = options->shape == GSCL_SHAPE_ROTATED ? (double)params[GSCL_THETA] : 0.0;
-    const double c = cos(theta), s = sin(theta), i1 = TO_FRAME / s1, i2 = TO_FRAME / s2;
+    const double c = gscl_cos(theta), s = gscl_sin(theta), i1 = TO_FRAME / s1, i2 = TO_FRAME / s2;
     const double xx = c * c * s1 * s1 + s * s * s2 * s2, yy = s * s * s1 * s1 + c * c * s2 * s2;
     *e = (gscl_ellipse){.x = params[GSCL_X],
                         .y = params[GSCL_Y],
