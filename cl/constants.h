@@ -13,6 +13,7 @@
  *     scalar_rdo.cl: rate-distortion optimisation of scalar codes
  *   codebook.cl, codebook_rdo.cl: codebooks of the paper profile
  *   accuracy.cl, benchmark.cl: measurements
+ *   native.h, programs.py, native.py: kernels that are compiled with the library (host/lib/native)
  *
  * This file has the constants.  Those that the file format fixes say so; changing one of these changes what every file
  * looks like. */

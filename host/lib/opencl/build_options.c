@@ -1,10 +1,9 @@
 #include "opencl/build_options.h"
 
-#include <math.h>
-
 #include "cl/constants.h"
-#include "runtime/mapping.h"
 #include "opencl/opencl_device.h"
+#include "runtime/elementary.h"
+#include "runtime/mapping.h"
 #include "runtime/text.h"
 
 /* Appends the options that only the room `measure` sets.  Constants of the double kernels are doubles. */
@@ -12,8 +11,8 @@ static void append_measured_precision(gscl_text *text, const gscl_kernel_options
     const char *suffix = options->is_double ? "" : "f";
     const double support = options->support > 0 ? options->support : (double)GSCL_SUPPORT;
     if (options->support > 0 || options->is_double)
-        gscl_text_append(text, " -DGSCL_SUPPORT=%.17e%s -DGSCL_WEIGHT_FLOOR=%.17e%s", support, suffix, exp(-support),
-                         suffix);
+        gscl_text_append(text, " -DGSCL_SUPPORT=%.17e%s -DGSCL_WEIGHT_FLOOR=%.17e%s", support, suffix,
+                         gscl_exp(-support), suffix);
     if (options->is_double)
         gscl_text_append(text, " -DDOUBLE -DGSCL_MAX_ALPHA=0.999");
     if (options->exponential)
