@@ -65,7 +65,8 @@ def source(program, processor, compiler):
 
 def compile_program(name, processor, output, compiler):
     program = next(p for p in programs() if p.name == name)
-    command = [*compiler, *LANGUAGE, "-cl-no-stdinc", *OPTIONS, "-c", "-", "-o", os.path.abspath(output)]
+    clang, *options = compiler
+    command = [clang, *LANGUAGE, "-cl-no-stdinc", *OPTIONS, *options, "-c", "-", "-o", os.path.abspath(output)]
     subprocess.run(command, input=source(program, processor, compiler), text=True, cwd=FOLDER, check=True)
 
 
