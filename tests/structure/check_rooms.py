@@ -9,7 +9,7 @@ lowest to the highest.  The script fails when
  - host/tool or a public header includes a header of the library that is not public,
  - an #include "..." or <gscl/...> names no file of the tree,
  - a file outside host/lib/opencl names a type, a constant, a function or a header of OpenCL, or a room other than `device`
-   uses host/lib/opencl,
+   uses host/lib/opencl or host/lib/native,
  - a file of the library or of format/ calls a function of the C library that rounds differently on other machines,
    and is not in a room whose results are in no file,
  - a room is missing from the lists or has no room.h, or its room.h does not state what the room may use, or names files
@@ -28,7 +28,7 @@ import subprocess
 import sys
 
 # From the lowest room to the highest.  A room may use itself, lower rooms of its list, and what BASE names.
-LIBRARY = ["runtime", "opencl", "device", "image", "software", "decode", "fit", "session", "codebook", "scalar", "encode", "measure"]
+LIBRARY = ["runtime", "native", "opencl", "device", "image", "software", "decode", "fit", "session", "codebook", "scalar", "encode", "measure"]
 TOOL = ["cli", "image", "plot", "tradeoff", "commands"]
 PROGRAMS = {"host/lib": LIBRARY, "host/tool": TOOL}
 BASE = {"host/lib": ["format", "cl"], "host/tool": ["host/colours"], "format": [], "cl": []}
@@ -41,7 +41,7 @@ BINDINGS.append("host/colours")
 BINDINGS.append("host/web")
 BASE["host/web"] = ["host/lib", "format", "cl"]
 # Rooms that only these rooms may use.
-USERS = {"opencl": ["device"]}
+USERS = {"native": ["device"], "opencl": ["device"]}
 # Where OpenCL may be named: its room, and tests that take the place of its functions or look at its errors.
 OPENCL_ROOM = "host/lib/opencl/"
 OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/faults.c",

@@ -5,7 +5,7 @@
  * In the order in which to read them:
  *   backend.h: the functions of this room that runtime/backend.h asks for
  *   programs.h: the compiled kernels of each processor, and which one serves which options
- *   processor.h: the kernels for the processor that this is
+ *   processor.h: the kernels for the processor that this is; own_processor.c prints their name while building
  *   thread_count.h: the threads that this process may run
  *   pool.h: threads that share a launch
  *   native_device.h, launch.h: the device of a context, its kernels and launches
