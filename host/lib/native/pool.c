@@ -4,6 +4,8 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/types.h>
+#include <unistd.h>
 
 /* One piece of work that threads share: each takes the next part until none is left. */
 typedef struct pool_job {
@@ -19,6 +21,7 @@ struct gscl_pool {
     int thread_count; /* those that run may be fewer, the caller's is not among them */
     int started;      /* threads; those that could not be started are not tried again */
     bool is_closing;
+    pid_t process;  /* whose threads these are: a fork has none of them */
     unsigned round; /* of work, which threads wait for */
     int places;     /* threads that may yet join this round */
     int working;    /* threads that have joined it and not ended */
@@ -66,6 +69,7 @@ gscl_result gscl_pool_create(gscl_context *context, int threads, gscl_pool **poo
     if (!p)
         return gscl_fail_memory(context);
     p->thread_count = threads - 1;
+    p->process = getpid();
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->begin, NULL);
     pthread_cond_init(&p->end, NULL);
@@ -75,6 +79,10 @@ gscl_result gscl_pool_create(gscl_context *context, int threads, gscl_pool **poo
 void gscl_pool_free(gscl_pool *pool) {
     if (!pool)
         return;
+    if (pool->process != getpid()) { /* nothing to wait for; the lock may be held for ever */
+        free(pool);
+        return;
+    }
     pthread_mutex_lock(&pool->lock);
     pool->is_closing = true;
     pthread_cond_broadcast(&pool->begin);
@@ -134,6 +142,8 @@ int gscl_pool_run(gscl_pool *pool, int threads, size_t count, size_t part, gscl_
     const pool_job job = {.work = work, .opaque = opaque, .count = count, .part = part};
     const int busy = __atomic_add_fetch(&busy_pools, 1, __ATOMIC_RELAXED);
     int helpers = count > part ? helpers_of(pool, threads, busy) : 0;
+    if (helpers > 0 && pool->process != getpid())
+        helpers = 0;
     if (helpers > 0)
         helpers = run_shared(pool, helpers, job);
     else
