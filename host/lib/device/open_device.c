@@ -51,20 +51,25 @@ static gscl_result device_fail_unusable(gscl_context *context, gscl_result resul
     return gscl_fail(context, result, "device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
 }
 
-/* The error when no usable device matches. */
-static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
-    char names[320];
-    if (list->count == 0 && list->absence[0])
+static gscl_result device_fail_absent(gscl_context *context, const gscl_device_list *list) {
+    if (list->absence[0])
         return gscl_fail(
             context, GSCL_ERROR_NO_PLATFORM,
             "no OpenCL device was found (%s); install the OpenCL loader and an implementation, such as the "
             "packages ocl-icd-libopencl1 and pocl-opencl-icd",
             list->absence);
-    if (list->count == 0)
-        return gscl_fail(
-            context, GSCL_ERROR_NO_PLATFORM,
-            "no OpenCL device was found; install an OpenCL implementation, such as the package pocl-opencl-icd");
-    if (!selector) /* no default: none can be used */
+    return gscl_fail(
+        context, GSCL_ERROR_NO_PLATFORM,
+        "no OpenCL device was found; install an OpenCL implementation, such as the package pocl-opencl-icd");
+}
+
+/* The error when no usable device matches. */
+static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
+    char names[320];
+    /* No default: none can be used, and the processor not with the GPU mapping. */
+    if (list->count == 0 || (!selector && list->devices[0].kind == GSCL_DEVICE_HOST))
+        return device_fail_absent(context, list);
+    if (!selector)
         return device_fail_unusable(context, GSCL_ERROR_NO_PLATFORM, &list->devices[0]);
     for (size_t i = 0; i < list->count; i++)
         if (device_matches(&list->devices[i].info, selector))
