@@ -5,7 +5,8 @@
  *   crash       the first launch of a kernel ends the process
  *   hang        the first launch of a kernel never returns
  *   wrong       one sample of the picture of gscl devices --check is wrong
- *   no-memory   kernels cannot be launched */
+ *   no-memory   kernels cannot be launched
+ *   gpu         all devices say that they are GPUs */
 #define _DEFAULT_SOURCE /* usleep */
 #include <CL/cl.h>
 #include <dlfcn.h>
@@ -20,6 +21,7 @@ typedef cl_int build_function(cl_program, cl_uint, const cl_device_id *, const c
 typedef cl_context context_function(const cl_context_properties *, cl_uint, const cl_device_id *,
                                     void(CL_CALLBACK *)(const char *, const void *, size_t, void *), void *, cl_int *);
 typedef cl_int device_ids_function(cl_platform_id, cl_device_type, cl_uint, cl_device_id *, cl_uint *);
+typedef cl_int info_function(cl_device_id, cl_device_info, size_t, void *, size_t *);
 typedef cl_int launch_function(cl_command_queue, cl_kernel, cl_uint, const size_t *, const size_t *, const size_t *,
                                cl_uint, const cl_event *, cl_event *);
 typedef cl_int read_function(cl_command_queue, cl_mem, cl_bool, size_t, size_t, void *, cl_uint, const cl_event *,
@@ -45,6 +47,15 @@ cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id *dev
     if (is_odd("slow-build") && !was_slow++)
         usleep(1200000);
     return build(program, count, devices, options, notify, data);
+}
+
+cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, size_t capacity, void *value, size_t *size) {
+    info_function *get;
+    *(void **)&get = dlsym(library, "clGetDeviceInfo");
+    const cl_int error = get(device, name, capacity, value, size);
+    if (is_odd("gpu") && name == CL_DEVICE_TYPE && error == CL_SUCCESS && value)
+        *(cl_device_type *)value = CL_DEVICE_TYPE_GPU;
+    return error;
 }
 
 static cl_device_id first_device;

@@ -7,9 +7,8 @@ import unittest
 
 from gscl_file import contained, header
 from images import (PNG_SIGNATURE, Image, exr_bytes, png_bytes, png_chunk, png_header, pnm_bytes, scene, tiff_bytes)
-from tool import FAST, GSCL, ToolTest, main
+from tool import FAST, GSCL, NO_OPENCL, OPENCL, ToolTest, main
 
-NO_OPENCL = {"OCL_ICD_VENDORS": "/nonexistent"}
 
 
 class Images(ToolTest):
@@ -265,13 +264,23 @@ class OpenCL(ToolTest):
 
     def test_no_platform(self):
         for arguments in (("encode", "in.png", "-o", "out.gscl"), ("draw", "in.gscl", "-o", "out.png"),
-                          ("decode", "in.gscl", "-o", "out.png", "--mapping", "cpu")):
+                          ("decode", "in.gscl", "-o", "out.png")):
             with self.subTest(arguments=arguments):
-                self.refused("OpenCL", "no OpenCL.*install", *arguments, env=NO_OPENCL)
+                self.refused("OpenCL", "no OpenCL.*install", *arguments, "--mapping", "gpu", env=NO_OPENCL)
+                self.refused("0.0", r'no device matches "0\.0"; there is host \([^)]*\)$', *arguments, *OPENCL,
+                             env=NO_OPENCL)
+                self.gscl(*arguments, "--mapping", "cpu", env=NO_OPENCL)
+                self.path(arguments[-1]).unlink()
+
+    def test_host_has_no_mapping_for_gpus(self):
+        self.refused("host", "the CPU mapping; choose an OpenCL device", "encode", "in.png", "-o", "out.gscl", "--device",
+                     "host", "--mapping", "gpu")
 
     def test_commands_that_need_no_opencl(self):
         self.gscl("info", "in.gscl", env=NO_OPENCL)
+        self.gscl("encode", "in.png", "-o", "out.gscl", *FAST, env=NO_OPENCL)
         self.gscl("decode", "in.gscl", "-o", "out.png", "--scale", "100", env=NO_OPENCL)
+        self.gscl("draw", "in.gscl", "-o", "out.png", env=NO_OPENCL)
         self.assertEqual(["host"], [device["id"] for device in self.gscl_json("devices", env=NO_OPENCL)])
         self.gscl("compare", "in.png", "in.png", env=NO_OPENCL)
 
@@ -317,7 +326,8 @@ class Usage(ToolTest):
                 ("blend", "Alpha", "one of auto, normalized, alpha, sum"), ("profile", "", "one of default, paper"),
                 ("loss", "l3", r"one of auto, l1, l1\+ssim, l2"), ("tune", "vmaf", "one of auto, psnr, ssim, visual"),
                 ("mapping", "fpga", "one of auto, cpu, gpu"),
-                ("codebook", "1", "from 2 to 1024"), ("out-dir", "", "cannot be ''")):
+                ("codebook", "1", "from 2 to 1024"), ("threads", "0", "from 1 to 1024"), ("threads", "2000", "from 1 to 1024"),
+                ("out-dir", "", "cannot be ''")):
             with self.subTest(option=option, value=value):
                 self.wrong(f"--{option} cannot be '{value}'; it takes.*{message}|cannot be ''", "encode", "in.png",
                            f"--{option}", value)

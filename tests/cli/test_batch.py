@@ -183,10 +183,29 @@ class Reports(BatchTest):
     def test_jobs_do_not_change_files(self):
         self.write_list(*self.names)
         bytes_of = {}
-        for jobs in ("1", "3"):
-            self.run_batch("--files-from", "list", "--keep-tree", "--jobs", jobs)
+        for jobs in ("1", "3", None):
+            self.run_batch("--files-from", "list", "--keep-tree", *(("--jobs", jobs) if jobs else ()))
             bytes_of[jobs] = [self.path("out").joinpath(name).read_bytes() for name in self.outputs()]
         self.assertEqual(bytes_of["1"], bytes_of["3"])
+        self.assertEqual(bytes_of["1"], bytes_of[None])
+
+    def test_jobs_by_default(self):
+        """As many as host has threads; each has opened its output."""
+        for i in range(4):
+            self.write_png(f"{i}.png", scene(320, 240))
+        process = subprocess.Popen([GSCL, "encode", *(f"{i}.png" for i in range(4)), "--effort", "9", "--bpp", "1", "-q",
+                                    "--threads", "3"], cwd=self.folder, preexec_fn=restore_signals)
+        self.addCleanup(process.kill)
+        most, deadline = 0, time.monotonic() + TIMEOUT
+        while most < 3:
+            self.assertLess(time.monotonic(), deadline)
+            self.assertIsNone(process.poll(), "ended before three images were encoded at a time")
+            most = max(most, sum(name.startswith(".gscl-") for name in os.listdir(self.folder)))
+            time.sleep(0.01)
+        time.sleep(0.2)
+        self.assertEqual(sum(name.startswith(".gscl-") for name in os.listdir(self.folder)), 3)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=TIMEOUT), 130)
 
 
 class Chains(BatchTest):

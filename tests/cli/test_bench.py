@@ -1,22 +1,23 @@
 """gscl bench reports every figure, and the figures are consistent; no test bounds a time."""
 import unittest
 
-from tool import ToolTest, main
+from tool import OPENCL, ToolTest, main
 
 BLENDS = ("normalized", "alpha", "sum")
 KERNELS = ("raster_forward", "bin", "fit_tiles", "step_splats", "fit step")
 
 
-class Bench(ToolTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.report = None
+class Host(ToolTest):
+    """On the device "host"."""
+
+    arguments = ("--device", "host")
+    report = None
 
     def measured(self):
         """The report of one run, shared by all tests."""
-        if not Bench.report:
-            Bench.report = self.gscl_json("bench", "--repetitions", "1", "--encodes", "1", "--mapping", "cpu")
-        return Bench.report
+        if not type(self).report:
+            type(self).report = self.gscl_json("bench", "--repetitions", "1", "--encodes", "1", *self.arguments)
+        return self.report
 
     def rows(self):
         (kernels,) = self.measured()["kernels"]
@@ -61,6 +62,13 @@ class Bench(ToolTest):
     def test_refuses_a_file_that_is_no_image(self):
         self.write("text.png", b"no image")
         self.refused("text.png", ".", "bench", "text.png", "--encodes", "1", "--repetitions", "1")
+
+
+class OpenCL(Host):
+    """On a device of OpenCL."""
+
+    arguments = (*OPENCL, "--mapping", "cpu")
+    report = None
 
 
 if __name__ == "__main__":

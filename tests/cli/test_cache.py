@@ -6,7 +6,7 @@ import subprocess
 import unittest
 
 from images import scene
-from tool import BUILD_NOTICE, FAST, GSCL, ToolTest, main, odd_opencl, read_json
+from tool import BUILD_NOTICE, FAST, GSCL, OPENCL, ToolTest, main, odd_opencl, read_json
 
 NOBODY = 65534
 CONFORMANCE = pathlib.Path(__file__).resolve().parents[1] / "conformance/files/all-sizes.gscl"
@@ -42,8 +42,13 @@ class PoclCache(ToolTest):
                                   ({"HOME": "/dev/null", "XDG_CACHE_HOME": ""}, "/dev/null/.cache/pocl/kcache")):
             with self.subTest(**variables):
                 prefix = () if "POCL_CACHE_DIR" in variables else ("env", "-u", "POCL_CACHE_DIR")
-                self.refused_for_folder(folder, "Not a directory", "encode", "in.png", "-o", "out.gscl", subject="OpenCL",
-                                        env=variables, prefix=prefix)
+                for arguments, subject in (OPENCL, "0.0"), (("--mapping", "gpu"), "OpenCL"):
+                    self.refused_for_folder(folder, "Not a directory", "encode", "in.png", "-o", "out.gscl", *arguments,
+                                            subject=subject, env=variables, prefix=prefix)
+
+    def test_host_needs_no_folder(self):
+        done = self.start("encode", "in.png", "-o", "out.gscl", "-q", *FAST, env={"POCL_CACHE_DIR": "file/x"})
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_devices_says_so(self):
         done = self.start("devices", env={"POCL_CACHE_DIR": "file/x"})
@@ -60,7 +65,7 @@ class PoclCache(ToolTest):
         out.mkdir()
         out.chmod(0o777)
         self.refused_for_folder(self.path("kernels"), "Permission denied", "encode", "in.png", "-o", "out/out.gscl",
-                                subject="in.png", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
+                                *OPENCL, subject="in.png", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
         done = self.start("devices", "--check", env={"POCL_CACHE_DIR": str(self.path("kernels"))}, prefix=user)
         self.assertEqual(done.returncode, 1)
         self.assertEqual(done.stdout.decode().count(f"FAILED: PoCL cannot write to {self.path('kernels')}, "), 2)
@@ -114,10 +119,13 @@ class BuildNotice(ToolTest):
         return done.stderr
 
     def test_long_builds_are_told_once(self):
-        self.assertRegex(self.errors(), rb"\A%sout.gscl: [^\n]*\n\Z" % BUILD_NOTICE)
+        self.assertRegex(self.errors(*OPENCL), rb"\A%sout.gscl: [^\n]*\n\Z" % BUILD_NOTICE)
 
     def test_not_when_quiet(self):
-        self.assertEqual(self.errors("-q"), b"")
+        self.assertEqual(self.errors("-q", *OPENCL), b"")
+
+    def test_host_builds_nothing(self):
+        self.assertRegex(self.errors(), rb"\Aout.gscl: [^\n]*\n\Z")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import unittest
 
 from gscl_file import contained, header
 from images import Image, max_difference, psnr, read_png, scene
-from tool import ToolTest, main
+from tool import FAST, NO_OPENCL, OPENCL, ToolTest, main, odd_opencl
 
 HIGH_RATE = ("--bpp", "3")
 
@@ -142,7 +142,7 @@ class Mappings(ToolTest):
                                          (2, "default", "normalized"), (3, "paper", "alpha")):
             with self.subTest(channels=channels, profile=profile, blend=blend):
                 self.encode(scene(50, 38, channels), *HIGH_RATE, "--profile", profile, "--blend", blend)
-                self.assertLessEqual(max_difference(self.decode("--mapping", "cpu"), self.decode("--mapping", "gpu")), 1)
+                self.assertLessEqual(max_difference(self.decode(*OPENCL, "--mapping", "cpu"), self.decode("--mapping", "gpu")), 1)
 
     def test_encoding_with_the_gpu_mapping(self):
         image = scene(50, 38)
@@ -152,6 +152,7 @@ class Mappings(ToolTest):
     def test_device_by_number_and_by_name(self):
         image = scene(20, 20)
         device = self.gscl_json("devices")[0]
+        self.assertNotEqual(device["id"], "host")  # which has no other name
         self.encode(image, "--device", device["id"])
         whole = self.decode("--device", device["id"])
         self.assertEqual(whole, self.decode("--device", device["device"]))
@@ -171,13 +172,31 @@ class Host(ToolTest):
                                          (2, "default", "normalized"), (3, "paper", "alpha")):
             with self.subTest(channels=channels, profile=profile, blend=blend):
                 self.encode(scene(50, 38, channels), *HIGH_RATE, "--profile", profile, "--blend", blend)
-                for area in ((), ("--scale", "2.5"), ("--size", "20x30"), ("--crop", "7,9,30,21"), ("--depth", "16")):
+                # From 65537 pixels on it draws by its kernels.
+                for area in ((), ("--scale", "2.5"), ("--size", "20x30"), ("--crop", "7,9,30,21"), ("--depth", "16"),
+                             ("--size", "400x200")):
                     host, gpu = self.decode(*area, "--device", "host"), self.decode(*area, "--mapping", "gpu")
                     self.assertLessEqual(max_difference(host, gpu), host.peak // 255)
 
-    def test_host_decodes_only(self):
-        self.write_png("in.png", scene(16, 16))
-        self.refused("in.png", "encoding needs an OpenCL device", "encode", "in.png", "-o", "out.gscl", "--device", "host")
+    def test_threads_change_nothing(self):
+        image = scene(200, 150)
+        files = {threads: self.encode(image, *HIGH_RATE, "--threads", threads) for threads in ("1", "2", "7")}
+        files["default"] = self.encode(image, *HIGH_RATE)
+        self.assertEqual(len(set(files.values())), 1)
+        pictures = [self.decode("--size", "500x400", "--threads", threads) for threads in ("1", "2", "7")]
+        for picture in pictures:
+            self.assertEqual(picture, pictures[0])
+
+    def test_empty_environment(self):
+        """Neither OpenCL nor a home, whose folder would keep kernels."""
+        self.write_png("in.png", scene(40, 30))
+        self.gscl("encode", "in.png", "-o", "with.gscl", *FAST)
+        for variables in ((), ("HOME=/nonexistent", "OCL_ICD_VENDORS=/nonexistent"), ("HOME=relative",)):
+            with self.subTest(variables):
+                done = self.start("encode", "in.png", "-o", "in.gscl", "-q", *FAST, prefix=("env", "-i", *variables))
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"", b""))
+                self.assertEqual(self.path("in.gscl").read_bytes(), self.path("with.gscl").read_bytes())
+                self.gscl("decode", "in.gscl", "-o", "out.png", prefix=("env", "-i", *variables))
 
     def test_limits_and_partial_files(self):
         data = self.encode(scene(61, 43), *HIGH_RATE)
@@ -190,16 +209,16 @@ class Host(ToolTest):
         self.assertEqual(self.decode("--partial", "--device", "host").kind(), (61, 43, 3, 8))
 
     def test_rule(self):
-        """Small pictures, larger ones while kernels are not built, and those of machines without OpenCL."""
+        """Without a GPU all pictures, with one small ones."""
         self.encode(scene(61, 43))
-        built = {"POCL_CACHE_DIR": str(self.folder)}
-        not_built = {"POCL_CACHE_DIR": str(self.folder / "none")}
-        device = next(device["id"] for device in self.gscl_json("devices") if device["is_default"])
-        for arguments, env, expected in (((), built, "host"), (("--mapping", "cpu"), None, device),
-                                         (("--size", "1000x3000"), built, "host"), (("--size", "1000x3001"), built, device),
-                                         (("--size", "4000x4000"), not_built, "host"),
-                                         (("--size", "4000x4000", "--crop", "0,0,9,9"), built, "host"),
-                                         (("--size", "4000x4001"), {"OCL_ICD_VENDORS": "/nonexistent"}, "host")):
+        gpu = odd_opencl("gpu")
+        for arguments, env, expected in (((), None, "host"), (("--mapping", "cpu"), None, "host"),
+                                         (("--mapping", "gpu"), None, "0.0"), (("--size", "1000x3001"), None, "host"),
+                                         (("--size", "4000x4001"), NO_OPENCL, "host"),
+                                         ((), gpu, "host"), (("--mapping", "cpu"), gpu, "0.0"),
+                                         (("--size", "1000x3000"), gpu, "host"), (("--size", "1000x3001"), gpu, "0.0"),
+                                         (("--size", "1000x3001", "--device", "host"), gpu, "host"),
+                                         (("--size", "4000x4000", "--crop", "0,0,9,9"), gpu, "host")):
             with self.subTest(arguments=arguments, env=env):
                 self.assertEqual(self.decodes_on(*arguments, env=env), expected)
 

@@ -7,7 +7,7 @@ import unittest
 
 from images import scene, textured
 from test_cache import POCL, platforms
-from tool import FAST, ToolTest, main, odd_opencl, read_json
+from tool import FAST, NO_OPENCL, ToolTest, main, odd_opencl, read_json
 
 TWO = {"POCL_DEVICES": "pthread pthread"}
 
@@ -65,13 +65,20 @@ class AllDevices(ToolTest):
         self.assertRegex(done.stderr.decode(), r"\Agscl: bad.png: [^\n]*\ngscl: all/3.gscl: cannot be written: [^\n]*\n\Z")
         self.assertEqual(len(self.files()), 4 + 1 + 1 + 4)
 
-    def test_no_device_at_all(self):
-        self.write("file", b"")
-        self.refused("OpenCL", "POCL_CACHE_DIR", "encode", *self.names, "--device", "all", env={"POCL_CACHE_DIR": "file/x"})
+    def test_host_beside_gpus_and_alone(self):
+        """It takes part where no OpenCL device may be the same processor."""
+        for env, expected in (({**TWO, **odd_opencl("gpu")}, {"0.0", "0.1", "host"}), (NO_OPENCL, {"host"})):
+            with self.subTest(env=env):
+                reports = self.encode_all("all", env=env)
+                self.assertEqual([report["input"] for report in reports], self.names)
+                self.assertEqual({report["device"] for report in reports}, expected)
+                for path in self.path("all").iterdir():
+                    path.unlink()
+                self.path("all").rmdir()
 
     def test_other_commands_know_no_all(self):
         self.gscl("encode", "0.png", "-q", *FAST)
-        self.refused("all", 'no OpenCL device matches "all"', "decode", "0.gscl", "-o", "out.png", "--device", "all")
+        self.refused("all", 'no device matches "all"', "decode", "0.gscl", "-o", "out.png", "--device", "all")
 
 
 class WithoutLoader(ToolTest):
@@ -84,21 +91,23 @@ class WithoutLoader(ToolTest):
         self.path("old").mkdir()
         self.path("old/libOpenCL.so.1").symlink_to(os.environ["ODD_OPENCL_MODULE"])
 
-    def test_encoding_fails(self):
+    def test_kernels_for_gpus_cannot_be_had(self):
         self.write_png("0.png", textured(24, 16))
         for name, reason in ("missing", r"libOpenCL\.so\.1: "), ("old", r"libOpenCL\.so\.1 has no function clCreateBuffer"):
             with self.subTest(name):
                 self.refused("OpenCL", rf"no OpenCL device was found \([^)]*{reason}[^)]*\); install .* "
-                             r"ocl-icd-libopencl1 and pocl-opencl-icd$", "encode", "0.png", *FAST,
+                             r"ocl-icd-libopencl1 and pocl-opencl-icd$", "encode", "0.png", "--mapping", "gpu", *FAST,
                              env={"LD_LIBRARY_PATH": self.path(name)})
 
-    def test_host_decodes(self):
+    def test_host_encodes_and_decodes(self):
         self.write_png("0.png", textured(24, 16))
         self.gscl("encode", "0.png", "-q", *FAST)
         self.gscl("decode", "0.gscl", "-o", "with.png", "--device", "host")
         for name in "missing", "old":
             loader = {"LD_LIBRARY_PATH": self.path(name)}
             self.assertEqual([device["id"] for device in self.gscl_json("devices", env=loader)], ["host"])
+            self.gscl("encode", "0.png", "-o", f"{name}.gscl", *FAST, env=loader)
+            self.assertEqual(self.path(f"{name}.gscl").read_bytes(), self.path("0.gscl").read_bytes())
             self.gscl("decode", "0.gscl", "-o", f"{name}.png", env=loader)
             self.assertEqual(self.path(f"{name}.png").read_bytes(), self.path("with.png").read_bytes())
 
@@ -114,7 +123,8 @@ class Check(ToolTest):
         code, rows = self.check()
         self.assertEqual(code, 0)
         ids = [device["id"] for device in self.gscl_json("devices") if device["id"] != "host"]
-        self.assertEqual([(row["id"], row["mapping"]) for row in rows], [(i, m) for i in ids for m in ("cpu", "gpu")])
+        self.assertEqual([(row["id"], row["mapping"]) for row in rows],
+                         [(i, m) for i in ids for m in ("cpu", "gpu")] + [("host", "cpu")])
         for row in rows:
             self.assertTrue(row["passed"])
             self.assertTrue(0 < row["largest_difference"] < 0.01 and row["psnr"] > 28, row)
@@ -127,27 +137,34 @@ class Check(ToolTest):
                 ("wrong", (), r"decoded samples differ by [12]\d\d/255 from double precision, at most 1/255 would be right\Z")):
             with self.subTest(way=way):
                 code, rows = self.check(way, arguments)
-                self.assertEqual((code, len(rows)), (1, 2))
-                for row in rows:
+                self.assertEqual((code, len(rows)), (1, 3))
+                self.assertTrue(rows[2]["passed"], rows[2])  # host
+                for row in rows[:2]:
                     self.assertFalse(row["passed"])
                     self.assertRegex(row["failure"], failure)
 
     @unittest.skipUnless(platforms(**TWO).get(POCL) == "0.1", "needs two devices of PoCL and no other")
     def test_sound_device_beside_one_without_context(self):
         code, rows = self.check("refuse", **TWO)
-        self.assertEqual((code, [row["passed"] for row in rows]), (1, [True, True, False, False]))
+        self.assertEqual((code, [row["passed"] for row in rows]), (1, [True, True, False, False, True]))
         self.assertIn("clCreateContext", rows[2]["failure"])
 
     def test_text(self):
         lines = self.start("devices", "--check", env=odd_opencl("no-memory")).stdout.decode().splitlines()
         self.assertRegex(lines[0], r"\A0.0 +.*, mapping cpu: FAILED: clEnqueueNDRangeKernel of kernel ")
-        self.assertEqual(len(lines), 2)
-        self.assertRegex(self.gscl("devices", "--check").decode().splitlines()[1],
-                         r"\A0.0 +.*, mapping gpu: pass: [\d.]+ dB, largest difference [\d.e-]+/255, [\d.]+ s\Z")
+        self.assertEqual(len(lines), 3)
+        lines = self.gscl("devices", "--check").decode().splitlines()
+        for line, (device, mapping) in zip(lines, (("0.0", "cpu"), ("0.0", "gpu"), ("host", "cpu")), strict=True):
+            self.assertRegex(line, rf"\A{device} +.*, mapping {mapping}: pass: [\d.]+ dB, largest difference [\d.e-]+/255, "
+                                   r"[\d.]+ s\Z")
 
-    def test_no_device(self):
+    def test_no_opencl_device(self):
         self.write("file", b"")
-        self.refused("OpenCL", "POCL_CACHE_DIR", "devices", "--check", env={"POCL_CACHE_DIR": "file/x"})
+        for env, message in ({"POCL_CACHE_DIR": "file/x"}, r"\Agscl: devices: PoCL cannot write to file/x, .*\n\Z"), (NO_OPENCL, r"\A\Z"):
+            done = self.start("devices", "--check", env=env)
+            self.assertEqual(done.returncode, 0)
+            self.assertRegex(done.stdout.decode(), r"\Ahost +[^\n]*, mapping cpu: pass: [^\n]*\n\Z")
+            self.assertRegex(done.stderr.decode(), message)
 
     def test_limit_needs_check(self):
         self.refused("devices", "--limit applies to --check only; add --check", "devices", "--limit", "9", code=2)

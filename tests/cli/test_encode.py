@@ -9,7 +9,7 @@ import unittest
 
 from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, hills, noise, png_bytes, psnr,
                       sawtooth, scene, textured, waves)
-from tool import FAST, GSCL, TIMEOUT, ToolTest, main
+from tool import FAST, GSCL, OPENCL, TIMEOUT, ToolTest, main
 
 
 class Kernels(ToolTest):
@@ -401,7 +401,7 @@ class Reports(ToolTest):
         self.write_png("in.png", scene(16, 16))
         self.path("cache").mkdir()
         for profile in "default", "paper":
-            done = self.start("encode", "in.png", "-q", "--profile", profile, *FAST,
+            done = self.start("encode", "in.png", "-q", "--profile", profile, *FAST, *OPENCL,
                               env={"POCL_CACHE_DIR": str(self.path("cache"))})
             self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"", b""))
 

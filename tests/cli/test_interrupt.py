@@ -8,7 +8,7 @@ import time
 import unittest
 
 from images import scene
-from tool import GSCL, HANDLED_SIGNALS, TIMEOUT, ToolTest, main, restore_signals
+from tool import GSCL, HANDLED_SIGNALS, OPENCL, TIMEOUT, ToolTest, main, restore_signals
 
 
 class Interrupt(ToolTest):
@@ -55,7 +55,7 @@ class Interrupt(ToolTest):
 
     def test_batch_stops(self):
         self.write_png("other.png", scene(16, 16))
-        process = self.start_encoding("other.png")
+        process = self.start_encoding("other.png", "--jobs", "1")
         process.send_signal(signal.SIGINT)
         self.assert_ends(process, 130)
         self.assertEqual(self.files(), ["in.png", "other.png"])
@@ -71,7 +71,7 @@ class Interrupt(ToolTest):
         """A compiler inside the process installs signal handlers while it runs."""
         for delay in (0, 0.1, 0.3):
             with self.subTest(delay=delay), tempfile.TemporaryDirectory(prefix="gscl-test-cache-") as cache:
-                process = self.start_encoding(env={"POCL_CACHE_DIR": cache})
+                process = self.start_encoding(*OPENCL, env={"POCL_CACHE_DIR": cache})
                 time.sleep(delay)
                 process.send_signal(signal.SIGINT)
                 process.send_signal(signal.SIGINT)

@@ -1,9 +1,10 @@
 """gscl info, compare, devices, help and --version: output as text and as JSON."""
+import os
 import re
 import unittest
 
 from images import flat, psnr, scene
-from tool import ToolTest, main
+from tool import NO_OPENCL, ToolTest, main
 
 COMMANDS = ("encode", "decode", "info", "compare", "draw", "devices", "bench", "tradeoff")
 
@@ -106,8 +107,22 @@ class Devices(ToolTest):
         defaults = [device for device in devices if device["is_default"]]
         self.assertEqual(len(defaults), 1)
         self.assertTrue(defaults[0]["why_default"])
-        self.assertRegex(defaults[0]["id"], r"^\d+\.\d+$")
         self.assertGreater(defaults[0]["memory_bytes"], 0)
+
+    def test_host_is_last_and_the_default_beside_a_cpu(self):
+        for env in None, NO_OPENCL:
+            devices = self.gscl_json("devices", env=env)
+            self.assertEqual([device["id"] for device in devices].count("host"), 1)
+            host = devices[-1]
+            self.assertEqual((host["id"], host["is_default"], host["is_gpu"]), ("host", True, False))
+            self.assertEqual(host["why_default"], "kernels are compiled already; there is no GPU or accelerator")
+            self.assertTrue(1 <= host["compute_units"] <= len(os.sched_getaffinity(0)))
+            for device in devices[:-1]:
+                self.assertRegex(device["id"], r"^\d+\.\d+$")
+            lines = self.gscl("devices", env=env).decode().splitlines()
+            self.assertEqual([line.split()[1] for line in lines if line.startswith("* ")], ["host"])
+            self.assertEqual([line for line in lines if re.match(r"[* ] host ", line)], [f"* host  {host['device']}"])
+            self.assertRegex(lines[-2], rf"\A +{host['compute_units']} threads?, [\d.]+ GiB memory\Z")
 
     def test_text_marks_the_default(self):
         default = next(device for device in self.gscl_json("devices") if device["is_default"])

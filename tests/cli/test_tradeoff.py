@@ -7,7 +7,7 @@ import unittest
 import xml.etree.ElementTree
 
 from images import flat, read_png, scene
-from tool import GSCL, ToolTest, main, read_json
+from tool import GSCL, NO_OPENCL, ToolTest, main, read_json
 
 WIDTH, HEIGHT = 96, 72
 TABLES = {"quality_time.csv", "quality_rate.csv", "trace.csv", "accuracy.csv", "gradients.csv", "tradeoff.json"}
@@ -190,6 +190,16 @@ class Refusals(ToolTest):
         self.refused("tradeoff", "an input is missing", "tradeoff", code=2)
         self.refused("in.png", "too small", "tradeoff", "in.png", "--bytes", "9")
         self.refused("nowhere", "nowhere", "tradeoff", "in.png", "--device", "nowhere")
+
+    def test_needs_opencl(self):
+        self.write_png("in.png", flat(64, 64, (9, 9, 9)))
+        self.refused("tradeoff", "--device host does not apply: .* needs an OpenCL device", "tradeoff", "in.png", "--device",
+                     "host", code=2)
+        self.refused("OpenCL", "no OpenCL device was found; .*; install .* pocl-opencl-icd$", "tradeoff", "in.png",
+                     env=NO_OPENCL)
+        self.write("file", b"")
+        self.refused("OpenCL", "PoCL cannot write to file/x, .* POCL_CACHE_DIR", "tradeoff", "in.png",
+                     env={"POCL_CACHE_DIR": "file/x"})
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ from images import png_bytes, read_png
 GSCL = os.path.abspath(os.environ.get("GSCL", "build/gscl"))
 TIMEOUT = 1800  # seconds for one command: it ends a command that hangs, however loaded the machine
 FAST = ("--effort", "0")
+OPENCL = ("--device", "0.0")  # for tests of what is special of OpenCL; without it, gscl takes its device "host"
+NO_OPENCL = {"OCL_ICD_VENDORS": "/nonexistent"}
 BUILD_NOTICE = b"building kernels for the OpenCL device, which takes a while\n"
 HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGALRM, signal.SIGXCPU,
                    signal.SIGUSR1, signal.SIGUSR2)

@@ -9,12 +9,12 @@
 # the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, the conformance set are read, too.
 # An input that fails is kept as FOLDER/crash-...
 #
-# Installs clang, and with it LLVM's tools and the libraries of the sanitizers.  In the reader and the writer comparisons
+# Installs LLVM's tools and the libraries of the sanitizers.  In the reader and the writer comparisons
 # are not traced, which makes the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/setup.sh
-install_packages $build_packages clang llvm libclang-rt-dev
+install_packages $build_packages llvm libclang-rt-dev
 target=$1
 folder=$2
 shift 2

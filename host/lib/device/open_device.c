@@ -51,20 +51,25 @@ static gscl_result device_fail_unusable(gscl_context *context, gscl_result resul
     return gscl_fail(context, result, "device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
 }
 
-/* The error when no usable device matches. */
-static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
-    char names[320];
-    if (list->count == 0 && list->absence[0])
+static gscl_result device_fail_absent(gscl_context *context, const gscl_device_list *list) {
+    if (list->absence[0])
         return gscl_fail(
             context, GSCL_ERROR_NO_PLATFORM,
             "no OpenCL device was found (%s); install the OpenCL loader and an implementation, such as the "
             "packages ocl-icd-libopencl1 and pocl-opencl-icd",
             list->absence);
-    if (list->count == 0)
-        return gscl_fail(
-            context, GSCL_ERROR_NO_PLATFORM,
-            "no OpenCL device was found; install an OpenCL implementation, such as the package pocl-opencl-icd");
-    if (!selector) /* no default: none can be used */
+    return gscl_fail(
+        context, GSCL_ERROR_NO_PLATFORM,
+        "no OpenCL device was found; install an OpenCL implementation, such as the package pocl-opencl-icd");
+}
+
+/* The error when no usable device matches. */
+static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
+    char names[320];
+    /* No default: none can be used, and the processor not with the GPU mapping. */
+    if (list->count == 0 || (!selector && list->devices[0].kind == GSCL_DEVICE_HOST))
+        return device_fail_absent(context, list);
+    if (!selector)
         return device_fail_unusable(context, GSCL_ERROR_NO_PLATFORM, &list->devices[0]);
     for (size_t i = 0; i < list->count; i++)
         if (device_matches(&list->devices[i].info, selector))
@@ -118,7 +123,9 @@ static gscl_result device_open_chosen(gscl_context *context, const gscl_device_l
 
 gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings *settings) {
     gscl_device_list list;
-    gscl_result result = gscl_device_list_create(&list, settings->mapping);
+    const bool is_host = settings->device && strcmp(settings->device, GSCL_HOST_DEVICE) == 0;
+    gscl_result result =
+        is_host ? gscl_device_list_create_host(&list) : gscl_device_list_create(&list, settings->mapping);
     result = result == GSCL_OK ? device_open_chosen(context, &list, settings) : gscl_fail_memory(context);
     gscl_device_list_free(&list);
     return result;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli/build_notice.h"
+#include "cli/device_list.h"
 #include "cli/exit_code.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
@@ -37,10 +38,17 @@ static const char *advice_on_limit(const char *detail) {
     return strstr(detail, "max_pixels") ? "; --max-pixels raises this limit" : "; --max-work raises this limit";
 }
 
-/* Whether the cause may be that PoCL cannot write to its cache. */
+static bool has_opencl(void) {
+    gscl_device_info *devices = NULL;
+    const bool found = list_encoders(&devices) == GSCL_OK && find_opencl(devices);
+    gscl_free(devices);
+    return found;
+}
+
+/* Whether the cause may be that PoCL cannot write to its cache: then it offers no device, or fails to build kernels. */
 static bool may_be_pocl_cache(const gscl_context *context, gscl_result result) {
-    if (result == GSCL_ERROR_NO_PLATFORM)
-        return true;
+    if (result == GSCL_ERROR_NO_PLATFORM || result == GSCL_ERROR_UNKNOWN_DEVICE)
+        return !has_opencl();
     return (result == GSCL_ERROR_KERNEL_BUILD || result == GSCL_ERROR_DEVICE_FAILED) && context &&
            strcmp(gscl_context_device(context)->platform_name, "Portable Computing Language") == 0;
 }
@@ -86,6 +94,7 @@ gscl_result create_context(const device_choice *choice, gscl_context **context) 
     settings.device = choice->device;
     settings.mapping = (gscl_mapping)choice->mapping;
     settings.timing = choice->timing;
+    settings.threads = (int)choice->threads;
     if (!choice->no_cache) {
         cache_folder(folder);
         settings.cache_folder = folder;
@@ -106,22 +115,50 @@ int open_device(const device_choice *choice, gscl_context **context) {
     return status;
 }
 
-static bool has_opencl(void) {
-    gscl_device_info *devices = NULL;
-    const bool found = gscl_list_devices(&devices) == GSCL_OK;
-    gscl_free(devices);
-    return found;
-}
-
-static bool host_is_faster(uint64_t pixels) {
+/* Whether "host" draws a picture in place of the default device, which may be "host", too. */
+static bool host_draws(uint64_t pixels) {
     const uint64_t megapixel = 1000000;
-    return pixels <= HOST_MEGAPIXELS * megapixel ||
-           (pixels <= HOST_MEGAPIXELS_UNBUILT * megapixel && !pocl_cache_exists());
+    gscl_device_info *devices = NULL;
+    if (pixels <= HOST_MEGAPIXELS * megapixel)
+        return true;
+    const gscl_result result = list_encoders(&devices);
+    const bool has_kernels = find_host(devices), has_opencl_device = find_opencl(devices);
+    gscl_free(devices);
+    if (result != GSCL_OK || has_kernels)
+        return false;
+    return !has_opencl_device || (pixels <= HOST_MEGAPIXELS_UNBUILT * megapixel && !pocl_cache_exists());
 }
 
 int open_decoder(const device_choice *choice, uint64_t pixels, gscl_context **context) {
     device_choice chosen = *choice;
-    if (!choice->device && choice->mapping == GSCL_MAPPING_AUTO && (host_is_faster(pixels) || !has_opencl()))
+    if (!choice->device && choice->mapping == GSCL_MAPPING_AUTO && host_draws(pixels))
         chosen.device = GSCL_HOST_DEVICE;
     return open_device(&chosen, context);
+}
+
+int choose_opencl_device(const char *command, const char *purpose, device_choice *choice, opencl_device_id id) {
+    gscl_device_info *devices = NULL;
+    if (is_host_device(choice->device))
+        return report_usage(command, "--device host does not apply: %s; leave it out or name an OpenCL device",
+                            purpose);
+    if (choice->device)
+        return EXIT_SUCCESS;
+    const gscl_result result = list_encoders(&devices);
+    const gscl_device_info *opencl = find_opencl(devices);
+    if (opencl)
+        choice->device = memcpy(id, opencl->id, sizeof opencl->id);
+    gscl_free(devices);
+    if (result != GSCL_OK)
+        return report_result(NULL, command, result);
+    if (choice->device)
+        return EXIT_SUCCESS;
+    char text[EXPLANATION_SIZE];
+    if (pocl_cache_explain(text, sizeof text))
+        report_error("OpenCL", "%s", text);
+    else
+        report_error("OpenCL",
+                     "no OpenCL device was found; %s; install the packages ocl-icd-libopencl1 and "
+                     "pocl-opencl-icd",
+                     purpose);
+    return EXIT_FAILURE;
 }

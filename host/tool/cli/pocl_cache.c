@@ -73,9 +73,22 @@ static int pocl_cache_error(char folder[POCL_CACHE_MAX_PATH]) {
     return S_ISDIR(status.st_mode) ? try_to_write(existing) : ENOTDIR;
 }
 
+/* Whether the loader of OpenCL finds PoCL: its variable, or a folder of Debian, names the files of implementations.  Returns
+ * true where other variables, of other loaders, leave it open. */
+static bool may_be_installed(void) {
+    char name[POCL_CACHE_MAX_PATH];
+    const char *vendors = getenv("OCL_ICD_VENDORS");
+    if (getenv("OCL_ICD_FILENAMES") || getenv("OPENCL_VENDOR_PATH"))
+        return true;
+    if (vendors && strstr(vendors, "pocl"))
+        return access(vendors, R_OK) == 0;
+    snprintf(name, sizeof name, "%s/pocl.icd", vendors ? vendors : "/etc/OpenCL/vendors");
+    return access(name, R_OK) == 0;
+}
+
 bool pocl_cache_explain(char *text, size_t size) {
     char folder[POCL_CACHE_MAX_PATH];
-    const int error = pocl_cache_error(folder);
+    const int error = may_be_installed() ? pocl_cache_error(folder) : 0;
     if (error != 0)
         snprintf(text, size,
                  "PoCL cannot write to %s, where it keeps built kernels (%s), and does not work without; set the "

@@ -9,7 +9,8 @@
 /* Whether the folder exists. */
 bool pocl_cache_exists(void);
 
-/* Writes that PoCL cannot write to its folder, and returns true; returns false where it can. */
+/* Writes that PoCL cannot write to its folder, and returns true; returns false where it can, and where it does not seem to be
+ * installed. */
 bool pocl_cache_explain(char *text, size_t size);
 
 #endif

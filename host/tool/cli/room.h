@@ -9,7 +9,7 @@
  *   base64.h, gscl_input.h: the forms of gscl files
  *   interrupt.h, progress.h: signals and the progress line of a long computation
  *   memory.h: memory that is freed goes back to the system
- *   device_choice.h, pocl_cache.h, build_notice.h: the OpenCL device of a command
+ *   device_list.h, device_choice.h, pocl_cache.h, build_notice.h: the device of a command
  *   json.h, report_json.h: JSON output
  *   names.h, name_hash.h, rate.h, module.h, stopwatch.h: words for enums, bits per pixel, loaded modules, measured times */
 #ifndef GSCL_ROOM_TOOL_CLI_H

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/device_list.h"
 #include "cli/exit_code.h"
 #include "cli/message.h"
 
@@ -16,57 +17,94 @@ static device_choice worker_choice(const batch_worker *worker) {
     return choice;
 }
 
-/* Copies the ids of all devices. */
-static int list_ids(batch_devices *devices) {
-    gscl_device_info *infos = NULL;
-    const gscl_result result = gscl_list_devices(&infos);
-    if (result != GSCL_OK)
-        return report_result(NULL, "OpenCL", result);
+/* Whether an OpenCL device may be the processor: it is no GPU. */
+static bool has_opencl_cpu(const gscl_device_info *infos) {
     for (const gscl_device_info *info = infos; info; info = info->next)
-        devices->count++;
-    devices->devices = calloc(devices->count, sizeof *devices->devices);
-    size_t i = 0;
-    for (const gscl_device_info *info = infos; devices->devices && info; info = info->next)
-        memcpy(devices->devices[i++].id, info->id, sizeof info->id);
-    gscl_free(infos);
-    return EXIT_SUCCESS;
+        if (!is_host_device(info->id) && !info->is_gpu)
+            return true;
+    return false;
 }
 
-/* Makes the workers of all devices.  Returns false when out of memory. */
-static bool make_workers(batch_devices *devices) {
-    const size_t each = (size_t)devices->worker_count;
-    devices->workers = calloc(devices->count * each, sizeof *devices->workers);
-    if (!devices->workers)
+/* Stores the ids of all devices. */
+static void take_all(batch_devices *devices, const gscl_device_info *infos) {
+    const bool without_host = has_opencl_cpu(infos);
+    for (const gscl_device_info *info = infos; info; info = info->next) {
+        if (without_host && is_host_device(info->id))
+            continue;
+        batch_device *device = &devices->devices[devices->count++];
+        memcpy(device->id, info->id, sizeof info->id);
+        device->is_host = is_host_device(info->id);
+    }
+}
+
+/* Stores the device of the user's choice, or the default of the library. */
+static void take_chosen(batch_devices *devices, const gscl_device_info *infos) {
+    const device_choice *choice = &devices->choice;
+    const gscl_device_info *host = find_host(infos);
+    devices->count = 1;
+    devices->devices[0].is_host = choice->device ? is_host_device(choice->device)
+                                                 : host && host->is_default && choice->mapping != GSCL_MAPPING_GPU;
+}
+
+static int default_jobs(const batch_devices *devices, const batch_device *device, const gscl_device_info *infos) {
+    const gscl_device_info *host = find_host(infos);
+    if (!device->is_host || !host)
+        return BATCH_OPENCL_WORKERS;
+    const uint64_t threads = devices->choice.threads > 0 ? devices->choice.threads : host->compute_units;
+    return threads < BATCH_MAX_WORKERS ? (int)threads : BATCH_MAX_WORKERS;
+}
+
+/* Makes the devices of the batch out of all devices, which may be none.  Returns false when out of memory. */
+static bool make_devices(batch_devices *devices, const gscl_device_info *infos, int jobs) {
+    size_t most = 1;
+    for (const gscl_device_info *info = infos; info; info = info->next)
+        most++;
+    devices->devices = calloc(most, sizeof *devices->devices);
+    if (!devices->devices)
         return false;
-    for (size_t i = 0; i < devices->count * each; i++) {
-        batch_device *device = &devices->devices[i / each];
-        devices->workers[i] = (batch_worker){.batch = devices, .device = device};
-        if (i % each == 0)
-            device->workers = &devices->workers[i];
+    if (devices->is_all)
+        take_all(devices, infos);
+    else
+        take_chosen(devices, infos);
+    for (size_t i = 0; i < devices->count; i++) {
+        batch_device *device = &devices->devices[i];
+        device->worker_count = jobs > 0 ? jobs : default_jobs(devices, device, infos);
+        devices->worker_count += (size_t)device->worker_count;
     }
     return true;
 }
 
-int batch_devices_create(batch_devices *devices, const device_choice *choice, int worker_count) {
+/* Makes the workers of all devices.  Returns false when out of memory. */
+static bool make_workers(batch_devices *devices) {
+    batch_worker *worker = devices->workers = calloc(devices->worker_count, sizeof *devices->workers);
+    if (!worker)
+        return false;
+    for (size_t i = 0; i < devices->count; i++) {
+        batch_device *device = &devices->devices[i];
+        device->workers = worker;
+        for (int k = 0; k < device->worker_count; k++)
+            *worker++ = (batch_worker){.batch = devices, .device = device};
+    }
+    return true;
+}
+
+int batch_devices_create(batch_devices *devices, const device_choice *choice, int jobs) {
+    gscl_device_info *infos = NULL;
     *devices = (batch_devices){.choice = *choice,
-                               .worker_count = worker_count,
                                .is_all = choice->device && strcmp(choice->device, BATCH_ALL) == 0,
                                .lock = PTHREAD_MUTEX_INITIALIZER,
                                .changed = PTHREAD_COND_INITIALIZER};
-    int status = EXIT_SUCCESS;
-    if (devices->is_all)
-        status = list_ids(devices);
-    else
-        devices->devices = calloc(devices->count = 1, sizeof *devices->devices);
-    if (status == EXIT_SUCCESS && !(devices->devices && make_workers(devices))) {
-        report_error("OpenCL", "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
-        status = EXIT_FAILURE;
-    }
-    return status;
+    gscl_result result = list_encoders(&infos);
+    if (result == GSCL_OK && devices->is_all && !infos)
+        result = GSCL_ERROR_NO_PLATFORM;
+    if (result == GSCL_OK && !(make_devices(devices, infos, jobs) && make_workers(devices)))
+        result = GSCL_ERROR_OUT_OF_MEMORY;
+    gscl_free(infos);
+    return result == GSCL_OK ? EXIT_SUCCESS : report_result(NULL, "OpenCL", result);
 }
 
 void batch_devices_free(batch_devices *devices) {
-    for (size_t i = 0; devices->workers && i < devices->count * (size_t)devices->worker_count; i++)
+    for (size_t i = 0; devices->workers && i < devices->worker_count; i++)
         gscl_context_free(&devices->workers[i].context);
     free(devices->workers);
     free(devices->devices);
@@ -87,22 +125,23 @@ static bool worker_try_to_open(batch_worker *worker) {
         char text[EXPLANATION_SIZE];
         explain_result(worker->context, result, text);
         report_warning(worker->device->id, "this device is left out: %s", text);
-        for (int k = 0; k < worker->batch->worker_count; k++)
+        for (int k = 0; k < worker->device->worker_count; k++)
             worker->device->workers[k].is_left_out = true;
     }
     gscl_context_free(&worker->context);
     return false;
 }
 
-/* The first image of a device is encoded alone and compiles the kernels of the others. */
-static bool device_has_room(const batch_devices *devices, const batch_device *device) {
-    return device->running < (device->finished == 0 || device->has_large ? 1 : devices->worker_count);
+/* The first image of an OpenCL device is encoded alone and compiles the kernels of the others. */
+static bool device_has_room(const batch_device *device) {
+    const bool compiles = !device->is_host && device->finished == 0;
+    return device->running < (compiles || device->has_large ? 1 : device->worker_count);
 }
 
 static batch_worker *device_idle_worker(batch_devices *devices, batch_device *device) {
     batch_worker *found = NULL;
     pthread_mutex_lock(&devices->lock);
-    for (int k = 0; k < devices->worker_count && !found && device_has_room(devices, device); k++)
+    for (int k = 0; k < device->worker_count && !found && device_has_room(device); k++)
         if (!device->workers[k].is_busy && !device->workers[k].is_left_out)
             found = &device->workers[k];
     pthread_mutex_unlock(&devices->lock);

@@ -12,11 +12,13 @@
 
 #include "cli/device_choice.h"
 
-/* Images that a device encodes at a time: while one occupies the host, the device runs the kernels of the other. */
-#define BATCH_WORKERS 2 /* by default */
+/* Images that an OpenCL device encodes at a time by default: while one occupies the host, the device runs the kernels of the
+ * other.  The device "host" encodes as many as it has threads. */
+#define BATCH_OPENCL_WORKERS 2
 #define BATCH_MAX_WORKERS 64
 
-/* The word for all devices, in place of the name of one. */
+/* The word for all devices, in place of the name of one: those of OpenCL, and "host" where none of them may be the same
+ * processor. */
 #define BATCH_ALL "all"
 
 typedef struct batch_worker {
@@ -28,7 +30,9 @@ typedef struct batch_worker {
 } batch_worker;
 
 typedef struct batch_device {
-    char id[sizeof((gscl_device_info *)0)->id];
+    char id[sizeof((gscl_device_info *)0)->id]; /* empty: the one of the user's choice */
+    bool is_host;
+    int worker_count;
     int running, finished; /* images */
     bool has_large;        /* the image that began last is so large that it is encoded alone */
     batch_worker *workers; /* its part of those of the batch */
@@ -37,18 +41,18 @@ typedef struct batch_device {
 typedef struct batch_devices {
     device_choice choice; /* of the user */
     bool is_all;
-    int worker_count; /* of each device */
     size_t count;
     batch_device *devices;
-    batch_worker *workers; /* of all devices */
-    pthread_mutex_t lock;  /* guards is_busy, running, finished, endings and the flags that threads of workers set */
+    size_t worker_count; /* of all devices */
+    batch_worker *workers;
+    pthread_mutex_t lock; /* guards is_busy, running, finished, endings and the flags that threads of workers set */
     pthread_cond_t changed;
     uint64_t endings; /* threads of workers that ended */
 } batch_devices;
 
-/* Finds the devices.  Each can encode `worker_count` images at a time, 1..BATCH_MAX_WORKERS.  Reports errors and
- * returns the exit code of the program; the caller frees in either case. */
-int batch_devices_create(batch_devices *devices, const device_choice *choice, int worker_count);
+/* Finds the devices.  Each can encode `jobs` images at a time, 1..BATCH_MAX_WORKERS; 0: the default for the device.  Reports
+ * errors and returns the exit code of the program; the caller frees in either case. */
+int batch_devices_create(batch_devices *devices, const device_choice *choice, int jobs);
 void batch_devices_free(batch_devices *devices);
 
 /* A worker that can begin an image now, or NULL.  With all devices, warns about those that cannot be used. */

@@ -22,7 +22,7 @@ typedef struct encode_batch {
     bool skip_existing;            /* inputs whose output exists are left out */
     const char *jsonl;             /* the report of a run; NULL: none */
     option_share shard;            /* the share of the inputs to encode; {0, 0}: all */
-    uint64_t jobs;                 /* images at a time on each device */
+    uint64_t jobs;                 /* images at a time on each device; 0: the default for the device */
     gscl_encode_settings settings; /* without the progress callback */
     image_read_options reading;    /* what becomes of metadata; quiet and verbose are those of this struct */
     device_choice choice;

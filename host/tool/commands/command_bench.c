@@ -7,6 +7,7 @@
 #include <gscl/measure.h>
 
 #include "cli/device_choice.h"
+#include "cli/device_list.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/options.h"
@@ -93,10 +94,11 @@ static gscl_result measure_kernels(gscl_context *context, const bench_options *b
     return result;
 }
 
-/* The kernels of one mapping, in a context of their own.  Returns the exit code. */
-static int bench_mapping(const bench_options *bench, gscl_mapping mapping, bench_output *output) {
+/* The kernels of one mapping of a device, in a context of their own.  Returns the exit code. */
+static int bench_mapping(const bench_options *bench, const char *device, gscl_mapping mapping, bench_output *output) {
     device_choice choice = bench->choice;
     gscl_context *context;
+    choice.device = device;
     choice.mapping = mapping;
     const int status = open_device(&choice, &context);
     if (status != EXIT_SUCCESS)
@@ -119,13 +121,14 @@ static int bench_mapping(const bench_options *bench, gscl_mapping mapping, bench
     return failed;
 }
 
-static int bench_kernels(const bench_options *bench, bench_output *output) {
+static int bench_kernels(const bench_options *bench, const char *device, bench_output *output) {
     int status = EXIT_SUCCESS;
+    const int last = is_host_device(device) ? GSCL_MAPPING_CPU : GSCL_MAPPING_GPU;
     if (output->as_json)
         json_open_array(&output->json, "kernels");
-    for (int mapping = GSCL_MAPPING_CPU; mapping <= GSCL_MAPPING_GPU && status == EXIT_SUCCESS; mapping++)
+    for (int mapping = GSCL_MAPPING_CPU; mapping <= last && status == EXIT_SUCCESS; mapping++)
         if (bench->choice.mapping == GSCL_MAPPING_AUTO || bench->choice.mapping == mapping)
-            status = bench_mapping(bench, (gscl_mapping)mapping, output);
+            status = bench_mapping(bench, device, (gscl_mapping)mapping, output);
     if (output->as_json)
         json_close_array(&output->json);
     return status;
@@ -148,8 +151,8 @@ static int bench_image(const bench_options *bench, const gscl_image *image, gscl
 static void print_device(const gscl_context *context, bench_output *output) {
     const gscl_device_info *device = gscl_context_device(context);
     if (!output->as_json) {
-        printf("%s: %s, %s, %u compute units\n", device->id, device->device_name, device->device_version,
-               device->compute_units);
+        printf("%s: %s, %s, %u %s\n", device->id, device->device_name, device->device_version, device->compute_units,
+               is_host_device(device->id) ? "threads" : "compute units");
         return;
     }
     json_string(&output->json, "device", device->device_name);
@@ -167,7 +170,7 @@ static int run_bench(const bench_options *bench, const gscl_image *image) {
     if (output.as_json)
         json_open_object(&output.json, NULL);
     print_device(context, &output);
-    status = bench_kernels(bench, &output);
+    status = bench_kernels(bench, gscl_context_device(context)->id, &output);
     if (status == EXIT_SUCCESS)
         status = bench_image(bench, image, context, &output);
     if (output.as_json)

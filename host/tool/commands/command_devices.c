@@ -1,15 +1,14 @@
-/* gscl devices: lists OpenCL devices, with the default one and the reason, and the device "host". */
+/* gscl devices: lists the devices, with the default one and the reason. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <gscl/gscl.h>
 
 #include "cli/device_choice.h"
+#include "cli/device_list.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/options.h"
-#include "cli/pocl_cache.h"
 #include "commands/command.h"
 #include "commands/device_check.h"
 
@@ -17,10 +16,15 @@
 
 static void print_text(const gscl_device_info *device) {
     printf("%c %-5s %s\n", device->is_default ? '*' : ' ', device->id, device->device_name);
-    printf("        %s, %s\n", device->platform_name, device->device_version);
-    printf("        %s, %u compute units, %.1f GiB memory, largest buffer %.1f GiB\n",
-           device->is_gpu ? "GPU" : "not a GPU", device->compute_units, (double)device->memory_bytes / GIB,
-           (double)device->max_allocation_bytes / GIB);
+    if (is_host_device(device->id)) {
+        printf("        %u thread%s, %.1f GiB memory\n", device->compute_units, device->compute_units == 1 ? "" : "s",
+               (double)device->memory_bytes / GIB);
+    } else {
+        printf("        %s, %s\n", device->platform_name, device->device_version);
+        printf("        %s, %u compute units, %.1f GiB memory, largest buffer %.1f GiB\n",
+               device->is_gpu ? "GPU" : "not a GPU", device->compute_units, (double)device->memory_bytes / GIB,
+               (double)device->max_allocation_bytes / GIB);
+    }
     if (device->is_default)
         printf("        the default: %s\n", device->why_default);
 }
@@ -40,42 +44,44 @@ static void write_json(json_writer *json, const gscl_device_info *device) {
     json_close_object(json);
 }
 
-static void print_device(const gscl_device_info *device, bool as_json, json_writer *json) {
-    if (as_json)
-        write_json(json, device);
-    else if (strcmp(device->id, GSCL_HOST_DEVICE) == 0)
-        printf("  %-5s %s\n        one core; for 'gscl decode', which says in its help when it is the default\n",
-               device->id, device->device_name);
-    else
-        print_text(device);
+static void print_decoder(const gscl_device_info *host) {
+    printf("  %-5s %s\n        one core; for 'gscl decode', which says in its help when it is the default\n", host->id,
+           host->device_name);
 }
 
-/* `devices`: a list, which may be empty; `host`: the device that is printed last. */
-static void print_devices(const gscl_device_info *devices, const gscl_device_info *host, bool as_json) {
+/* `devices`: a list, which may be empty; `decoder`: the device "host" where it decodes only, or NULL. */
+static void print_devices(const gscl_device_info *devices, const gscl_device_info *decoder, bool as_json) {
     json_writer json;
     json_start(&json, stdout);
     if (as_json)
         json_open_array(&json, NULL);
-    for (const gscl_device_info *device = devices; device; device = device->next)
-        print_device(device, as_json, &json);
-    print_device(host, as_json, &json);
+    for (const gscl_device_info *device = devices; device; device = device->next) {
+        if (as_json)
+            write_json(&json, device);
+        else
+            print_text(device);
+    }
+    if (decoder && as_json)
+        write_json(&json, decoder);
+    else if (decoder)
+        print_decoder(decoder);
     if (as_json)
         json_close_array(&json);
 }
 
 static int list_devices(bool as_json) {
     gscl_device_info *devices = NULL;
-    gscl_context *host;
-    const gscl_result result = gscl_list_devices(&devices);
-    if (result != GSCL_OK && result != GSCL_ERROR_NO_PLATFORM && result != GSCL_ERROR_NO_ENCODER)
-        return report_result(NULL, "OpenCL", result);
-    const int status = open_device(&(device_choice){.device = GSCL_HOST_DEVICE}, &host);
-    char text[EXPLANATION_SIZE];
-    if (result == GSCL_ERROR_NO_PLATFORM && pocl_cache_explain(text, sizeof text))
-        report_error("devices", "%s", text);
+    gscl_context *decoder = NULL;
+    int status = EXIT_SUCCESS;
+    const gscl_result result = list_encoders(&devices);
+    if (result != GSCL_OK)
+        return report_result(NULL, "devices", result);
+    if (!find_host(devices))
+        status = open_device(&(device_choice){.device = GSCL_HOST_DEVICE}, &decoder);
+    report_absent_pocl(devices);
     if (status == EXIT_SUCCESS)
-        print_devices(devices, gscl_context_device(host), as_json);
-    gscl_context_free(&host);
+        print_devices(devices, gscl_context_device(decoder), as_json);
+    gscl_context_free(&decoder);
     gscl_free(devices);
     return status;
 }
@@ -87,7 +93,8 @@ int command_devices(int argc, char **argv) {
         {.name = "check",
          .kind = OPTION_FLAG,
          .value = &check,
-         .help = "encode and decode a small picture on each device, with the kernels for CPUs and for GPUs"},
+         .help = "encode and decode a small picture on each device, with the kernels for CPUs, and on those of OpenCL "
+                 "for GPUs, too"},
         {.name = "limit",
          .kind = OPTION_INTEGER,
          .value = &limit_s,
@@ -102,8 +109,10 @@ int command_devices(int argc, char **argv) {
         .name = "devices",
         .usage = "[--check [--limit S]] [--json]",
         .about =
-            "Lists the OpenCL devices that gscl can use; * marks the default.  The first column is the\n"
-            "number for --device.  The last one, host, decodes without OpenCL.\n"
+            "Lists the devices that gscl can use; * marks the default.  The first column is the name for --device.\n"
+            "The last one, host, is this processor, with kernels that are part of this program; all others are of "
+            "OpenCL.\n"
+            "Only 'gscl tradeoff' needs OpenCL, and encoding on a processor for which this program has no kernels.\n"
             "With --check it encodes and decodes a small picture on each device and prints the PSNR and the largest\n"
             "difference from a drawing in double precision, or what failed, which makes the exit code 1.",
         .options = options,

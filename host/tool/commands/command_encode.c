@@ -98,7 +98,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "N",
          .min_integer = 1,
          .max_integer = BATCH_MAX_WORKERS,
-         .help = "images to encode at a time on each device (default 2)"},
+         .help =
+             "images to encode at a time on each device (default: on host as many as it has threads, else 2); above 4 "
+             "megapixels one at a time"},
         {.name = "skip-existing",
          .kind = OPTION_FLAG,
          .value = &batch->skip_existing,
@@ -226,8 +228,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .words = metadata_words,
          .help = "metadata to store: EXIF, or all, which is EXIF and XMP (default none)"},
         DEVICE_OPTIONS_AS(batch->choice,
-                          "device: its number P.D, part of its name, or all, which spreads the images over all devices "
-                          "(default: see 'gscl devices')"),
+                          "device: its number P.D, part of its name, host, or all, which spreads the images over all "
+                          "OpenCL devices, and over host where all of those are GPUs (default: see 'gscl devices')"),
         {.name = "json",
          .kind = OPTION_FLAG,
          .value = &batch->json,
@@ -356,7 +358,7 @@ static void fill_settings(encode_options *encode) {
 }
 
 int command_encode(int argc, char **argv) {
-    encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT, .batch.jobs = BATCH_WORKERS};
+    encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT};
     gscl_encode_settings_default(&encode.batch.settings);
     const option_outcome outcome = parse_encode(&encode, argc, argv);
     if (outcome != OPTIONS_RUN)

@@ -25,7 +25,12 @@ typedef struct tradeoff_options {
     uint64_t bytes;
     double bpp;
     bool has_bytes, has_bpp, as_json;
+    opencl_device_id device;
 } tradeoff_options;
+
+#define PURPOSE "'gscl tradeoff' builds kernels of several precisions, which needs an OpenCL device"
+#define DEVICE_HELP_OF_TRADEOFF \
+    "OpenCL device: its number P.D or part of its name (default: the first GPU, else the first one)"
 
 static option_outcome parse_tradeoff(tradeoff_options *tradeoff, int argc, char **argv, int *first) {
     const option_spec options[] = {
@@ -62,7 +67,7 @@ static option_outcome parse_tradeoff(tradeoff_options *tradeoff, int argc, char 
          .kind = OPTION_FLAG,
          .value = &tradeoff->plan.quick,
          .help = "measure fewer efforts and rates, each once: rough figures in less time"},
-        DEVICE_OPTIONS(tradeoff->plan.choice),
+        DEVICE_OPTIONS_AS(tradeoff->plan.choice, DEVICE_HELP_OF_TRADEOFF),
         {.name = "json", .kind = OPTION_FLAG, .value = &tradeoff->as_json, .help = "write JSON instead of tables"},
     };
     const option_command command = {
@@ -71,7 +76,8 @@ static option_outcome parse_tradeoff(tradeoff_options *tradeoff, int argc, char 
         .about =
             "Measures accuracy against time on this machine: quality against encode time at every effort, quality\n"
             "against rate, and the errors of the renderer and of the fit's gradients against double precision.\n"
-            "Prints tables, and writes tables and plots into a folder.  Takes one or two minutes.",
+            "Prints tables, and writes tables and plots into a folder.  Takes one or two minutes, and an OpenCL "
+            "device.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
@@ -148,6 +154,9 @@ int command_tradeoff(int argc, char **argv) {
         return options_exit_code(outcome);
     if (tradeoff.has_bytes && tradeoff.has_bpp)
         return report_usage("tradeoff", "--bytes and --bpp exclude each other; give one of them");
+    const int chosen = choose_opencl_device("tradeoff", PURPOSE, &tradeoff.plan.choice, tradeoff.device);
+    if (chosen != EXIT_SUCCESS)
+        return chosen;
     tradeoff.plan.image_name = argv[first];
     if (!image_read(tradeoff.plan.image_name, &image))
         return EXIT_FAILURE;

@@ -8,6 +8,7 @@
 #include <gscl/measure.h>
 
 #include "cli/device_choice.h"
+#include "cli/device_list.h"
 #include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
@@ -125,6 +126,7 @@ static int run_list(void *opaque, int pipe) {
     const gscl_result result = gscl_list_devices(&devices);
     if (result != GSCL_OK)
         return report_result(NULL, "OpenCL", result);
+    report_absent_pocl(devices);
     for (const gscl_device_info *device = devices; device; device = device->next) {
         device_record record;
         memcpy(record.id, device->id, sizeof record.id);
@@ -202,10 +204,11 @@ static void write_task(json_writer *json, const check_task *task) {
     json_close_object(json);
 }
 
-/* Checks both mappings of a device.  Returns whether they passed. */
+/* Checks both mappings of an OpenCL device, and the one of "host".  Returns whether they passed. */
 static bool check_mappings(const device_record *device, uint64_t limit_s, json_writer *json) {
     bool passed = true;
-    for (gscl_mapping mapping = GSCL_MAPPING_CPU; mapping <= GSCL_MAPPING_GPU; mapping++) {
+    const gscl_mapping last = is_host_device(device->id) ? GSCL_MAPPING_CPU : GSCL_MAPPING_GPU;
+    for (gscl_mapping mapping = GSCL_MAPPING_CPU; mapping <= last; mapping++) {
         check_task task = {.device = *device, .mapping = mapping};
         check_device(&task, limit_s);
         if (json)

@@ -119,7 +119,7 @@ static bool start_next(batch_state *state) {
     encode_job *job = state->is_ended || state->stopped != EXIT_SUCCESS ? NULL : find_free(state);
     batch_worker *worker = job ? batch_devices_idle(&state->devices) : NULL;
     if (job && !worker && state->running == 0) {
-        report_error("OpenCL", "no device can be used; 'gscl devices' lists them");
+        report_error("devices", "no device can be used; 'gscl devices' lists them");
         state->stopped = EXIT_FAILURE;
     }
     if (!worker)
@@ -168,9 +168,8 @@ static void encode_pictures(batch_state *state) {
 
 /* Opens the devices and encodes all images.  The exit code is left in the state. */
 static void encode_on_devices(batch_state *state) {
-    const int workers = (int)state->batch->jobs;
-    state->stopped = batch_devices_create(&state->devices, &state->batch->choice, workers);
-    state->job_count = workers * (int)state->devices.count;
+    state->stopped = batch_devices_create(&state->devices, &state->batch->choice, (int)state->batch->jobs);
+    state->job_count = (int)state->devices.worker_count;
     if (state->devices.is_all && state->is_ordered)
         state->job_count *= AHEAD;
     if (state->job_count > MAX_GUARDED_FILES)
