@@ -34,16 +34,29 @@ static void device_list_mark_default(gscl_device_list *list, gscl_mapping mappin
     snprintf(best->info.why_default, sizeof best->info.why_default, "%s", reasons[best_preference]);
 }
 
+static gscl_result device_list_append(gscl_device_list *list, const gscl_backend *backend) {
+    size_t i = list->count;
+    const gscl_result result = backend->list(list);
+    while (i < list->count)
+        list->devices[i++].backend = backend;
+    return result;
+}
+
 gscl_result gscl_device_list_create(gscl_device_list *list, gscl_mapping mapping) {
     gscl_result result = GSCL_OK;
     *list = (gscl_device_list){0};
-    for (size_t b = 0; gscl_backends[b] && result == GSCL_OK; b++) {
-        size_t i = list->count;
-        result = gscl_backends[b]->list(list);
-        while (i < list->count)
-            list->devices[i++].backend = gscl_backends[b];
-    }
+    for (size_t b = 0; gscl_backends[b] && result == GSCL_OK; b++)
+        result = device_list_append(list, gscl_backends[b]);
     device_list_mark_default(list, mapping);
+    return result;
+}
+
+gscl_result gscl_device_list_create_host(gscl_device_list *list) {
+    gscl_result result = GSCL_OK;
+    *list = (gscl_device_list){0};
+    for (size_t b = 0; gscl_backends[b] && result == GSCL_OK; b++)
+        if (gscl_backends[b]->is_host)
+            result = device_list_append(list, gscl_backends[b]);
     return result;
 }
 

@@ -10,4 +10,9 @@
  * may be freed in either case. */
 gscl_result gscl_device_list_create(gscl_device_list *list, gscl_mapping mapping);
 
+/* Lists GSCL_HOST_DEVICE alone, if the library has kernels for it, and leaves OpenCL alone: its loader takes a tenth of a second,
+ * and does not work in a process that was forked from one that used it.  None is marked as the default.  Fails as
+ * gscl_device_list_create does. */
+gscl_result gscl_device_list_create_host(gscl_device_list *list);
+
 #endif

@@ -118,7 +118,9 @@ static gscl_result device_open_chosen(gscl_context *context, const gscl_device_l
 
 gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings *settings) {
     gscl_device_list list;
-    gscl_result result = gscl_device_list_create(&list, settings->mapping);
+    const bool is_host = settings->device && strcmp(settings->device, GSCL_HOST_DEVICE) == 0;
+    gscl_result result =
+        is_host ? gscl_device_list_create_host(&list) : gscl_device_list_create(&list, settings->mapping);
     result = result == GSCL_OK ? device_open_chosen(context, &list, settings) : gscl_fail_memory(context);
     gscl_device_list_free(&list);
     return result;

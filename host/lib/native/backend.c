@@ -79,6 +79,7 @@ static bool has_double(gscl_context *context) {
 }
 
 const gscl_backend gscl_native_backend = {
+    .is_host = true,
     .list = list,
     .open = open_processor,
     .close = close_processor,

@@ -40,6 +40,7 @@ typedef struct gscl_program_request {
 } gscl_program_request;
 
 typedef struct gscl_backend {
+    bool is_host; /* its only device is GSCL_HOST_DEVICE */
     /* Appends all devices; GSCL_ERROR_OUT_OF_MEMORY is the only failure. */
     gscl_result (*list)(gscl_device_list *list);
     /* Opens the device: context->device, for which all that gscl_device_open sets is set. */
