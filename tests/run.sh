@@ -52,6 +52,7 @@ sources() {
 # The Python package, in a virtual environment.
 python_package() {
     check "python wheel" sh tests/python/install.sh build-test/python
+    check "python wheel alone" sh tests/python/test_wheel.sh build-test/python
     pytest_suite results.xml sh tests/python/test.sh build-test/python
 }
 

@@ -1,6 +1,7 @@
 """gscl.batch: reports, resuming, workers that are killed, devices, the program."""
 
 import collections
+import io
 import os
 import pathlib
 import signal
@@ -350,6 +351,45 @@ def test_wrong_settings():
     for settings, error in ({"bytes": 1, "bpp": 1}, gscl.ConflictError), ({"tune": "x"}, gscl.InvalidArgumentError):
         with pytest.raises(error):
             gscl.batch.run([], "memory://out", "memory://report", **settings)
+
+
+def test_targets_that_small_pictures_miss():
+    """They are no error of the run, as the test of settings takes a picture of a few pixels."""
+    for target in {"bpp": 0.05}, {"bytes": 20}, {"psnr": 90.0}:
+        assert gscl.batch.run([], "memory://out", "memory://small", **target).failed == 0
+        fsspec.filesystem("memory").rm("/small", recursive=True)
+
+
+@pytest.mark.parametrize("threads, expected", [(None, 1), (3, 3)])
+def test_threads(run, memory, monkeypatch, encoded, threads, expected):
+    """A picture takes one thread, unless the caller says otherwise, which changes no file: a run with another number goes on."""
+    used = []
+    monkeypatch.setattr(gscl.batch._work, "encode", lambda picture, *, threads, **_: used.append(threads) or encoded)
+    with io.BytesIO() as file:
+        Image.fromarray(make_picture(32, 32)).save(file, "png")
+        for name in "ab":
+            memory.pipe_file(f"/in/{name}", file.getvalue())
+    run(["memory://in/a"], root="memory://in", encoder=None, threads=threads, bytes=200)
+    assert run("memory://in/*", encoder=None, threads=2, bytes=200).skipped == 1
+    assert used == [expected, 2]
+
+
+@pytest.mark.parametrize(
+    "pictures, workers, encoders, expected",
+    [
+        (100, None, None, (8, 1, 1)),
+        (2, None, None, (8, 1, 4)),
+        (100, 2, None, (2, 4, 1)),
+        (100, None, 2, (4, 2, 1)),
+        (100, 1, 2, (1, 2, 4)),
+        (1, 16, None, (16, 1, 8)),
+        (100, 16, 2, (16, 2, 1)),
+    ],
+)
+def test_shares_of_the_machine(monkeypatch, pictures, workers, encoders, expected):
+    """Processes, pictures in each, and threads for each picture, on eight cores."""
+    monkeypatch.setattr(gscl.batch._run.dask.system, "CPU_COUNT", 8)
+    assert gscl.batch._run._divide(pictures, workers, encoders) == expected
 
 
 def test_unknown_device(run, memory, tmp_path):

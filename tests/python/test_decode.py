@@ -102,19 +102,27 @@ def test_devices(data):
         assert device.name and device.compute_units > 0
         assert numpy.abs(gscl.decode(data, device=device.id).astype(int) - host).max() <= 1
     assert sum(device.is_default for device in gscl.devices()) == 1
+    assert [device.id for device in gscl.devices()].count("host") == 1 and len(gscl.devices()) > 1
     gscl.release_devices()
     assert numpy.array_equal(gscl.decode(data, device="host"), host)
 
 
 def test_default_device(data, monkeypatch):
-    """The device "host" up to three megapixels, else an OpenCL device."""
+    """The device "host" up to three megapixels, else the default one."""
     from gscl import _decode
 
     used = []
-    monkeypatch.setattr(_decode, "context_on", lambda device: used.append(device) or context_on(device))
+    monkeypatch.setattr(_decode, "context_on", lambda device, threads: used.append(device) or context_on(device, threads))
     for options in {}, {"size": (2400, 1600)}, {"size": (2400, 1600), "crop": (100, 100, 500, 500)}:
         gscl.decode(data, **options)
     assert used == ["host", None, "host"]
+
+
+def test_threads(data):
+    """Samples do not depend on them."""
+    one = gscl.decode(data, size=(1200, 800), device="host", threads=1)
+    for threads in 2, 5, 0:
+        assert numpy.array_equal(gscl.decode(data, size=(1200, 800), device="host", threads=threads), one)
 
 
 def test_info(data):

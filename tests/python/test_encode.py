@@ -52,6 +52,19 @@ def test_repeats(picture, data):
     assert encode(picture).data == data
 
 
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_threads(picture, data, threads):
+    assert encode(picture, device="host", threads=threads).data == data
+
+
+def test_devices(picture, data):
+    """Files of different devices differ, and are of the same quality."""
+    expected = psnr(picture, gscl.decode(data))
+    for device in "host", "0.0":
+        encoded = encode(picture, device=device).data
+        assert psnr(picture, gscl.decode(encoded)) == pytest.approx(expected, abs=0.7)
+
+
 @pytest.mark.parametrize(
     "options",
     [

@@ -1,8 +1,10 @@
 """Exceptions: one for each result of the library, with its message."""
 
+import multiprocessing
 import os
 import re
 import signal
+import warnings
 
 import numpy
 import pytest
@@ -63,7 +65,9 @@ def encode(picture, **options):
         (gscl.InvalidArgumentError, ".", {"bytes": -5}),
         (gscl.InvalidArgumentError, "cicp", {"cicp": (300, 1)}),
         (gscl.UnknownDeviceError, "no-such-device", {"device": "no-such-device"}),
-        (gscl.NoEncoderError, "OpenCL", {"device": "host"}),
+        (gscl.InvalidArgumentError, "-1 threads", {"threads": -1}),
+        (gscl.InvalidArgumentError, "1 to 1024", {"threads": 1025}),
+        (gscl.InvalidArgumentError, "threads", {"threads": 2**40}),
     ],
     ids=str,
 )
@@ -95,18 +99,47 @@ def test_errors_leave_the_device_usable(picture, data):
     assert encode(picture, bytes=400).data == data
 
 
-def test_fork(data):
-    """OpenCL does not survive a fork; the child's device "host" works, and OpenCL is refused instead of waiting for ever."""
-    gscl.decode(data, device=gscl.devices()[0].id)
+LARGE = (3000, 2000)  # pixels: a decode to this size starts threads on the device "host"
+
+
+@pytest.fixture
+def forking():
+    """Since Python 3.12 a fork of a process with threads warns."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        yield
+
+
+def test_fork(picture, data, forking):
+    """The child opens contexts of its own on the device "host", which is the default there, too.  OpenCL does not survive a
+    fork: the child refuses it instead of waiting for ever."""
+    large = gscl.decode(data, size=LARGE, threads=3)
+    gscl.decode(data, device="0.0")
     child = os.fork()
     if child == 0:
         signal.alarm(1800)  # ends a child that waits for ever
         try:
-            gscl.decode(data)
+            assert encode(picture, bytes=400).data == data
+            assert numpy.array_equal(gscl.decode(data, size=LARGE, threads=3), large)
             try:
-                encode(make_picture(16, 16))
+                encode(make_picture(16, 16), device="0.0")
             except gscl.DeviceFailedError as error:
                 os._exit(0 if "spawn" in str(error) else 1)
         finally:
             os._exit(2)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    assert encode(picture, bytes=400).data == data
+
+
+def encode_and_draw(picture):
+    data = encode(picture, bytes=400).data
+    return data, gscl.decode(data, size=LARGE)
+
+
+def test_forked_processes_of_a_pool(picture, data, forking):
+    """Processes of multiprocessing that are forked from one whose device "host" has been at work."""
+    expected = encode_and_draw(picture)
+    assert expected[0] == data
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        for found in pool.map_async(encode_and_draw, [picture] * 4).get(1800):
+            assert found[0] == data and numpy.array_equal(found[1], expected[1])

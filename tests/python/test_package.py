@@ -1,4 +1,4 @@
-"""The installed package: types, names, the example, machines without OpenCL."""
+"""The installed package: types, names, the example, what it needs, machines without OpenCL."""
 
 import importlib.metadata
 import inspect
@@ -70,33 +70,102 @@ def test_wrong_types_are_found(mypy, tmp_path):
 
 
 def test_library_needs_nothing_else():
-    """The package has one module, which links the C library only: it opens the OpenCL loader when it needs a device."""
+    """The package has one module, which links the C library only (the parts that it had before glibc 2.34): it opens the OpenCL
+    loader when it needs a device."""
     (module,) = PACKAGE.glob("*.so")
     lines = run("readelf", "-d", str(module)).splitlines()
     needed = {line.split("[")[1].rstrip("]") for line in lines if "(NEEDED)" in line}
-    assert needed <= {"libc.so.6", "libm.so.6"}
+    loaders = {line for line in needed if line.startswith("ld-linux")}
+    assert needed - loaders <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2"}
 
+
+def test_module_exports_nothing_else():
+    """A libgscl that is loaded in the same process stays apart."""
+    (module,) = PACKAGE.glob("*.so")
+    names = {line.split()[-1] for line in run("nm", "-D", "--defined-only", str(module)).splitlines()}
+    assert names == {"PyInit__gscl"}
+
+
+THREADS = """
+import os, sys, time
+import gscl
+def threads():
+    return len(os.listdir("/proc/self/task")) - others
+def become(count):  # a thread that ended is there for a moment
+    until = time.monotonic() + 60
+    while threads() != count and time.monotonic() < until:
+        time.sleep(0.01)
+    return threads() == count
+others = 0
+others = threads() - 1  # of other packages
+for count in 1, 3:
+    drawn = gscl.decode(sys.argv[1], size=(6000, 4000), device="host", threads=count)
+    assert become(count), threads()
+gscl.encode(drawn[:50, :50], device="host", effort=0)
+assert "libOpenCL" not in open("/proc/self/maps").read()
+gscl.release_devices()
+assert become(1), threads()
+assert any(device.id == "0.0" for device in gscl.devices())
+assert "libOpenCL" in open("/proc/self/maps").read()
+"""
+
+
+def test_threads_and_libraries(data, tmp_path):
+    """The device "host" has the threads that it is asked for, as long as its contexts are kept, and leaves OpenCL alone."""
+    path = tmp_path / "picture.gscl"
+    path.write_bytes(data)
+    run(sys.executable, "-c", THREADS, str(path))
+
+
+HOST_ALONE = """
+import sys
+import gscl
+(device,) = gscl.devices()
+assert device.id == "host" and device.is_default and device.compute_units > 0
+assert gscl.decode(sys.argv[1], size=(2400, 1600)).shape == (1600, 2400, 3)
+assert gscl.encode(gscl.decode(sys.argv[1]), effort=0, bytes=400).report.psnr > 30
+"""
 
 WITHOUT_DEVICES = """
 import sys
 import gscl
+assert sys.argv[2] in gscl.__file__
 assert gscl.decode(sys.argv[1], size=(2400, 1600)).shape == (1600, 2400, 3)
+try:
+    gscl.encode(gscl.decode(sys.argv[1]), device="host")
+    sys.exit("host encodes")
+except gscl.NoEncoderError as error:
+    assert "kernels" in str(error)
 for use in gscl.devices, lambda: gscl.encode(gscl.decode(sys.argv[1])):
     try:
         use()
         sys.exit("there is a device")
     except gscl.NoPlatformError as error:
         pass
+import gscl.batch
+try:
+    gscl.batch.run([], "memory://out", "memory://report", tune="x")
+    sys.exit("wrong settings")
+except gscl.InvalidArgumentError:
+    pass
+assert gscl.batch.run([], "memory://out", "memory://report", bytes=100).failed == 0
 """
 
 
 @pytest.mark.parametrize("missing", ["devices", "loader"])
-def test_without(missing, data, tmp_path):
+@pytest.mark.parametrize("kernels", [True, False])
+def test_without(missing, kernels, data, tmp_path):
+    """Without OpenCL there is the device "host"; in a package without kernels, too, which install.sh made, it only decodes."""
     path = tmp_path / "picture.gscl"
     path.write_bytes(data)
     (tmp_path / "libOpenCL.so.1").touch()  # no library
     variable = {"devices": "OCL_ICD_VENDORS", "loader": "LD_LIBRARY_PATH"}[missing]
-    run(sys.executable, "-c", WITHOUT_DEVICES, str(path), env={**os.environ, variable: str(tmp_path)})
+    environment = {**os.environ, variable: str(tmp_path)}
+    if kernels:
+        run(sys.executable, "-c", HOST_ALONE, str(path), env=environment)
+    else:
+        package = str(pathlib.Path(sys.prefix).parent / "without_kernels")
+        run(sys.executable, "-c", WITHOUT_DEVICES, str(path), package, env={**environment, "PYTHONPATH": package})
 
 
 def test_example(picture, tmp_path):

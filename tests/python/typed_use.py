@@ -19,7 +19,7 @@ def main(path: pathlib.Path) -> None:
     data, report = gscl.encode(picture, bytes=300, effort=0, tune="psnr", effects_off=["texture"], progress=show)
     encoded: bytes = gscl.encode(Image.open(path), bpp=0.1, icc_profile=True).data
     rate: float = 8 * report.bytes / picture[:, :, 0].size
-    drawn = gscl.decode(data, size=(96, 64), crop=(0, 0, 10, 10), dtype=numpy.float32, device="host")
+    drawn = gscl.decode(data, size=(96, 64), crop=(0, 0, 10, 10), dtype=numpy.float32, device="host", threads=2)
     ellipses = gscl.splats(encoded)
     print(rate, drawn.shape, ellipses["x"].mean(), gscl.info(path).streams["position"], gscl.compare(picture, drawn).psnr)
     try:

@@ -16,7 +16,9 @@ from gscl._inspect import Content, File, inspect, read
 from gscl._names import SAMPLES, number_of
 from gscl._progress import ProgressCallback, call, interruptible
 
-HOST_PIXELS = 3_000_000  # up to which the device "host" is the faster choice
+# Pixels up to which a decode takes the device "host" where the default device is another one.  A GPU draws large pictures
+# sooner, but its kernels must be compiled once, and a small picture is drawn before they are found in a cache.
+HOST_PIXELS = 3_000_000
 
 
 def decode(
@@ -32,6 +34,7 @@ def decode(
     max_work: int | None = None,
     progress: ProgressCallback | None = None,
     device: str | None = None,
+    threads: int = 0,
 ) -> NDArray[Any]:
     """Decodes a file to an array of shape (height, width) if it is grey, else (height, width, channels): grey and alpha,
     RGB or RGBA.
@@ -46,8 +49,9 @@ def decode(
     max_pixels, max_work: limits for files from strangers: pixels to return, and evaluations of a splat at a pixel (a core
         does about 5e8 a second).  LimitError is raised before memory is allocated.
     progress: called after each part of the picture; returns False to cancel, which raises CancelledError.
-    device: "host", which needs no OpenCL; "P.D" or a part of the name of an OpenCL device; None for "host" up to three
-        megapixels and where there is no OpenCL device, else the default OpenCL device.
+    device: "host", which needs no OpenCL; "P.D" or a part of the name of an OpenCL device; None for "host", or for pictures of
+        more than three megapixels the default device of encode, which is "host" on machines without a GPU.
+    threads: of the device "host"; 0 for as many as the process may run.  Samples do not depend on it.
 
     Raises a subclass of gscl.Error, or OSError.  The interpreter's lock is released while the library works.  An interrupt
     (Ctrl-C) in the main thread stops the decode with KeyboardInterrupt.
@@ -70,11 +74,11 @@ def decode(
 
     def work(progress: ProgressCallback | None) -> NDArray[Any]:
         try:
-            return _draw(content, settings, device, progress)
+            return _draw(content, settings, device, threads, progress)
         except NoPlatformError:
             if device is not None:
                 raise
-            return _draw(content, settings, HOST, progress)
+            return _draw(content, settings, HOST, threads, progress)
 
     return interruptible(work, progress)
 
@@ -101,9 +105,11 @@ def _pixels(content: Content, settings: Any) -> int:
         return 0
 
 
-def _draw(content: Content, settings: Any, device: str | None, progress: ProgressCallback | None) -> NDArray[Any]:
+def _draw(
+    content: Content, settings: Any, device: str | None, threads: int, progress: ProgressCallback | None
+) -> NDArray[Any]:
     image = ffi.new("gscl_image *")
-    with context_on(device) as context:
+    with context_on(device, threads) as context:
 
         def draw() -> int:
             return int(lib.gscl_decode(context, content.buffer, content.size, settings, image))

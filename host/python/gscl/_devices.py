@@ -1,4 +1,4 @@
-"""OpenCL devices, and the contexts that are kept open on them."""
+"""Devices, and the contexts that are kept open on them."""
 
 from __future__ import annotations
 
@@ -10,24 +10,26 @@ from dataclasses import dataclass
 from typing import Any
 
 from gscl._binding import ffi, lib
-from gscl._errors import DeviceError, DeviceFailedError, Error, check
+from gscl._errors import DeviceError, DeviceFailedError, Error, NoPlatformError, assign, check
 
 HOST = "host"
-"""The device that every machine has: the library itself, which decodes without OpenCL."""
+"""The device that every machine has: the processor itself, with kernels that were compiled with the library.  It needs no
+OpenCL, and starts at once."""
 
 
 @dataclass(frozen=True)
 class Device:
-    """An OpenCL device."""
+    """A device that encodes and decodes."""
 
     id: str
-    """Numbers of platform and device, as "0.0": what the argument `device` takes."""
+    """What the argument `device` takes: numbers of platform and device of OpenCL, as "0.0", or "host"."""
     name: str
     platform: str
     version: str
     is_gpu: bool
     is_default: bool
     compute_units: int
+    """As OpenCL counts them; of "host" the threads that the process may run."""
     memory_bytes: int
 
 
@@ -36,7 +38,8 @@ def _text(array: Any) -> str:
 
 
 def devices() -> list[Device]:
-    """Lists all OpenCL devices.  Raises NoPlatformError where there is none."""
+    """Lists all devices that encode: those of OpenCL, then "host".  Raises NoPlatformError where there is none: the library has
+    no kernels for this processor, and no OpenCL device was found."""
     first = ffi.new("gscl_device_info **")
     check(lib.gscl_list_devices(first))
     found = []
@@ -56,41 +59,60 @@ def devices() -> list[Device]:
         )
         row = row.next
     lib.gscl_free(first[0])
+    _pool.note_listed(found)
     return found
 
 
 class _Pool:
-    """Contexts that no call uses at the moment, by the name of their device.
+    """Contexts that no call uses at the moment, by the name of their device and the setting of its threads.
 
     A context is used by one thread at a time, and keeps compiled kernels and buffers for the next call.
+
+    Neither contexts nor OpenCL survive a fork, as their threads do not exist in the child; what is known about devices does,
+    so that a child need not ask OpenCL for the default device.
     """
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
         self.limit = 4  # contexts kept for each name
-        self.idle: dict[str | None, list[Any]] = {}
-        self.opencl_process = 0  # in which a context on an OpenCL device was opened; 0: none yet
+        self.idle: dict[tuple[str | None, int], list[Any]] = {}
+        self.default: str | None = None  # the id of the default device, once devices were listed
+        self.opencl_process = 0  # which found OpenCL devices, whose implementations have threads since then; 0: none yet
 
     def after_fork(self) -> None:
-        """In a child process, where the threads of OpenCL do not exist: forgets the contexts without touching them."""
+        """In a child process: forgets the contexts without touching them."""
         self.lock = threading.Lock()
         self.idle = {}
 
-    def take(self, device: str | None) -> Any:
+    def note_listed(self, found: list[Device]) -> None:
+        self.default = next((device.id for device in found if device.is_default), None)
+        if not self.opencl_process and any(device.id != HOST for device in found):
+            self.opencl_process = os.getpid()
+
+    def name(self, device: str | None) -> str | None:
+        """The device, or the id of the default one; None where there is none.  Lists devices before OpenCL is used."""
+        if device != HOST and self.default is None:
+            try:
+                devices()
+            except NoPlatformError:
+                pass  # opening tells more
+        return self.default if device is None else device
+
+    def take(self, device: str | None, threads: int) -> Any:
+        """A context on a device of `name`."""
         with self.lock:
-            idle = self.idle.get(device)
+            idle = self.idle.get((device, threads))
             if idle:
                 return idle.pop()
         if device != HOST and self.opencl_process not in (0, os.getpid()):
-            raise DeviceFailedError("OpenCL was in use before this process was forked: start processes with 'spawn'")
-        opened = _open(device)
-        if device != HOST:
-            self.opencl_process = os.getpid()
-        return opened
+            raise DeviceFailedError(
+                "OpenCL was in use before this process was forked: start processes with 'spawn', or use the device \"host\""
+            )
+        return _open(device, threads)
 
-    def give(self, device: str | None, context: Any) -> None:
+    def give(self, device: str | None, threads: int, context: Any) -> None:
         with self.lock:
-            idle = self.idle.setdefault(device, [])
+            idle = self.idle.setdefault((device, threads), [])
             if len(idle) < self.limit:
                 idle.append(context)
                 return
@@ -104,11 +126,12 @@ class _Pool:
                 _close(context)
 
 
-def _open(device: str | None) -> Any:
+def _open(device: str | None, threads: int) -> Any:
     settings = ffi.new("gscl_context_settings *")
     lib.gscl_context_settings_init(settings, ffi.sizeof("gscl_context_settings"))
     name = ffi.NULL if device is None else ffi.new("char[]", device.encode())
     settings.device = name
+    assign(settings, "threads", threads)
     pointer = ffi.new("gscl_context **")
     result = lib.gscl_context_create(pointer, settings)
     try:
@@ -129,18 +152,20 @@ if hasattr(os, "register_at_fork"):
 
 
 @contextlib.contextmanager
-def context_on(device: str | None) -> Iterator[Any]:
-    """A context of the calling thread's own.  It is not used again after an error of the device."""
-    context = _pool.take(device)
+def context_on(device: str | None, threads: int = 0) -> Iterator[Any]:
+    """A context of the calling thread's own, with `threads` of the device "host"; 0: as many as the process may run.  It is
+    not used again after an error of the device."""
+    device = _pool.name(device)
+    context = _pool.take(device, threads)
     try:
         yield context
     except DeviceError:
         _close(context)
         raise
     except BaseException:
-        _pool.give(device, context)
+        _pool.give(device, threads, context)
         raise
-    _pool.give(device, context)
+    _pool.give(device, threads, context)
 
 
 def release_devices() -> None:

@@ -104,6 +104,7 @@ def encode(
     trace: bool = False,
     progress: ProgressCallback | None = None,
     device: str | None = None,
+    threads: int = 0,
 ) -> Encoded:
     """Encodes a picture.
 
@@ -125,7 +126,10 @@ def encode(
     cicp: code points of primaries and transfer function (ITU-T H.273) to store.  Colours are not converted.
     trace: whether the report has the convergence trace.
     progress: called several times a second; returns False to cancel, which raises CancelledError.
-    device: "P.D" or a part of the name of an OpenCL device; None for the default.
+    device: "host", this processor; "P.D" or a part of the name of an OpenCL device; None for the default: the first GPU, else the
+        first accelerator, else "host".
+    threads: of the device "host"; 0 for as many as the process may run, which encodes that run at the same time share.  The
+        file does not depend on it.
 
     Raises a subclass of gscl.Error; for files that Pillow does not open, OSError.  The interpreter's lock is released
     while the library works.  An interrupt (Ctrl-C) in the main thread stops the encode with KeyboardInterrupt.
@@ -160,7 +164,7 @@ def encode(
     image.premultiplied = premultiplied
 
     def work(progress: ProgressCallback | None) -> Encoded:
-        with context_on(device) as context:
+        with context_on(device, threads) as context:
             encoded = _run(context, image, settings, progress)
         _keep(owner, blocks)  # which the library read until here
         return encoded

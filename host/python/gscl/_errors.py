@@ -39,11 +39,11 @@ class StructSizeError(Error, RuntimeError):
 
 
 class DeviceError(Error, RuntimeError):
-    """Base class of errors of OpenCL and its devices."""
+    """Base class of errors of devices."""
 
 
 class NoPlatformError(DeviceError):
-    """There is no OpenCL device, or no OpenCL loader that would find one."""
+    """There is no device that encodes: no OpenCL device, and the library has no kernels for this processor."""
 
     code = 10
 
@@ -79,7 +79,7 @@ class KernelBuildError(DeviceError):
 
 
 class NoEncoderError(DeviceError):
-    """This needs OpenCL, and the device is "host"."""
+    """The device is "host", and the library has no kernels for this processor: it only decodes there."""
 
     code = 16
 

@@ -81,11 +81,17 @@ def _parser() -> argparse.ArgumentParser:
         help="pictures at the same time in each process (default: its share of the cores)",
     )
     place.add_argument(
+        "--threads",
+        metavar="N",
+        type=_count,
+        help='threads of each picture on the device "host" (default: one, or more where pictures are few)',
+    )
+    place.add_argument(
         "--device",
         metavar="NAME",
         action="append",
         default=[],
-        help="an OpenCL device, as --device of gscl; given several times, the workers of a machine share them evenly",
+        help="a device, as --device of gscl; given several times, the workers of a machine share them evenly",
     )
 
     settings = parser.add_argument_group("encoding, as in gscl.encode")
@@ -163,6 +169,7 @@ def main(arguments: list[str] | None = None) -> int:
             client=client,
             workers=options.workers,
             encoders=options.encoders,
+            threads=options.threads,
             devices=options.device,
             root=options.root,
             shard=options.shard,

@@ -17,7 +17,8 @@ _claims: dict[tuple[str, ...], tuple[str, IO[str]]] = {}
 
 def prepare(encoders: int) -> None:
     """Before the first use of OpenCL: as many compute threads as the worker has encoders, where PoCL is the device,
-    and a context for each encoder.  What the environment says already stays."""
+    and a context for each encoder.  What the environment says already stays.  The threads of the device "host" are a setting of
+    each encode."""
     for name in "POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT":  # before and since PoCL 5
         os.environ.setdefault(name, str(encoders))
     _devices.keep_contexts(encoders)

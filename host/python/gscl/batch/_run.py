@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import json
 import logging
 import math
@@ -17,7 +18,8 @@ import distributed
 import numpy
 
 from gscl._encode import encode
-from gscl._errors import InvalidArgumentError, NoEncoderError
+from gscl._devices import HOST
+from gscl._errors import BudgetTooSmallError, CancelledError, InvalidArgumentError, NoEncoderError, TargetUnreachableError
 from gscl.batch import _report, _storage, _work
 from gscl.batch._plan import Pictures, Plan, make_plan
 from gscl.batch._work import Encoder, Job
@@ -67,6 +69,7 @@ def run(
     client: distributed.Client | None = None,
     workers: int | None = None,
     encoders: int | None = None,
+    threads: int | None = None,
     devices: tuple[str, ...] | list[str] = (),
     root: str | None = None,
     shard: tuple[int, int] = (1, 1),
@@ -90,8 +93,11 @@ def run(
     workers, encoders: with no client, how many processes, and how many pictures each encodes at the same time; None
         for as many as the machine has cores, in all.  With a client, each worker has as many encoders as Dask gave it
         threads.
-    devices: ids or parts of names of OpenCL devices, which the workers of a machine share evenly; empty for the GPUs
-        of the default platform or, if it has none, the default device.
+    threads: of each encode on the device "host".  None for one, as other pictures take the other cores; where no client is
+        given and pictures are fewer than encoders, for an even share of the cores.  An encoder of the caller's own does
+        not get it.
+    devices: ids or parts of names of OpenCL devices, which the workers of a machine share evenly, or "host"; empty for the
+        GPUs of the default platform or, if it has none, the default device, which is "host".
     root: the folder in `pictures` that `out` stands for.  Relative names of a manifest are below it.  None for the
         folder that a glob begins with and, with a manifest, for the current folder; names elsewhere keep their whole
         path.
@@ -114,7 +120,7 @@ def run(
     if not 1 <= shard[0] <= shard[1] or retries < 0 or task_pictures < 1:
         raise InvalidArgumentError(f"shard {shard}, retries {retries}, task_pictures {task_pictures}: out of range")
     if encoder is None:
-        _check_settings(settings)
+        _check_settings({"threads": threads or 0, **settings})
     out, report = _storage.absolute(out), _storage.absolute(report)
     job = Job(_report.next_run(report), out, report, settings, encoder, tuple(devices), retries, overwrite)
     started = time.monotonic()
@@ -124,6 +130,10 @@ def run(
             plan = make_plan(file, pictures, out, root, shard, set() if overwrite else _report.read_done(report))
             totals = {_report.OK: 0, _report.EXISTS: 0, _report.FAILED: 0, "bytes": 0}
             if plan.count:
+                if client is None:
+                    workers, encoders, share = _divide(plan.count, workers, encoders)
+                    threads = threads or share
+                job = dataclasses.replace(job, threads=threads or 1)
                 with _connected(client, workers, encoders) as connected:
                     _Run(connected, job, plan, totals, task_pictures, progress).complete()
     finally:
@@ -133,11 +143,21 @@ def run(
 
 
 def _check_settings(settings: Mapping[str, Any]) -> None:
-    """Raises what every picture would raise."""
+    """Raises what every picture would raise.  The library checks settings before anything else of an encode, which ends
+    there: by the callback, or because "host" has no kernels, or because of a target that only a picture of this size
+    misses."""
     try:
-        encode(numpy.zeros((8, 8), numpy.uint8), device="host", **settings)
-    except NoEncoderError:
-        pass  # as "host" does not encode
+        encode(numpy.zeros((8, 8), numpy.uint8), device=HOST, progress=lambda state: False, **settings)
+    except (CancelledError, NoEncoderError, BudgetTooSmallError, TargetUnreachableError):
+        pass
+
+
+def _divide(pictures: int, workers: int | None, encoders: int | None) -> tuple[int, int, int]:
+    """Processes on this machine, pictures that each encodes at the same time, and threads for each picture."""
+    cores = dask.system.CPU_COUNT  # that this process may use
+    workers = workers or max(1, cores // (encoders or 1))
+    encoders = encoders or max(1, cores // workers)
+    return workers, encoders, max(1, cores // min(workers * encoders, pictures))
 
 
 @contextlib.contextmanager
@@ -146,11 +166,8 @@ def _connected(client: Any, workers: int | None, encoders: int | None) -> Iterat
     if client is not None:
         yield client
         return
-    cores = dask.system.CPU_COUNT  # that this process may use
-    workers = workers or max(1, cores // (encoders or 1))
     start_cluster: Any = distributed.LocalCluster  # has no types
     start_client: Any = distributed.Client
-    encoders = encoders or max(1, cores // workers)
     with start_cluster(
         n_workers=workers,
         threads_per_worker=encoders,

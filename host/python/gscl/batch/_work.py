@@ -56,20 +56,22 @@ class Job:
     devices: tuple[str, ...] = ()
     retries: int = 2
     overwrite: bool = False
+    threads: int = 1
+    """Of each encode on the device "host"."""
 
     def topic(self) -> str:
         """Of the events that tell the caller about progress."""
         return f"gscl-{self.run}"
 
 
-def encode_file(picture: bytes, *, device: str | None, **settings: Any) -> Encoded:
-    """The encoder of a run that has no other one."""
+def encode_file(picture: bytes, *, device: str | None, threads: int = 1, **settings: Any) -> Encoded:
+    """The encoder of a run that has no other one.  It takes one thread, as workers have an encoder for each core."""
     try:
         image = Image.open(io.BytesIO(picture))
     except UnidentifiedImageError:
         raise UnidentifiedImageError("not an image that Pillow reads") from None
     with image:
-        return encode(image, device=device, **settings)
+        return encode(image, device=device, threads=threads, **settings)
 
 
 def do_task(job: Job, task: str, lines: str) -> dict[str, int]:
@@ -189,7 +191,10 @@ def _encode(row: Row, job: Job, source: str, output: str, device: str | None) ->
     picture = _stored(lambda: _storage.read(source))
     row["source_bytes"], row["device"] = len(picture), device or "default"
     try:
-        data, report = (job.encoder or encode_file)(picture, device=device, **job.settings)
+        if job.encoder:
+            data, report = job.encoder(picture, device=device, **job.settings)
+        else:
+            data, report = encode_file(picture, device=device, threads=job.threads, **job.settings)
     except _OF_THE_MACHINE:
         raise
     except (DeviceError, MemoryError) as error:
