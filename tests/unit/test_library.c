@@ -160,7 +160,7 @@ static void test_devices(void **state) {
     for (const gscl_device_info *device = devices; device; device = device->next) {
         defaults += device->is_default;
         assert_true(device->is_default == (device->why_default[0] != '\0'));
-        if (device->is_default)
+        if (device->is_default && !test_device())
             assert_string_equal(device->id, own->id);
     }
     assert_int_equal(defaults, 1);
@@ -669,7 +669,7 @@ static void test_same_bytes_every_time(void **state) {
         const file first = encode_file(&image, &settings);
         const file other = encode_some(SYNTHETIC_SHAPES, 40, 90, 3, 40);
         const file second = encode_file(&image, &settings);
-        assert_int_equal(gscl_context_create(&fresh, NULL), GSCL_OK);
+        assert_true(open_on(&fresh, test_device(), GSCL_MAPPING_AUTO));
         context = fresh;
         const file third = encode_file(&image, &settings);
         context = shared;

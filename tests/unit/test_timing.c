@@ -10,6 +10,8 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
+#include "devices.h"
+
 #define WIDTH 40
 #define HEIGHT 24
 
@@ -17,6 +19,7 @@ static gscl_context *new_context(bool timing) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = test_device();
     settings.timing = timing;
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
     return context;
