@@ -14,6 +14,7 @@
 
 #define WIDTH 40
 #define HEIGHT 24
+#define DECODED_SCALE 16 /* a decode enlarges the image, so that it has too many pixels to be drawn in software */
 
 static gscl_context *new_context(bool timing) {
     gscl_context *context;
@@ -35,10 +36,14 @@ static void encode_and_decode_rows(gscl_context *context, uint32_t rows) {
         .width = WIDTH, .height = rows, .channels = 1, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
     gscl_image decoded = {0};
     gscl_encode_settings settings;
+    gscl_decode_settings larger;
     gscl_encode_settings_default(&settings);
+    gscl_decode_settings_default(&larger);
     settings.effort = 0;
+    larger.width = DECODED_SCALE * WIDTH;
+    larger.height = DECODED_SCALE * rows;
     assert_int_equal(gscl_encode(context, &image, &settings, &bytes, &size, NULL), GSCL_OK);
-    assert_int_equal(gscl_decode(context, bytes, size, NULL, &decoded), GSCL_OK);
+    assert_int_equal(gscl_decode(context, bytes, size, &larger, &decoded), GSCL_OK);
     gscl_free(decoded.pixels);
     gscl_free(bytes);
 }
