@@ -93,4 +93,4 @@ def programs():
     result = list(specialised())
     for channels in CHANNELS:
         result += [Program(kind, *channels) for kind in [*OF_SPLATS, "SSIM", "VISUAL"]]
-    return result + [Program("BIN"), Program("IMAGE"), Program("BENCHMARK", 3, 0)]
+    return result + [Program("BIN"), Program("IMAGE"), Program("BENCHMARK", 1, 0)]
