@@ -20,7 +20,8 @@ static int open_contexts(void **state) {
     (void)state;
     const char *device = kernel_test_device();
     const bool is_host = strcmp(device, GSCL_HOST_DEVICE) == 0;
-    bool good = is_host || (add_context("cpu", device, GSCL_MAPPING_CPU) && add_context("gpu", device, GSCL_MAPPING_GPU));
+    bool good =
+        is_host || (add_context("cpu", device, GSCL_MAPPING_CPU) && add_context("gpu", device, GSCL_MAPPING_GPU));
     good = good && add_context("host", GSCL_HOST_DEVICE, GSCL_MAPPING_AUTO);
     mapping_count = is_host ? 1 : MAX_MAPPINGS;
     return good ? 0 : -1;

@@ -158,7 +158,7 @@ static void test_the_default_device(void **state) {
         gscl_mapping mapping;
         bool is_opencl;
     } cases[] = {
-        {CL_DEVICE_TYPE_GPU, GSCL_MAPPING_AUTO, true}, {CL_DEVICE_TYPE_ACCELERATOR, GSCL_MAPPING_AUTO, true},
+        {CL_DEVICE_TYPE_GPU, GSCL_MAPPING_AUTO, true},  {CL_DEVICE_TYPE_ACCELERATOR, GSCL_MAPPING_AUTO, true},
         {CL_DEVICE_TYPE_CPU, GSCL_MAPPING_AUTO, false}, {CL_DEVICE_TYPE_CPU, GSCL_MAPPING_CPU, false},
         {CL_DEVICE_TYPE_CPU, GSCL_MAPPING_GPU, true},
     };
