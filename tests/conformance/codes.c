@@ -4,10 +4,10 @@
  *     codes read whole|bare FILE...          prints for each file: file NAME RESULT, then the codes of a valid one
  *     codes prefixes whole|bare FILE...      prints for each valid file: file NAME, then of each prefix:
  *                                            prefix SIZE RESULT CERTAIN TOTAL
- *     codes decode|decode-cpu|decode-gpu|decode-host whole|bare FOLDER FILE...
- *                                            decodes on the default device, in its own mapping or in that of CPUs or GPUs,
- *                                            or on the device "host": writes the samples of the Nth file to FOLDER/N.raw,
- *                                            numbers from 0, of 16 bits with the low byte first, and prints:
+ *     codes decode-host|decode-cpu|decode-gpu whole|bare FOLDER FILE...
+ *                                            decodes on the device "host", or on the first OpenCL device in the mapping of
+ *                                            CPUs or GPUs: writes the samples of the Nth file to FOLDER/N.raw, numbers from
+ *                                            0, of 16 bits with the low byte first, and prints:
  *                                            file NAME RESULT WIDTH HEIGHT CHANNELS BITS
  *     codes pixels whole|bare FILE X Y...    decodes single pixels on the device "host", which takes less time than the whole of
  *                                            a large image, and prints for each: BITS SAMPLE...
@@ -24,6 +24,7 @@
 
 #include <gscl/gscl.h>
 
+#include "devices.h"
 #include "format/codebooks.h"
 #include "format/coder.h"
 #include "format/format.h"
@@ -509,17 +510,18 @@ static void decode_file(gscl_context *context, const char *path, bool bare, cons
     free(bytes);
 }
 
-/* Sets device and mapping by a word: `decode`, `decode-cpu`, `decode-gpu` or `decode-host`. */
+/* Sets device and mapping by a word: `decode-host`, or `decode-cpu` or `decode-gpu` of the first OpenCL device. */
 static gscl_context_settings decode_settings(const char *word) {
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = first_opencl_device();
     if (strcmp(word, "decode-host") == 0)
         settings.device = GSCL_HOST_DEVICE;
     else if (strcmp(word, "decode-cpu") == 0)
         settings.mapping = GSCL_MAPPING_CPU;
     else if (strcmp(word, "decode-gpu") == 0)
         settings.mapping = GSCL_MAPPING_GPU;
-    else if (strcmp(word, "decode") != 0)
+    else
         fail("%s: not known", word);
     return settings;
 }
@@ -568,11 +570,9 @@ static void print_pixels(bool bare, const char *path, char **places, int count) 
 }
 
 static void print_decoders(void) {
-    gscl_device_info *devices = NULL;
     puts("decode-host");
-    if (gscl_list_devices(&devices) != GSCL_ERROR_NO_ENCODER)
+    if (has_opencl())
         puts("decode-cpu\ndecode-gpu");
-    gscl_free(devices);
 }
 
 static bool has_word(char **words, int count, const char *word) {
@@ -589,7 +589,7 @@ int main(int count, char **words) {
     }
     if (count < 4)
         fail("codes write TEXT OUT [bare] [unchecked], codes read whole|bare FILE..., codes prefixes whole|bare "
-             "FILE..., codes decode whole|bare FOLDER FILE..., codes pixels whole|bare FILE X Y... or codes decoders");
+             "FILE..., codes decode-host whole|bare FOLDER FILE..., codes pixels whole|bare FILE X Y... or codes decoders");
     const bool bare = strcmp(words[2], "bare") == 0;
     if (strcmp(words[1], "write") == 0)
         write_codes(words[2], words[3], has_word(words + 4, count - 4, "bare"),

@@ -1,30 +1,36 @@
-/* Contexts for tests that run everything in both mappings of pixels to work-items, and decode without OpenCL, too. */
+/* Contexts for tests of kernels, which run everything in both mappings of pixels to work-items: of the first OpenCL device, or
+ * of the device that GSCL_TEST_DEVICE names; "host" has the CPU mapping alone.  For decodes there is a context of "host", too. */
 #ifndef GSCL_BOTH_MAPPINGS_H
 #define GSCL_BOTH_MAPPINGS_H
 
-#include <gscl/gscl.h>
+#include "devices.h"
 
-static gscl_context *contexts[3]; /* the CPU and the GPU mapping, and the device "host" */
+enum { MAX_MAPPINGS = 2, MAX_DECODERS = 3 };
+
+static gscl_context *contexts[MAX_DECODERS]; /* of each mapping; then "host", unless it is the first */
+static const char *mapping_names[MAX_DECODERS];
+static int mapping_count, decoder_count;
+
+static bool add_context(const char *name, const char *device, gscl_mapping mapping) {
+    mapping_names[decoder_count] = name;
+    return open_on(&contexts[decoder_count++], device, mapping);
+}
 
 static int open_contexts(void **state) {
     (void)state;
-    const gscl_mapping mappings[3] = {GSCL_MAPPING_CPU, GSCL_MAPPING_GPU, GSCL_MAPPING_AUTO};
-    for (int i = 0; i < 3; i++) {
-        gscl_context_settings settings;
-        gscl_context_settings_default(&settings);
-        settings.mapping = mappings[i];
-        settings.device = i == 2 ? GSCL_HOST_DEVICE : NULL;
-        if (gscl_context_create(&contexts[i], &settings) != GSCL_OK)
-            return -1;
-    }
-    return 0;
+    const char *device = kernel_test_device();
+    const bool is_host = strcmp(device, GSCL_HOST_DEVICE) == 0;
+    bool good =
+        is_host || (add_context("cpu", device, GSCL_MAPPING_CPU) && add_context("gpu", device, GSCL_MAPPING_GPU));
+    good = good && add_context("host", GSCL_HOST_DEVICE, GSCL_MAPPING_AUTO);
+    mapping_count = is_host ? 1 : MAX_MAPPINGS;
+    return good ? 0 : -1;
 }
 
 static int close_contexts(void **state) {
     (void)state;
-    gscl_context_free(&contexts[0]);
-    gscl_context_free(&contexts[1]);
-    gscl_context_free(&contexts[2]);
+    for (int i = 0; i < decoder_count; i++)
+        gscl_context_free(&contexts[i]);
     return 0;
 }
 

@@ -3,9 +3,7 @@
 #ifndef GSCL_EVERY_DECODER_H
 #define GSCL_EVERY_DECODER_H
 
-#include <gscl/gscl.h>
-
-#include "has_opencl.h"
+#include "devices.h"
 
 enum { HOST, CPU_MAPPING, GPU_MAPPING, MAX_DECODERS };
 static const char *const decoder_names[MAX_DECODERS] = {"host", "cpu", "gpu"};
@@ -17,14 +15,9 @@ static int open_contexts(void **state) {
     (void)state;
     const gscl_mapping mappings[MAX_DECODERS] = {GSCL_MAPPING_AUTO, GSCL_MAPPING_CPU, GSCL_MAPPING_GPU};
     decoder_count = has_opencl() ? MAX_DECODERS : 1;
-    for (int i = 0; i < decoder_count; i++) {
-        gscl_context_settings settings;
-        gscl_context_settings_default(&settings);
-        settings.mapping = mappings[i];
-        settings.device = i == HOST ? GSCL_HOST_DEVICE : NULL;
-        if (gscl_context_create(&contexts[i], &settings) != GSCL_OK)
+    for (int i = 0; i < decoder_count; i++)
+        if (!open_on(&contexts[i], i == HOST ? GSCL_HOST_DEVICE : first_opencl_device(), mappings[i]))
             return -1;
-    }
     return 0;
 }
 

@@ -15,22 +15,49 @@
 #include "fit/fit.h"
 #include "fit_oracle.h"
 #include "report.h"
+#ifdef GSCL_WITH_OPENCL
 #include "opencl/opencl_device.h"
+#endif
+#ifdef GSCL_WITH_NATIVE
+#include "native/native_device.h"
+#endif
 
 #define KINDS (GSCL_COLOUR + 1)
 
-const char *const stability_mappings[2] = {"cpu", "gpu"};
 const char *const stability_blends[3] = {"normalized", "alpha", "sum"};
 static const char *const kinds[KINDS] = {"x", "y", "ln s1", "ln s2", "theta", "opacity", "colour"};
 
+int stability_mapping_count(void) {
+    return mapping_count;
+}
 gscl_context *stability_context(int mapping) {
     return contexts[mapping];
+}
+const char *stability_mapping_name(int mapping) {
+    return mapping_names[mapping];
+}
+int stability_decoders(gscl_context *const **decoders) {
+    *decoders = contexts;
+    return decoder_count;
 }
 int stability_open(void **state) {
     return open_contexts(state);
 }
 int stability_close(void **state) {
     return close_contexts(state);
+}
+
+/* Whether the device's fma() rounds the product. */
+static bool rounds_products(const gscl_context *context) {
+#ifdef GSCL_WITH_NATIVE
+    if (context->is_host)
+        return strcmp(gscl_native(context)->processor->name, "x86_64_v2") == 0;
+#endif
+#ifdef GSCL_WITH_OPENCL
+    return gscl_opencl(context)->quirks->software_fma;
+#else
+    return false;
+#endif
 }
 
 /* ---- The oracle's side ---- */
@@ -60,7 +87,7 @@ static reference reference_create(const scene *s, const float background[4]) {
                       .colours = SCENE_CHANNELS,
                       .opacity = true,
                       .stepped = s->shape != GSCL_SHAPE_ROTATED,
-                      .rounds_products = gscl_opencl(contexts[0])->quirks->software_fma,
+                      .rounds_products = rounds_products(contexts[0]),
                       .level = s->level,
                       .width = scene_level_width(s),
                       .height = scene_level_height(s),
@@ -204,49 +231,51 @@ static bool same_bits(const outcome *a, const outcome *b, char *message, size_t 
     return false;
 }
 
-static bool outcomes_agree(const scene *s, const outcome outcomes[4], scene_errors errors[2], char *message,
+static bool outcomes_agree(const scene *s, const outcome outcomes[2 * STABILITY_MAPPINGS], scene_errors errors[STABILITY_MAPPINGS], char *message,
                            size_t capacity) {
     reference t = reference_create(s, outcomes[0].background);
     bool good = true;
-    for (int m = 0; m < 2 && good; m++) {
+    for (int m = 0; m < mapping_count && good; m++) {
         char what[200] = "";
         good = outcome_is_finite(&outcomes[m], what, sizeof what) &&
                check_forward(&t, &outcomes[m], &errors[m], what, sizeof what) &&
                check_backward(s, &t, &outcomes[m], &errors[m], what, sizeof what) &&
-               (!outcomes[m + 2].values || same_bits(&outcomes[m], &outcomes[m + 2], what, sizeof what));
+               (!outcomes[m + mapping_count].values ||
+                same_bits(&outcomes[m], &outcomes[m + mapping_count], what, sizeof what));
         if (!good)
-            snprintf(message, capacity, "%s mapping: %s", stability_mappings[m], what);
+            snprintf(message, capacity, "%s mapping: %s", mapping_names[m], what);
     }
     reference_free(&t);
     return good;
 }
 
-bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t capacity) {
-    outcome outcomes[4] = {{0}}; /* of both mappings, twice */
-    const int runs = (int)scene_scaled(4, 2);
+bool scene_agrees(const scene *s, scene_errors errors[STABILITY_MAPPINGS], char *message, size_t capacity) {
+    outcome outcomes[2 * STABILITY_MAPPINGS] = {{0}}; /* of all mappings, twice */
+    const int runs = mapping_count * (int)scene_scaled(2, 1);
     bool good = true;
-    memset(errors, 0, 2 * sizeof *errors);
+    memset(errors, 0, STABILITY_MAPPINGS * sizeof *errors);
     for (int i = 0; i < runs; i++) {
-        if (run_scene(contexts[i % 2], s, &outcomes[i]) == GSCL_OK)
+        const int m = i % mapping_count;
+        if (run_scene(contexts[m], s, &outcomes[i]) == GSCL_OK)
             continue;
-        snprintf(message, capacity, "%s mapping: %s", stability_mappings[i % 2], gscl_context_message(contexts[i % 2]));
+        snprintf(message, capacity, "%s mapping: %s", mapping_names[m], gscl_context_message(contexts[m]));
         good = false;
     }
     good = good && outcomes_agree(s, outcomes, errors, message, capacity);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 2 * STABILITY_MAPPINGS; i++)
         free(outcomes[i].values);
     return good;
 }
 
 void check_scene(const scene *s) {
-    scene_errors errors[2];
+    scene_errors errors[STABILITY_MAPPINGS];
     char message[300];
     if (!scene_agrees(s, errors, message, sizeof message) ||
         (s->shape == GSCL_SHAPE_ROTATED && !scene_encodes(s, message, sizeof message)))
         fail_msg("%s, %s: %s", s->name, stability_blends[s->blend], message);
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         char detail[40];
-        snprintf(detail, sizeof detail, "%s, %s", stability_blends[s->blend], stability_mappings[m]);
+        snprintf(detail, sizeof detail, "%s, %s", stability_blends[s->blend], mapping_names[m]);
         report("scene", s->name, detail, "forward", errors[m].forward_bound, errors[m].forward);
         report("scene", s->name, detail, "backward", errors[m].backward_bound, errors[m].backward);
         report("scene", s->name, detail, "share", 1.0, errors[m].share);

@@ -1,4 +1,4 @@
-/* The checks of every scene, in both mappings: forward and backward results against the oracle, descent, a file that
+/* The checks of every scene, in each mapping that the device has (both_mappings.h): forward and backward results against the oracle, descent, a file that
  * decodes, and identical bits in a second run. */
 #ifndef STABILITY_CHECK_H
 #define STABILITY_CHECK_H
@@ -15,9 +15,15 @@ typedef struct {
     double share; /* of its own bound, the largest of any sample or gradient */
 } scene_errors;
 
-/* The CPU and the GPU mapping, and the device "host". */
+#define STABILITY_MAPPINGS 2 /* at most */
+
+/* The contexts of mappings, and what reports call them. */
+int stability_mapping_count(void);
 gscl_context *stability_context(int mapping);
-extern const char *const stability_mappings[2], *const stability_blends[3];
+const char *stability_mapping_name(int mapping);
+/* All contexts that decode; their number. */
+int stability_decoders(gscl_context *const **decoders);
+extern const char *const stability_blends[3];
 int stability_open(void **state);
 int stability_close(void **state);
 
@@ -25,7 +31,7 @@ int stability_close(void **state);
  * the file that STABILITY_REPORT names. */
 void check_scene(const scene *s);
 /* Checks forward and backward results.  Returns false with the fault in `message`, or true. */
-bool scene_agrees(const scene *s, scene_errors errors[2], char *message, size_t capacity);
+bool scene_agrees(const scene *s, scene_errors errors[STABILITY_MAPPINGS], char *message, size_t capacity);
 /* Checks descent from the scene, and a file of its splats before and after. */
 bool scene_encodes(const scene *s, char *message, size_t capacity);
 /* Checks a file of the scene without fitting. */

@@ -20,12 +20,13 @@ static bool image_is_close(const oracle_image *expected_image, const gscl_image 
     return true;
 }
 
-bool decodes_alike(gscl_context *const contexts[3], const uint8_t *bytes, size_t size, char *message, size_t capacity) {
+bool decodes_alike(gscl_context *const *contexts, int count, const uint8_t *bytes, size_t size, char *message,
+                   size_t capacity) {
     oracle_image expected_image;
     bool good = oracle_decode(bytes, size, &expected_image);
     if (!good)
         snprintf(message, capacity, "the file cannot be read");
-    for (int m = 0; m < 3 && good; m++) {
+    for (int m = 0; m < count && good; m++) {
         gscl_image image = {0};
         good = gscl_decode(contexts[m], bytes, size, NULL, &image) == GSCL_OK;
         if (!good)

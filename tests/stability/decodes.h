@@ -1,4 +1,4 @@
-/* Decodes of a file in both mappings and without OpenCL against the drawing in double precision. */
+/* Decodes of a file in several contexts against the drawing in double precision. */
 #ifndef STABILITY_DECODES_H
 #define STABILITY_DECODES_H
 
@@ -10,6 +10,7 @@
 
 /* Whether all samples in all contexts have the precision that FORMAT.md prescribes ("Precision").  Otherwise `message`
  * receives the fault. */
-bool decodes_alike(gscl_context *const contexts[3], const uint8_t *bytes, size_t size, char *message, size_t capacity);
+bool decodes_alike(gscl_context *const *contexts, int count, const uint8_t *bytes, size_t size, char *message,
+                   size_t capacity);
 
 #endif

@@ -40,7 +40,8 @@ static gscl_coded_image coded_image_of(const scene *s, const float *params, cons
 
 static bool file_decodes(const scene *s, const float *params, const float background[4], char *message,
                          size_t capacity) {
-    gscl_context *const contexts[3] = {stability_context(0), stability_context(1), stability_context(2)};
+    gscl_context *const *decoders;
+    const int decoder_count = stability_decoders(&decoders);
     uint8_t *bytes[2] = {NULL, NULL};
     size_t sizes[2] = {0, 0};
     bool good = true;
@@ -55,7 +56,7 @@ static bool file_decodes(const scene *s, const float *params, const float backgr
         snprintf(message, capacity, "a second file has other bytes");
         good = false;
     }
-    good = good && decodes_alike(contexts, bytes[0], sizes[0], message, capacity);
+    good = good && decodes_alike(decoders, decoder_count, bytes[0], sizes[0], message, capacity);
     gscl_free(bytes[0]);
     gscl_free(bytes[1]);
     return good;
@@ -118,12 +119,12 @@ bool scene_encodes(const scene *s, char *message, size_t capacity) {
     float *params = malloc(bytes + 1), background[4];
     bool good = true;
     assert_non_null(params);
-    for (int m = 0; m < 2 && good; m++) {
+    for (int m = 0; m < stability_mapping_count() && good; m++) {
         char what[200] = "";
         memcpy(params, s->params, bytes);
         good = descends(s, m, params, background, what, sizeof what);
         if (!good)
-            snprintf(message, capacity, "%s mapping: %s", stability_mappings[m], what);
+            snprintf(message, capacity, "%s mapping: %s", stability_mapping_name(m), what);
     }
     good = good && file_decodes(s, params, background, message, capacity) &&
            (scene_scaled(2, 1) == 1 || file_decodes(s, s->params, background, message, capacity));

@@ -227,7 +227,7 @@ static void test_many_steps(void **unused) {
     static state states[CASES];
     gscl_limits limits = {0};
     const long count = (long)scene_scaled(STEPS, 40);
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < mapping_count; m++)
         run_fit(contexts[m], count, &outcomes[m], &limits);
     run_fit(contexts[0], count, &again, &limits);
     assert_memory_equal(&outcomes[0], &again, sizeof again);
@@ -238,8 +238,8 @@ static void test_many_steps(void **unused) {
             states[i].p[k] = start[i * GSCL_PARAMS + k];
         for (long step = 0; step < count; step++)
             reference_step(&states[i], i, step, &limits);
-        check_outcome(i, &outcomes[0], &states[i], count, "cpu");
-        check_outcome(i, &outcomes[1], &states[i], count, "gpu");
+        for (int m = 0; m < mapping_count; m++)
+            check_outcome(i, &outcomes[m], &states[i], count, mapping_names[m]);
     }
 }
 
@@ -250,7 +250,7 @@ static void test_zero_gradients_change_nothing(void **unused) {
     gscl_limits limits;
     float start[CASES * GSCL_PARAMS];
     start_params(start);
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         run_fit(contexts[m], 30, &o, &limits);
         assert_memory_equal(o.p, start, GSCL_PARAMS * sizeof *start);
         for (size_t k = GSCL_PARAMS; k < 2 * GSCL_PARAMS; k++)

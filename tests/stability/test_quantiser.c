@@ -26,7 +26,7 @@ static const double ln2 = 0.69314718055994530942, pi = 3.14159265358979323846;
 
 static void check_bytes(const char *name, const uint8_t *bytes, size_t size) {
     char message[200];
-    if (!decodes_alike(contexts, bytes, size, message, sizeof message))
+    if (!decodes_alike(contexts, decoder_count, bytes, size, message, sizeof message))
         fail_msg("%s: %s", name, message);
 }
 
@@ -296,10 +296,10 @@ static void test_clustered_codebooks(void **state) {
         {"clustered words, one splat", 1, 8, 8, 1, false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        for (int m = 0; m < 2; m++) {
+        for (int m = 0; m < mapping_count; m++) {
             double error;
             check_books(contexts[m], &cases[i], &error);
-            report("quantiser", cases[i].name, m ? "gpu" : "cpu", "word's error, half steps and rounding", 1.0, error);
+            report("quantiser", cases[i].name, mapping_names[m], "word's error, half steps and rounding", 1.0, error);
             if (error > 1.0)
                 fail_msg("%s: a word is off by %g half steps", cases[i].name, error);
         }

@@ -111,7 +111,7 @@ static int failures;
 
 static void run_seed(uint32_t seed) {
     static scene s;
-    scene_errors errors[2];
+    scene_errors errors[STABILITY_MAPPINGS];
     char message[300];
     random_scene(&s, seed);
     if (scene_agrees(&s, errors, message, sizeof message) &&

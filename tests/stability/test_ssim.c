@@ -137,7 +137,7 @@ static void check_pair(const char *name, const float *rendering, const float *ta
         a[i] = rendering[i];
         b[i] = target[i];
     }
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         assert_int_equal(differentiate(contexts[m], rendering, target, slopes[m]), GSCL_OK);
         assert_int_equal(differentiate(contexts[m], rendering, target, again), GSCL_OK);
         assert_memory_equal(slopes[m], again, sizeof again);
@@ -146,15 +146,15 @@ static void check_pair(const char *name, const float *rendering, const float *ta
         const double expected = (8.0 * difference(a, b, i, STEP) - difference(a, b, i, 2.0 * STEP)) / (12.0 * STEP);
         const double bound = bound_of(a, b, i) + 1e-9;
         largest_bound = fmax(largest_bound, bound);
-        for (int m = 0; m < 2; m++) {
+        for (int m = 0; m < mapping_count; m++) {
             worst[m] = fmax(worst[m], fabs(slopes[m][i] - expected));
             if (!(fabs(slopes[m][i] - expected) <= bound))
                 fail_msg("%s: pixel %d: the slope is %.9g, %.9g expected, at most %.3g apart", name, i, slopes[m][i],
                          expected, bound);
         }
     }
-    report("SSIM", name, "cpu", "slope of the loss", largest_bound, worst[0]);
-    report("SSIM", name, "gpu", "slope of the loss", largest_bound, worst[1]);
+    for (int m = 0; m < mapping_count; m++)
+        report("SSIM", name, mapping_names[m], "slope of the loss", largest_bound, worst[m]);
 }
 
 /* ---- Cases ---- */

@@ -50,6 +50,8 @@ static cl_int CL_API_CALL fake_get_device_info(cl_device_id device, cl_device_in
         return CL_OUT_OF_RESOURCES;
     if (parameter == CL_DEVICE_AVAILABLE && unavailable)
         return copy_info(&no, sizeof no, size, value, needed);
+    if (parameter == CL_DEVICE_TYPE && fake.device_type)
+        return copy_info(&fake.device_type, sizeof fake.device_type, size, value, needed);
     if (parameter == CL_DEVICE_NAME && fake.device_name)
         return copy_info(fake.device_name, strlen(fake.device_name) + 1, size, value, needed);
     return real.clGetDeviceInfo(device == SECOND_DEVICE ? first_device : device, parameter, size, value, needed);

@@ -11,6 +11,7 @@ typedef void(CL_CALLBACK *fake_notice)(const char *text, const void *details, si
 /* With all fields zero every call reaches the real implementation. */
 typedef struct fake_opencl {
     const char *device_name, *platform_name; /* NULL: the real ones */
+    cl_device_type device_type;              /* 0: the real one */
     bool second_device;                      /* each platform has one more device, a copy of its first */
     bool first_unavailable, second_unavailable;
     cl_device_info failing_info; /* clGetDeviceInfo fails for this parameter; 0: for none */

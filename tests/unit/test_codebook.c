@@ -150,7 +150,7 @@ static void check_minimum(scene *s) {
 
 static void test_passes_reach_a_minimum(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         scene s;
         scene_open(&s, contexts[m]);
         const double before = rendering_error(&s);
@@ -165,7 +165,7 @@ static void test_passes_reach_a_minimum(void **state) {
 /* With a large lambda an RDO pass drops all splats, unless it must keep them. */
 static void test_lambda_and_keep_all(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < mapping_count; m++)
         for (int keep_all = 0; keep_all < 2; keep_all++) {
             scene s;
             scene_open(&s, contexts[m]);
@@ -212,7 +212,7 @@ static void test_passes_keep_their_memory(void **state) {
 
 static void test_steps_of_words_lower_the_error(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         scene s;
         scene_open(&s, contexts[m]);
         const double before = rendering_error(&s);
@@ -229,7 +229,7 @@ static void test_steps_of_words_lower_the_error(void **state) {
  * each step exactly. */
 static void test_straight_through_steps_lower_the_error(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         scene s;
         uint64_t random = 5;
         scene_open(&s, contexts[m]);

@@ -12,6 +12,7 @@
 #include <gscl/gscl.h>
 
 #include "every_decoder.h"
+#include "joined_tests.h"
 #include "oracle.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
@@ -107,9 +108,10 @@ static void check_encoding(const encoding *e) {
     settings.effort = 0;
     uint8_t *bytes = NULL;
     size_t size = 0;
-    const gscl_result result = gscl_encode(contexts[CPU_MAPPING], &image, &settings, &bytes, &size, NULL);
+    gscl_context *encoder = contexts[has_opencl() ? CPU_MAPPING : HOST];
+    const gscl_result result = gscl_encode(encoder, &image, &settings, &bytes, &size, NULL);
     if (result != GSCL_OK)
-        fail_msg("%s: %s", name, gscl_context_message(contexts[CPU_MAPPING]));
+        fail_msg("%s: %s", name, gscl_context_message(encoder));
     check_file(name, bytes, size);
     gscl_free(bytes);
     synthetic_image_free(&image);
@@ -412,12 +414,15 @@ int main(void) {
         cmocka_unit_test(test_random_scenes),
         cmocka_unit_test(test_splats),
     };
-    const struct CMUnitTest opencl_tests[] = {
+    const struct CMUnitTest encoder_tests[] = {
         cmocka_unit_test(test_encoded_kinds_and_blends),
         cmocka_unit_test(test_encoded_layouts),
         cmocka_unit_test(test_encoded_sizes),
         cmocka_unit_test(test_encoded_splat_counts),
         cmocka_unit_test(test_encoded_paper_profile),
     };
-    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_contexts, close_contexts);
+    JOIN_TESTS(tests);
+    if (has_encoder())
+        JOIN_TESTS(encoder_tests);
+    return run_joined_tests(open_contexts, close_contexts);
 }

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
+#include "devices.h"
 #include "fake_opencl.h"
 #include "runtime/text.h"
 
@@ -81,7 +82,7 @@ static void test_short_names_are_kept(void **state) {
     (void)state;
     gscl_context *context;
     fake.device_name = "Name";
-    assert_int_equal(open_device(NULL, &context), GSCL_OK);
+    assert_int_equal(open_device("0.0", &context), GSCL_OK);
     assert_string_equal(gscl_context_device(context)->device_name, "Name");
     gscl_context_free(&context);
 }
@@ -119,7 +120,7 @@ static void test_unavailable_device_is_refused(void **state) {
     assert_int_equal(try_device("rare", message), GSCL_ERROR_UNKNOWN_DEVICE);
     assert_string_equal(message, "OpenCL device 0.0 (Rare) is not available");
     assert_int_equal(try_device("other", message), GSCL_ERROR_UNKNOWN_DEVICE);
-    assert_non_null(strstr(message, "none that can be used"));
+    assert_non_null(strstr(message, has_native() ? "there is host (" : "none that can be used"));
 }
 
 static void test_no_available_device(void **state) {
@@ -127,9 +128,46 @@ static void test_no_available_device(void **state) {
     char message[512];
     gscl_device_info *devices;
     fake.first_unavailable = true;
+    if (has_native()) {
+        assert_int_equal(gscl_list_devices(&devices), GSCL_OK);
+        assert_string_equal(devices->id, GSCL_HOST_DEVICE);
+        assert_true(devices->is_default && !devices->next);
+        gscl_free(devices);
+        assert_int_equal(try_device(NULL, message), GSCL_OK);
+        return;
+    }
     assert_int_equal(gscl_list_devices(&devices), GSCL_ERROR_NO_PLATFORM);
     assert_int_equal(try_device(NULL, message), GSCL_ERROR_NO_PLATFORM);
     assert_non_null(strstr(message, "is not available"));
+}
+
+/* The id of the default device. */
+static void read_default(gscl_mapping mapping, char id[16]) {
+    gscl_context *context;
+    if (!open_on(&context, NULL, mapping))
+        fail_msg("%s", gscl_context_message(context));
+    snprintf(id, 16, "%s", gscl_context_device(context)->id);
+    gscl_context_free(&context);
+}
+
+/* A GPU or an accelerator comes first, then the processor's compiled kernels, then a CPU of OpenCL. */
+static void test_the_default_device(void **state) {
+    (void)state;
+    static const struct {
+        cl_device_type type;
+        gscl_mapping mapping;
+        bool is_opencl;
+    } cases[] = {
+        {CL_DEVICE_TYPE_GPU, GSCL_MAPPING_AUTO, true},  {CL_DEVICE_TYPE_ACCELERATOR, GSCL_MAPPING_AUTO, true},
+        {CL_DEVICE_TYPE_CPU, GSCL_MAPPING_AUTO, false}, {CL_DEVICE_TYPE_CPU, GSCL_MAPPING_CPU, false},
+        {CL_DEVICE_TYPE_CPU, GSCL_MAPPING_GPU, true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char id[16];
+        fake.device_type = cases[i].type;
+        read_default(cases[i].mapping, id);
+        assert_string_equal(id, cases[i].is_opencl || !has_native() ? "0.0" : GSCL_HOST_DEVICE);
+    }
 }
 
 static void test_every_description_is_checked(void **state) {
@@ -181,6 +219,7 @@ static void test_notices_are_logged(void **state) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = "0.0";
     settings.log = keep_log;
     settings.log_opaque = &log;
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
@@ -215,6 +254,7 @@ int main(void) {
         cmocka_unit_test_setup(test_unavailable_device_is_not_the_default, fake_nothing),
         cmocka_unit_test_setup(test_unavailable_device_is_refused, fake_nothing),
         cmocka_unit_test_setup(test_no_available_device, fake_nothing),
+        cmocka_unit_test_setup(test_the_default_device, fake_nothing),
         cmocka_unit_test_setup(test_every_description_is_checked, fake_nothing),
         cmocka_unit_test_setup(test_ambiguous_devices_are_named, fake_nothing),
         cmocka_unit_test_setup(test_notices_are_logged, fake_nothing),

@@ -14,6 +14,7 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
+#include "devices.h"
 #include "faults.h"
 
 #define WIDTH 40
@@ -24,12 +25,16 @@
 static uint8_t *file; /* made once; the subject of decodes */
 static size_t file_size;
 
-static gscl_context *open_device(const char *device) {
-    gscl_context *context;
+static gscl_result create_context(gscl_context **context, const char *device) {
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
     settings.device = device;
-    assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
+    return gscl_context_create(context, &settings);
+}
+
+static gscl_context *open_device(const char *device) {
+    gscl_context *context;
+    assert_int_equal(create_context(&context, device), GSCL_OK);
     return context;
 }
 
@@ -118,32 +123,32 @@ static void sweep_decodes(const char *device, fault_kind kind, bool forever, boo
 
 static void test_decode_opencl(void **state) {
     (void)state;
-    sweep_decodes(NULL, FAULT_OPENCL, false, false, 40);
+    sweep_decodes(first_opencl_device(), FAULT_OPENCL, false, false, 40);
 }
 
 static void test_decode_opencl_rows_with_gaps(void **state) {
     (void)state;
-    sweep_decodes(NULL, FAULT_OPENCL, true, true, 40);
+    sweep_decodes(first_opencl_device(), FAULT_OPENCL, true, true, 40);
 }
 
 static void test_decode_buffers(void **state) {
     (void)state;
-    sweep_decodes(NULL, FAULT_BUFFER, false, false, 10);
-    sweep_decodes(NULL, FAULT_BUFFER, true, false, 10);
+    sweep_decodes(first_opencl_device(), FAULT_BUFFER, false, false, 10);
+    sweep_decodes(first_opencl_device(), FAULT_BUFFER, true, false, 10);
 }
 
 /* No call succeeds from some moment on: the device cannot be waited for, either.  A decode waits for its image alone, so that
  * clFinish is called after an error only. */
 static void test_decode_lost_device(void **state) {
     (void)state;
-    sweep_decodes(NULL, FAULT_FINISH, false, false, 0);
-    sweep_decodes(NULL, FAULT_OPENCL, true, false, 40);
+    sweep_decodes(first_opencl_device(), FAULT_FINISH, false, false, 0);
+    sweep_decodes(first_opencl_device(), FAULT_OPENCL, true, false, 40);
 }
 
 static void test_decode_memory(void **state) {
     (void)state;
-    sweep_decodes(NULL, FAULT_MEMORY, false, false, 4);
-    sweep_decodes(NULL, FAULT_MEMORY, true, false, 4);
+    sweep_decodes(first_opencl_device(), FAULT_MEMORY, false, false, 4);
+    sweep_decodes(first_opencl_device(), FAULT_MEMORY, true, false, 4);
     sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, false, false, 4);
     sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, true, false, 4);
 }
@@ -168,7 +173,7 @@ static void sweep_encodes(gscl_profile profile, fault_kind kind, bool forever) {
     const int live = fault_live_blocks();
     uint8_t *expected, *bytes;
     size_t expected_size, size;
-    gscl_context *context = open_device(NULL);
+    gscl_context *context = open_device(first_opencl_device());
     assert_int_equal(encode(context, profile, &expected, &expected_size), GSCL_OK);
     gscl_free(expected);
     faults_begin(kind, 0, false);
@@ -179,7 +184,7 @@ static void sweep_encodes(gscl_profile profile, fault_kind kind, bool forever) {
     for (int number = 1; number <= count; number += step, faults++) {
         if (faults % 4 == 3) {
             gscl_context_free(&context);
-            context = open_device(NULL);
+            context = open_device(first_opencl_device());
         }
         encode_with_fault(context, profile, kind, number, forever);
     }
@@ -218,13 +223,14 @@ static void test_encode_memory(void **state) {
 /* ---- Opening a device, and reading without one ---------------------------------------------------- */
 
 static void sweep_contexts(fault_kind kind) {
+    const char *device = first_opencl_device();
     bool reached = true;
     int number = 1;
     for (; reached; number++) {
         gscl_context *context;
         const int live = fault_live_blocks();
         faults_begin(kind, number, false);
-        const gscl_result result = gscl_context_create(&context, NULL);
+        const gscl_result result = create_context(&context, device);
         reached = faults_end(kind) >= number;
         assert_explained(context, result, kind, number);
         gscl_context_free(&context);
@@ -293,7 +299,7 @@ static void test_reading(void **state) {
 static int make_file(void **state) {
     (void)state;
     gscl_context *context;
-    gscl_result result = gscl_context_create(&context, NULL);
+    gscl_result result = create_context(&context, first_opencl_device());
     if (result == GSCL_OK)
         result = encode(context, GSCL_PROFILE_DEFAULT, &file, &file_size);
     gscl_context_free(&context);

@@ -13,6 +13,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/tunables.h"
+#define TESTS_KERNELS
 #include "one_context.h"
 
 #define WIDTH 131 /* odd at two levels */

@@ -238,10 +238,10 @@ static void check_forward(const fit_case *c, const reference *t, const outcome *
 static void check_case(const fit_case *c, double allowed) {
     static reference t;
     static outcome outcomes[2];
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < mapping_count; i++)
         run_case(contexts[i], c, &outcomes[i]);
     reference_create(c, outcomes[0].background, &t);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < mapping_count; i++) {
         check_forward(c, &t, &outcomes[i]);
         check_gradient(c, &t, &outcomes[i], allowed);
     }
@@ -315,7 +315,7 @@ static void add_gradients_of_rows(gscl_fit *fit, const fit_case *c, float *total
 static void check_second_rows(const fit_case *c) {
     static reference t;
     static outcome o;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         gscl_fit fit;
         memset(&o, 0, sizeof o);
         check_call(contexts[m], c->name, gscl_fit_create(&fit, contexts[m], &c->options, WIDTH, HEIGHT, 0, c->target));
@@ -380,7 +380,7 @@ static void test_a_step_is_its_parts(void **state) {
     static float params[2][MANY * GSCL_PARAMS], projected[2][MANY * GSCL_PROJECTED];
     for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
         const fit_case *c = ordinary_case(blend, 3, 0, blend == GSCL_ALPHA, GSCL_LOSS_KIND_L2, 0);
-        for (int m = 0; m < 2; m++) {
+        for (int m = 0; m < mapping_count; m++) {
             memset(projected, 0, sizeof projected);
             for (int in_parts = 0; in_parts < 2; in_parts++)
                 take_steps(contexts[m], c, in_parts, params[in_parts], projected[in_parts]);
@@ -405,7 +405,7 @@ static void test_tiles_without_error_are_skipped(void **state) {
     int32_t skip_until[TILES];
     for (int i = 0; i < PLANE; i++)
         target[i] = i % W < 48 ? synthetic_uniform(0.0, 1.0) : 0.5f;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         gscl_fit fit;
         const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
         int skipped = 0, computed = 0;
@@ -477,7 +477,7 @@ static void test_ssim_weights(void **state) {
     for (int i = 0; i < 3 * PLANE; i++)
         expected_planes[i] = planes[i];
     oracle_ssim_weights(expected_planes, 3, W, H, 2, expected);
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         gscl_fit fit;
         const gscl_kernel_options options = {.colours = 3, .weighted = GSCL_WEIGHTED_PIXELS};
         check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
@@ -513,7 +513,7 @@ static void test_ssim_adaptation(void **state) {
         params[i * GSCL_PARAMS + GSCL_X] = synthetic_uniform(0, W);
         params[i * GSCL_PARAMS + GSCL_Y] = synthetic_uniform(0, H);
     }
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         gscl_fit fit;
         const gscl_kernel_options options = {.colours = 3, .weighted = GSCL_WEIGHTED_PIXELS};
         check_call(contexts[m], "create", gscl_fit_create(&fit, contexts[m], &options, W, H, 0, planes));
@@ -559,7 +559,7 @@ static void test_isotropic_splats_have_no_angle(void **state) {
             fit_case *c = ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L2, level);
             for (size_t i = 0; i < c->count; i++)
                 c->params[i * GSCL_PARAMS + GSCL_LOG_S2] = c->params[i * GSCL_PARAMS + GSCL_LOG_S1];
-            for (int m = 0; m < 2; m++) {
+            for (int m = 0; m < mapping_count; m++) {
                 run_case(contexts[m], c, &o);
                 for (size_t i = 0; i < c->count; i++)
                     assert_true(o.gradient[i * GSCL_PARAMS + GSCL_THETA] == 0.0f);
@@ -580,7 +580,7 @@ static void check_finite(const fit_case *c, const outcome *o) {
 
 static void check_hard(const fit_case *c) {
     static outcome o;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         run_case(contexts[m], c, &o);
         check_finite(c, &o);
     }
@@ -633,7 +633,7 @@ static void test_clamped_alpha(void **state) {
                                                  {20.5f, 16.5f, 9.0f, 9.0f, 0.0f, 0.0f, 0.5f, 0.5f, 0.1f, 0.0f}};
     c->count = 2;
     memcpy(c->params, splats, sizeof splats);
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         run_case(contexts[m], c, &o);
         check_finite(c, &o);
         for (int k = GSCL_X; k <= GSCL_THETA; k++)
@@ -651,7 +651,7 @@ static void test_same_input_gives_the_same_bits(void **state) {
             c->count = MANY;
             for (size_t i = 0; i < c->count; i++)
                 ordinary_splat(c->params + i * GSCL_PARAMS);
-            for (int m = 0; m < 2; m++) {
+            for (int m = 0; m < mapping_count; m++) {
                 run_case(contexts[m], c, &first);
                 run_case(contexts[m], c, &second);
                 for (size_t i = 0; i < c->count * GSCL_PARAMS; i++)

@@ -1,5 +1,5 @@
-/* Compatibility of the public interface: structs of another size, versions, and limits of a decode.  Without OpenCL, those of
- * encodes are skipped. */
+/* Compatibility of the public interface: structs of another size, versions, and limits of a decode.  A library
+ * without an encoder skips those of encodes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 
 #include "cl/constants.h"
 #include "format/format.h"
-#include "has_opencl.h"
+#include "joined_tests.h"
 #include "one_context.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
@@ -464,11 +464,14 @@ int main(void) {
         cmocka_unit_test(test_work_is_the_area_of_outlines),
         cmocka_unit_test(test_work_follows_size_and_crop),
     };
-    const struct CMUnitTest opencl_tests[] = {
+    const struct CMUnitTest encoder_tests[] = {
         cmocka_unit_test(test_wrong_sizes_are_refused_by_encodes),
         cmocka_unit_test(test_encode_of_an_old_program),
         cmocka_unit_test(test_value_of_the_automatic_target_is_not_used),
         cmocka_unit_test(test_report_of_an_old_program),
     };
-    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_file, close_file);
+    JOIN_TESTS(tests);
+    if (has_encoder())
+        JOIN_TESTS(encoder_tests);
+    return run_joined_tests(open_file, close_file);
 }

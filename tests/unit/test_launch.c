@@ -9,6 +9,7 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
+#include "devices.h"
 #include "fake_opencl.h"
 #include "opencl/build_options.h"
 #include "opencl/cl_error.h"
@@ -18,9 +19,9 @@
 
 static int open_context(void **state) {
     gscl_context *context;
-    const gscl_result result = gscl_context_create(&context, NULL);
+    const bool opened = open_on(&context, first_opencl_device(), GSCL_MAPPING_AUTO);
     *state = context;
-    return result == GSCL_OK ? 0 : -1;
+    return opened ? 0 : -1;
 }
 
 static int fake_nothing(void **state) {

@@ -10,6 +10,7 @@
 
 #include "cl/constants.h"
 #include "fit/fit.h"
+#define TESTS_KERNELS
 #include "one_context.h"
 
 #define WIDTH 94 /* not a multiple of a tile */

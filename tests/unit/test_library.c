@@ -160,7 +160,7 @@ static void test_devices(void **state) {
     for (const gscl_device_info *device = devices; device; device = device->next) {
         defaults += device->is_default;
         assert_true(device->is_default == (device->why_default[0] != '\0'));
-        if (device->is_default)
+        if (device->is_default && !test_device())
             assert_string_equal(device->id, own->id);
     }
     assert_int_equal(defaults, 1);
@@ -540,14 +540,14 @@ static double psnr_of(const gscl_image *image, size_t bytes, int effort, uint64_
     return report.psnr;
 }
 
-/* Stripes benefit from textures, but a fit of so few splats does not find them from every seed.  The lowest effort does not
- * search for them. */
+/* Stripes benefit from textures, but a fit of so few splats finds them from one seed in four or five.  The lowest effort does
+ * not search for them. */
 static void test_textures(void **state) {
     (void)state;
     uint32_t effects;
     gscl_image stripes = striped_image();
     double without = 0, with = 0;
-    for (uint64_t seed = 1; seed <= 4; seed++) {
+    for (uint64_t seed = 1; seed <= 24 && with == 0; seed++) {
         without = fmax(without, psnr_of(&stripes, 300, 0, seed, &effects));
         assert_false(effects & GSCL_EFFECT_TEXTURE);
         const double found = psnr_of(&stripes, 300, 5, seed, &effects);
@@ -669,7 +669,7 @@ static void test_same_bytes_every_time(void **state) {
         const file first = encode_file(&image, &settings);
         const file other = encode_some(SYNTHETIC_SHAPES, 40, 90, 3, 40);
         const file second = encode_file(&image, &settings);
-        assert_int_equal(gscl_context_create(&fresh, NULL), GSCL_OK);
+        assert_true(open_on(&fresh, test_device(), GSCL_MAPPING_AUTO));
         context = fresh;
         const file third = encode_file(&image, &settings);
         context = shared;

@@ -9,6 +9,7 @@
 
 #include <gscl/gscl.h>
 
+#include "both_mappings.h"
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/random.h"
@@ -137,22 +138,15 @@ static void check_fit(gscl_context *context, size_t count) {
 
 static void test_entries_are_linked(void **unused) {
     (void)unused;
-    static const gscl_mapping mappings[2] = {GSCL_MAPPING_CPU, GSCL_MAPPING_GPU};
     assert_true(FEW > GSCL_LINK_BLOCK && FEW <= gscl_fit_tunables.max_counted_at_once);
     assert_true(MANY > gscl_fit_tunables.max_counted_at_once);
-    for (int i = 0; i < 2; i++) {
-        gscl_context_settings settings;
-        gscl_context *context;
-        gscl_context_settings_default(&settings);
-        settings.mapping = mappings[i];
-        assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
-        check_fit(context, FEW);
-        check_fit(context, MANY);
-        gscl_context_free(&context);
+    for (int i = 0; i < mapping_count; i++) {
+        check_fit(contexts[i], FEW);
+        check_fit(contexts[i], MANY);
     }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_entries_are_linked)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, open_contexts, close_contexts);
 }

@@ -11,7 +11,8 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
-#include "has_opencl.h"
+#include "devices.h"
+#include "joined_tests.h"
 #include "synthetic_scene.h"
 
 #define WIDTH 40
@@ -61,7 +62,7 @@ static int open_device(const char *device, void **state) {
 }
 
 static int open_context(void **state) {
-    return open_device(NULL, state);
+    return open_device(test_device(), state);
 }
 
 static int close_context(void **state) {
@@ -163,9 +164,9 @@ static void decode_without_memory(const char *device) {
     free(bytes);
 }
 
-static void test_decode(void **state) {
+static void test_decode_with_opencl(void **state) {
     (void)state;
-    decode_without_memory(NULL);
+    decode_without_memory(first_opencl_device());
 }
 
 static void test_decode_on_host(void **state) {
@@ -197,7 +198,7 @@ static void test_context(void **state) {
     for (int number = 1; result != GSCL_OK; number++) {
         gscl_context *context;
         fail_allocation(number);
-        result = gscl_context_create(&context, NULL);
+        result = open_on(&context, test_device(), GSCL_MAPPING_AUTO) ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
         fail_allocation(0);
         assert_true(result == GSCL_OK || !context || strlen(gscl_context_message(context)) > 0);
         gscl_context_free(&context);
@@ -239,10 +240,17 @@ int main(void) {
         cmocka_unit_test(test_decode_on_host),
         cmocka_unit_test(test_context),
     };
-    const struct CMUnitTest opencl_tests[] = {
-        cmocka_unit_test(test_encode),  cmocka_unit_test(test_encode_with_codebooks),
-        cmocka_unit_test(test_decode),  cmocka_unit_test(test_measurements),
+    const struct CMUnitTest encoder_tests[] = {
+        cmocka_unit_test(test_encode),
+        cmocka_unit_test(test_encode_with_codebooks),
+        cmocka_unit_test(test_measurements),
         cmocka_unit_test(test_compare),
     };
-    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_context, close_context);
+    const struct CMUnitTest opencl_tests[] = {cmocka_unit_test(test_decode_with_opencl)};
+    JOIN_TESTS(tests);
+    if (has_encoder())
+        JOIN_TESTS(encoder_tests);
+    if (has_opencl())
+        JOIN_TESTS(opencl_tests);
+    return run_joined_tests(open_context, close_context);
 }

@@ -16,6 +16,7 @@
 #include "fit/random.h"
 #include "fit/tunables.h"
 #include "image/flat_background.h"
+#define TESTS_KERNELS
 #include "one_context.h"
 
 #define WIDTH 70 /* not a multiple of a strip, or of what a work-item sums */

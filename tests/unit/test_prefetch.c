@@ -11,6 +11,7 @@
 #include <gscl/gscl.h>
 
 #include "cl/constants.h"
+#include "devices.h"
 #include "opencl/opencl_device.h"
 #include "opencl/prefetch.h"
 #include "opencl/program.h"
@@ -39,6 +40,7 @@ static gscl_context *open_with(const gscl_quirks *quirks, log_counts *counts) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = first_opencl_device();
     settings.log = count_builds;
     settings.log_opaque = counts;
     *counts = (log_counts){0, 0};

@@ -13,6 +13,7 @@
 #include <gscl/gscl.h>
 #include <unistd.h>
 
+#include "devices.h"
 #include "opencl/library.h"
 
 #define WIDTH 24
@@ -129,6 +130,7 @@ static gscl_context *open_context(const char *cache, gscl_mapping mapping) {
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
     assert_null(settings.cache_folder);
+    settings.device = first_opencl_device();
     settings.cache_folder = cache;
     settings.mapping = mapping;
     settings.build = count_build;

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
+#include "devices.h"
 #include "fake_opencl.h"
 #include "runtime/kernel_options.h"
 #include "runtime/mapping.h"
@@ -28,6 +29,7 @@ static gscl_context *open_as(const char *platform_name, gscl_mapping mapping) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = first_opencl_device();
     settings.mapping = mapping;
     fake = (fake_opencl){.platform_name = platform_name};
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);

@@ -66,7 +66,7 @@ static void check_overflowing_lists(gscl_context *context) {
 
 static void test_overflowing_lists_are_drawn_again(void **unused) {
     (void)unused;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < mapping_count; i++)
         check_overflowing_lists(contexts[i]);
 }
 
@@ -105,7 +105,7 @@ static void check_directions(gscl_context *context) {
 
 static void test_directions_are_exact(void **unused) {
     (void)unused;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < mapping_count; i++)
         check_directions(contexts[i]);
 }
 

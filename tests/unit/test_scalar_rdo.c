@@ -154,7 +154,7 @@ static void test_free_bits_reach_a_minimum(void **state) {
     (void)state;
     for (int variant = 0; variant < 48; variant++) {
         scene s;
-        open_scene(&s, contexts[variant / 8 % 2], variant & 1 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED,
+        open_scene(&s, contexts[variant / 8 % mapping_count], variant & 1 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED,
                    variant & 2 ? GSCL_WEIGHTED_PIXELS : GSCL_WEIGHTED_NOT, variant & 4, (splat_kind)(variant / 16));
         const double before = error_of(&s);
         run_passes(&s, FREE, true);
@@ -192,7 +192,7 @@ static void test_passes_lower_the_visual_loss(void **state) {
     (void)state;
     for (int variant = 0; variant < 8; variant++) {
         scene s;
-        open_scene(&s, contexts[variant % 2], variant & 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, GSCL_WEIGHTED_LUMA,
+        open_scene(&s, contexts[variant % mapping_count], variant & 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, GSCL_WEIGHTED_LUMA,
                    variant & 4, ELLIPSES);
         s.fit.renderer.options.weighted = GSCL_WEIGHTED_NOT;
         run_passes(&s, FREE, true);
@@ -209,7 +209,7 @@ static void test_passes_lower_the_visual_loss(void **state) {
 
 static void test_expensive_bits_drop_all_splats(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         scene s;
         open_scene(&s, contexts[m], GSF_BLEND_NORMALIZED, false, true, ELLIPSES);
         run_passes(&s, 1e4, false);
@@ -221,7 +221,7 @@ static void test_expensive_bits_drop_all_splats(void **state) {
 /* Splats of layers before keep their codes, and are not dropped. */
 static void test_fixed_splats_stay(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         gsf_splat before[SPLATS / 2];
         scene s;
         open_scene(&s, contexts[m], GSF_BLEND_NORMALIZED, false, true, ELLIPSES);
@@ -257,7 +257,7 @@ static int elongation_at_price(gscl_context *context, gsf_blend blend, double pr
 static void test_a_price_of_elongation_makes_splats_shorter(void **state) {
     (void)state;
     for (int variant = 0; variant < 4; variant++) {
-        gscl_context *context = contexts[variant / 2];
+        gscl_context *context = contexts[variant / 2 % mapping_count];
         const bool sum = variant % 2;
         const gsf_blend blend = sum ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED;
         const int at_none = elongation_at_price(context, blend, 0), at_high = elongation_at_price(context, blend, 1);
@@ -285,7 +285,7 @@ static void test_waves_explain_their_part_of_the_error(void **state) {
         const int weighted[] = {GSCL_WEIGHTED_NOT, GSCL_WEIGHTED_PIXELS, GSCL_WEIGHTED_LUMA};
         int waves[3];
         for (int i = 0; i < 3; i++)
-            waves[i] = waves_that_explain(contexts[variant % 2], weighted[variant / 2], 0.5 * i);
+            waves[i] = waves_that_explain(contexts[variant % mapping_count], weighted[variant / 2], 0.5 * i);
         if (!(waves[0] > waves[1] && waves[1] > 0 && waves[2] == 0))
             fail_msg("variant %d: %d waves, %d at one half, %d at 1", variant, waves[0], waves[1], waves[2]);
     }
@@ -306,7 +306,7 @@ static void check_same_files(scene *a, scene *b) {
 static void test_reused_buffers_change_nothing(void **state) {
     (void)state;
     const gscl_scalar_rdo_settings settings = {.lambda_scale = 0.1, .keep_all = true, .scan_textures = true};
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         scene reused, fresh;
         open_scene(&reused, contexts[m], GSF_BLEND_NORMALIZED, false, true, TRANSLUCENT);
         for (int pass = 0; pass < 8; pass++) /* enough to fill all groups, were they not emptied */

@@ -13,6 +13,7 @@
 #include "decode/quantise.h"
 #include "scalar/scalar_fit.h"
 #include "scalar/search_pool.h"
+#define TESTS_KERNELS
 #include "one_context.h"
 #include "synthetic_scene.h"
 

@@ -1,5 +1,5 @@
-/* Decoding without OpenCL, on the device "host": crops, sizes, forms, limits and errors, beside both mappings of OpenCL where
- * the library has it.  Samples at the encoded size are compared with the oracle in test_conformance.c and in tests/stability/. */
+/* Decoding in software, on the device "host": crops, sizes, forms, limits and errors, beside both mappings of OpenCL where the
+ * library has it.  Where it has kernels for the processor, they draw images that are large.  Samples at the encoded size are compared with the oracle in test_conformance.c and in tests/stability/. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,6 +15,7 @@
 #include "cl/constants.h"
 #include "decode/resize.h"
 #include "every_decoder.h"
+#include "joined_tests.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
 
@@ -359,11 +360,12 @@ static void test_images_beyond_the_memory(void **state) {
 
 /* ---- The context ---- */
 
-static void test_device(void **state) {
+static void test_the_device(void **state) {
     (void)state;
     const gscl_device_info *device = gscl_context_device(contexts[HOST]);
     assert_string_equal(device->id, "host");
-    assert_false(device->is_gpu || device->is_default || device->next);
+    assert_false(device->is_gpu || device->next);
+    assert_true(has_native() || !device->is_default);
 }
 
 static void ignore(void *opaque, const gscl_measurement *measurement) {
@@ -377,7 +379,7 @@ static void test_encoding_is_refused(void **state) {
     size_t size = 0;
     const gscl_image image = {.width = 2, .height = 2, .channels = 3, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
     assert_int_equal(gscl_encode(contexts[HOST], &image, NULL, &bytes, &size, NULL), GSCL_ERROR_NO_ENCODER);
-    assert_non_null(strstr(gscl_context_message(contexts[HOST]), "encoding needs an OpenCL device"));
+    assert_non_null(strstr(gscl_context_message(contexts[HOST]), "encoding needs kernels"));
     assert_true(!bytes && size == 0);
     assert_int_equal(gscl_benchmark_kernels(contexts[HOST], NULL, ignore, NULL), GSCL_ERROR_NO_ENCODER);
     assert_non_null(strstr(gscl_context_message(contexts[HOST]), "a benchmark needs"));
@@ -416,13 +418,20 @@ int main(void) {
 #if SIZE_MAX <= UINT32_MAX
         cmocka_unit_test(test_images_beyond_the_memory),
 #endif
-        cmocka_unit_test(test_device),
-        cmocka_unit_test(test_encoding_is_refused),
+        cmocka_unit_test(test_the_device),
     };
     const struct CMUnitTest opencl_tests[] = {
         cmocka_unit_test(test_sizes_are_those_of_opencl),
         cmocka_unit_test(test_partial_and_bare_files),
-        cmocka_unit_test(test_timings),
     };
-    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, open_contexts, close_contexts);
+    const struct CMUnitTest encoder_tests[] = {cmocka_unit_test(test_timings)};
+    const struct CMUnitTest refusals[] = {cmocka_unit_test(test_encoding_is_refused)};
+    JOIN_TESTS(tests);
+    if (has_opencl())
+        JOIN_TESTS(opencl_tests);
+    if (has_encoder())
+        JOIN_TESTS(encoder_tests);
+    if (!has_native())
+        JOIN_TESTS(refusals);
+    return run_joined_tests(open_contexts, close_contexts);
 }

@@ -1,5 +1,5 @@
 /* Eight threads, each with a context of its own, encode, decode and inspect at the same time, and get what one thread alone
- * gets; without OpenCL they decode and inspect.  tests/check_threads.sh runs this with ThreadSanitizer. */
+ * gets; a library without an encoder decodes and inspects.  tests/check_threads.sh runs this with ThreadSanitizer. */
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +11,8 @@
 #include <cmocka.h>
 #include <gscl/gscl.h>
 
-#include "has_opencl.h"
+#include "devices.h"
+#include "joined_tests.h"
 #include "synthetic_scene.h"
 
 #define THREADS 8
@@ -22,8 +23,8 @@
 
 /* What a thread makes: a file, and the pixels that its file shows. */
 typedef struct product {
-    const char *device;  /* that decodes; NULL is the default OpenCL device, which encodes, too */
-    const uint8_t *file; /* to decode, where the device does not encode */
+    const char *device;
+    const uint8_t *file; /* to decode; NULL: encodes, too */
     size_t file_size;
     uint8_t *bytes;
     size_t size;
@@ -111,15 +112,24 @@ static void run_threads(const product *expected) {
     free(made);
 }
 
-static void test_opencl(void **state) {
-    (void)state;
-    product expected = {.device = NULL};
+static void encode_in_threads(const char *device) {
+    product expected = {.device = device};
     assert_int_equal(make(&expected), GSCL_OK);
     run_threads(&expected);
     gscl_free(expected.bytes);
 }
 
-static void test_host(void **state) {
+static void test_opencl(void **state) {
+    (void)state;
+    encode_in_threads(first_opencl_device());
+}
+
+static void test_native(void **state) {
+    (void)state;
+    encode_in_threads(GSCL_HOST_DEVICE);
+}
+
+static void test_decoding_on_host(void **state) {
     (void)state;
     uint8_t *file;
     size_t size;
@@ -132,10 +142,14 @@ static void test_host(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_host),
+        cmocka_unit_test(test_decoding_on_host),
     };
-    const struct CMUnitTest opencl_tests[] = {
-        cmocka_unit_test(test_opencl),
-    };
-    return RUN_WITH_OPENCL_TESTS(tests, opencl_tests, NULL, NULL);
+    const struct CMUnitTest native_tests[] = {cmocka_unit_test(test_native)};
+    const struct CMUnitTest opencl_tests[] = {cmocka_unit_test(test_opencl)};
+    JOIN_TESTS(tests);
+    if (has_native())
+        JOIN_TESTS(native_tests);
+    if (has_opencl())
+        JOIN_TESTS(opencl_tests);
+    return run_joined_tests(NULL, NULL);
 }

@@ -10,13 +10,17 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
+#include "devices.h"
+
 #define WIDTH 40
 #define HEIGHT 24
+#define DECODED_SCALE 16 /* a decode enlarges the image, so that it has too many pixels to be drawn in software */
 
 static gscl_context *new_context(bool timing) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
+    settings.device = test_device();
     settings.timing = timing;
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
     return context;
@@ -32,10 +36,14 @@ static void encode_and_decode_rows(gscl_context *context, uint32_t rows) {
         .width = WIDTH, .height = rows, .channels = 1, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
     gscl_image decoded = {0};
     gscl_encode_settings settings;
+    gscl_decode_settings larger;
     gscl_encode_settings_default(&settings);
+    gscl_decode_settings_default(&larger);
     settings.effort = 0;
+    larger.width = DECODED_SCALE * WIDTH;
+    larger.height = DECODED_SCALE * rows;
     assert_int_equal(gscl_encode(context, &image, &settings, &bytes, &size, NULL), GSCL_OK);
-    assert_int_equal(gscl_decode(context, bytes, size, NULL, &decoded), GSCL_OK);
+    assert_int_equal(gscl_decode(context, bytes, size, &larger, &decoded), GSCL_OK);
     gscl_free(decoded.pixels);
     gscl_free(bytes);
 }

@@ -116,7 +116,7 @@ static void check_scene(int mapping, int colours, int alpha, int level) {
 
 static void test_derivative(void **state) {
     (void)state;
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < mapping_count; m++) {
         check_scene(m, 3, 0, 0);
         check_scene(m, 1, 0, 0);
         check_scene(m, 3, 1, 1);

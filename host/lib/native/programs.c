@@ -2,13 +2,15 @@
 
 #include <string.h>
 
+bool gscl_native_general;
+
 gscl_native_options gscl_native_options_of(const gscl_kernel_options *o) {
     return (gscl_native_options){o->blend, o->opacity, o->texture, o->shape, o->loss, o->weighted};
 }
 
 static bool serves(const gscl_native_program *program, gscl_program_kind kind, const gscl_kernel_options *options) {
     const gscl_native_options *own = &program->options;
-    if (program->kind != kind)
+    if (program->kind != kind || (program->is_specialised && gscl_native_general))
         return false;
     if (program->colours && (program->colours != options->colours || program->alpha_channel != options->alpha_channel))
         return false;

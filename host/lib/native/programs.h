@@ -46,6 +46,9 @@ extern const size_t gscl_native_processor_count;
 const gscl_native_kernel *gscl_native_find(const gscl_native_processor *processor, gscl_program_kind kind,
                                            const gscl_kernel_options *options, const char *name);
 
+/* For tests: whether gscl_native_find takes general programs alone, which compute the same as specialised ones. */
+extern bool gscl_native_general;
+
 gscl_native_options gscl_native_options_of(const gscl_kernel_options *options);
 
 #endif
