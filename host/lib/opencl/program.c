@@ -19,8 +19,8 @@
 /* From parameters to projected splats. */
 #define SPLAT_FILES "splat_lanes.cl", "direction.cl", "project.cl"
 
-/* Source files of each kind, in the order in which the compiler reads them. */
-static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
+/* Source files of each kind, in the order in which the compiler reads them.  A NULL ends each list. */
+static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES + 1] = {
     [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "links.cl", "bin.cl"},
     [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "draw.cl", SPLAT_FILES, "splats.cl", "samples.cl"},
     [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "fit.cl", "update.cl",
@@ -39,6 +39,10 @@ static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES] = {
     [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "draw.cl", "accuracy.cl"},
 };
 
+const char *const *gscl_program_files(gscl_program_kind kind) {
+    return program_files[kind];
+}
+
 static const struct gscl_kernel_source *find_source(const char *name) {
     for (size_t i = 0; i < gscl_kernel_source_count; i++)
         if (strcmp(gscl_kernel_sources[i].name, name) == 0)
@@ -55,8 +59,8 @@ typedef struct program_sources {
 
 /* Returns NULL, or the name of the file that is missing in this build. */
 static const char *find_sources(gscl_program_kind kind, program_sources *sources) {
-    const char *const *names = program_files[kind];
-    for (sources->count = 0; sources->count < MAX_FILES && names[sources->count]; sources->count++) {
+    const char *const *names = gscl_program_files(kind);
+    for (sources->count = 0; names[sources->count]; sources->count++) {
         const struct gscl_kernel_source *source = find_source(names[sources->count]);
         if (!source)
             return names[sources->count];
