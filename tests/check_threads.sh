@@ -10,7 +10,8 @@ build=$1
 again=
 [ ! -f "$build/build.ninja" ] || again=--reconfigure
 meson setup $again "$build" --buildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false -Dtests=enabled \
-    -Dtool=enabled -Dweb=disabled -Ddesktop=disabled -Dopenimageio=disabled -Dplots=disabled >/dev/null
+    -Dtool=enabled -Dweb=disabled -Ddesktop=disabled -Dopenimageio=disabled -Dplots=disabled \
+    -Dnative_processors=own >/dev/null
 ninja -C "$build" gscl tests/test_threads >/dev/null
 build=$(cd "$build" && pwd)
 export TSAN_OPTIONS="halt_on_error=1 exitcode=66 suppressions=$PWD/tests/tsan.supp" POCL_SIGFPE_HANDLER=0

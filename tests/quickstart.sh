@@ -17,7 +17,7 @@ install_packages $build_packages
 echo "quickstart: building"
 log=$(mktemp)
 {
-    [ -f build/build.ninja ] || meson setup build
+    [ -f build/build.ninja ] || meson setup build -Dnative_processors=own
     ninja -C build gscl gscl-imageio.so tests/sample/make_sample tests/sample/side_by_side
 } >"$log" 2>&1 || { tail -n 30 "$log" >&2; exit 1; }
 rm -f "$log"

@@ -1,8 +1,11 @@
 #!/bin/sh
-# Runs every test: sh tests/run.sh
+# Runs the tests: sh tests/run.sh [--whole]
 #
 # Installs missing packages (Debian), builds in folders build*/ and ends with one line, "N passed, N failed".
 # Exits with 0 only if no test failed.
+#
+# Without --whole the hard cases run on the device "host", and those that take PoCL many minutes do not run on PoCL (the suite
+# `whole` of tests/stability/meson.build); every kernel is tested on both.
 #
 # What runs after what: release_build first, and then two lanes at once, each from top to bottom.  No lane waits for another,
 # and none needs what another writes.  Those in kernel_lane find kernels that tests above them have compiled.
@@ -18,7 +21,7 @@ release_build() {
 }
 
 kernel_lane() {
-    suite build-test
+    suite build-test $without_whole
     sanitizers
 }
 
@@ -29,7 +32,8 @@ build_lane() {
     library_alone
     # Its warnings do not depend on optimisation.
     CC=clang CXX=clang++ check "no warnings from clang" \
-        build build-clang -Dwerror=true -Doptimization=0 -Db_ndebug=true -Dtool=enabled -Dtests=enabled -Dweb=disabled
+        build build-clang -Dwerror=true -Doptimization=0 -Db_ndebug=true -Dtool=enabled -Dtests=enabled -Dweb=disabled \
+        -Dnative=disabled
     check "no data races" sh tests/check_threads.sh build-thread
     check "valgrind" sh tests/check_valgrind.sh build-test
     check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
@@ -63,26 +67,29 @@ image_files() {
     pytest_suite formats.xml sh tests/formats/test.sh build-test build-test/python
 }
 
-# Host code under ASan and UBSan, with small hard cases; check_leaks.sh, after the tests whose kernels it finds, looks for leaks.
+# The library and its kernels under ASan and UBSan, with small hard cases on the device "host"; check_leaks.sh, after the tests whose kernels it finds, looks for leaks.
 sanitizers() {
     check "build with sanitizers" build build-sanitize \
         --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled \
-        -Dopenimageio=disabled -Ddesktop=disabled -Dplots=disabled
+        -Dopenimageio=disabled -Ddesktop=disabled -Dplots=disabled -Dnative_processors=own
     export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     export STABILITY_SMALL=1
-    suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability
+    suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability --no-suite opencl --no-suite whole
     unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
     check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 }
 
 # Here, and on other machines.
 library_without_opencl() {
-    check "build without OpenCL" build build-decoder -Dopencl=disabled -Dtool=disabled -Dtests=enabled -Dweb=disabled \
-        -Dopenimageio=disabled -Ddesktop=disabled
+    check "build without OpenCL" build build-host -Dopencl=disabled -Dnative=enabled -Dnative_processors=own -Dtool=disabled \
+        -Dtests=enabled -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
+    suite build-host --suite unit
+    check "build that only decodes" build build-decoder -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dtests=enabled \
+        -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
     export STABILITY_SMALL=1
     suite build-decoder
     unset STABILITY_SMALL
-    check "library without OpenCL" sh tests/install/test_without_opencl.sh build-decoder
+    check "library that only decodes" sh tests/install/test_without_opencl.sh build-decoder
     show "other machines" sh tests/portability/run.sh --quick
     for machine in $quick_machines; do
         add_counts "build-portability/$machine/meson-logs/testlog.json"
@@ -91,7 +98,8 @@ library_without_opencl() {
 
 # The library without the tool needs no C++ compiler.
 library_alone() {
-    CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled
+    CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled \
+        -Dnative_processors=own
     check "install of the library" sh tests/install/test_install.sh build-library
     check "reproducible and hardened build" sh tests/install/test_reproducible.sh
     check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so
@@ -180,6 +188,11 @@ pytest_suite() {
 
 # All tests but those of tests/devices run on PoCL, whatever else is installed.
 [ ! -f /etc/OpenCL/vendors/pocl.icd ] || export OCL_ICD_VENDORS=/etc/OpenCL/vendors/pocl.icd
+
+# Inherited by the lanes.
+without_whole=${without_whole---no-suite whole}
+[ "${1:-}" != --whole ] || without_whole=
+export without_whole
 
 # In a lane: run.sh --lane LANE WORK
 if [ "${1:-}" = --lane ]; then

@@ -1,13 +1,13 @@
 # For tests/quickstart.sh and tests/run.sh, which read this file with `.`: Debian packages.
 
-# Packages of the library and the tool; clang compiles the kernels into the library.
-build_packages="meson ninja-build pkg-config gcc g++ clang libc6-dev python3 opencl-headers
-    libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libcairo2-dev"
+# Packages of the library and the tool: clang compiles the kernels into the library, and PoCL is an OpenCL device on processors
+# that the library has no kernels for.
+build_packages="meson ninja-build pkg-config gcc g++ clang libc6-dev python3 opencl-headers ocl-icd-libopencl1
+    pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libcairo2-dev"
 # Packages of the decoder for web pages.
 web_packages="binaryen esbuild lld"
-# Further packages of the tests, among them PoCL, an OpenCL device on any CPU.
-test_packages="abigail-tools clang-format clang-tidy file libcmocka-dev libglib2.0-bin mesa-opencl-icd ocl-icd-libopencl1
-    oclgrind pocl-opencl-icd shared-mime-info valgrind
+# Further packages of the tests.
+test_packages="abigail-tools clang-format clang-tidy file libcmocka-dev libglib2.0-bin mesa-opencl-icd oclgrind shared-mime-info valgrind
     openimageio-tools python3-dev python3-venv $web_packages chromium nodejs
     dbus-daemon imagemagick jq libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
     cmake fish man-db mandoc librsvg2-bin zsh"

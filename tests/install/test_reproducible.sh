@@ -13,7 +13,7 @@ trap 'rm -rf "$work"' EXIT INT TERM
 build() {
     mkdir -p "$1"
     (cd "$here/../.." && cp -R cl format host meson.build meson_options.txt "$1")
-    meson setup "$2" "$1" -Dopencl=disabled -Dtool=enabled -Dtests=disabled -Dweb=disabled -Dplots=disabled \
+    meson setup "$2" "$1" -Dopencl=disabled -Dnative_processors=own -Dtool=enabled -Dtests=disabled -Dweb=disabled -Dplots=disabled \
         -Dopenimageio=disabled -Ddesktop=disabled -Ddebug=true -Doptimization=1 >"$work/log" &&
         ninja -C "$2" gscl libgscl.a >"$work/log" || {
         cat "$work/log"
