@@ -1,21 +1,20 @@
-/* Faults of a test program that is linked with --wrap for malloc, calloc, realloc and free: the calls that the library makes of
- * OpenCL and for memory are counted, and chosen ones fail.  Memory that the library releases while a copy of the device
- * may still use it is detected, and blocks that it never releases are counted. */
+/* Faults of a test program that is linked with --wrap for the functions of FAULT_MEMORY and FAULT_THREAD, and for free: the calls
+ * that the library makes for memory, of OpenCL (opencl_faults.h) and for threads are counted, and chosen ones fail.  Memory that
+ * the library releases while a copy of the device may still use it is detected, and blocks that it never releases are counted. */
 #ifndef GSCL_TESTS_FAULTS_H
 #define GSCL_TESTS_FAULTS_H
 
 #include <stdbool.h>
 
 typedef enum fault_kind {
-    FAULT_MEMORY, /* malloc, calloc, realloc */
+    FAULT_MEMORY, /* malloc, calloc, realloc, posix_memalign */
     FAULT_OPENCL, /* every call of OpenCL that can fail, but those that release */
     FAULT_FINISH, /* clFinish alone */
     FAULT_BUFFER, /* clCreateBuffer alone */
+    FAULT_THREAD, /* pthread_create */
     FAULT_KINDS
 } fault_kind;
 
-/* Takes the place of functions of OpenCL that the library calls; to be called first. */
-void faults_install(void);
 /* Starts to count from 0.  Call `number` of a kind fails, counted from 1, and with `forever` all after it; number 0: none
  * fails. */
 void faults_begin(fault_kind kind, int number, bool forever);
@@ -28,5 +27,11 @@ const char *fault_call(void);
 bool fault_released_too_early(void);
 /* Blocks that the library has allocated and not released. */
 int fault_live_blocks(void);
+
+/* For those that take the place of functions: counts a call and returns whether it fails. */
+bool fault_fails(fault_kind kind, const char *call);
+/* A copy of the device uses memory from now on; all have ended. */
+void fault_copy_begins(const void *memory);
+void fault_copies_end(void);
 
 #endif

@@ -16,6 +16,7 @@
 
 #include "devices.h"
 #include "faults.h"
+#include "opencl_faults.h"
 
 #define WIDTH 40
 #define HEIGHT 24
@@ -326,6 +327,6 @@ int main(void) {
         cmocka_unit_test(test_context),
         cmocka_unit_test(test_reading),
     };
-    faults_install();
+    opencl_faults_install();
     return cmocka_run_group_tests(tests, make_file, free_file);
 }
