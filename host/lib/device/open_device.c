@@ -48,7 +48,7 @@ static void device_list_name(const gscl_device_list *list, const char *selector,
 }
 
 static gscl_result device_fail_unusable(gscl_context *context, gscl_result result, const gscl_listed_device *d) {
-    return gscl_fail(context, result, "device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
+    return gscl_fail(context, result, "OpenCL device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
 }
 
 static gscl_result device_fail_absent(gscl_context *context, const gscl_device_list *list) {
