@@ -1,8 +1,8 @@
 #!/bin/sh
 # Looks for data races with ThreadSanitizer: check_threads.sh BUILD
 #
-# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads, on the device "host" and on PoCL) and a batch
-# of the tool with four jobs, good and bad images, and a report.  Only races in PoCL's own code are passed over; kernels that
+# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads) and batches of the tool with four jobs, good and
+# bad images, and a report, both on the device "host" and on PoCL.  Only races in PoCL's own code are passed over; kernels that
 # PoCL compiles are not watched.
 set -eu
 cd "$(dirname "$0")/.."
@@ -30,9 +30,11 @@ from images import png_bytes, scene
 for i in range(12):
     pathlib.Path(sys.argv[1], f"{i}.png").write_bytes(png_bytes(scene(24 + i, 16))[:60 if i % 4 == 3 else None])
 END
-code=0
-"$build/gscl" encode "$folder"/*.png --out-dir "$folder/out" --jsonl "$folder/report" --jobs 4 --effort 0 --bytes 100 -q ||
-    code=$?
-# 3: some of the images failed, as three of them must.
-[ "$code" = 3 ] && [ "$(ls "$folder/out" | wc -l)" = 9 ] && [ "$(wc -l <"$folder/report")" = 12 ] ||
-    { echo "the batch ended with $code"; exit 1; }
+for device in host 0.0; do
+    out=$folder/out-$device report=$folder/report-$device code=0
+    "$build/gscl" encode "$folder"/*.png --out-dir "$out" --jsonl "$report" --device $device --jobs 4 --effort 0 --bytes 100 -q ||
+        code=$?
+    # 3: some of the images failed, as three of them must.
+    [ "$code" = 3 ] && [ "$(ls "$out" | wc -l)" = 9 ] && [ "$(wc -l <"$report")" = 12 ] ||
+        { echo "the batch on $device ended with $code"; exit 1; }
+done

@@ -21,7 +21,7 @@ class Kernels(ToolTest):
                                 ("rgb", ("--tune", "visual")),
                                 ("rgb", ("--profile", "paper", "--loss", "l1+ssim")), ("rgb", ("--mapping", "gpu"))):
             with self.subTest(name, arguments=arguments):
-                done = self.start("encode", f"{name}.png", "-o", "x.gscl", "-v", *FAST, "--bytes", "400", *arguments)
+                done = self.start("encode", f"{name}.png", "-o", "x.gscl", "-v", *FAST, "--bytes", "400", *OPENCL, *arguments)
                 log = done.stderr.decode()
                 self.assertEqual(done.returncode, 0, log)
                 self.assertRegex(log, "(built|loaded) a program")  # loaded: from the cache of other tests

@@ -19,6 +19,8 @@ GSCL = os.path.abspath(os.environ.get("GSCL", "build/gscl"))
 TIMEOUT = 1800  # seconds for one command: it ends a command that hangs, however loaded the machine
 FAST = ("--effort", "0")
 OPENCL = ("--device", "0.0")  # for tests of what is special of OpenCL; without it, gscl takes its device "host"
+# The device of the helpers `encode` and `decode` where a test names none: tests/devices/run.sh runs suites on others.
+DEVICE = os.environ.get("GSCL_TEST_DEVICE")
 NO_OPENCL = {"OCL_ICD_VENDORS": "/nonexistent"}
 BUILD_NOTICE = b"building kernels for the OpenCL device, which takes a while\n"
 HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGALRM, signal.SIGXCPU,
@@ -29,6 +31,10 @@ def restore_signals():
     """Restores the default handlers, because the parent may ignore signals, as nohup does."""
     for number in HANDLED_SIGNALS:
         signal.signal(number, signal.SIG_DFL)
+
+
+def on_device(arguments):
+    return arguments if not DEVICE or "--device" in arguments else (*arguments, "--device", DEVICE)
 
 
 def odd_opencl(way):
@@ -118,11 +124,11 @@ class ToolTest(unittest.TestCase):
         """Encodes an image, given as an Image or as the bytes of a file, and returns the bytes of the gscl file."""
         data = image if isinstance(image, bytes) else png_bytes(image)
         self.write(f"{name}.image", data)
-        self.gscl("encode", f"{name}.image", "-o", f"{name}.gscl", "-q", *FAST, *arguments)
+        self.gscl("encode", f"{name}.image", "-o", f"{name}.gscl", "-q", *FAST, *on_device(arguments))
         return self.path(f"{name}.gscl").read_bytes()
 
     def decode(self, *arguments, name="in"):
-        self.gscl("decode", f"{name}.gscl", "-o", f"{name}.png", *arguments)
+        self.gscl("decode", f"{name}.gscl", "-o", f"{name}.png", *on_device(arguments))
         return read_png(self.path(f"{name}.png").read_bytes())
 
     def refused(self, subject, message, *arguments, code=1, **options):

@@ -32,8 +32,8 @@ fi
 for mapping in cpu gpu; do
     for mode in "--effort 1 --blend normalized" "--effort 0 --tune ssim" "--effort 0 --tune visual" "--effort 0 --blend alpha" "--effort 1 --blend sum" "--effort 0 --profile paper"; do
         number=$((number + 1))
-        if is_silent encode "$image" -o "$work/coded.gscl" --splats 4 $mode --mapping $mapping --quiet &&
-            is_silent decode "$work/coded.gscl" -o "$work/decoded.png" --mapping $mapping; then
+        if is_silent encode "$image" -o "$work/coded.gscl" --splats 4 $mode --device Oclgrind --mapping $mapping --quiet &&
+            is_silent decode "$work/coded.gscl" -o "$work/decoded.png" --device Oclgrind --mapping $mapping; then
             echo "ok $number - $mode, $mapping"
         else
             echo "not ok $number - $mode, $mapping"

@@ -12,13 +12,7 @@ out=$2
 report=$3
 shift 3
 mkdir -p "$report"
-# The kernel cache of PoCL has no lock: one for each task, on the node's own disk.
-export POCL_CACHE_DIR="${TMPDIR:-/tmp}/gscl-$SLURM_ARRAY_JOB_ID-$SLURM_ARRAY_TASK_ID"
-export POCL_MAX_PTHREAD_COUNT="${SLURM_CPUS_PER_TASK:-1}"
-mkdir -p "$POCL_CACHE_DIR"
+# Exit code 3: some images failed, and the report names them.
 "${GSCL:-gscl}" encode --files-from "$list" --out-dir "$out" --keep-tree --skip-existing \
     --shard "$SLURM_ARRAY_TASK_ID/${SHARDS:-$SLURM_ARRAY_TASK_COUNT}" \
-    --jsonl "$report/$SLURM_ARRAY_TASK_ID.jsonl" --jobs "${SLURM_CPUS_PER_TASK:-1}" -q "$@"
-code=$?
-rm -rf "$POCL_CACHE_DIR"
-exit "$code" # 3: some images failed, and the report names them
+    --jsonl "$report/$SLURM_ARRAY_TASK_ID.jsonl" --threads "${SLURM_CPUS_PER_TASK:-1}" -q "$@"
