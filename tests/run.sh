@@ -75,12 +75,17 @@ sanitizers() {
 
 # Here, and on other machines.
 library_without_opencl() {
-    check "build without OpenCL" build build-decoder -Dopencl=disabled -Dtool=disabled -Dtests=enabled -Dweb=disabled \
-        -Dopenimageio=disabled -Ddesktop=disabled
+    check "build of a decoder" build build-decoder -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dtests=enabled \
+        -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
     export STABILITY_SMALL=1
     suite build-decoder
     unset STABILITY_SMALL
-    check "library without OpenCL" sh tests/install/test_without_opencl.sh build-decoder
+    check "library that only decodes" sh tests/install/test_without_opencl.sh build-decoder
+    check "build without OpenCL" build build-native -Dopencl=disabled -Dnative=enabled -Dtool=disabled -Dtests=enabled \
+        -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
+    export STABILITY_SMALL=1
+    suite build-native
+    unset STABILITY_SMALL
     show "other machines" sh tests/portability/run.sh --quick
     for machine in $quick_machines; do
         add_counts "build-portability/$machine/meson-logs/testlog.json"

@@ -1,8 +1,8 @@
 #!/bin/sh
-# A library without OpenCL is small, needs libc and libm only, and makes no system calls but those for memory when it decodes:
+# A library that only decodes is small, needs libc and libm only, and makes no system calls but those for memory when it decodes:
 # test_without_opencl.sh BUILD
 #
-# BUILD is a release build with -Dopencl=disabled, whose tests say what it decodes.
+# BUILD is a release build with -Dopencl=disabled -Dnative=disabled, whose tests say what it decodes.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)

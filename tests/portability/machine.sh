@@ -29,7 +29,7 @@ build() {
             meson install -C "$work/build-cmocka-$machine" --no-rebuild --quiet || return 1
         set -- -Dtests=enabled
     fi
-    set_up "$folder" "$here/../.." -Dopencl=disabled -Dtool=disabled -Dweb=disabled -Dopenimageio=disabled \
+    set_up "$folder" "$here/../.." -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dweb=disabled -Dopenimageio=disabled \
         -Ddesktop=disabled "$@"
 }
 
