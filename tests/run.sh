@@ -81,13 +81,13 @@ sanitizers() {
 
 # Here, and on other machines.
 library_without_opencl() {
-    check "build without OpenCL" build build-host -Dopencl=disabled -Dnative=enabled -Dnative_processors=own -Dtool=disabled \
-        -Dtests=enabled -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
-    suite build-host --suite unit
     check "build that only decodes" build build-decoder -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dtests=enabled \
         -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
+    check "build without OpenCL" build build-native -Dopencl=disabled -Dnative=enabled -Dnative_processors=own \
+        -Dtool=disabled -Dtests=enabled -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
     export STABILITY_SMALL=1
     suite build-decoder
+    suite build-native
     unset STABILITY_SMALL
     check "library that only decodes" sh tests/install/test_without_opencl.sh build-decoder
     show "other machines" sh tests/portability/run.sh --quick

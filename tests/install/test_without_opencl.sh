@@ -1,5 +1,5 @@
 #!/bin/sh
-# A library without kernels is small, needs libc and libm only, and makes no system calls but those for memory when it decodes:
+# A library that only decodes is small, needs libc and libm only, and makes no system calls but those for memory when it decodes:
 # test_without_opencl.sh BUILD
 #
 # BUILD is a release build with -Dopencl=disabled -Dnative=disabled, whose tests say what it decodes.

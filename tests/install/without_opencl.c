@@ -1,4 +1,4 @@
-/* Uses a library without OpenCL: decodes tests/conformance/files/example.gscl and asks for what the library lacks. */
+/* Uses a library that only decodes: decodes tests/conformance/files/example.gscl and asks for what the library lacks. */
 #include <stdio.h>
 #include <string.h>
 
@@ -59,7 +59,7 @@ int main(int count, char **words) {
         check_picture(&image);
     expect(gscl_encode(context, &image, NULL, &encoded, &size, NULL) == GSCL_ERROR_NO_ENCODER, "encoding is refused");
     expect(strstr(gscl_context_message(context), "encoding needs") != NULL,
-           "the message says that encoding needs OpenCL");
+           "the message says that encoding needs kernels");
     check_refusals(bytes, file_size);
     gscl_free(image.pixels);
     gscl_context_free(&context);

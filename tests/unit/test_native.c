@@ -29,7 +29,10 @@
 
 #define LENGTH(a) (sizeof(a) / sizeof *(a))
 #define MAX_THREADS 3
-#define ROUNDED_TWICE_DB 1.0 /* between files of processors with and without a fused multiply-add, at most */
+/* Between files of processors with and without a fused multiply-add, at most: of all cases on average, and of one, whose PSNR
+ * differs by 2 dB from one seed to another where splats are few. */
+#define MEAN_DB 1.0
+#define SINGLE_DB 6.0
 
 /* ---- Pictures, in integer arithmetic --------------------------------------------------------------- */
 
@@ -325,15 +328,26 @@ static double decoded_psnr(gscl_context *context, const golden_case *c, const en
     settings.sample = image.sample;
     if (gscl_decode(context, e->bytes, e->size, &settings, &decoded) != GSCL_OK)
         fail_msg("%s: %s", c->name, gscl_context_message(context));
-    if (c->effects_off & GSCL_EFFECT_CHROMA) {
-        gscl_free(decoded.pixels);
-        free(image.pixels);
-        return e->psnr;
-    }
-    assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
+    if (decoded.channels == image.channels)
+        assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
+    else
+        comparison.psnr = e->psnr; /* without chroma */
     gscl_free(decoded.pixels);
     free(image.pixels);
     return comparison.psnr;
+}
+
+/* The PSNR of a file less that in golden.txt. */
+static double gain_of(size_t i, const char *processor, int threads) {
+    gscl_context *context = open_host(threads);
+    const encoded e = encode(context, &cases[i]);
+    const double psnr = decoded_psnr(context, &cases[i], &e);
+    gscl_free(e.bytes);
+    gscl_context_free(&context);
+    const double gain = isinf(goldens[i].psnr) && isinf(psnr) ? 0 : psnr - goldens[i].psnr;
+    if (!(fabs(gain) <= SINGLE_DB))
+        fail_msg("%s, %s: %.2f dB; golden.txt has %.2f dB", cases[i].name, processor, psnr, goldens[i].psnr);
+    return gain;
 }
 
 /* Kernels that round products give other files, which are as good. */
@@ -341,18 +355,13 @@ static void test_other_processors_give_files_as_good(void **state) {
     (void)state;
     for (size_t p = 0; p < gscl_native_processor_count; p++) {
         const char *name = gscl_native_processors[p].name;
+        double sum = 0;
         if (is_golden(name) || !gscl_native_processor_force(name))
             continue;
-        for (size_t i = 0; i < CASES; i++) {
-            gscl_context *context = open_host(1 + (int)(i % MAX_THREADS));
-            const encoded e = encode(context, &cases[i]);
-            const double psnr = decoded_psnr(context, &cases[i], &e);
-            if (psnr != goldens[i].psnr && !(fabs(psnr - goldens[i].psnr) <= ROUNDED_TWICE_DB))
-                fail_msg("%s, %s: %.2f dB; golden.txt has %.2f dB", cases[i].name, name, psnr, goldens[i].psnr);
-            gscl_free(e.bytes);
-            gscl_context_free(&context);
-        }
-        print_message("# %s: %zu files\n", name, CASES);
+        for (size_t i = 0; i < CASES; i++)
+            sum += gain_of(i, name, 1 + (int)(i % MAX_THREADS));
+        print_message("# %s: %zu files, %+.2f dB\n", name, CASES, sum / CASES);
+        assert_true(fabs(sum / CASES) <= MEAN_DB);
     }
     assert_true(gscl_native_processor_force(NULL));
 }
