@@ -44,7 +44,7 @@ BASE["host/web"] = ["host/lib", "format", "cl"]
 USERS = {"native": ["device"], "opencl": ["device"]}
 # Where OpenCL may be named: its room, and tests that take the place of its functions or look at its errors.
 OPENCL_ROOM = "host/lib/opencl/"
-OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/faults.c",
+OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/opencl_faults.c",
                 "tests/unit/test_device.c", "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
 OPENCL_NAME = re.compile(r"\b(?!cl_khr_)(?:_?cl_[a-z]\w*|CL_[A-Z]\w*|cl[A-Z]\w*)|[<\"](?:CL|OpenCL)/\w+\.h")
 # What rounds differently on other machines (host/lib/runtime/elementary.h), and the rooms that may call it.

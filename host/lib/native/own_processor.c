@@ -3,8 +3,9 @@
 
 #include "native/processor.h"
 
-const gscl_native_processor gscl_native_processors[] = {
-    {.name = "x86_64_v4"}, {.name = "x86_64_v3"}, {.name = "x86_64_v2"}};
+const gscl_native_processor gscl_native_processors[] = {{.name = "x86_64_v4"},
+                                                        {.name = "x86_64_v3"},
+                                                        {.name = "x86_64_v2"}};
 const size_t gscl_native_processor_count = sizeof gscl_native_processors / sizeof *gscl_native_processors;
 
 int main(void) {
