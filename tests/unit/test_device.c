@@ -116,9 +116,9 @@ static void test_unavailable_device_is_refused(void **state) {
     fake.device_name = "Rare";
     fake.first_unavailable = true;
     assert_int_equal(try_device("0.0", message), GSCL_ERROR_UNKNOWN_DEVICE);
-    assert_string_equal(message, "device 0.0 (Rare) is not available");
+    assert_string_equal(message, "OpenCL device 0.0 (Rare) is not available");
     assert_int_equal(try_device("rare", message), GSCL_ERROR_UNKNOWN_DEVICE);
-    assert_string_equal(message, "device 0.0 (Rare) is not available");
+    assert_string_equal(message, "OpenCL device 0.0 (Rare) is not available");
     assert_int_equal(try_device("other", message), GSCL_ERROR_UNKNOWN_DEVICE);
     assert_non_null(strstr(message, has_native() ? "there is host (" : "none that can be used"));
 }
