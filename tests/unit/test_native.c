@@ -1,10 +1,5 @@
 /* The device "host" with kernels for the processor: every processor and every number of threads gives the files that golden.txt
- * has the hashes of.
- *
- *     test_native                 runs the tests
- *     test_native --write FILE    writes golden.txt anew: after a change of what the encoder computes
- *
- * Each line of golden.txt is the name of an encode, the 64-bit FNV-1a hash of its file, and the PSNR of that in dB. */
+ * has the hashes of (golden_cases.h). */
 #include <inttypes.h>
 #include <math.h>
 #include <pthread.h>
@@ -22,6 +17,7 @@
 
 #include "cl/constants.h"
 #include "devices.h"
+#include "golden_cases.h"
 #include "native/launch.h"
 #include "native/processor.h"
 #include "native/thread_count.h"
@@ -34,215 +30,28 @@
 #define MEAN_DB 1.0
 #define SINGLE_DB 6.0
 
-/* ---- Pictures, in integer arithmetic --------------------------------------------------------------- */
-
-typedef enum picture_kind { SCENE, DRAWING, STRIPES, FLAT } picture_kind;
-
-/* A number of 16 bits for each place, as if random. */
-static uint32_t noise_at(uint32_t x, uint32_t y, uint32_t k) {
-    uint32_t n = x * 0x9E3779B1u ^ y * 0x85EBCA77u ^ k * 0xC2B2AE3Du;
-    n = (n ^ n >> 15) * 0x2C1B3C6Du;
-    return (n ^ n >> 12) >> 8 & 0xFFFF;
-}
-
-/* A wave of 16 bits that rises and falls by straight lines. */
-static uint32_t triangle(uint32_t phase) {
-    const uint32_t part = phase & 0x1FFFF;
-    return part < 0x10000 ? part : 0x1FFFF - part;
-}
-
-static bool in_disc(uint32_t x, uint32_t y, uint32_t cx, uint32_t cy, uint32_t radius) {
-    const int64_t dx = (int64_t)x - cx, dy = (int64_t)y - cy;
-    return dx * dx + dy * dy < (int64_t)radius * radius;
-}
-
-/* A sky with a sun above ground with a texture. */
-static uint32_t scene_at(uint32_t x, uint32_t y, uint32_t k, uint32_t w, uint32_t h) {
-    static const uint32_t sun[4] = {65000, 60000, 20000, 65535}, top[4] = {12000, 20000, 50000, 65535};
-    if (in_disc(x, y, w / 3, h / 4, 1 + h / 8))
-        return sun[k];
-    if (y < h / 2)
-        return k == 3 ? 65535 - 40000 * y / h : top[k] + (60000 - top[k]) * y / h;
-    return triangle(x * 19000 + y * 31000) / (2 + k) + noise_at(x, y, k) / 6 + 9000;
-}
-
-/* Discs and bars of one colour each on white. */
-static uint32_t drawing_at(uint32_t x, uint32_t y, uint32_t k, uint32_t w, uint32_t h) {
-    if (in_disc(x, y, w / 4, h / 2, 1 + h / 4))
-        return k == 0 ? 60000 : 8000;
-    if (x > w / 2 && x < w / 2 + 1 + w / 12)
-        return k == 2 ? 50000 : 20000;
-    if (y > 3 * h / 4 && (x + y) % 16 < 5)
-        return 5000;
-    return 65535;
-}
-
-static uint32_t sample_at(picture_kind kind, uint32_t x, uint32_t y, uint32_t k, uint32_t w, uint32_t h) {
-    switch (kind) {
-    case SCENE:
-        return scene_at(x, y, k, w, h);
-    case DRAWING:
-        return drawing_at(x, y, k, w, h);
-    case STRIPES:
-        return 20000 + triangle(x * 40000 + y * 21000) / 3 + 3000 * k;
-    default:
-        return 30000 + 5000 * k;
-    }
-}
-
-static gscl_image make_picture(picture_kind kind, uint32_t width, uint32_t height, uint32_t channels,
-                               gscl_sample sample) {
-    gscl_image image = {.width = width, .height = height, .channels = channels, .sample = sample};
-    uint8_t *u8 = image.pixels = malloc((size_t)width * height * channels * sizeof(float));
-    uint16_t *u16 = image.pixels;
-    float *f32 = image.pixels;
-    assert_non_null(u8);
-    for (size_t i = 0; i < (size_t)width * height * channels; i++) {
-        const uint32_t at = (uint32_t)(i / channels), k = (uint32_t)(i % channels);
-        const bool is_alpha = channels % 2 == 0 && k + 1 == channels;
-        const uint32_t value = sample_at(kind, at % width, at / width, is_alpha ? 3 : k, width, height);
-        if (sample == GSCL_SAMPLE_U8)
-            u8[i] = (uint8_t)(value >> 8);
-        else if (sample == GSCL_SAMPLE_U16)
-            u16[i] = (uint16_t)value;
-        else
-            f32[i] = (float)value / 65536.0f;
-    }
-    return image;
-}
-
 /* ---- Encodes --------------------------------------------------------------------------------------- */
-
-/* Fields that are 0 have the default, but for the effort. */
-typedef struct golden_case {
-    const char *name;
-    picture_kind kind;
-    uint32_t width, height, channels;
-    int effort;
-    gscl_target target;
-    double value;
-    gscl_sample sample; /* 0: U8 */
-    gscl_profile profile;
-    gscl_blend blend;
-    gscl_loss loss;
-    gscl_tune tune;
-    uint32_t effects_on, effects_off;
-    uint32_t codebook_size;
-    double step_factor;
-    bool bare, progressive;
-} golden_case;
-
-#define BYTES(n) .target = GSCL_TARGET_BYTES, .value = n
-#define PAPER .profile = GSCL_PROFILE_PAPER
-
-static const golden_case cases[] = {
-    {"rgb", SCENE, 96, 64, 3, 2, BYTES(600)},
-    {"grey", SCENE, 80, 61, 1, 2, BYTES(400)},
-    {"grey-alpha", SCENE, 65, 49, 2, 1, BYTES(400)},
-    {"rgba", SCENE, 64, 64, 4, 1, BYTES(500)},
-    {"default-target", SCENE, 256, 171, 3, 1, .target = GSCL_TARGET_AUTO},
-    {"drawing", DRAWING, 120, 90, 3, 2, BYTES(500)},
-    {"flat", FLAT, 40, 30, 3, 1, BYTES(100)},
-    {"1x1", SCENE, 1, 1, 3, 5, BYTES(60)},
-    {"1x17", SCENE, 1, 17, 1, 2, BYTES(60)},
-    {"33x2", SCENE, 33, 2, 4, 2, BYTES(100)},
-    {"16-bit", SCENE, 50, 40, 3, 1, BYTES(400), .sample = GSCL_SAMPLE_U16},
-    {"float", SCENE, 50, 40, 2, 1, BYTES(400), .sample = GSCL_SAMPLE_F32},
-    {"paper", SCENE, 64, 48, 3, 0, BYTES(900), PAPER},
-    {"paper-grey", SCENE, 48, 64, 1, 1, BYTES(600), PAPER},
-    {"paper-rgba", SCENE, 48, 48, 4, 0, BYTES(900), PAPER, .codebook_size = 32},
-    {"paper-l2", SCENE, 64, 48, 3, 0, BYTES(900), PAPER, .loss = GSCL_LOSS_L2},
-    {"blend-alpha", SCENE, 72, 56, 3, 1, BYTES(500), .blend = GSCL_BLEND_ALPHA},
-    {"blend-sum", SCENE, 72, 56, 3, 2, BYTES(500), .blend = GSCL_BLEND_SUM},
-    {"blend-sum-grey", STRIPES, 72, 56, 1, 1, BYTES(300), .blend = GSCL_BLEND_SUM},
-    {"opacity", SCENE, 72, 56, 3, 1, BYTES(500), .effects_on = GSCL_EFFECT_OPACITY},
-    {"alpha-opaque", SCENE, 72, 56, 3, 1, BYTES(500), .blend = GSCL_BLEND_ALPHA, .effects_off = GSCL_EFFECT_OPACITY},
-    {"upright", SCENE, 72, 56, 3, 1, BYTES(500), .effects_off = GSCL_EFFECT_ROTATION},
-    {"circles", DRAWING, 72, 56, 3, 1, BYTES(500), .effects_off = GSCL_EFFECT_ROTATION | GSCL_EFFECT_ANISOTROPY},
-    {"no-chroma", SCENE, 72, 56, 3, 1, BYTES(400), .effects_off = GSCL_EFFECT_CHROMA},
-    {"texture", STRIPES, 96, 72, 3, 3, BYTES(400), .effects_on = GSCL_EFFECT_TEXTURE},
-    {"no-texture", STRIPES, 96, 72, 3, 3, BYTES(400), .effects_off = GSCL_EFFECT_TEXTURE},
-    {"tune-psnr", SCENE, 90, 70, 3, 5, BYTES(300), .tune = GSCL_TUNE_PSNR},
-    {"tune-ssim", SCENE, 90, 70, 3, 2, BYTES(700), .tune = GSCL_TUNE_SSIM},
-    {"tune-visual", SCENE, 90, 70, 3, 3, BYTES(700), .tune = GSCL_TUNE_VISUAL},
-    {"tune-visual-grey", SCENE, 90, 70, 1, 2, BYTES(500), .tune = GSCL_TUNE_VISUAL},
-    {"loss-l1", SCENE, 60, 50, 3, 1, BYTES(500), .loss = GSCL_LOSS_L1},
-    {"loss-l1-ssim", SCENE, 60, 50, 3, 1, BYTES(500), .loss = GSCL_LOSS_L1_SSIM},
-    {"psnr", SCENE, 64, 48, 3, 1, .target = GSCL_TARGET_PSNR, .value = 22},
-    {"bits-per-pixel", DRAWING, 200, 120, 3, 1, .target = GSCL_TARGET_BPP, .value = 0.2},
-    {"splats", SCENE, 100, 100, 3, 2, .target = GSCL_TARGET_SPLATS, .value = 150},
-    {"coarse-bare", SCENE, 60, 50, 3, 1, BYTES(400), .step_factor = 2, .bare = true},
-    {"progressive", SCENE, 96, 64, 3, 2, BYTES(900), .progressive = true},
-    {"2-megapixels", SCENE, 1600, 1250, 3, 0, BYTES(12000)},
-};
-#define CASES LENGTH(cases)
-
-typedef struct encoded {
-    uint8_t *bytes;
-    size_t size;
-    double psnr; /* dB */
-} encoded;
 
 static gscl_context *open_host(int threads) {
     gscl_context *context;
-    gscl_context_settings settings;
-    gscl_context_settings_default(&settings);
-    settings.device = GSCL_HOST_DEVICE;
-    settings.threads = threads;
-    if (gscl_context_create(&context, &settings) != GSCL_OK)
+    if (golden_open(&context, threads) != GSCL_OK)
         fail_msg("%s", gscl_context_message(context));
     return context;
 }
 
-static gscl_encode_settings settings_of(const golden_case *c) {
-    gscl_encode_settings s;
-    gscl_encode_settings_default(&s);
-    s.profile = c->profile;
-    s.blend = c->blend;
-    s.loss = c->loss;
-    s.tune = c->tune;
-    s.target = c->target;
-    s.target_value = c->value;
-    s.effort = c->effort;
-    s.effects_on = c->effects_on;
-    s.effects_off = c->effects_off;
-    s.codebook_size = c->codebook_size;
-    s.step_factor = c->step_factor;
-    s.bare = c->bare;
-    s.progressive = c->progressive;
-    return s;
-}
-
-static gscl_image picture_of(const golden_case *c) {
-    return make_picture(c->kind, c->width, c->height, c->channels, c->sample ? c->sample : GSCL_SAMPLE_U8);
-}
-
-static encoded encode(gscl_context *context, const golden_case *c) {
-    encoded e = {NULL, 0, 0};
-    gscl_encode_report report = {.struct_size = sizeof report};
-    const gscl_encode_settings settings = settings_of(c);
-    gscl_image image = picture_of(c);
-    const gscl_result result = gscl_encode(context, &image, &settings, &e.bytes, &e.size, &report);
-    if (result != GSCL_OK)
+static golden_file encode(gscl_context *context, const golden_case *c) {
+    golden_file file;
+    if (golden_encode(context, c, &file) != GSCL_OK)
         fail_msg("%s: %s", c->name, gscl_context_message(context));
-    free(image.pixels);
-    e.psnr = report.psnr;
-    return e;
+    return file;
 }
 
 /* In a context of its own. */
-static encoded encode_with(const golden_case *c, int threads) {
+static golden_file encode_with(const golden_case *c, int threads) {
     gscl_context *context = open_host(threads);
-    const encoded e = encode(context, c);
+    const golden_file e = encode(context, c);
     gscl_context_free(&context);
     return e;
-}
-
-static uint64_t hash_of(const encoded *e) {
-    uint64_t hash = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < e->size; i++)
-        hash = (hash ^ e->bytes[i]) * UINT64_C(1099511628211);
-    return hash;
 }
 
 /* ---- golden.txt ------------------------------------------------------------------------------------ */
@@ -252,7 +61,7 @@ typedef struct golden {
     double psnr;
 } golden;
 
-static golden goldens[CASES];
+static golden *goldens; /* of each case */
 
 /* Reads the line of each case, in their order. */
 static int read_goldens(void **state) {
@@ -260,38 +69,33 @@ static int read_goldens(void **state) {
     FILE *file = fopen(GSCL_GOLDEN, "r");
     if (!file)
         return -1;
-    bool good = true;
-    for (size_t i = 0; i < CASES && good; i++) {
+    goldens = calloc(golden_case_count, sizeof *goldens);
+    bool good = goldens;
+    for (size_t i = 0; i < golden_case_count && good; i++) {
         char name[32];
         good = fscanf(file, "%31s %16" SCNx64 " %lf", name, &goldens[i].hash, &goldens[i].psnr) == 3 &&
-               strcmp(name, cases[i].name) == 0;
+               strcmp(name, golden_cases[i].name) == 0;
     }
     fclose(file);
     gscl_native_all_threads = true;
     return good ? 0 : -1;
 }
 
-static int write_goldens(const char *path) {
-    FILE *file = fopen(path, "w");
-    if (!file)
-        return EXIT_FAILURE;
-    for (size_t i = 0; i < CASES; i++) {
-        const encoded e = encode_with(&cases[i], 0);
-        fprintf(file, "%s %016" PRIx64 " %.2f\n", cases[i].name, hash_of(&e), e.psnr);
-        gscl_free(e.bytes);
-    }
-    return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+static int free_goldens(void **state) {
+    (void)state;
+    free(goldens);
+    return 0;
 }
 
-static void check_golden(size_t i, const encoded *e, const char *how, int threads) {
-    if (hash_of(e) != goldens[i].hash)
-        fail_msg("%s, %s, %d threads: hash %016" PRIx64 " of %zu bytes, %.2f dB; golden.txt has %016" PRIx64
-                 ", %.2f dB",
-                 cases[i].name, how, threads, hash_of(e), e->size, e->psnr, goldens[i].hash, goldens[i].psnr);
+static void check_golden(size_t i, const golden_file *e, const char *how, int threads) {
+    if (golden_hash(e) != goldens[i].hash)
+        fail_msg(
+            "%s, %s, %d threads: hash %016" PRIx64 " of %zu bytes, %.2f dB; golden.txt has %016" PRIx64 ", %.2f dB",
+            golden_cases[i].name, how, threads, golden_hash(e), e->size, e->psnr, goldens[i].hash, goldens[i].psnr);
 }
 
 static void check_case(size_t i, const char *how, int threads) {
-    const encoded e = encode_with(&cases[i], threads);
+    const golden_file e = encode_with(&golden_cases[i], threads);
     check_golden(i, &e, how, threads);
     gscl_free(e.bytes);
 }
@@ -311,18 +115,18 @@ static void test_every_processor_gives_the_same_files(void **state) {
         const char *name = gscl_native_processors[p].name;
         if (!is_golden(name) || !gscl_native_processor_force(name))
             continue;
-        for (size_t i = 0; i < CASES; i++)
+        for (size_t i = 0; i < golden_case_count; i++)
             check_case(i, name, 1 + (int)((i + p) % MAX_THREADS));
-        print_message("# %s: %zu files\n", name, CASES);
+        print_message("# %s: %zu files\n", name, golden_case_count);
     }
     assert_true(gscl_native_processor_force(NULL));
 }
 
 /* What a file shows, against the image. */
-static double decoded_psnr(gscl_context *context, const golden_case *c, const encoded *e) {
+static double decoded_psnr(gscl_context *context, const golden_case *c, const golden_file *e) {
     gscl_decode_settings settings;
     gscl_comparison comparison = {.struct_size = sizeof comparison};
-    gscl_image image = picture_of(c), decoded = {0};
+    gscl_image image = golden_picture(c), decoded = {0};
     gscl_decode_settings_default(&settings);
     settings.bare = c->bare;
     settings.sample = image.sample;
@@ -340,13 +144,13 @@ static double decoded_psnr(gscl_context *context, const golden_case *c, const en
 /* The PSNR of a file less that in golden.txt. */
 static double gain_of(size_t i, const char *processor, int threads) {
     gscl_context *context = open_host(threads);
-    const encoded e = encode(context, &cases[i]);
-    const double psnr = decoded_psnr(context, &cases[i], &e);
+    const golden_file e = encode(context, &golden_cases[i]);
+    const double psnr = decoded_psnr(context, &golden_cases[i], &e);
     gscl_free(e.bytes);
     gscl_context_free(&context);
     const double gain = isinf(goldens[i].psnr) && isinf(psnr) ? 0 : psnr - goldens[i].psnr;
     if (!(fabs(gain) <= SINGLE_DB))
-        fail_msg("%s, %s: %.2f dB; golden.txt has %.2f dB", cases[i].name, processor, psnr, goldens[i].psnr);
+        fail_msg("%s, %s: %.2f dB; golden.txt has %.2f dB", golden_cases[i].name, processor, psnr, goldens[i].psnr);
     return gain;
 }
 
@@ -358,10 +162,10 @@ static void test_other_processors_give_files_as_good(void **state) {
         double sum = 0;
         if (is_golden(name) || !gscl_native_processor_force(name))
             continue;
-        for (size_t i = 0; i < CASES; i++)
+        for (size_t i = 0; i < golden_case_count; i++)
             sum += gain_of(i, name, 1 + (int)(i % MAX_THREADS));
-        print_message("# %s: %zu files, %+.2f dB\n", name, CASES, sum / CASES);
-        assert_true(fabs(sum / CASES) <= MEAN_DB);
+        print_message("# %s: %zu files, %+.2f dB\n", name, golden_case_count, sum / (double)golden_case_count);
+        assert_true(fabs(sum / (double)golden_case_count) <= MEAN_DB);
     }
     assert_true(gscl_native_processor_force(NULL));
 }
@@ -374,23 +178,21 @@ static bool chosen_is_golden(void) {
 /* Cases with much work of different kinds. */
 static const char *const chosen_names[] = {"rgb", "default-target", "paper", "tune-ssim", "tune-visual"};
 
-static size_t case_of(const char *name) {
-    size_t i = 0;
-    while (i < CASES && strcmp(cases[i].name, name) != 0)
-        i++;
-    assert_true(i < CASES);
-    return i;
+static const golden_case *case_named(const char *name) {
+    const golden_case *c = golden_case_named(name);
+    assert_non_null(c);
+    return c;
 }
 
 /* Of one processor; also where launches use as few threads as they are worth. */
 static void test_threads_change_nothing(void **state) {
     (void)state;
     for (size_t k = 0; k < LENGTH(chosen_names); k++) {
-        const golden_case *c = &cases[case_of(chosen_names[k])];
-        const encoded expected = encode_with(c, 1);
+        const golden_case *c = case_named(chosen_names[k]);
+        const golden_file expected = encode_with(c, 1);
         for (int threads = 2; threads <= MAX_THREADS + 1; threads++) {
             gscl_native_all_threads = threads <= MAX_THREADS;
-            const encoded e = encode_with(c, threads);
+            const golden_file e = encode_with(c, threads);
             gscl_native_all_threads = true;
             if (e.size != expected.size || memcmp(e.bytes, expected.bytes, e.size) != 0)
                 fail_msg("%s: %d threads give another file", c->name, threads);
@@ -402,16 +204,16 @@ static void test_threads_change_nothing(void **state) {
 
 static void test_general_programs_give_the_same_files(void **state) {
     (void)state;
-    for (size_t i = 0; i < CASES; i++) {
-        if (cases[i].width * cases[i].height > 65536)
+    for (size_t i = 0; i < golden_case_count; i++) {
+        if (golden_cases[i].width * golden_cases[i].height > 65536)
             continue;
         gscl_native_general = true;
-        const encoded e = encode_with(&cases[i], 2);
+        const golden_file e = encode_with(&golden_cases[i], 2);
         gscl_native_general = false;
         if (chosen_is_golden()) {
             check_golden(i, &e, "general programs", 2);
         } else {
-            const encoded expected = encode_with(&cases[i], 2);
+            const golden_file expected = encode_with(&golden_cases[i], 2);
             assert_int_equal(e.size, expected.size);
             assert_memory_equal(e.bytes, expected.bytes, e.size);
             gscl_free(expected.bytes);
@@ -426,9 +228,9 @@ static void test_earlier_files_change_nothing(void **state) {
     gscl_context *context = open_host(2);
     for (int round = 0; round < 2; round++)
         for (size_t k = LENGTH(chosen_names); k-- > 0;) {
-            const size_t i = case_of(chosen_names[k]);
-            const encoded e = encode(context, &cases[i]);
-            const encoded expected = encode_with(&cases[i], 1);
+            const golden_case *c = case_named(chosen_names[k]);
+            const golden_file e = encode(context, c);
+            const golden_file expected = encode_with(c, 1);
             assert_int_equal(e.size, expected.size);
             assert_memory_equal(e.bytes, expected.bytes, e.size);
             gscl_free(e.bytes);
@@ -441,7 +243,7 @@ static void test_earlier_files_change_nothing(void **state) {
 
 typedef struct job {
     const golden_case *of;
-    encoded made;
+    golden_file made;
     gscl_result result;
 } job;
 
@@ -449,33 +251,25 @@ typedef struct job {
 static void *run_job(void *opaque) {
     job *j = opaque;
     gscl_context *context;
-    gscl_context_settings settings;
-    const gscl_encode_settings encode_settings = settings_of(j->of);
-    gscl_image image = picture_of(j->of);
-    gscl_context_settings_default(&settings);
-    settings.device = GSCL_HOST_DEVICE;
-    settings.threads = 2;
-    j->result = gscl_context_create(&context, &settings);
+    j->result = golden_open(&context, 2);
     for (int round = 0; round < 3 && j->result == GSCL_OK; round++) {
         gscl_free(j->made.bytes);
-        j->made.bytes = NULL;
-        j->result = gscl_encode(context, &image, &encode_settings, &j->made.bytes, &j->made.size, NULL);
+        j->result = golden_encode(context, j->of, &j->made);
     }
     gscl_context_free(&context);
-    free(image.pixels);
     return NULL;
 }
 
 static void test_two_contexts_at_once(void **state) {
     (void)state;
-    job jobs[] = {{.of = &cases[case_of("rgb")]}, {.of = &cases[case_of("paper-grey")]}};
+    job jobs[] = {{.of = case_named("rgb")}, {.of = case_named("paper-grey")}};
     pthread_t threads[LENGTH(jobs)];
     for (size_t i = 0; i < LENGTH(jobs); i++)
         assert_int_equal(pthread_create(&threads[i], NULL, run_job, &jobs[i]), 0);
     for (size_t i = 0; i < LENGTH(jobs); i++)
         assert_int_equal(pthread_join(threads[i], NULL), 0);
     for (size_t i = 0; i < LENGTH(jobs); i++) {
-        const encoded expected = encode_with(jobs[i].of, 1);
+        const golden_file expected = encode_with(jobs[i].of, 1);
         assert_int_equal(jobs[i].result, GSCL_OK);
         assert_int_equal(jobs[i].made.size, expected.size);
         assert_memory_equal(jobs[i].made.bytes, expected.bytes, expected.size);
@@ -643,15 +437,15 @@ static void ignore_gradient(void *opaque, const gscl_gradient_accuracy *accuracy
 /* Of kernels that are not compiled. */
 static void test_other_precision_is_refused(void **state) {
     (void)state;
-    const golden_case *c = &cases[case_of("rgb")];
+    const golden_case *c = case_named("rgb");
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
     settings.device = GSCL_HOST_DEVICE;
     settings.timing = true;
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
-    const encoded e = encode(context, c);
-    gscl_image image = picture_of(c);
+    const golden_file e = encode(context, c);
+    gscl_image image = golden_picture(c);
     assert_int_equal(gscl_measure_accuracy(context, &image, e.bytes, e.size, NULL, ignore_accuracy, NULL),
                      GSCL_ERROR_KERNEL_BUILD);
     assert_non_null(strstr(gscl_context_message(context), "need an OpenCL device"));
@@ -662,7 +456,7 @@ static void test_other_precision_is_refused(void **state) {
     gscl_context_free(&context);
 }
 
-int main(int count, char **words) {
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_processor_gives_the_same_files),
         cmocka_unit_test(test_other_processors_give_files_as_good),
@@ -678,7 +472,5 @@ int main(int count, char **words) {
         cmocka_unit_test(test_benchmarks),
         cmocka_unit_test(test_other_precision_is_refused),
     };
-    if (count == 3 && strcmp(words[1], "--write") == 0)
-        return write_goldens(words[2]);
-    return cmocka_run_group_tests(tests, read_goldens, NULL);
+    return cmocka_run_group_tests(tests, read_goldens, free_goldens);
 }
