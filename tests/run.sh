@@ -90,6 +90,7 @@ library_without_opencl() {
     suite build-native
     unset STABILITY_SMALL
     check "library that only decodes" sh tests/install/test_without_opencl.sh build-decoder
+    check "same files on aarch64" sh tests/portability/check_golden.sh
     show "other machines" sh tests/portability/run.sh --quick
     for machine in $quick_machines; do
         add_counts "build-portability/$machine/meson-logs/testlog.json"
