@@ -47,6 +47,7 @@ sources() {
     check "analyzer of gcc" sh tests/check_analyzer.sh build-test
     check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
     check "rooms are checked" python3 tests/structure/test_check_rooms.py
+    check "kernels for other targets" python3 tests/targets/check_targets.py --quick build-test/tests/targets/list_programs
 }
 
 # The Python package, in a virtual environment.
@@ -194,7 +195,7 @@ lanes=
 trap 'for lane in $lanes; do kill -s TERM -- "-$lane" 2>/dev/null; done; wait; rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM HUP
 
-install_packages $build_packages $test_packages $(for machine in $quick_machines; do machine_packages "$machine"; done) ||
+install_packages $build_packages $test_packages $target_packages $(for machine in $quick_machines; do machine_packages "$machine"; done) ||
     { echo "0 passed, 1 failed"; exit 1; }
 release_build
 for lane in kernel_lane build_lane; do

@@ -11,6 +11,9 @@ test_packages="abigail-tools clang clang-format clang-tidy file libcmocka-dev li
     dbus-daemon imagemagick jq libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
     cmake fish man-db mandoc librsvg2-bin zsh"
 
+# Packages of tests/targets: a compiler of GPUs and their built-in functions.
+target_packages="clang-15 libclc-15 lld"
+
 # Packages of tests/portability: machine_packages MACHINE.  Beside gcc-multilib Debian has no cross compilers.
 machine_packages() {
     case $1 in
