@@ -51,7 +51,8 @@ sources() {
     check "analyzer of gcc" sh tests/check_analyzer.sh build-test
     check "rooms" sh -c 'python3 tests/structure/check_rooms.py build-test/libgscl.so.*.p build-test/libgscl-tool.a.p'
     check "rooms are checked" python3 tests/structure/test_check_rooms.py
-    check "kernels for other targets" python3 tests/targets/check_targets.py --quick build-test/tests/targets/list_programs
+    check "kernels for GPUs" python3 tests/targets/check_targets.py --quick build-test/tests/targets/list_programs
+    check "kernels for other processors" python3 tests/targets/check_native.py --quick
 }
 
 # The Python package, in a virtual environment.
