@@ -589,7 +589,8 @@ int main(int count, char **words) {
     }
     if (count < 4)
         fail("codes write TEXT OUT [bare] [unchecked], codes read whole|bare FILE..., codes prefixes whole|bare "
-             "FILE..., codes decode-host whole|bare FOLDER FILE..., codes pixels whole|bare FILE X Y... or codes decoders");
+             "FILE..., codes decode-host whole|bare FOLDER FILE..., codes pixels whole|bare FILE X Y... or codes "
+             "decoders");
     const bool bare = strcmp(words[2], "bare") == 0;
     if (strcmp(words[1], "write") == 0)
         write_codes(words[2], words[3], has_word(words + 4, count - 4, "bare"),

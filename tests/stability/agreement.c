@@ -231,8 +231,8 @@ static bool same_bits(const outcome *a, const outcome *b, char *message, size_t 
     return false;
 }
 
-static bool outcomes_agree(const scene *s, const outcome outcomes[2 * STABILITY_MAPPINGS], scene_errors errors[STABILITY_MAPPINGS], char *message,
-                           size_t capacity) {
+static bool outcomes_agree(const scene *s, const outcome outcomes[2 * STABILITY_MAPPINGS],
+                           scene_errors errors[STABILITY_MAPPINGS], char *message, size_t capacity) {
     reference t = reference_create(s, outcomes[0].background);
     bool good = true;
     for (int m = 0; m < mapping_count && good; m++) {

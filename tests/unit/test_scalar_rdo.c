@@ -192,8 +192,8 @@ static void test_passes_lower_the_visual_loss(void **state) {
     (void)state;
     for (int variant = 0; variant < 8; variant++) {
         scene s;
-        open_scene(&s, contexts[variant % mapping_count], variant & 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED, GSCL_WEIGHTED_LUMA,
-                   variant & 4, ELLIPSES);
+        open_scene(&s, contexts[variant % mapping_count], variant & 2 ? GSF_BLEND_SUM : GSF_BLEND_NORMALIZED,
+                   GSCL_WEIGHTED_LUMA, variant & 4, ELLIPSES);
         s.fit.renderer.options.weighted = GSCL_WEIGHTED_NOT;
         run_passes(&s, FREE, true);
         s.fit.visual_share = 0.18f;
