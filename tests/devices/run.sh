@@ -76,7 +76,7 @@ make_picture() {
 
 # encode IMPLEMENTATION MAPPING PROFILE SEED: adds the PSNR to IMPLEMENTATION.psnr
 encode() {
-    timeout -k 10 1800 "$gscl" encode "$work/picture.png" -o "$work/$1.gscl" --splats 100 --effort 1 --quiet --mapping "$2" \
+    timeout -k 10 1800 "$gscl" encode "$work/picture.png" -o "$work/$1.gscl" --splats 100 --effort 1 --quiet --device 0.0 --mapping "$2" \
         --profile "$3" --seed "$4" &&
         "$gscl" decode "$work/$1.gscl" -o "$work/$1.png" --device host &&
         "$gscl" compare "$work/picture.png" "$work/$1.png" >"$work/$1.txt" &&
@@ -106,7 +106,7 @@ reaches() {
 # decodes IMPLEMENTATION MAPPING FILE: like device host, but for 1 of 255.
 decodes() {
     "$gscl" decode "$conformance/$3.gscl" -o "$work/host.png" --device host &&
-        timeout -k 10 1800 "$gscl" decode "$conformance/$3.gscl" -o "$work/device.png" --mapping "$2" &&
+        timeout -k 10 1800 "$gscl" decode "$conformance/$3.gscl" -o "$work/device.png" --device 0.0 --mapping "$2" &&
         "$gscl" compare "$work/host.png" "$work/device.png" >"$work/decode.txt" &&
         awk "BEGIN { exit !($(field "$work/decode.txt" 'max difference') <= 1) }"
 }
