@@ -4,6 +4,7 @@
 #include <gscl/gscl.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -17,29 +18,37 @@ static int processors_of_affinity(void) {
     return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0; /* fails beyond 1024 processors */
 }
 
+/* Reads the numbers at the beginning of a file; returns how many there are, at most `count`. */
+static int read_numbers(const char *path, double *numbers, int count) {
+    char line[128] = "";
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return 0;
+    const char *rest = fgets(line, sizeof line, file);
+    fclose(file);
+    for (int i = 0; i < count; i++) {
+        char *end = NULL;
+        numbers[i] = rest ? strtod(rest, &end) : 0;
+        if (end == rest || !rest)
+            return i;
+        rest = end;
+    }
+    return count;
+}
+
 /* The processors of "QUOTA PERIOD" in cpu.max of a group; infinite for "max", or where the file is missing. */
 static double quota_of_version_2(const char *folder) {
     char path[MAX_PATH + 32];
-    double quota, period;
+    double numbers[2];
     snprintf(path, sizeof path, "/sys/fs/cgroup%s/cpu.max", folder);
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return INFINITY;
-    const int fields = fscanf(file, "%lf %lf", &quota, &period);
-    fclose(file);
-    return fields == 2 && quota > 0 && period > 0 ? quota / period : INFINITY;
+    return read_numbers(path, numbers, 2) == 2 && numbers[0] > 0 && numbers[1] > 0 ? numbers[0] / numbers[1] : INFINITY;
 }
 
 static double number_in(const char *folder, const char *name) {
     char path[MAX_PATH + 64];
-    double number = 0;
+    double number;
     snprintf(path, sizeof path, "/sys/fs/cgroup/cpu%s/%s", folder, name);
-    FILE *file = fopen(path, "r");
-    if (!file || fscanf(file, "%lf", &number) != 1)
-        number = 0;
-    if (file)
-        fclose(file);
-    return number;
+    return read_numbers(path, &number, 1) == 1 ? number : 0;
 }
 
 static double quota_of_version_1(const char *folder) {
