@@ -267,7 +267,8 @@ class OpenCL(ToolTest):
                           ("decode", "in.gscl", "-o", "out.png")):
             with self.subTest(arguments=arguments):
                 self.refused("OpenCL", "no OpenCL.*install", *arguments, "--mapping", "gpu", env=NO_OPENCL)
-                self.refused("0.0", r'no device matches "0\.0"; there is host \([^)]*\)$', *arguments, *OPENCL,
+                self.refused("0.0", "no OpenCL device was found.*install", *arguments, *OPENCL, env=NO_OPENCL)
+                self.refused("pocl", r'no device matches "pocl"; there is host \([^)]*\)$', *arguments, "--device", "pocl",
                              env=NO_OPENCL)
                 self.gscl(*arguments, "--mapping", "cpu", env=NO_OPENCL)
                 self.path(arguments[-1]).unlink()

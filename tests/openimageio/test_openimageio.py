@@ -248,7 +248,7 @@ class Writing(PluginTest):
                 (("gscl:effort", 10), "gscl:effort cannot be 10; it takes 0 to 9"),
                 (("gscl:metadata", "some"), "gscl:metadata cannot be 'some'"),
                 (("gscl:bpp", 1, "--attrib", "gscl:psnr", 30), "exclude each other"),
-                (("gscl:device", "no such device"), "no OpenCL device matches")):
+                (("gscl:device", "no such device"), "no device matches")):
             with self.subTest(attributes=attributes):
                 self.fails(message, "in.png", *QUICK, "--attrib", *attributes, "-o", "x.gscl")
         self.fails("cannot be written: No such file", "in.png", *QUICK, "-o", "missing/x.gscl")

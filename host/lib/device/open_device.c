@@ -66,8 +66,9 @@ static gscl_result device_fail_absent(gscl_context *context, const gscl_device_l
 /* The error when no usable device matches. */
 static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
     char names[320];
-    /* No default: none can be used, and the processor not with the GPU mapping. */
-    if (list->count == 0 || (!selector && list->devices[0].kind == GSCL_DEVICE_HOST))
+    /* Only the processor is there, which has no GPU mapping and no number. */
+    const bool has_opencl = list->count > 0 && list->devices[0].kind != GSCL_DEVICE_HOST;
+    if (!has_opencl && (!selector || isdigit((unsigned char)selector[0]) || list->count == 0))
         return device_fail_absent(context, list);
     if (!selector)
         return device_fail_unusable(context, GSCL_ERROR_NO_PLATFORM, &list->devices[0]);
