@@ -1,7 +1,7 @@
 #!/bin/sh
 # Two builds of the same sources in different folders are equal, and hardened: test_reproducible.sh
 #
-# Compares the library without OpenCL, the tool and the kernels as they are put into the library.  One build has its folder
+# Compares the library without OpenCL, the tool and the kernels as they are put into the library, in both ways.  One build has its folder
 # inside the sources, the other beside them at another depth; both with debug information, which names
 # sources, and optimised little, which is quick.
 set -eu
@@ -11,8 +11,8 @@ trap 'rm -rf "$work"' EXIT INT TERM
 
 # build SOURCES FOLDER
 build() {
-    mkdir -p "$1"
-    (cd "$here/../.." && cp -R cl format host meson.build meson_options.txt "$1")
+    mkdir -p "$1/tests"
+    (cd "$here/../.." && cp -R cl format host meson.build meson_options.txt "$1" && cp -R tests/sample "$1/tests")
     meson setup "$2" "$1" -Dopencl=disabled -Dnative_processors=own -Dtool=enabled -Dtests=disabled -Dweb=disabled -Dplots=disabled \
         -Dopenimageio=disabled -Ddesktop=disabled -Ddebug=true -Doptimization=1 >"$work/log" &&
         ninja -C "$2" gscl libgscl.a >"$work/log" || {
