@@ -514,14 +514,13 @@ static void decode_file(gscl_context *context, const char *path, bool bare, cons
 static gscl_context_settings decode_settings(const char *word) {
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
-    settings.device = first_opencl_device();
-    if (strcmp(word, "decode-host") == 0)
-        settings.device = GSCL_HOST_DEVICE;
-    else if (strcmp(word, "decode-cpu") == 0)
+    const bool is_host = strcmp(word, "decode-host") == 0;
+    settings.device = is_host ? GSCL_HOST_DEVICE : first_opencl_device();
+    if (strcmp(word, "decode-cpu") == 0)
         settings.mapping = GSCL_MAPPING_CPU;
     else if (strcmp(word, "decode-gpu") == 0)
         settings.mapping = GSCL_MAPPING_GPU;
-    else
+    else if (!is_host)
         fail("%s: not known", word);
     return settings;
 }
