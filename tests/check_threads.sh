@@ -1,7 +1,8 @@
 #!/bin/sh
 # Looks for data races with ThreadSanitizer: check_threads.sh BUILD
 #
-# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads, on the device "host" and on PoCL) and a batch
+# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads, on the device "host" and on PoCL), test_native (the
+# threads of a launch) and a batch
 # of the tool with four jobs, good and bad images, and a report.  Only races in PoCL's own code are passed over; kernels that
 # PoCL compiles are not watched.
 set -eu
@@ -11,13 +12,14 @@ again=
 [ ! -f "$build/build.ninja" ] || again=--reconfigure
 meson setup $again "$build" --buildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false -Dtests=enabled \
     -Dtool=enabled -Dweb=disabled -Ddesktop=disabled -Dopenimageio=disabled -Dplots=disabled >/dev/null
-ninja -C "$build" gscl tests/test_threads >/dev/null
+ninja -C "$build" gscl tests/test_threads tests/test_native >/dev/null
 build=$(cd "$build" && pwd)
 export TSAN_OPTIONS="halt_on_error=1 exitcode=66 suppressions=$PWD/tests/tsan.supp" POCL_SIGFPE_HANDLER=0
 export POCL_CACHE_DIR="$build/pocl"
 mkdir -p "$POCL_CACHE_DIR"
 
 "$build/tests/test_threads"
+"$build/tests/test_native"
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
