@@ -1,10 +1,9 @@
 #!/bin/sh
 # Looks for data races with ThreadSanitizer: check_threads.sh BUILD
 #
-# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads, on the device "host" and on PoCL), test_native (the
-# threads of a launch) and a batch
-# of the tool with four jobs, good and bad images, and a report.  Only races in PoCL's own code are passed over; kernels that
-# PoCL compiles are not watched.
+# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads, on the device "host" and on PoCL), test_native
+# (launches that threads share) and a batch of the tool with four jobs, good and bad images, and a report.  Only races in PoCL's
+# own code are passed over; kernels are not watched.
 set -eu
 cd "$(dirname "$0")/.."
 build=$1
