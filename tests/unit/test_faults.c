@@ -84,7 +84,7 @@ static void assert_explained(const gscl_context *context, gscl_result result, fa
     if (kind == FAULT_MEMORY && result != GSCL_ERROR_OUT_OF_MEMORY)
         fail_msg("allocation %d failed, and the result is %d: %s", number, (int)result, message);
     if (kind != FAULT_MEMORY && result != GSCL_ERROR_DEVICE_FAILED && result != GSCL_ERROR_KERNEL_BUILD &&
-        result != GSCL_ERROR_NO_PLATFORM)
+        result != (has_native() ? GSCL_ERROR_UNKNOWN_DEVICE : GSCL_ERROR_NO_PLATFORM))
         fail_msg("fault %d of kind %d (%s): result %d: %s", number, kind, fault_call(), (int)result, message);
 }
 
