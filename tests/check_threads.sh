@@ -1,9 +1,9 @@
 #!/bin/sh
 # Looks for data races with ThreadSanitizer: check_threads.sh BUILD
 #
-# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads) and batches of the tool with four jobs, good and
-# bad images, and a report, both on the device "host" and on PoCL.  Only races in PoCL's own code are passed over; kernels that
-# PoCL compiles are not watched.
+# Builds what it needs in BUILD.  Runs test_threads (contexts in eight threads), test_native (launches that threads share) and
+# batches of the tool with four jobs, good and bad images, and a report, both on the device "host", with its kernels, and on
+# PoCL.  Only races in PoCL's own code are passed over; kernels that PoCL compiles are not watched.
 set -eu
 cd "$(dirname "$0")/.."
 build=$1
@@ -12,13 +12,14 @@ again=
 meson setup $again "$build" --buildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false -Dtests=enabled \
     -Dtool=enabled -Dweb=disabled -Ddesktop=disabled -Dopenimageio=disabled -Dplots=disabled \
     -Dnative_processors=own >/dev/null
-ninja -C "$build" gscl tests/test_threads >/dev/null
+ninja -C "$build" gscl tests/test_threads tests/test_native >/dev/null
 build=$(cd "$build" && pwd)
 export TSAN_OPTIONS="halt_on_error=1 exitcode=66 suppressions=$PWD/tests/tsan.supp" POCL_SIGFPE_HANDLER=0
 export POCL_CACHE_DIR="$build/pocl"
 mkdir -p "$POCL_CACHE_DIR"
 
 "$build/tests/test_threads"
+"$build/tests/test_native"
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
