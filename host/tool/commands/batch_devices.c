@@ -12,9 +12,41 @@
 
 static device_choice worker_choice(const batch_worker *worker) {
     device_choice choice = worker->batch->choice;
-    if (worker->batch->is_all)
+    if (worker->device->id[0])
         choice.device = worker->device->id;
     return choice;
+}
+
+/* Images at a time on a device; `info` is NULL where nothing is known of it. */
+static int default_jobs(const device_choice *choice, const gscl_device_info *info) {
+    if (!info || !is_host_device(info->id))
+        return BATCH_OPENCL_WORKERS;
+    const uint64_t threads = choice->threads > 0 ? choice->threads : info->compute_units;
+    return threads < BATCH_MAX_WORKERS ? (int)threads : BATCH_MAX_WORKERS;
+}
+
+/* Stores a device, for which there is room; `jobs` as for batch_devices_create. */
+static void add_device(batch_devices *devices, const gscl_device_info *info, int jobs) {
+    batch_device *device = &devices->devices[devices->count++];
+    if (info)
+        memcpy(device->id, info->id, sizeof info->id);
+    device->is_host = is_host_device(device->id);
+    device->worker_count = jobs > 0 ? jobs : default_jobs(&devices->choice, info);
+    devices->worker_count += (size_t)device->worker_count;
+}
+
+/* Makes the workers of all devices. */
+static gscl_result make_workers(batch_devices *devices) {
+    batch_worker *worker = devices->workers = calloc(devices->worker_count, sizeof *devices->workers);
+    if (!worker)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    for (size_t i = 0; i < devices->count; i++) {
+        batch_device *device = &devices->devices[i];
+        device->workers = worker;
+        for (int k = 0; k < device->worker_count; k++)
+            *worker++ = (batch_worker){.batch = devices, .device = device};
+    }
+    return GSCL_OK;
 }
 
 /* Whether an OpenCL device may be the processor: it is no GPU. */
@@ -25,81 +57,55 @@ static bool has_opencl_cpu(const gscl_device_info *infos) {
     return false;
 }
 
-/* Stores the ids of all devices. */
-static void take_all(batch_devices *devices, const gscl_device_info *infos) {
+/* Makes a batch of all devices, of which there is at least one. */
+static gscl_result make_all(batch_devices *devices, const gscl_device_info *infos, int jobs) {
     const bool without_host = has_opencl_cpu(infos);
-    for (const gscl_device_info *info = infos; info; info = info->next) {
-        if (without_host && is_host_device(info->id))
-            continue;
-        batch_device *device = &devices->devices[devices->count++];
-        memcpy(device->id, info->id, sizeof info->id);
-        device->is_host = is_host_device(info->id);
-    }
-}
-
-/* Stores the device of the user's choice, or the default of the library. */
-static void take_chosen(batch_devices *devices, const gscl_device_info *infos) {
-    const device_choice *choice = &devices->choice;
-    const gscl_device_info *host = find_host(infos);
-    devices->count = 1;
-    devices->devices[0].is_host = choice->device ? is_host_device(choice->device)
-                                                 : host && host->is_default && choice->mapping != GSCL_MAPPING_GPU;
-}
-
-static int default_jobs(const batch_devices *devices, const batch_device *device, const gscl_device_info *infos) {
-    const gscl_device_info *host = find_host(infos);
-    if (!device->is_host || !host)
-        return BATCH_OPENCL_WORKERS;
-    const uint64_t threads = devices->choice.threads > 0 ? devices->choice.threads : host->compute_units;
-    return threads < BATCH_MAX_WORKERS ? (int)threads : BATCH_MAX_WORKERS;
-}
-
-/* Makes the devices of the batch out of all devices, which may be none.  Returns false when out of memory. */
-static bool make_devices(batch_devices *devices, const gscl_device_info *infos, int jobs) {
-    size_t most = 1;
+    size_t most = 0;
     for (const gscl_device_info *info = infos; info; info = info->next)
         most++;
     devices->devices = calloc(most, sizeof *devices->devices);
     if (!devices->devices)
-        return false;
-    if (devices->is_all)
-        take_all(devices, infos);
-    else
-        take_chosen(devices, infos);
-    for (size_t i = 0; i < devices->count; i++) {
-        batch_device *device = &devices->devices[i];
-        device->worker_count = jobs > 0 ? jobs : default_jobs(devices, device, infos);
-        devices->worker_count += (size_t)device->worker_count;
-    }
-    return true;
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    for (const gscl_device_info *info = infos; info; info = info->next)
+        if (!(without_host && is_host_device(info->id)))
+            add_device(devices, info, jobs);
+    return make_workers(devices);
 }
 
-/* Makes the workers of all devices.  Returns false when out of memory. */
-static bool make_workers(batch_devices *devices) {
-    batch_worker *worker = devices->workers = calloc(devices->worker_count, sizeof *devices->workers);
-    if (!worker)
-        return false;
-    for (size_t i = 0; i < devices->count; i++) {
-        batch_device *device = &devices->devices[i];
-        device->workers = worker;
-        for (int k = 0; k < device->worker_count; k++)
-            *worker++ = (batch_worker){.batch = devices, .device = device};
-    }
-    return true;
+static gscl_result find_all(batch_devices *devices, int jobs) {
+    gscl_device_info *infos = NULL;
+    gscl_result result = list_encoders(&infos);
+    if (result == GSCL_OK)
+        result = infos ? make_all(devices, infos, jobs) : GSCL_ERROR_NO_PLATFORM;
+    gscl_free(infos);
+    return result;
+}
+
+/* Makes a batch of the device of the user's choice, or of the default of the library.  The first worker's context, which is opened
+ * here, tells what device that is: a list of all devices would load OpenCL for "host", too.  Where it cannot be opened, the first
+ * image reports it. */
+static gscl_result find_chosen(batch_devices *devices, int jobs) {
+    gscl_context *context = NULL;
+    devices->devices = calloc(1, sizeof *devices->devices);
+    if (!devices->devices)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    if (create_context(&devices->choice, &context) != GSCL_OK)
+        gscl_context_free(&context);
+    add_device(devices, gscl_context_device(context), jobs);
+    const gscl_result result = make_workers(devices);
+    if (result == GSCL_OK)
+        devices->workers[0].context = context;
+    else
+        gscl_context_free(&context);
+    return result;
 }
 
 int batch_devices_create(batch_devices *devices, const device_choice *choice, int jobs) {
-    gscl_device_info *infos = NULL;
     *devices = (batch_devices){.choice = *choice,
                                .is_all = choice->device && strcmp(choice->device, BATCH_ALL) == 0,
                                .lock = PTHREAD_MUTEX_INITIALIZER,
                                .changed = PTHREAD_COND_INITIALIZER};
-    gscl_result result = list_encoders(&infos);
-    if (result == GSCL_OK && devices->is_all && !infos)
-        result = GSCL_ERROR_NO_PLATFORM;
-    if (result == GSCL_OK && !(make_devices(devices, infos, jobs) && make_workers(devices)))
-        result = GSCL_ERROR_OUT_OF_MEMORY;
-    gscl_free(infos);
+    const gscl_result result = devices->is_all ? find_all(devices, jobs) : find_chosen(devices, jobs);
     return result == GSCL_OK ? EXIT_SUCCESS : report_result(NULL, "OpenCL", result);
 }
 

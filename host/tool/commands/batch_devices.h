@@ -24,13 +24,13 @@
 typedef struct batch_worker {
     struct batch_devices *batch;
     struct batch_device *device;
-    gscl_context *context; /* NULL until the first image */
+    gscl_context *context; /* NULL until its first image, but for the first worker of a device that the user chose */
     bool is_busy;
     bool is_left_out; /* it has no context */
 } batch_worker;
 
 typedef struct batch_device {
-    char id[sizeof((gscl_device_info *)0)->id]; /* empty: the one of the user's choice */
+    char id[sizeof((gscl_device_info *)0)->id]; /* empty: the one of the user's choice, which cannot be opened */
     bool is_host;
     int worker_count;
     int running, finished; /* images */
