@@ -109,8 +109,6 @@ static gscl_result device_open_chosen(gscl_context *context, const gscl_device_l
             chosen = &list->devices[i];
             found++;
         }
-    if (found == 0 && selector && strcmp(selector, GSCL_HOST_DEVICE) == 0)
-        return gscl_host_open(context, settings);
     if (found == 0)
         return device_fail_none(context, list, selector);
     if (found > 1) {
@@ -127,7 +125,12 @@ gscl_result gscl_device_open(gscl_context *context, const gscl_context_settings 
     const bool is_host = settings->device && strcmp(settings->device, GSCL_HOST_DEVICE) == 0;
     gscl_result result =
         is_host ? gscl_device_list_create_host(&list) : gscl_device_list_create(&list, settings->mapping);
-    result = result == GSCL_OK ? device_open_chosen(context, &list, settings) : gscl_fail_memory(context);
+    if (result != GSCL_OK)
+        result = gscl_fail_memory(context);
+    else if (is_host && list.count == 0) /* no kernels for this processor */
+        result = gscl_host_open(context, settings);
+    else
+        result = device_open_chosen(context, &list, settings);
     gscl_device_list_free(&list);
     return result;
 }
