@@ -18,8 +18,7 @@
 typedef struct {
     int blend, opacity, texture, shape, loss, weighted;
 } gscl_native_options;
-__attribute__((const)) const gscl_native_options *gscl_native_launch_options(void);
-#define gscl_launch_options() gscl_native_launch_options()
+__attribute__((const)) const gscl_native_options *gscl_launch_options(void);
 
 /* ---- Vectors of one kind ---- */
 

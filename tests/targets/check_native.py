@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "cl" / "native.py"
 # What the library or the compiler's own library gives to kernels.
 STUBS = """
-const void *gscl_native_launch_options(void) { return 0; }
+const void *gscl_launch_options(void) { return 0; }
 void *memcpy(void *to, const void *from, __SIZE_TYPE__ size) { return to; }
 void *memset(void *to, int value, __SIZE_TYPE__ size) { return to; }
 """

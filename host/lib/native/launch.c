@@ -1,7 +1,6 @@
 #include "native/launch.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "native/native_device.h"
 #include "native/tunables.h"
@@ -15,13 +14,9 @@ bool gscl_native_all_threads;
 static __thread const gscl_native_options *launch_options;
 
 /* Called by general kernels. */
-const gscl_native_options *gscl_native_launch_options(void);
-const gscl_native_options *gscl_native_launch_options(void) {
+const gscl_native_options *gscl_launch_options(void);
+const gscl_native_options *gscl_launch_options(void) {
     return launch_options;
-}
-
-static bool options_equal(const gscl_native_options *a, const gscl_native_options *b) {
-    return memcmp(a, b, sizeof *a) == 0; /* nothing but int */
 }
 
 /* Options that no kernel is compiled for: other precision than that of an encode. */
@@ -54,7 +49,7 @@ gscl_result gscl_native_kernel_find(gscl_context *context, gscl_program_kind kin
                          "\"host\" has none (kernel %s)",
                          name);
     for (gscl_kept_kernel *kept = gscl_native(context)->kernels; kept; kept = kept->next)
-        if (kept->compiled == compiled && options_equal(&kept->options, &own)) {
+        if (kept->compiled == compiled && gscl_native_options_equal(&kept->options, &own)) {
             *kernel = &kept->base;
             return GSCL_OK;
         }

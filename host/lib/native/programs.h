@@ -50,5 +50,6 @@ const gscl_native_kernel *gscl_native_find(const gscl_native_processor *processo
 extern bool gscl_native_general;
 
 gscl_native_options gscl_native_options_of(const gscl_kernel_options *options);
+bool gscl_native_options_equal(const gscl_native_options *a, const gscl_native_options *b);
 
 #endif
