@@ -27,6 +27,14 @@
 /* Splats of a tile that are summed one after another when an image is drawn (raster.cl). */
 #define GSCL_RUN 1024
 
+/* The CPU mapping (gscl_runtime_tunables in host/lib/runtime/tunables.h says what each is), which kernels that are compiled with
+ * the library have, too. */
+#define GSCL_CPU_LANES 16
+#define GSCL_CPU_ROWS 16
+#define GSCL_CPU_CACHED_ROWS 512
+#define GSCL_CPU_SPLAT_LANES 16
+#define GSCL_CPU_LINK_SPLATS 64
+
 /* Blend modes, numbered as in the file format. */
 #define GSCL_NORMALIZED 0
 #define GSCL_ALPHA 1

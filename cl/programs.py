@@ -28,9 +28,9 @@ OF_SPLATS = ["RENDER", "FIT", "GRADIENTS", "SCALAR_RDO", "CODEBOOK"]
 # Those that take a vector of splats at once (gscl_splat_lanes).
 WIDE = ["FIT", "GRADIENTS"]
 
-# The CPU mapping (host/lib/runtime/mapping.c).
-MAPPING = {"LANES": 16, "ROWS": 16, "CACHED_ROWS": 512, "SLOT_ITEMS": 1, "RDO_ITEMS": 1, "BAND_ITEMS": 1, "BIN_ITEMS": 1,
-           "LINK_ITEMS": 1, "LINK_SPLATS": 64}
+# The CPU mapping (host/lib/runtime/mapping.c), in groups of one work-item.
+MAPPING = {"LANES": "GSCL_CPU_LANES", "ROWS": "GSCL_CPU_ROWS", "CACHED_ROWS": "GSCL_CPU_CACHED_ROWS", "SLOT_ITEMS": 1,
+           "RDO_ITEMS": 1, "BAND_ITEMS": 1, "BIN_ITEMS": 1, "LINK_ITEMS": 1, "LINK_SPLATS": "GSCL_CPU_LINK_SPLATS"}
 
 
 class Options(NamedTuple):
@@ -64,7 +64,7 @@ class Program(NamedTuple):
 
     def defines(self):
         """The macros that it is compiled with."""
-        macros = dict(MAPPING, SPLAT_LANES=16 if self.kind in WIDE else 1)
+        macros = dict(MAPPING, SPLAT_LANES="GSCL_CPU_SPLAT_LANES" if self.kind in WIDE else 1)
         if self.colours:
             macros.update(COLOURS=self.colours, ALPHA_CHANNEL=self.alpha_channel)
         if self.options:

@@ -1,11 +1,13 @@
 #include "runtime/tunables.h"
 
+#include "cl/constants.h"
+
 const struct gscl_runtime_tunables gscl_runtime_tunables = {
-    .cpu_lanes = 16,
-    .cpu_rows = 16,
-    .cpu_cached_rows = 512,
-    .cpu_splat_lanes = 16,
-    .cpu_link_splats = 64,
+    .cpu_lanes = GSCL_CPU_LANES,
+    .cpu_rows = GSCL_CPU_ROWS,
+    .cpu_cached_rows = GSCL_CPU_CACHED_ROWS,
+    .cpu_splat_lanes = GSCL_CPU_SPLAT_LANES,
+    .cpu_link_splats = GSCL_CPU_LINK_SPLATS,
     .gpu_lanes = 4,
     .gpu_rows = 1,
     .gpu_band_items = 256,
