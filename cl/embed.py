@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Writes the kernels into one C file: embed.py OUTPUT.c KERNEL...
 
-The file defines gscl_kernel_sources (host/lib/opencl/kernel_sources.h).  Each text begins with a #line
-directive, so that an OpenCL compiler's messages name the kernel file.
+The file defines gscl_kernel_sources and gscl_program_files (host/lib/opencl/kernel_sources.h).  Each text begins with a
+#line directive, so that an OpenCL compiler's messages name the kernel file.
 """
 import os
 import sys
+
+from programs import COMMON, FILES
 
 
 def c_bytes(text):
@@ -29,6 +31,11 @@ def main(output, kernels):
         file.write("\nconst struct gscl_kernel_source gscl_kernel_sources[] = {\n")
         file.writelines(rows or ["    {0, 0, 0}\n"])
         file.write(f"}};\nconst size_t gscl_kernel_source_count = {len(kernels)};\n")
+        file.write("\nconst char *const gscl_program_files[GSCL_PROGRAM_KINDS][GSCL_MAX_PROGRAM_FILES + 1] = {\n")
+        for kind, files in FILES.items():
+            names = ", ".join(f'"{name}"' for name in ["builtins.h", *COMMON, *files])
+            file.write(f"    [GSCL_PROGRAM_{kind}] = {{{names}}},\n")
+        file.write("};\n")
 
 
 if __name__ == "__main__":

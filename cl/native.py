@@ -29,7 +29,7 @@ OPTIONS = ["-O3", "-ffp-contract=off", "-fPIC", "-fno-math-errno", "-fno-stack-p
 def preprocess(program, compiler):
     """The OpenCL C of a program in one text without macros."""
     macros = [f"-D{macro}={value}" for macro, value in program.defines().items()]
-    text = "".join(f'#include "{name}"\n' for name in COMMON + FILES[program.kind])
+    text = "".join(f'#include "{name}"\n' for name in ["native.h", *COMMON, *FILES[program.kind]])
     # The current folder is cl/, so that messages and debug information name files by themselves.
     return subprocess.run([*compiler, *LANGUAGE, *TYPES, *macros, "-I.", "-I..", "-E", "-"], input=text, text=True,
                           cwd=FOLDER, stdout=subprocess.PIPE, check=True).stdout

@@ -1,14 +1,15 @@
-"""The programs that cl/native.py compiles into the library.
+"""The source files of all programs, and the programs that cl/native.py compiles into the library.
 
 A program is a kind of gscl_program_kind (host/lib/runtime/kernel_options.h) with options.  One that is specialised serves
 just these options; a general one (options.h) serves all that have its channels.
 """
 from typing import NamedTuple, Optional
 
-COMMON = ["native.h", "constants.h", "structs.h", "macros.h", "options.h"]
+# Of each program, behind the declarations of built-in functions: builtins.h, or native.h.
+COMMON = ["constants.h", "structs.h", "macros.h", "options.h"]
 # From parameters to projected splats.
 SPLATS = ["splat_lanes.cl", "direction.cl", "project.cl"]
-# The source files of each kind, as in program.c of host/lib/opencl.
+# The further files of each kind, in the order in which the compiler reads them.
 FILES = {
     "RENDER": ["pixel.cl", "raster.cl", "draw.cl", *SPLATS, "splats.cl", "samples.cl"],
     "BIN": ["group_scan.cl", "links.cl", "bin.cl"],
@@ -22,6 +23,7 @@ FILES = {
     "VISUAL": ["pixel.cl", "group_sum.cl", "visual.cl"],
     "IMAGE": ["image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "random.h", "placement.cl"],
     "BENCHMARK": ["pixel.cl", "benchmark.cl"],
+    "ACCURACY": ["pixel.cl", "raster.cl", "draw.cl", "accuracy.cl"],  # OpenCL only
 }
 # Kinds whose kernels depend on what splats have and how they are blended, so that there is a general program of each.
 OF_SPLATS = ["RENDER", "FIT", "GRADIENTS", "SCALAR_RDO", "CODEBOOK"]

@@ -68,7 +68,8 @@ image_files() {
     pytest_suite formats.xml sh tests/formats/test.sh build-test build-test/python
 }
 
-# The library and its kernels under ASan and UBSan, with small hard cases on the device "host"; check_leaks.sh, after the tests whose kernels it finds, looks for leaks.
+# The library and its kernels under ASan and UBSan, with small hard cases on the device "host"; check_leaks.sh, after the
+# tests whose kernels it finds, looks for leaks.
 sanitizers() {
     check "build with sanitizers" build build-sanitize \
         --buildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=enabled -Dweb=disabled \

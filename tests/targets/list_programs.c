@@ -15,8 +15,9 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "opencl/build_options.h"
+#include "opencl/kernel_sources.h"
 #include "opencl/opencl_device.h"
-#include "opencl/program.h"
 
 #define MAX_PROGRAMS 256
 
@@ -110,7 +111,7 @@ static void print_program(program_list *list, const char *set, gscl_program_kind
     if (!add(list, kind, options))
         return;
     printf("%s\t%s\t%s\t%s\t", list->mapping, set, kind_names[kind], use);
-    for (const char *const *file = gscl_program_files(kind); *file; file++)
+    for (const char *const *file = gscl_program_files[kind]; *file; file++)
         printf("%s%s", *file, file[1] ? " " : "\t");
     printf("%s\n", options);
 }

@@ -11,37 +11,8 @@
 #include "opencl/tunables.h"
 #include "runtime/stage_clock.h"
 
-#define MAX_FILES 20 /* source files of a program */
 /* Keeps the compiler's own header of built-in functions out and lets cl/builtins.h take its place. */
 #define OWN_BUILTINS " -D_OPENCL_H_ -DGSCL_BUILTINS"
-
-#define COMMON_FILES "builtins.h", "constants.h", "structs.h", "macros.h", "options.h"
-/* From parameters to projected splats. */
-#define SPLAT_FILES "splat_lanes.cl", "direction.cl", "project.cl"
-
-/* Source files of each kind, in the order in which the compiler reads them.  A NULL ends each list. */
-static const char *const program_files[GSCL_PROGRAM_KINDS][MAX_FILES + 1] = {
-    [GSCL_PROGRAM_BIN] = {COMMON_FILES, "group_scan.cl", "links.cl", "bin.cl"},
-    [GSCL_PROGRAM_RENDER] = {COMMON_FILES, "pixel.cl", "raster.cl", "draw.cl", SPLAT_FILES, "splats.cl", "samples.cl"},
-    [GSCL_PROGRAM_FIT] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "fit.cl", "update.cl",
-                          "step.cl"},
-    [GSCL_PROGRAM_GRADIENTS] = {COMMON_FILES, "pixel.cl", SPLAT_FILES, "slots.cl", "update.cl", "gradients.cl"},
-    [GSCL_PROGRAM_SCALAR_RDO] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "rdo_items.cl", "outline.cl",
-                                 "scalar_codes.cl", "rdo_planes.cl", "rdo_colour.cl", "rdo_moves.cl", "rdo_model.cl",
-                                 "texture.cl", "scalar_rdo.cl"},
-    [GSCL_PROGRAM_CODEBOOK] = {COMMON_FILES, "pixel.cl", "raster.cl", SPLAT_FILES, "slots.cl", "update.cl",
-                               "rdo_items.cl", "outline.cl", "codebook.cl", "codebook_rdo.cl"},
-    [GSCL_PROGRAM_SSIM] = {COMMON_FILES, "pixel.cl", "ssim.cl"},
-    [GSCL_PROGRAM_VISUAL] = {COMMON_FILES, "pixel.cl", "group_sum.cl", "visual.cl"},
-    [GSCL_PROGRAM_IMAGE] = {COMMON_FILES, "image.cl", "group_sum.cl", "group_scan.cl", "sums.cl", "random.h",
-                            "placement.cl"},
-    [GSCL_PROGRAM_BENCHMARK] = {COMMON_FILES, "pixel.cl", "benchmark.cl"},
-    [GSCL_PROGRAM_ACCURACY] = {COMMON_FILES, "pixel.cl", "raster.cl", "draw.cl", "accuracy.cl"},
-};
-
-const char *const *gscl_program_files(gscl_program_kind kind) {
-    return program_files[kind];
-}
 
 static const struct gscl_kernel_source *find_source(const char *name) {
     for (size_t i = 0; i < gscl_kernel_source_count; i++)
@@ -53,13 +24,13 @@ static const struct gscl_kernel_source *find_source(const char *name) {
 /* The source files of a program. */
 typedef struct program_sources {
     size_t count;
-    const char *texts[MAX_FILES];
-    size_t lengths[MAX_FILES];
+    const char *texts[GSCL_MAX_PROGRAM_FILES];
+    size_t lengths[GSCL_MAX_PROGRAM_FILES];
 } program_sources;
 
 /* Returns NULL, or the name of the file that is missing in this build. */
 static const char *find_sources(gscl_program_kind kind, program_sources *sources) {
-    const char *const *names = gscl_program_files(kind);
+    const char *const *names = gscl_program_files[kind];
     for (sources->count = 0; names[sources->count]; sources->count++) {
         const struct gscl_kernel_source *source = find_source(names[sources->count]);
         if (!source)

@@ -24,9 +24,6 @@ struct gscl_program {
     gscl_opencl_kernel kernels[GSCL_MAX_KERNELS];
 };
 
-/* The names of a kind's source files in cl/, in the order in which the compiler reads them; a NULL ends them. */
-const char *const *gscl_program_files(gscl_program_kind kind);
-
 /* Creates a program of a kind with these options of gscl_build_options, to be built. */
 gscl_result gscl_program_create(gscl_context *context, gscl_program_kind kind, const char *options,
                                 struct gscl_program **program);
