@@ -107,7 +107,8 @@ def test_killed_worker(client, tmp_path):
     assert [row["error"] for row in rows if row["status"] == "failed"] == [
         "UnidentifiedImageError: not an image that Pillow reads"
     ]
-    assert len({row["worker"] for row in rows}) >= 4
+    # The three that live took part; whether the one that takes the victim's place finds work left depends on the machine.
+    assert len({row["worker"] for row in rows}) >= 3
     check_outputs(rows)
     check_nothing_else(out, rows)
     assert {path.suffix for path in report.iterdir()} == {".parquet", ".json"}
