@@ -97,10 +97,11 @@ OF_HALVES(float16)
 #undef OF_HALVES
 #undef FMA
 
-/* Written out, because instructions differ in which of two zeros is the larger. */
+/* Written out, because instructions differ in which of two zeros is the larger.  Where y is a constant, one instruction of
+ * x86-64 is left. */
 #define OF_COMPARISONS(real, integer)                                                             \
-    BUILTIN real fmax(real x, real y) { return ((x < y) | (x != x)) ? y : x; }                    \
-    BUILTIN real fmin(real x, real y) { return ((y < x) | (x != x)) ? y : x; }                    \
+    BUILTIN real fmax(real x, real y) { return x > y ? x : y == y ? y : x; }                      \
+    BUILTIN real fmin(real x, real y) { return x < y ? x : y == y ? y : x; }                      \
     BUILTIN real clamp(real x, real low, real high) { return fmin(fmax(x, low), high); }          \
     BUILTIN real sign(real x) {                                                                   \
         return x > (real)(0.0f) ? (real)(1.0f) : x < (real)(0.0f) ? (real)(-1.0f) : (real)(0.0f); \
