@@ -68,8 +68,8 @@
 #define GSCL_PARAMS 14
 
 /* A projected splat as the rasteriser reads it (floats).  (UX, UY) and (VX, VY) take (dx, dy), the place from the
- * centre, into the splat's own frame (u, v), where gauss = 2^-(u^2 + v^2).  ROW_STEP is 2^-(VY^2) of axis-aligned
- * splats, the factor of one step to the next row at v = 0. */
+ * centre, into the splat's own frame (u, v), where gauss = 2^-(u^2 + v^2).  ROW_STEP is 2^-(UY^2 + VY^2), the factor of
+ * one step to the next row from the centre. */
 #define GSCL_PROJECTED_X 0
 #define GSCL_PROJECTED_Y 1
 #define GSCL_PROJECTED_UX 2

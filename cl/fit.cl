@@ -82,17 +82,21 @@ pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const f
 #endif
 
 #if ITEMS == 1
-/* The sums over lanes of eight vectors at once take a third of the instructions of eight single sums. */
+/* The sums over lanes of eight vectors at once, a third of the instructions of eight single sums: pairs of vectors are added
+ * within each four lanes, in which shuffles are cheapest. */
+float16 add_halves(float16 p, float16 q) {
+    return (float16)(p.s0, q.s0, p.s1, q.s1, p.s4, q.s4, p.s5, q.s5, p.s8, q.s8, p.s9, q.s9, p.sc, q.sc, p.sd, q.sd) +
+           (float16)(p.s2, q.s2, p.s3, q.s3, p.s6, q.s6, p.s7, q.s7, p.sa, q.sa, p.sb, q.sb, p.se, q.se, p.sf, q.sf);
+}
+float16 add_pairs(float16 p, float16 q) {
+    return (float16)(p.s0, p.s1, q.s0, q.s1, p.s4, p.s5, q.s4, q.s5, p.s8, p.s9, q.s8, q.s9, p.sc, p.sd, q.sc, q.sd) +
+           (float16)(p.s2, p.s3, q.s2, q.s3, p.s6, p.s7, q.s6, q.s7, p.sa, p.sb, q.sa, q.sb, p.se, p.sf, q.se, q.sf);
+}
 float8 pix_sum_8(const pix *restrict s) {
-    float16 a[4], b[2];
-    UNROLL
-    for (int k = 0; k < 4; k++)
-        a[k] = (float16)(s[2 * k].lo, s[2 * k + 1].lo) + (float16)(s[2 * k].hi, s[2 * k + 1].hi);
-    UNROLL
-    for (int k = 0; k < 2; k++)
-        b[k] = (float16)(a[2 * k].even, a[2 * k + 1].even) + (float16)(a[2 * k].odd, a[2 * k + 1].odd);
-    float16 c = (float16)(b[0].even, b[1].even) + (float16)(b[0].odd, b[1].odd);
-    return c.even + c.odd;
+    float16 a = add_pairs(add_halves(s[0], s[1]), add_halves(s[2], s[3]));
+    float16 b = add_pairs(add_halves(s[4], s[5]), add_halves(s[6], s[7]));
+    float8 c = a.lo + a.hi, d = b.lo + b.hi;
+    return (float8)(c.lo, d.lo) + (float8)(c.hi, d.hi);
 }
 #define SUMS LARGER(MAX_SLOT, 8) /* no fewer than pix_sum_8 reads */
 #else
@@ -243,8 +247,9 @@ void backward_splats(const tile_splats *t, backward *b, pix px, float py, int ro
         for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
         splat_weight s;
         weight_begin(&s, dx, dy + (float)first, projected);
+        const bool is_cached = row + ROWS <= CACHED_ROWS; /* as in canvas_blend */
         for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
-            if (row < CACHED_ROWS) weight_from_gauss(&s, cached[row++]);
+            if (is_cached) weight_from_gauss(&s, cached[row++]);
             else weight_evaluate(&s);
             slot_add_row(sums, b, r, s, dx, dy + (float)r, projected);
         }

@@ -113,14 +113,14 @@ pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), PIX_MASK(pix
 
 #if EXPONENTIAL == GSCL_EXPONENTIAL_EXACT
 pix pix_exp2(pix y) { return exp2(y); }
+pix pix_exp2_wide(pix y) { return exp2(y); }
 #elif EXPONENTIAL == GSCL_EXPONENTIAL_NATIVE
 pix pix_exp2(pix y) { return native_exp2(y); }
+pix pix_exp2_wide(pix y) { return native_exp2(y); }
 #else
-/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR.  The low bits of the nearest integer are
- * shifted into the exponent.  The remainder goes through a minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no
- * special cases. */
-pix pix_exp2(pix y) {
-    y = fmax(y, (pix)(-SUPPORT2));
+/* 2^y for |y| <= 126.  The low bits of the nearest integer are shifted into the exponent.  The remainder goes through a
+ * minimax polynomial on [-1/2, 1/2].  Relative error below 4e-7, no special cases. */
+pix pix_exp2_wide(pix y) {
     pix shifted = y + ROUNDER;
     pix r = y - (shifted - ROUNDER);
     pix p = fma((pix)(1.3276472e-3f), r, (pix)(9.6755419e-3f));
@@ -130,6 +130,9 @@ pix pix_exp2(pix y) {
     p = fma(p, r, (pix)(1.0000001f));
     return PIX_OF_BITS(PIX_BITS(p) + (PIX_BITS(shifted) << 23));
 }
+
+/* 2^y for y in [-SUPPORT2, 0]; smaller y give a value at or below GSCL_WEIGHT_FLOOR. */
+pix pix_exp2(pix y) { return pix_exp2_wide(fmax(y, (pix)(-SUPPORT2))); }
 #endif
 
 #ifdef DOUBLE

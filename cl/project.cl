@@ -66,7 +66,9 @@ projected_splat splat_project(splat s, gscl_view view) {
     a.projected[GSCL_PROJECTED_VX] = -n * i2;
     a.projected[GSCL_PROJECTED_VY] = c * i2 / down;
     a.projected[GSCL_PROJECTED_OPACITY] = s.opacity;
-    a.projected[GSCL_PROJECTED_ROW_STEP] = ROTATION ? (vfloat)(0.0f) : exp2(-i2 * i2 / down2);
+    const vfloat step2 = fma(a.projected[GSCL_PROJECTED_UY], a.projected[GSCL_PROJECTED_UY],
+                             a.projected[GSCL_PROJECTED_VY] * a.projected[GSCL_PROJECTED_VY]);
+    a.projected[GSCL_PROJECTED_ROW_STEP] = exp2(-step2);
     for (int k = 0; k < CHANNELS; k++) a.projected[GSCL_PROJECTED_COLOUR + k] = s.colour[k];
     if (TEXTURE) {
         /* The level's box filter lowers the amplitude. */
