@@ -7,6 +7,10 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include "native/thread_count.h"
+#include "native/tunables.h"
+#include "runtime/stage_clock.h"
+
 /* One piece of work that threads share: each takes the next part until none is left. */
 typedef struct pool_job {
     gscl_pool_work *work;
@@ -19,12 +23,13 @@ struct gscl_pool {
     pthread_mutex_t lock;
     pthread_cond_t begin, end;
     int thread_count; /* those that run may be fewer, the caller's is not among them */
+    double awake_s;   /* seconds for which a thread waits before it falls asleep */
     int started;      /* threads; those that could not be started are not tried again */
     bool is_closing;
     pid_t process;  /* whose threads these are: a fork has none of them */
-    unsigned round; /* of work, which threads wait for */
+    unsigned round; /* of work, which threads wait for; atomic */
     int places;     /* threads that may yet join this round */
-    int working;    /* threads that have joined it and not ended */
+    int working;    /* threads that have joined it and not ended; atomic */
     pool_job job;
     pthread_t threads[];
 };
@@ -41,23 +46,52 @@ static void take_parts(pool_job *job) {
     }
 }
 
+/* Whether a thread that waits since `start_s` stays awake: launches follow each other so closely that one which falls asleep
+ * at once is woken up most of the time.  Where other pools are at work, they need its processor. */
+static bool stays_awake(const gscl_pool *pool, double start_s) {
+    return __atomic_load_n(&busy_pools, __ATOMIC_RELAXED) <= 1 && gscl_now() < start_s + pool->awake_s;
+}
+
+/* Waits for a round other than `seen`, with the lock held before and after. */
+static void await_round(gscl_pool *pool, unsigned seen) {
+    const double start_s = gscl_now();
+    pthread_mutex_unlock(&pool->lock);
+    while (__atomic_load_n(&pool->round, __ATOMIC_RELAXED) == seen && stays_awake(pool, start_s))
+        ;
+    pthread_mutex_lock(&pool->lock);
+    while (pool->round == seen && !pool->is_closing)
+        pthread_cond_wait(&pool->begin, &pool->lock);
+}
+
+/* Waits until all threads have ended their work, with the lock held before and after. */
+static void await_end(gscl_pool *pool) {
+    const double start_s = gscl_now();
+    pthread_mutex_unlock(&pool->lock);
+    while (__atomic_load_n(&pool->working, __ATOMIC_RELAXED) > 0 && stays_awake(pool, start_s))
+        ;
+    pthread_mutex_lock(&pool->lock);
+    while (pool->working > 0)
+        pthread_cond_wait(&pool->end, &pool->lock);
+}
+
 static void *run_thread(void *opaque) {
     gscl_pool *pool = opaque;
     unsigned seen = 0;
     pthread_mutex_lock(&pool->lock);
     while (!pool->is_closing) {
-        if (pool->round == seen || pool->places == 0) {
-            seen = pool->round;
-            pthread_cond_wait(&pool->begin, &pool->lock);
+        if (pool->round == seen) {
+            await_round(pool, seen);
             continue;
         }
         seen = pool->round;
+        if (pool->places == 0)
+            continue;
         pool->places--;
-        pool->working++;
+        __atomic_add_fetch(&pool->working, 1, __ATOMIC_RELAXED);
         pthread_mutex_unlock(&pool->lock);
         take_parts(&pool->job);
         pthread_mutex_lock(&pool->lock);
-        if (--pool->working == 0)
+        if (__atomic_sub_fetch(&pool->working, 1, __ATOMIC_RELAXED) == 0)
             pthread_cond_signal(&pool->end);
     }
     pthread_mutex_unlock(&pool->lock);
@@ -69,6 +103,7 @@ gscl_result gscl_pool_create(gscl_context *context, int threads, gscl_pool **poo
     if (!p)
         return gscl_fail_memory(context);
     p->thread_count = threads - 1;
+    p->awake_s = threads <= gscl_native_thread_count() ? gscl_native_tunables.awake_s : 0;
     p->process = getpid();
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->begin, NULL);
@@ -126,14 +161,14 @@ static int run_shared(gscl_pool *pool, int helpers, pool_job job) {
     pool->job = job;
     helpers = helpers < pool->started ? helpers : pool->started;
     pool->places = helpers;
-    pool->round++;
+    __atomic_add_fetch(&pool->round, 1, __ATOMIC_RELAXED);
     pthread_cond_broadcast(&pool->begin);
     pthread_mutex_unlock(&pool->lock);
     take_parts(&pool->job);
     pthread_mutex_lock(&pool->lock);
     pool->places = 0; /* a thread that has not woken up yet is too late */
-    while (pool->working > 0)
-        pthread_cond_wait(&pool->end, &pool->lock);
+    if (pool->working > 0)
+        await_end(pool);
     pthread_mutex_unlock(&pool->lock);
     return helpers;
 }

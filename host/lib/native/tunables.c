@@ -1,6 +1,7 @@
 #include "native/tunables.h"
 
 const struct gscl_native_tunables gscl_native_tunables = {
-    .thread_s = 50e-6,
+    .thread_s = 10e-6,
+    .awake_s = 100e-6,
     .parts = 8,
 };
