@@ -247,7 +247,7 @@ void backward_splats(const tile_splats *t, backward *b, pix px, float py, int ro
         for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
         splat_weight s;
         weight_begin(&s, dx, dy + (float)first, projected);
-        const bool is_cached = row + ROWS <= CACHED_ROWS; /* as in canvas_blend */
+        const bool is_cached = ARE_CACHED(row);
         for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
             if (is_cached) weight_from_gauss(&s, cached[row++]);
             else weight_evaluate(&s);

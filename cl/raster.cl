@@ -6,6 +6,8 @@
 #undef CACHED_ROWS
 #define CACHED_ROWS 0
 #endif
+/* Whether the rows of a splat are, of which a tile's splats before it have `row`. */
+#define ARE_CACHED(row) ((row) + ROWS <= CACHED_ROWS)
 
 /* A splat's weight at a row of pixels, before opacity, and its frame coordinates.  An axis-aligned splat is the product
  * of a Gaussian of the column and a Gaussian of the row, which is updated from row to row by multiplication. */
@@ -163,7 +165,7 @@ void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *res
         real dy = py - projected[GSCL_PROJECTED_Y];
         splat_weight s;
         weight_begin(&s, dx, dy + (float)first, projected);
-        if (cached && row + ROWS <= CACHED_ROWS) {
+        if (cached && ARE_CACHED(row)) {
             gauss_rows(cached + row, s, last - first + 1, projected);
             for (int r = first; r <= last; r++) {
                 weight_from_gauss(&s, cached[row++]);
