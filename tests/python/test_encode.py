@@ -57,12 +57,13 @@ def test_threads(picture, data, threads):
     assert encode(picture, device="host", threads=threads).data == data
 
 
-def test_devices(picture, data):
-    """Files of different devices differ, and are of the same quality: 16 seeds of one have 31.9 to 34.6 dB."""
-    expected = psnr(picture, gscl.decode(data))
-    for device in "host", "0.0":
-        encoded = encode(picture, device=device).data
-        assert psnr(picture, gscl.decode(encoded)) == pytest.approx(expected, abs=2.7)
+def test_devices(picture):
+    """Files of different devices differ, and are of the same quality in the mean of seeds, which differ by up to 2.7 dB."""
+    host, opencl = (
+        sum(psnr(picture, gscl.decode(encode(picture, seed=seed, device=device).data)) for seed in range(1, 17)) / 16
+        for device in ("host", "0.0")
+    )
+    assert opencl == pytest.approx(host, abs=0.7)
 
 
 @pytest.mark.parametrize(
