@@ -165,6 +165,17 @@ void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat theta) {
     s->y = steep ? rounded : across;
 }
 
+/* The parts of a level of luma and chroma, for axes that the format can represent. */
+vfloat splat_colour_fineness(const splat *s, __global const float *restrict steps) {
+    const float finer_from[GSCL_MAX_FINENESS - 1] = GSCL_FINER_FROM;
+    const vfloat area = (32.0f / M_LN2_F) * (s->log_s1 + s->log_s2) + 64.0f - steps[GSCL_STEP_PIVOT];
+    vfloat fineness = (vfloat)(1.0f);
+    UNROLL
+    for (int i = 0; i < GSCL_MAX_FINENESS - 1; i++)
+        fineness += area > finer_from[i] - 0.5f ? (vfloat)(1.0f) : (vfloat)(0.0f);
+    return fineness;
+}
+
 /* The nearest splat that scalar coding can write (FORMAT.md, "Dequantisation"), in float: the fit draws
  * splats as the quantiser leaves them, so that it compensates for the rounding.  steps[GSCL_STEP_SCALE] = 0: none. */
 splat splat_quantise(splat s, __global const float *restrict steps) {
@@ -186,9 +197,10 @@ splat splat_quantise(splat s, __global const float *restrict steps) {
         s.theta = major_theta - turn;
     }
     splat_quantise_centre(&s, cell, rint(aspect), major_theta);
-    float luma = steps[GSCL_STEP_LUMA];
+    const vfloat fineness = splat_colour_fineness(&s, steps);
+    const vfloat luma = steps[GSCL_STEP_LUMA] / fineness;
 #if COLOURS == 3
-    float chroma = steps[GSCL_STEP_CHROMA];
+    const vfloat chroma = steps[GSCL_STEP_CHROMA] / fineness;
     vfloat y = rint((s.colour[0] + 2.0f * s.colour[1] + s.colour[2]) * 0.25f / luma) * luma;
     vfloat co = rint((s.colour[0] - s.colour[2]) / chroma) * chroma;
     vfloat cg = rint((s.colour[1] - 0.5f * (s.colour[0] + s.colour[2])) / chroma) * chroma;

@@ -127,8 +127,9 @@ typedef struct {
 
 #define HAS_COLOUR_CODE(i) ((i) == 0 || ((i) < 3 ? COLOURS == 3 : ALPHA_CHANNEL))
 
-colour_form form_of_quadratic(const quadratic *q, gscl_rdo_settings t) {
-    const float steps[4] = {t.luma_step, t.chroma_step, t.chroma_step, t.alpha_step};
+colour_form form_of_quadratic(const quadratic *q, float fineness, gscl_rdo_settings t) {
+    const float chroma_step = t.chroma_step / fineness;
+    const float steps[4] = {t.luma_step / fineness, chroma_step, chroma_step, t.alpha_step};
     colour_form f = {q->fixed, {0.0f}, {{0.0f}}};
 #if COLOURS == 3 /* scalar products of the colours of a unit of each code (colour_from_ycocg) */
     f.linear[0] = q->linear[0] + q->linear[1] + q->linear[2];
@@ -179,11 +180,20 @@ float form_value(const colour_form *f, const gscl_codes *c) {
     return value;
 }
 
-float colour_bits(const gscl_codes *c, __global const float *restrict tables) {
+/* The fineness of luma, co and cg; alpha has levels only. */
+#define CODE_FINENESS(i, fineness) ((i) < 3 ? (fineness) : 1)
+
+/* The place of a code's level in a table of bits. */
+int level_place(int code, int fineness) { return (code + GSCL_COLOUR_CODES / 2 * fineness) / fineness; }
+
+/* The bits of the levels; those of their parts belong to the shape. */
+float colour_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
     float bits = 0.0f;
+    int fineness = codes_fineness(c, tables);
     for (int i = 0; i < 4; i++)
         if (HAS_COLOUR_CODE(i))
-            bits += tables[i * GSCL_COLOUR_CODES + c->code[GSCL_CODE_LUMA + i] + GSCL_COLOUR_CODES / 2];
+            bits += tables->bits[i * GSCL_COLOUR_CODES +
+                                 level_place(c->code[GSCL_CODE_LUMA + i], CODE_FINENESS(i, fineness))];
     return bits;
 }
 
@@ -191,20 +201,22 @@ float colour_bits(const gscl_codes *c, __global const float *restrict tables) {
 
 /* Improves the colour codes one at a time, step by step; returns the cost of the best.  The ranges are copied, because
  * Mesa's compiler fails on a run-time index into a struct that was passed by value. */
-float colour_descend(const quadratic *q, gscl_codes *c, __global const float *restrict tables, gscl_rdo_settings t) {
+float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
     const int min[4] = {t.min[0], t.min[1], t.min[2], t.min[3]}, max[4] = {t.max[0], t.max[1], t.max[2], t.max[3]};
-    const colour_form f = form_of_quadratic(q, t);
+    const int fineness = codes_fineness(c, tables);
+    const colour_form f = form_of_quadratic(q, (float)fineness, t);
     for (int round = 0; round < COLOUR_ROUNDS; round++) {
         bool better = false;
         for (int i = 0; i < 4; i++) {
             if (!HAS_COLOUR_CODE(i)) continue;
-            __global const float *bits = tables + i * GSCL_COLOUR_CODES + GSCL_COLOUR_CODES / 2;
+            __global const float *bits = tables->bits + i * GSCL_COLOUR_CODES;
+            const int fine = CODE_FINENESS(i, fineness);
             int now = c->code[GSCL_CODE_LUMA + i], best = now;
             float lowest = 0.0f, slope = form_slope(&f, c, i);
             for (int step = -1; step <= 1; step += 2) {
-                if (now + step < min[i] || now + step > max[i]) continue;
+                if (now + step < min[i] * fine || now + step >= (max[i] + 1) * fine) continue;
                 float change = fma(2.0f * (float)step, slope, f.square[i][i]);
-                change = fma(t.lambda, bits[now + step] - bits[now], change);
+                change = fma(t.lambda, bits[level_place(now + step, fine)] - bits[level_place(now, fine)], change);
                 if (change < lowest) {
                     lowest = change;
                     best = now + step;

@@ -22,10 +22,20 @@ bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, uni
     return *moved >= 0 && *moved < (along_x ? g->cells.x : g->cells.y) && *other >= 0 && *other < other_cells;
 }
 
-/* Makes a move; false when it leaves the code's range.  When an axis changes, position and angle are quantised again
- * with their new steps. */
-bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors,
-                __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+/* Quantises the colour again where the fineness was another. */
+void codes_set_fineness(gscl_codes *c, int before, int fineness, gscl_rdo_settings t) {
+    if (before == fineness) return;
+    for (int i = 0; i < COLOURS; i++) {
+        int code = (int)rint((float)(c->code[GSCL_CODE_LUMA + i] * fineness) / (float)before);
+        c->code[GSCL_CODE_LUMA + i] = clamp(code, t.min[i] * fineness, (t.max[i] + 1) * fineness - 1);
+    }
+}
+
+/* Makes a move; false when it leaves the code's range.  When an axis changes, position, angle and colour are quantised
+ * again with their new steps. */
+bool codes_move(gscl_codes *c, int move, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
+    __global const gscl_major_entry *majors = tables->majors;
+    __global const gscl_aspect_entry *aspects = tables->aspects;
     const int major_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 1, -1, 1, -1, 0, 0};
     const int aspect_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
@@ -44,11 +54,13 @@ bool codes_move(gscl_codes *c, int move, __global const gscl_major_entry *majors
     float2 centre = codes_centre(c, &g);
     int angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
     float turn = (float)c->code[GSCL_CODE_ANGLE] / (float)angles;
+    int fineness = codes_fineness(c, tables);
     c->code[GSCL_CODE_MAJOR] += major_step[move];
     c->code[GSCL_CODE_ASPECT] += aspect_step[move];
     if (c->code[GSCL_CODE_MAJOR] < 0 || c->code[GSCL_CODE_ASPECT] < 0 || c->code[GSCL_CODE_MAJOR] > GSCL_MAX_SCALE ||
         c->code[GSCL_CODE_ASPECT] > c->code[GSCL_CODE_MAJOR])
         return false;
+    codes_set_fineness(c, fineness, codes_fineness(c, tables), t);
     angles = aspects[c->code[GSCL_CODE_ASPECT]].angles;
     if (aspect_step[move] != 0) c->code[GSCL_CODE_ANGLE] = (int)rint(turn * (float)angles) % angles;
     if (move == MOVE_ANGLE || move == MOVE_ANGLE + 1) {

@@ -7,10 +7,16 @@ float wave_amplitude(int code, gscl_rdo_settings t) {
     return fmin((float)code * t.amplitude_step, GSCL_LARGEST_AMPLITUDE);
 }
 
-void codes_colour(const gscl_codes *c, gscl_rdo_settings t, float *restrict colour) {
-    float y = (float)c->code[GSCL_CODE_LUMA] * t.luma_step;
+/* The parts of a level of luma and chroma. */
+int codes_fineness(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
+    return tables->fineness[2 * c->code[GSCL_CODE_MAJOR] - c->code[GSCL_CODE_ASPECT]];
+}
+
+void codes_colour(const gscl_codes *c, float fineness, gscl_rdo_settings t, float *restrict colour) {
+    float y = (float)c->code[GSCL_CODE_LUMA] * (t.luma_step / fineness);
 #if COLOURS == 3
-    float co = (float)c->code[GSCL_CODE_CO] * t.chroma_step, cg = (float)c->code[GSCL_CODE_CG] * t.chroma_step;
+    float chroma = t.chroma_step / fineness;
+    float co = (float)c->code[GSCL_CODE_CO] * chroma, cg = (float)c->code[GSCL_CODE_CG] * chroma;
     colour_from_ycocg(y, co, cg, colour);
 #else
     colour[0] = y;
@@ -83,16 +89,15 @@ splat_geometry codes_geometry(const gscl_codes *c, __global const gscl_major_ent
     return s;
 }
 
-splat codes_splat(const gscl_codes *c, __global const gscl_major_entry *majors,
-                  __global const gscl_aspect_entry *aspects, gscl_rdo_settings t) {
+splat codes_splat(const gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
     splat s;
-    splat_geometry g = codes_geometry(c, majors, aspects, t);
+    splat_geometry g = codes_geometry(c, tables->majors, tables->aspects, t);
     s.x = g.x;
     s.y = g.y;
     splat_set_axes(&s, g.major, g.minor);
     s.theta = g.theta;
     s.opacity = OPACITY ? ((float)c->code[GSCL_CODE_OPACITY] + 1.0f) / t.opacity_levels : 1.0f;
-    codes_colour(c, t, s.colour);
+    codes_colour(c, (float)codes_fineness(c, tables), t, s.colour);
     if (!TEXTURE) return s;
     s.wave_x = s.wave_y = 0.0f;
     if (c->code[GSCL_CODE_AMPLITUDE] > 0) {

@@ -22,7 +22,7 @@ typedef struct {
 } rdo_choice;
 
 projected_splat codes_project(const gscl_codes *c, const rdo_visit_context *v) {
-    return splat_project(codes_splat(c, v->tables->majors, v->tables->aspects, v->settings), v->view);
+    return splat_project(codes_splat(c, v->tables, v->settings), v->view);
 }
 
 splat_geometry codes_geometry_of(const gscl_codes *c, const rdo_visit_context *v) {
@@ -39,8 +39,8 @@ float shape_cost(const gscl_codes *c, const splat_geometry *g, float error, floa
 /* Chooses the colour of a place and shape whose quadratic is known; returns the cost. */
 float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v) {
     splat_geometry g = codes_geometry_of(c, v);
-    float cost = colour_descend(q, c, v->tables->bits, v->settings);
-    float gain = v->settings.lambda * colour_bits(c, v->tables->bits) - cost;
+    float cost = colour_descend(q, c, v->tables, v->settings);
+    float gain = v->settings.lambda * colour_bits(c, v->tables) - cost;
     return cost + shape_cost(c, &g, q->error, gain, v);
 }
 
@@ -55,7 +55,7 @@ float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *
 float predict_move(int move, const rdo_choice *now, const splat_geometry *from, const projected_splat *a,
                    const splat_model *m, const rdo_visit_context *v) {
     gscl_codes other = now->codes;
-    if (!codes_move(&other, move, v->tables->majors, v->tables->aspects, v->settings)) return MAXFLOAT;
+    if (!codes_move(&other, move, v->tables, v->settings)) return MAXFLOAT;
     if (move >= MOVE_OPACITY) return -MAXFLOAT;
     splat_geometry to = codes_geometry_of(&other, v);
     float change[MODEL_PARAMS];
@@ -99,7 +99,7 @@ bool task_contains(gscl_rdo_task task, const projected_splat *a) {
 void try_move(int move, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task, const rdo_visit_context *v,
               __local float *shared) {
     gscl_codes other = *now;
-    codes_move(&other, move, v->tables->majors, v->tables->aspects, v->settings);
+    codes_move(&other, move, v->tables, v->settings);
     projected_splat a = codes_project(&other, v);
     quadratic q = error_of_colour(&a, &v->planes, shared);
     float cost = choose_colour(&other, &q, v);

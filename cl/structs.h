@@ -166,10 +166,13 @@ typedef struct gscl_aspect_entry {
 typedef struct gscl_rdo_tables {
     gscl_major_entry majors[GSCL_MAX_SCALE + 1];
     gscl_aspect_entry aspects[GSCL_MAX_SCALE + 1];
-    float shape_bits[GSCL_MAX_SCALE + 1][GSCL_MAX_SCALE + 1]; /* of an aspect code, by the major code and it */
+    float
+        shape_bits[GSCL_MAX_SCALE + 1]
+                  [GSCL_MAX_SCALE + 1]; /* of an aspect code and of parts of colour levels, by the major code and it */
     /* Of a direction, less those of an angle that is as likely as all others: by half the aspect code, and by the bin. */
     float direction_bits[GSCL_DIRECTION_ROWS][GSCL_DIRECTIONS];
-    float bits[GSCL_BITS_COUNT]; /* by GSCL_BITS_... */
+    float bits[GSCL_BITS_COUNT];              /* by GSCL_BITS_... */
+    int32_t fineness[2 * GSCL_MAX_SCALE + 1]; /* of luma and chroma, by the sum of the codes of the two axes */
 } gscl_rdo_tables;
 
 /* A splat that is changed in a pass. */
@@ -182,15 +185,15 @@ typedef struct gscl_rdo_task {
 typedef struct gscl_rdo_settings {
     float lambda;     /* squared error per bit; as a kernel's argument, in units of the picture's error */
     float scale_step; /* of ln sigma */
-    float luma_step, chroma_step, alpha_step;
-    float amplitude_step; /* of a texture */
+    float luma_step, chroma_step, alpha_step; /* of a level */
+    float amplitude_step;                     /* of a texture */
     float opacity_levels;
     int32_t visits;         /* of a splat, each of which may change its place or shape once */
     float move_slack;       /* bits: a move is evaluated if it is predicted to cost at most so much more than none */
     float elongation_price; /* see gscl_scalar_rdo_settings */
     float min_explained;    /* likewise */
     int32_t scan;           /* 1: all waves are tried for each splat; 0: only those near its own */
-    int32_t min[4], max[4]; /* of the codes luma, co, cg, alpha */
+    int32_t min[4], max[4]; /* levels of luma, co, cg, alpha */
 } gscl_rdo_settings;
 
 /* The settings of a pass, and the tasks of one group. */

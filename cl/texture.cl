@@ -228,7 +228,7 @@ void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_
     gscl_codes now = *c, choice = *c;
     for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) choice.code[k] = 0;
     float best = t.lambda * tables->bits[GSCL_BITS_PLAIN];
-    splat s = codes_splat(&choice, tables->majors, tables->aspects, t);
+    splat s = codes_splat(&choice, tables, t);
     projected_splat plain = splat_project(s, view);
     int2 tried[TRIED_WAVES];
     for (int i = 0; i < TRIED_WAVES; i++) tried[i] = (int2)(0, 0);
@@ -240,7 +240,7 @@ void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_
         other.code[GSCL_CODE_WAVE] = tried[i].x;
         other.code[GSCL_CODE_DIRECTION] = tried[i].y;
         other.code[GSCL_CODE_AMPLITUDE] = 1;
-        splat waved = codes_splat(&other, tables->majors, tables->aspects, t);
+        splat waved = codes_splat(&other, tables, t);
         projected_splat projected = splat_project(waved, view);
         float2 cycles =
             (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);

@@ -49,17 +49,17 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
     a->aspect.descending = a->textured.descending = header->enhancement_layers == 0;
     gsf_conditional_init(&a->amplitude, &AMPLITUDE);
     gsf_conditional_init(&a->wave, &WAVE);
-    gsf_luma_range(header->blend, steps->luma, &min, &max);
+    gsf_luma_range(header->blend, steps->luma, 1, &min, &max);
     a->luma_min = min;
     gsf_model_init(&a->luma, &LUMA, (uint32_t)(max - min + 1), 0);
     if (header->blend != GSF_BLEND_SUM)
         start_luma(&a->luma, min, (int)gsf_colour_levels(steps->luma));
-    gsf_luma_range(header->blend, steps->alpha, &min, &max);
+    gsf_luma_range(header->blend, steps->alpha, 1, &min, &max);
     a->alpha_min = min;
     gsf_model_init(&a->alpha, &ALPHA, (uint32_t)(max - min + 1), 0);
     gsf_model_init(&a->opacity, &OPACITY, steps->opacity + 1u, 0);
     gsf_model_init(&a->wave_direction, &WAVE_DIRECTION, GSF_DIRECTIONS, 0);
-    gsf_chroma_range(steps->chroma, &min, &max);
+    gsf_chroma_range(steps->chroma, 1, &min, &max);
     gsf_chroma_init(&a->chroma, max);
 }
 
@@ -158,14 +158,26 @@ static int16_t code_from(gsf_coder *coder, gsf_model *model, int min, int16_t co
     return (int16_t)((int)gsf_code_with_model(coder, (uint32_t)(code - min), model) + min);
 }
 
+/* The part of a level, after which its code is known. */
+static int16_t code_part_of_level(gsf_coder *coder, int level, unsigned fineness, int code) {
+    const int first = level * (int)fineness;
+    return (int16_t)(first + (int)gsf_code_uniform(coder, (uint32_t)(code - first), fineness));
+}
+
+static void code_luma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
+    const int level = code_from(coder, &a->luma, a->luma_min, (int16_t)gsf_colour_level(splat->luma, a->fineness));
+    splat->luma = code_part_of_level(coder, level, a->fineness, splat->luma);
+}
+
 static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     const uint32_t step = gsf_position_step_q8(&a->steps, splat->major);
     const uint32_t bucket_x = bucket_at(step, splat->x, a->parts_x, a->header.width);
     const uint32_t bucket_y = bucket_at(step, splat->y, a->parts_y, a->header.height);
-    int16_t code[2] = {splat->co, splat->cg};
-    gsf_code_chroma(coder, &a->chroma, bucket_x, bucket_y, code);
-    splat->co = code[0];
-    splat->cg = code[1];
+    int16_t level[2] = {(int16_t)gsf_colour_level(splat->co, a->fineness),
+                        (int16_t)gsf_colour_level(splat->cg, a->fineness)};
+    gsf_code_chroma(coder, &a->chroma, bucket_x, bucket_y, level);
+    splat->co = code_part_of_level(coder, level[0], a->fineness, splat->co);
+    splat->cg = code_part_of_level(coder, level[1], a->fineness, splat->cg);
 }
 
 static void code_texture(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
@@ -187,7 +199,8 @@ void gsf_code_attributes(gsf_coder *coder, gsf_attributes *attributes, gsf_splat
     gsf_attributes *a = attributes;
     code_shape(coder, a, splat);
     gsf_coder_count_in(coder, GSF_STREAM_LUMA);
-    splat->luma = code_from(coder, &a->luma, a->luma_min, splat->luma);
+    a->fineness = gsf_colour_fineness(&a->steps, splat->major, splat->aspect);
+    code_luma(coder, a, splat);
     gsf_coder_count_in(coder, GSF_STREAM_CHROMA);
     if (a->header.has_chroma)
         code_chroma(coder, a, splat);

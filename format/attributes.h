@@ -15,6 +15,7 @@ typedef struct gsf_attributes {
     uint16_t angles[GSF_MAX_SCALE_CODE + 1]; /* gsf_angle_count, by the aspect */
     uint32_t parts[GSF_MAX_SCALE_CODE + 1];  /* gsf_position_parts, by the aspect */
     uint32_t parts_x, parts_y;               /* of the current splat's cell, as in gsf_splat_grid */
+    unsigned fineness;                       /* of the current splat's luma and chroma, gsf_colour_fineness */
     int luma_min, alpha_min;
     gsf_model luma, alpha, opacity, wave_direction;
     gsf_conditional aspect, direction, textured, amplitude, wave;

@@ -52,7 +52,8 @@ static bool within(int value, int min, int max) {
 
 static bool steps_are_valid(const gsf_steps *steps) {
     return (steps->scale | steps->position | steps->angle | steps->luma | steps->chroma | steps->alpha |
-            steps->opacity) <= 15;
+            steps->opacity) <= 15 &&
+           steps->pivot <= GSF_MAX_SCALE_CODE;
 }
 
 static bool shape_is_valid(const gsf_coded_image *image, const gsf_splat *splat) {
@@ -75,12 +76,13 @@ static bool texture_is_valid(const gsf_texture *texture) {
 
 static bool colour_is_valid(const gsf_coded_image *image, const gsf_splat *splat) {
     const gsf_header *header = &image->header;
+    const unsigned fineness = gsf_colour_fineness(&image->steps, splat->major, splat->aspect);
     int min, max;
-    gsf_luma_range(header->blend, image->steps.luma, &min, &max);
+    gsf_luma_range(header->blend, image->steps.luma, fineness, &min, &max);
     bool valid = within(splat->luma, min, max);
-    gsf_luma_range(header->blend, image->steps.alpha, &min, &max);
+    gsf_luma_range(header->blend, image->steps.alpha, 1, &min, &max);
     valid = valid && (!header->has_alpha || within(splat->alpha, min, max));
-    gsf_chroma_range(image->steps.chroma, &min, &max);
+    gsf_chroma_range(image->steps.chroma, fineness, &min, &max);
     valid = valid && (!header->has_chroma || (within(splat->co, min, max) && within(splat->cg, min, max)));
     valid = valid && (!header->has_opacity || splat->opacity <= image->steps.opacity);
     return valid && (!header->has_texture || texture_is_valid(&splat->texture));

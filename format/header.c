@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "format/quantiser.h"
+
 unsigned gsf_channel_count(const gsf_header *header) {
     return (header->has_chroma ? 3u : 1u) + (header->has_alpha ? 1u : 0u);
 }
@@ -157,6 +159,7 @@ static void code_layers(gsf_coder *coder, gsf_header *header) {
         header->enhancement_layers = (uint8_t)(1 + gsf_code_uniform(coder, layers - 1, GSF_MAX_LAYERS - 1));
 }
 
+static const uint16_t DIFFERENCE_LENGTHS[] = {8, 4, 4, 2, 1, 1, 1, 1}; /* of the pivot from the typical size */
 static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
 void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
@@ -173,8 +176,8 @@ gsf_steps gsf_default_steps(uint32_t splat_count) {
     return (gsf_steps){.scale = 6,
                        .position = 8,
                        .angle = 4,
-                       .luma = (uint8_t)(9 + finer),
-                       .chroma = (uint8_t)(5 + finer),
+                       .luma = (uint8_t)(5 + finer),
+                       .chroma = (uint8_t)(3 + finer),
                        .alpha = 4,
                        .opacity = 3};
 }
@@ -188,9 +191,19 @@ static gsf_steps used_steps(const gsf_header *header, gsf_steps steps) {
     return steps;
 }
 
-static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
-    const gsf_steps defaults = used_steps(header, gsf_default_steps(header->splat_count));
+/* The pivot is close to the typical size, which an encoder does not know exactly before it has all splats. */
+static void code_pivot(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
+    const int typical = (int)gsf_typical_size(header, steps), difference = steps->pivot - typical;
+    const uint32_t folded = (uint32_t)(difference < 0 ? -2 * difference - 1 : 2 * difference);
+    const int number = (int)code_number(coder, folded, DIFFERENCE_LENGTHS, LENGTH(DIFFERENCE_LENGTHS));
+    const int pivot = typical + (number % 2 ? -(number + 1) / 2 : number / 2);
+    steps->pivot = (uint8_t)(pivot < 0 ? 0 : pivot > GSF_MAX_SCALE_CODE ? GSF_MAX_SCALE_CODE : pivot);
+}
+
+static void code_step_indices(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
+    gsf_steps defaults = used_steps(header, gsf_default_steps(header->splat_count));
     *steps = used_steps(header, *steps);
+    defaults.pivot = steps->pivot;
     uint8_t *own[] = {&steps->scale,  &steps->position, &steps->angle,  &steps->luma,
                       &steps->chroma, &steps->alpha,    &steps->opacity};
     const bool used[] = {
@@ -202,6 +215,11 @@ static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *st
     for (unsigned i = 0; i < LENGTH(own); i++)
         if (used[i])
             *own[i] = (uint8_t)gsf_code_bits(coder, *own[i], 4);
+}
+
+static void code_steps(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
+    code_step_indices(coder, header, steps);
+    code_pivot(coder, header, steps);
 }
 
 static void code_background(gsf_coder *coder, gsf_coded_image *image) {

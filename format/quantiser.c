@@ -8,6 +8,11 @@ static const uint32_t POWER[33] = {
 };
 
 static const uint16_t COLOUR_LEVELS[16] = {4, 6, 8, 11, 16, 20, 24, 28, 32, 40, 48, 64, 96, 128, 192, 255};
+enum { MAX_LEVEL = 255 + 255 / 8 };
+
+/* The areas from which on levels have 2, 3, ... parts: the product of a splat's axes in 1/32 octaves, relative to that of
+ * a circle of the pivot's size.  With these the parts grow as the fifth root of the area. */
+static const int16_t FINER_FROM[GSF_MAX_FINENESS - 1] = {-210, -92, -15, 43, 90, 128, 161};
 
 uint64_t gsf_sigma_q16(const gsf_steps *steps, unsigned code) {
     const unsigned exponent = code * (steps->scale + 4u); /* in 1/32 octaves above half a pixel */
@@ -83,13 +88,31 @@ unsigned gsf_colour_levels(unsigned step_index) {
     return COLOUR_LEVELS[step_index & 15];
 }
 
-void gsf_luma_range(gsf_blend blend, unsigned step_index, int *min, int *max) {
-    const int levels = (int)gsf_colour_levels(step_index);
-    *max = levels + levels / 8;
-    *min = blend == GSF_BLEND_SUM ? -*max : -(levels / 8);
+unsigned gsf_colour_fineness(const gsf_steps *steps, unsigned major, unsigned aspect) {
+    const int area = ((int)(2 * major - aspect) - 2 * steps->pivot) * (steps->scale + 4);
+    unsigned fineness = 1;
+    while (fineness < GSF_MAX_FINENESS && area >= FINER_FROM[fineness - 1])
+        fineness++;
+    return fineness;
 }
 
-void gsf_chroma_range(unsigned step_index, int *min, int *max) {
-    *max = (int)gsf_colour_levels(step_index);
-    *min = -*max;
+int gsf_colour_level(int code, unsigned fineness) {
+    const int positive = 2 * MAX_LEVEL; /* makes the division round down */
+    return (code + positive * (int)fineness) / (int)fineness - positive;
+}
+
+/* The codes of the levels from the lowest to the highest. */
+static void range_of_levels(int lowest, int highest, unsigned fineness, int *min, int *max) {
+    *min = lowest * (int)fineness;
+    *max = (highest + 1) * (int)fineness - 1;
+}
+
+void gsf_luma_range(gsf_blend blend, unsigned step_index, unsigned fineness, int *min, int *max) {
+    const int levels = (int)gsf_colour_levels(step_index), highest = levels + levels / 8;
+    range_of_levels(blend == GSF_BLEND_SUM ? -highest : -(levels / 8), highest, fineness, min, max);
+}
+
+void gsf_chroma_range(unsigned step_index, unsigned fineness, int *min, int *max) {
+    const int levels = (int)gsf_colour_levels(step_index);
+    range_of_levels(-levels, levels, fineness, min, max);
 }

@@ -37,13 +37,18 @@ typedef struct gsf_splat_grid {
 
 gsf_splat_grid gsf_splat_grid_of(const gsf_header *header, const gsf_steps *steps, const gsf_splat *splat);
 
-/* Codes per unit of value: luma, chroma and alpha = code / levels.  Levels by index:
+/* Levels per unit of value.  Alpha = code / levels; luma and chroma = code / (levels * fineness).  Levels by index:
  * 4 6 8 11 16 20 24 28 32 40 48 64 96 128 192 255. */
 unsigned gsf_colour_levels(unsigned step_index);
-/* The range of luma and alpha codes, with L levels: -L/8 .. L + L/8 (blend sum: -L - L/8 .. L + L/8). */
-void gsf_luma_range(gsf_blend blend, unsigned step_index, int *min, int *max);
-/* The range of Co and Cg codes, with L levels: -L .. L. */
-void gsf_chroma_range(unsigned step_index, int *min, int *max);
+/* The parts into which a splat divides each level of luma and chroma: 1..GSF_MAX_FINENESS, more in larger splats, whose
+ * colours change more pixels. */
+unsigned gsf_colour_fineness(const gsf_steps *steps, unsigned major, unsigned aspect);
+/* The level of a code of luma or chroma: code / fineness, rounded down. */
+int gsf_colour_level(int code, unsigned fineness);
+/* The codes of luma (or, with fineness 1, of alpha) of the levels -L/8 .. L + L/8 (blend sum: -L - L/8 .. L + L/8). */
+void gsf_luma_range(gsf_blend blend, unsigned step_index, unsigned fineness, int *min, int *max);
+/* The codes of Co and Cg of the levels -L .. L. */
+void gsf_chroma_range(unsigned step_index, unsigned fineness, int *min, int *max);
 /* 2^(octaves32 / 32 - 4) in whole pixels, rounded up; octaves32 at most GSF_MAX_OCTAVES32. */
 uint32_t gsf_octaves_to_pixels(unsigned octaves32);
 

@@ -54,9 +54,11 @@ typedef struct gsf_header {
  * and colour levels. */
 typedef struct gsf_steps {
     uint8_t scale, position, angle, luma, chroma, alpha, opacity;
+    uint8_t pivot; /* the code of the axis of circles to which the fineness of colours refers, 0..GSF_MAX_SCALE_CODE */
 } gsf_steps;
 
 #define GSF_MAX_SCALE_CODE 63
+#define GSF_MAX_FINENESS 8 /* parts of a level of luma and chroma */
 #define GSF_MAX_ANGLES 512
 
 /* A wave on a splat's colours: amplitude * cos(2 pi * distance along the direction / wavelength - phase). */
@@ -77,7 +79,7 @@ typedef struct gsf_splat {
     uint16_t opacity;            /* 0..opacity levels - 1 */
     uint32_t layer;              /* 0 (base) .. header.enhancement_layers */
     uint32_t x, y;               /* cell of the splat's own grid, see gsf_splat_grid */
-    int16_t luma, co, cg, alpha; /* colour codes */
+    int16_t luma, co, cg, alpha; /* colour codes; luma, co and cg in parts of levels, see gsf_colour_fineness */
     gsf_texture texture;
 } gsf_splat;
 

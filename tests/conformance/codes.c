@@ -172,8 +172,8 @@ static void print_image(const gsf_coded_image *image) {
         printf(" %u", image->background[i]);
     putchar('\n');
     if (h->coding == GSF_CODING_SCALAR)
-        printf("steps %u %u %u %u %u %u %u\n", s->scale, s->position, s->angle, s->luma, s->chroma, s->alpha,
-               s->opacity);
+        printf("steps %u %u %u %u %u %u %u %u\n", s->scale, s->position, s->angle, s->luma, s->chroma, s->alpha,
+               s->opacity, s->pivot);
     else if (h->splat_count > 0)
         print_codebooks(image);
     printf("splats %" PRIu32 "\n", h->splat_count);
@@ -283,7 +283,7 @@ static void set_kind(gsf_header *h, const int *v) {
 
 static gsf_steps steps_of(const int *v) {
     return (gsf_steps){(uint8_t)v[0], (uint8_t)v[1], (uint8_t)v[2], (uint8_t)v[3],
-                       (uint8_t)v[4], (uint8_t)v[5], (uint8_t)v[6]};
+                       (uint8_t)v[4], (uint8_t)v[5], (uint8_t)v[6], (uint8_t)v[7]};
 }
 
 /* The ranges stand in the order of the dimensions that are used: first those of shapes. */

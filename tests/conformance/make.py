@@ -21,8 +21,8 @@ from codes import Codes
 
 NORMALIZED, ALPHA, SUM = range(3)
 GREY, GREY_ALPHA, RGB, RGB_ALPHA = range(4)
-DEFAULT_STEPS = (6, 8, 4, 9, 5, 4, 3)
-OCTAVES = (4, 8, 4, 8, 4, 4, 3)  # four axes an octave: code 4 n is 2^(n - 1) pixels
+DEFAULT_STEPS = (6, 8, 4, 5, 3, 4, 3)
+OCTAVES = (4, 8, 4, 5, 3, 4, 3)  # four axes an octave: code 4 n is 2^(n - 1) pixels
 MAX_DRAWN = 4096  # pixels: larger pictures are not kept, but some of their samples
 
 
@@ -32,7 +32,8 @@ class Scene(gscl.Picture):
     """Codes that are chosen rather than decoded.  Flags and steps that are not in use are cleared."""
 
     def __init__(self, width=16, height=12, n=0, blend=NORMALIZED, coding=gscl.SCALAR, layout=RGB, high=0, chroma=1, alpha=1,
-                 opacity=0, anisotropy=1, rotation=1, texture=0, steps=DEFAULT_STEPS, background=None, blocks=(), layers=1):
+                 opacity=0, anisotropy=1, rotation=1, texture=0, steps=DEFAULT_STEPS, background=None, blocks=(),
+                 layers=1, pivot=None):
         super().__init__()
         self.width, self.height, self.n, self.blend, self.coding = width, height, n, blend, coding
         self.layout, self.high_bit_depth = layout, high
@@ -48,10 +49,15 @@ class Scene(gscl.Picture):
         self.background = list(background) if background else None if n > 0 else [32768 if high else 128] * self.channels
         self.blocks = list(blocks)
         self.layers = layers
+        self.pivot = (self.typical() if pivot is None else pivot) if stored else 0
+
+    def fine(self, level, lowest, highest, F):
+        """A code of this level: at the ends of the range its ends."""
+        return level * F + (0 if level == lowest else F - 1 if level == highest else len(self.splats) * 5 % F)
 
     def add(self, major, aspect=0, angle=0, x=0.5, y=0.5, luma=0, co=0, cg=0, alpha=None, opacity=0, amplitude=0, wave=0,
             direction=0, phase=0, count=1, layer=0):
-        """x and y are places in the image, from 0 to 1."""
+        """x and y are places in the image, from 0 to 1; luma, co and cg are levels."""
         splat = gscl.Splat()
         splat.layer = layer
         splat.major, splat.aspect, splat.angle = major, aspect if self.has_anisotropy else 0, angle
@@ -63,8 +69,10 @@ class Scene(gscl.Picture):
         cells_x = self.cells(major, self.width) * (parts if steep else 1)
         cells_y = self.cells(major, self.height) * (1 if steep else parts)
         splat.x, splat.y = min(int(x * cells_x), cells_x - 1), min(int(y * cells_y), cells_y - 1)
-        splat.luma, splat.opacity = luma, opacity if self.has_opacity else 0
-        splat.co, splat.cg = (co, cg) if self.has_chroma else (0, 0)
+        splat.F = F = self.fineness(major, splat.aspect)
+        L = self.levels["chroma"]
+        splat.luma, splat.opacity = self.fine(luma, *self.limits("luma"), F), opacity if self.has_opacity else 0
+        splat.co, splat.cg = (self.fine(level, -L, L, F) if self.has_chroma else 0 for level in (co, cg))
         splat.alpha = (self.levels["alpha"] if alpha is None else alpha) if self.has_alpha else 0
         splat.amplitude, splat.wave, splat.direction, splat.phase = \
             (amplitude, wave, direction, phase) if self.has_texture and amplitude else (0, 0, 0, 0)
@@ -130,8 +138,8 @@ def header_scenes():
 
 
 def scalar_scenes():
-    yield "one", "one splat", Scene(n=1).add(10, 4, 3, luma=28, co=5, cg=-3)
-    yield "example", "the example of the page", Scene(12, 8, n=2).add(13, 6, 12, .3, .4, 12, 6, -2).add(8, 2, 1, .75, .6, 31, -3, 1)
+    yield "one", "one splat", Scene(n=1).add(10, 4, 3, luma=14, co=5, cg=-3)
+    yield "example", "the example of the page", Scene(12, 8, n=2).add(13, 6, 12, .3, .4, 6, 3, -1).add(8, 2, 1, .75, .6, 15, -2, 1)
     yield "photograph", "an ordinary photograph in colour", Scene(24, 16, n=20, texture=1).fill(1)
     yield "portrait", "a higher than wide picture", Scene(11, 19, n=12).fill(2)
     for blend, layout in itertools.product((NORMALIZED, ALPHA, SUM), range(4)):
@@ -161,48 +169,48 @@ def scalar_scenes():
 
 
 def shape_scenes():
-    scene = Scene(20, 20, n=11, steps=(6, 8, 4, 9, 5, 4, 3))
+    scene = Scene(20, 20, n=11, steps=DEFAULT_STEPS)
     for i in range(11):
-        scene.add(12 + i, min(2 * i, 12 + i), 0, (i + .5) / 11, .5, 3 * i)
+        scene.add(12 + i, min(2 * i, 12 + i), 0, (i + .5) / 11, .5, 2 * i)
     yield "aspects", "aspects 0 to 20 at the angle 0", scene
-    scene = Scene(20, 20, n=6, steps=(2, 10, 4, 8, 4, 4, 3))
+    scene = Scene(20, 20, n=6, steps=(2, 10, 4, 5, 3, 4, 3))
     for major, aspect, y in ((30, 22, .1), (30, 23, .3), (30, 24, .5), (30, 30, .7), (63, 62, .8), (63, 63, .9)):
-        scene.add(major, aspect, 0, .5, y, aspect // 2)
+        scene.add(major, aspect, 0, .5, y, aspect // 3)
     yield "aspect-escape", "aspects around 23, and the largest", scene
     scene = Scene(20, 20, n=8)
     C = scene.angle_count(8)
     for i, angle in enumerate((0, 1, C // 4, C // 4 + 1, C // 2, 3 * C // 4, 3 * C // 4 + 1, C - 1)):
-        scene.add(12, 8, angle, (i % 4 + .5) / 4, (i // 4 + .5) / 2, 4 * i)
+        scene.add(12, 8, angle, (i % 4 + .5) / 4, (i // 4 + .5) / 2, 3 * i)
     yield "angles", f"flat and steep angles of {C}", scene
-    scene = Scene(20, 20, n=5, steps=(6, 8, 4, 9, 5, 4, 3))
+    scene = Scene(20, 20, n=5, steps=DEFAULT_STEPS)
     aspect = next(a for a in range(1, 40) if scene.angle_count(a) % 4 == 0)
     C = scene.angle_count(aspect)
     for i in range(5):
-        scene.add(10 + i % 2, aspect, i * C // 4 % C, .1 + .2 * i, .2 + .15 * i, 6 * i)
+        scene.add(10 + i % 2, aspect, i * C // 4 % C, .1 + .2 * i, .2 + .15 * i, 5 * i)
     yield "angle-ties", f"aspect {aspect}, of {C} angles: exactly one and three quarters are flat", scene
-    scene = Scene(20, 20, n=4, steps=(15, 0, 0, 8, 4, 4, 3))
+    scene = Scene(20, 20, n=4, steps=(15, 0, 0, 5, 3, 4, 3))
     for i, angle in enumerate((0, 100, 256, 511)):
-        scene.add(14, 14, angle, .2 + .2 * i, .5, 10 * i)
+        scene.add(14, 14, angle, .2 + .2 * i, .5, 7 * i)
     yield "angles-512", "the most angles", scene
-    scene = Scene(16, 16, n=4, steps=(15, 15, 4, 8, 4, 4, 3))
+    scene = Scene(16, 16, n=4, steps=(15, 15, 4, 5, 3, 4, 3))
     for major, aspect in ((63, 0), (63, 63), (28, 28), (27, 27)):
         scene.add(major, aspect, 0, .5, .5, major // 3)
     yield "saturated", "axes and parts at their largest", scene
-    scene = Scene(12, 12, n=8, steps=(0, 0, 4, 8, 4, 4, 3))
+    scene = Scene(12, 12, n=8, steps=(0, 0, 4, 5, 3, 4, 3))
     for i in range(8):
-        scene.add(i, i, 0, (i + .5) / 8, .5, 4 * i)
+        scene.add(i, i, 0, (i + .5) / 8, .5, 3 * i)
     yield "smallest-axes", "axes from half a pixel on, the smallest cells", scene
     scene = Scene(12, 12, n=6)
     for i in range(6):
-        scene.add(22 + 3 * i, 6, 2, 1, 1, 5 * i)
+        scene.add(22 + 3 * i, 6, 2, 1, 1, 4 * i)
     yield "outside", "centres in the last cell, some outside the image", scene
-    L = 16
+    L = 11
     colours = Scene(12, 12, n=12, blend=SUM, background=(128, 128, 128))
-    for i, (luma, co, cg) in enumerate(((-36, -16, -16), (36, 16, 16), (-36, 16, -16), (36, -16, 16), (0, 0, 0), (32, 0, 16)) * 2):
+    for i, (luma, co, cg) in enumerate(((-22, -L, -L), (22, L, L), (-22, L, -L), (22, -L, L), (0, 0, 0), (20, 0, L)) * 2):
         colours.add(4 + i % 4, 0, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 3, luma, co, cg)
     yield "colours-sum", "the ends of the ranges of colours, blend sum", colours
     colours = Scene(12, 12, n=12, layout=RGB_ALPHA)
-    for i, (luma, co, cg, alpha) in enumerate(((-4, -L, -L, -2), (36, L, L, 18), (36, L, -L, 0), (-4, -L, L, 16)) * 3):
+    for i, (luma, co, cg, alpha) in enumerate(((-2, -L, -L, -2), (22, L, L, 18), (22, L, -L, 0), (-2, -L, L, 16)) * 3):
         colours.add(6 + i % 4, 0, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 3, luma, co, cg, alpha)
     yield "colours-ends", "the ends of the ranges of colours and alpha", colours
 
@@ -213,7 +221,7 @@ def set_scenes():
     for i in range(7):
         scene.add(4 + i, 0, 0, (i + .5) / 7, .5, i - 3, count=100)
     yield "seven-classes", "700 splats in seven cells of seven classes", scene
-    scene = Scene(300, 200, n=30, layout=GREY, steps=(4, 0, 4, 8, 4, 4, 3))
+    scene = Scene(300, 200, n=30, layout=GREY, steps=(4, 0, 4, 5, 3, 4, 3))
     yield "wide", "grids of more than 128 cells, split by the splats before", scene.fill(70, (0, 30))
     scene = Scene(400, 8, n=4600, layout=GREY, anisotropy=0, steps=(6, 0, 4, 0, 4, 4, 3))
     scene.add(12, x=.3, count=2000).add(10, x=.31, count=2000).add(8, x=.6, count=500)
@@ -224,9 +232,9 @@ def set_scenes():
     yield "layers-8", "eight layers, with waves", Scene(24, 16, n=24, texture=1, layers=8).fill(72)
     scene = Scene(12, 12, n=4, blend=ALPHA, layers=4)
     for i in range(4):
-        scene.add(9 + i, 2, 1, .2 + .2 * i, .5, 8 * i, layer=2 * (i % 2))
+        scene.add(9 + i, 2, 1, .2 + .2 * i, .5, 7 * i, layer=2 * (i % 2))
     yield "layers-empty", "the first and third of four layers have splats, those of the third are in front", scene
-    scene = Scene(300, 20, n=640, layout=GREY, anisotropy=0, steps=DEFAULT_STEPS[:3] + (10, 6) + DEFAULT_STEPS[5:])
+    scene = Scene(300, 20, n=640, layout=GREY, anisotropy=0, steps=DEFAULT_STEPS[:3] + (6, 4) + DEFAULT_STEPS[5:])
     yield "fine-steps", "the default steps of 640 splats", scene.fill(73)
     yield "all-sizes", "a splat of every class", all_sizes()
     yield "work-limit", "as much work as is allowed", work(320)
@@ -234,9 +242,9 @@ def set_scenes():
 
 
 def all_sizes():
-    scene = Scene(32, 32, n=64, layout=GREY, steps=(2, 10, 4, 8, 4, 4, 3))
+    scene = Scene(32, 32, n=64, layout=GREY, steps=(2, 10, 4, 5, 3, 4, 3))
     for major in range(64):
-        scene.add(major, 0, 0, major * 7 % 64 / 64, major * 11 % 64 / 64, major // 2)
+        scene.add(major, 0, 0, major * 7 % 64 / 64, major * 11 % 64 / 64, major // 3)
     return scene
 
 
@@ -256,13 +264,13 @@ def bound_scenes():
     yield "bound-waves", "waves on axes of 2^12 pixels and less, and without effect on a longer one", scene
     scene = Scene(24, 24, n=5, texture=1, blend=SUM, steps=(4, 8, 4, 0, 4, 4, 3), background=(128, 128, 128))
     for i in range(5):
-        scene.add(6, 0, 0, (i + .5) / 5, (i + .5) / 5, 0, amplitude=1 + i, wave=3, direction=3 * i, phase=i)
+        scene.add(6, 0, 0, (i + .5) / 5, (i + .5) / 5, 0, amplitude=2 + 2 * i, wave=3, direction=3 * i, phase=i)
     yield "bound-amplitudes", "amplitudes of 1/3 to 1, of which the last two codes are above 1", scene
     scene = Scene(24, 24, n=4, blend=ALPHA, steps=OCTAVES)
     for i in range(4):
         code = 28 + 4 * i
         place = (5 * i + 3) * 256 / (scene.grid_step(code) * scene.cells(code, 24))  # pixel 5 i + 3
-        scene.add(code, code, 256 * (i % 2), place, place, 10 * i)
+        scene.add(code, code, 256 * (i % 2), place, place, 7 * i)
     yield "bound-aspects", "axes with ratios of 128, 256, 512 and 1024", scene
     scene = Scene(12, 12, n=2, coding=gscl.CODEBOOK, blend=ALPHA).books(141, 2, 2, shape_bits=1, shape=(64, 512))
     scene.shape_words = [[1, 0, 0], [0, 1, 0]]
@@ -299,7 +307,7 @@ def codebook_scenes():
 
 
 def block_scenes():
-    one = lambda *blocks: Scene(5, 4, n=1, layout=GREY, blocks=blocks).add(8, 2, 1, luma=30)
+    one = lambda *blocks: Scene(5, 4, n=1, layout=GREY, blocks=blocks).add(8, 2, 1, luma=15)
     space, icc, exif, xmp = (0, b"\x01\x0d"), (1, b"profile" * 30), (32, b"II*\0"), (33, b"<x/>")
     yield "block-space", "a colour space", one(space)
     yield "block-icc", "an ICC profile of 210 bytes", one(icc)
@@ -353,7 +361,9 @@ def forged_pictures():
     yield "long-square", "a square by the ratio `free`", forge({**SQUARE, 5: 0, 6: 8, 7: 1})
     yield "long-side", "64 pixels that are not coded as a multiple of 64", forge({**SQUARE, 3: 6, 4: 31})
     yield "long-steps", "explicit steps that are the default", \
-        forge({**SQUARE, 8: 1, **{9 + i: step for i, step in enumerate((6, 8, 4, 9, 5))}})
+        forge({**SQUARE, 8: 1, **{9 + i: step for i, step in enumerate((6, 8, 4, 5, 3))}})
+    yield "long-pivot-low", "a pivot below 0, which counts as 0", forge({**SQUARE, 9: 7, 10: 63})
+    yield "long-pivot-high", "a pivot of more than 63, which counts as 63", forge({**SQUARE, 9: 7, 10: 62})
     yield "long-range-axis", "an axis of a codebook of 641, which counts as 640", forge({**BOOK, 19: 10, 21: 8, 22: 1})
     yield "long-range-min", "a range of a codebook of which both ends are too high", forge({**BOOK, 19: 16, 20: 1, 21: 16})
     yield "long-range-angle", "an angle of a codebook of 257, which counts as 256", forge({**BOOK, 23: 9, 24: 1})

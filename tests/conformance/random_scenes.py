@@ -17,7 +17,8 @@ def random_scene(seed, kinds=None):
     n = count(pick)
     options = kind(random.Random(seed % kinds if kinds else -1 - seed))
     layers = pick.randint(2, 8) if options["coding"] == gscl.SCALAR and n > 0 and pick.random() < 0.2 else 1
-    scene = Scene(width, height, n, steps=steps(pick, n), blocks=blocks(pick), layers=layers, **options)
+    scene = Scene(width, height, n, steps=steps(pick, n), blocks=blocks(pick), layers=layers,
+                  pivot=pick.choice((None, None, pick.randrange(64))), **options)
     scene.background = background(pick, scene) if n == 0 or pick.random() < 0.5 else None
     if scene.coding == gscl.CODEBOOK and n > 0:
         style = fill_books(pick, scene)
@@ -68,7 +69,7 @@ def steps(pick, n):
     kind = pick.randrange(3)
     if kind == 0:
         fine = int(n >= 640)
-        return *DEFAULT_STEPS[:3], 9 + fine, 5 + fine, *DEFAULT_STEPS[5:]
+        return *DEFAULT_STEPS[:3], 5 + fine, 3 + fine, *DEFAULT_STEPS[5:]
     if kind == 1:
         return tuple(pick.randrange(16) for _ in DEFAULT_STEPS)
     return tuple(pick.choice((step, pick.randrange(16), 0, 15)) for step in DEFAULT_STEPS)

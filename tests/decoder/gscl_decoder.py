@@ -232,7 +232,7 @@ class Picture:
         self.read_size(coder)
         self.n = min(coder.number([2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1]), 1048576)
         self.layers = 2 + coder.uniform(7) if self.coding == SCALAR and self.n > 0 and coder.flag(1) else 1
-        self.step = dict.fromkeys(STEPS, 0)
+        self.step, self.pivot = dict.fromkeys(STEPS, 0), 0
         if self.coding == SCALAR and self.n > 0:
             self.read_steps(coder)
         self.channels = (3 if self.has_chroma else 1) + self.has_alpha
@@ -271,14 +271,15 @@ class Picture:
         self.width, self.height = (shorter, longer) if portrait else (longer, shorter)
 
     def read_steps(self, coder):
-        used = {"angle": self.has_rotation, "chroma": self.has_chroma, "alpha": self.has_alpha,
-                "opacity": self.has_opacity}
+        used = {"angle": self.has_rotation, "chroma": self.has_chroma, "alpha": self.has_alpha, "opacity": self.has_opacity}
         fine = 1 if self.n >= 640 else 0
-        default = dict(zip(STEPS, (6, 8, 4, 9 + fine, 5 + fine, 4, 3)))
+        default = dict(zip(STEPS, (6, 8, 4, 5 + fine, 3 + fine, 4, 3)))
         explicit = coder.flag(2)
         for name in STEPS:
             if used.get(name, 1):
                 self.step[name] = coder.raw(4) if explicit else default[name]
+        d = coder.number([8, 4, 4, 2, 1, 1, 1, 1])
+        self.pivot = clamp(self.typical() + (-(d + 1) // 2 if d % 2 else d // 2), 0, 63)
 
     # ------------------------------------------------------------------------------------------ dequantisation of integers
 
@@ -421,8 +422,12 @@ class Picture:
 
     # ------------------------------------------------------------------------------------------ scalar coding
 
+    def fineness(self, major, aspect):
+        area = (2 * major - aspect - 2 * self.pivot) * (self.step["scale"] + 4)
+        return 1 + sum(area >= least for least in (-210, -92, -15, 43, 90, 128, 161))
+
     def limits(self, name):
-        """Lowest and highest code of luma or alpha."""
+        """Lowest and highest level of luma, or code of alpha."""
         L = self.levels[name]
         return (-L - L // 8 if self.blend == SUM else -(L // 8)), L + L // 8
 
@@ -456,14 +461,13 @@ class Picture:
         splat.angle = self.read_angle(coder, C, min(splat.aspect // 2, 7)) if self.has_rotation and C > 1 else 0
         parts = self.parts(splat.aspect)
         part = coder.uniform(parts)
-        if C < 4 * splat.angle < 3 * C:
-            splat.parts_x, splat.parts_y = parts, 1
-            splat.x, splat.y = x * parts + part, y
-        else:
-            splat.parts_x, splat.parts_y = 1, parts
-            splat.x, splat.y = x, y * parts + part
-        splat.luma = self.limits("luma")[0] + self.luma_model.decode(coder)
-        splat.co, splat.cg = self.read_chroma(coder, splat) if self.has_chroma else (0, 0)
+        steep = C < 4 * splat.angle < 3 * C
+        splat.parts_x, splat.parts_y = (parts, 1) if steep else (1, parts)
+        splat.x, splat.y = (x * parts + part, y) if steep else (x, y * parts + part)
+        splat.F = self.fineness(major, splat.aspect)
+        fine = lambda level: level * splat.F + coder.uniform(splat.F)
+        splat.luma = fine(self.limits("luma")[0] + self.luma_model.decode(coder))
+        splat.co, splat.cg = map(fine, self.read_chroma(coder, splat)) if self.has_chroma else (0, 0)
         splat.alpha = self.limits("alpha")[0] + self.alpha_model.decode(coder) if self.has_alpha else 0
         splat.opacity = self.opacity_model.decode(coder) if self.has_opacity else 0
         splat.amplitude = splat.wave = splat.direction = splat.phase = 0
@@ -527,19 +531,16 @@ class Picture:
         lines = [f'block {kind} {content.hex() or "-"}' for kind, content in self.blocks if kind in KNOWN_BLOCKS]
         add = lambda word, *numbers: lines.append(" ".join([word, *map(str, numbers)]))
         add("size", self.width, self.height)
-        add("kind", self.blend, self.coding, self.layout, self.high_bit_depth, *(getattr(self, name) for name in FLAGS),
-            self.layers)
+        add("kind", self.blend, self.coding, self.layout, self.high_bit_depth, *(getattr(self, flag) for flag in FLAGS), self.layers)
         add("background", *(self.background or ()))
         if self.coding == SCALAR:
-            add("steps", *self.step.values())
+            add("steps", *self.step.values(), self.pivot)
         elif self.n > 0:
             add("bits", self.position_bits, self.shape_bits, self.colour_bits)
-            for limits in self.shape_ranges + self.colour_ranges:
-                add("range", *limits)
-            for word in self.shape_words:
-                add("shape", *word)
-            for word in self.colour_words:
-                add("colour", *word)
+            ranges = self.shape_ranges + self.colour_ranges
+            for name, rows in ("range", ranges), ("shape", self.shape_words), ("colour", self.colour_words):
+                for row in rows:
+                    add(name, *row)
         add("splats", self.n)
         for s in self.splats:
             if self.coding == SCALAR:
@@ -564,14 +565,14 @@ class Picture:
         centre = ((2 * splat.x + 1) * step // splat.parts_x / 512, (2 * splat.y + 1) * step // splat.parts_y / 512)
         theta = splat.angle * math.pi / self.angle_count(splat.aspect)
         opacity = (splat.opacity + 1) / (self.step["opacity"] + 1) if self.has_opacity else 1.0
-        colour = [splat.luma / self.levels["luma"]]
+        colour = [splat.luma / (self.levels["luma"] * splat.F)]
         if self.has_chroma:
-            co, cg = (code / self.levels["chroma"] for code in (splat.co, splat.cg))
+            co, cg = (code / (self.levels["chroma"] * splat.F) for code in (splat.co, splat.cg))
             t = colour[0] - cg / 2
             colour = [t - co / 2 + co, colour[0] + cg / 2, t - co / 2]
         if self.has_alpha:
             colour.append(splat.alpha / self.levels["alpha"])
-        amplitude = min(4 * splat.amplitude / (3 * self.levels["luma"]), 1.0)
+        amplitude = min(2 * splat.amplitude / (3 * self.levels["luma"]), 1.0)
         if splat.major * (self.step["scale"] + 4) > 416:
             amplitude = 0.0
         wave = (amplitude, 2.5 * 2 ** (7 * splat.wave / 16),
@@ -652,12 +653,11 @@ class Picture:
         return [[self.output(pixel) for pixel in row] for row in self.draw(window)]
 
     def output(self, pixel):
-        with_alpha = self.layout in (GREY_ALPHA, RGB_ALPHA)
         colour = list(pixel[:-1]) if self.has_alpha else list(pixel)
         alpha = clamp(pixel[-1], 0.0, 1.0) if self.has_alpha else 1.0
         if self.layout in (RGB, RGB_ALPHA) and not self.has_chroma:
             colour *= 3
-        if not with_alpha:
+        if self.layout in (GREY, RGB):
             return [clamp(c, 0.0, 1.0) for c in colour]
         return [clamp(c, 0.0, alpha) / alpha if alpha > 0 else 0.0 for c in colour] + [alpha]
 

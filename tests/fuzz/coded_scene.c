@@ -47,17 +47,19 @@ static void read_steps(gsf_steps *steps, byte_source *source) {
                         &steps->chroma, &steps->alpha,    &steps->opacity};
     for (size_t i = 0; i < sizeof codes / sizeof *codes; i++)
         *codes[i] = (uint8_t)source_within(source, 0, 15);
+    steps->pivot = (uint8_t)source_within(source, 0, GSF_MAX_SCALE_CODE);
 }
 
 static void read_colour(const gsf_coded_image *image, gsf_splat *splat, byte_source *source) {
     const gsf_header *header = &image->header;
+    const unsigned fineness = gsf_colour_fineness(&image->steps, splat->major, splat->aspect);
     int min, max;
-    gsf_luma_range(header->blend, image->steps.luma, &min, &max);
+    gsf_luma_range(header->blend, image->steps.luma, fineness, &min, &max);
     splat->luma = (int16_t)source_within(source, min, max);
-    gsf_chroma_range(image->steps.chroma, &min, &max);
+    gsf_chroma_range(image->steps.chroma, fineness, &min, &max);
     splat->co = (int16_t)(header->has_chroma ? source_within(source, min, max) : 0);
     splat->cg = (int16_t)(header->has_chroma ? source_within(source, min, max) : 0);
-    gsf_luma_range(header->blend, image->steps.alpha, &min, &max);
+    gsf_luma_range(header->blend, image->steps.alpha, 1, &min, &max);
     splat->alpha = (int16_t)(header->has_alpha ? source_within(source, min, max) : 0);
     splat->opacity = (uint16_t)(header->has_opacity ? source_within(source, 0, image->steps.opacity) : 0);
 }

@@ -47,11 +47,21 @@ static double axis_length(const gsf_steps *steps, uint32_t code) {
     return fmin(exp2(e / 32.0 - 1.0), 32768.0);
 }
 
+static double fineness_of(const gsf_steps *steps, const gsf_splat *codes) {
+    static const int finer_from[7] = {-210, -92, -15, 43, 90, 128, 161};
+    const int area = (2 * codes->major - codes->aspect - 2 * steps->pivot) * (steps->scale + 4);
+    double fineness = 1;
+    for (int i = 0; i < 7; i++)
+        fineness += area >= finer_from[i];
+    return fineness;
+}
+
 static void scalar_colour(const gsf_coded_image *coded, const gsf_splat *codes, double *colour) {
     const gsf_header *header = &coded->header;
-    const double luma = codes->luma / levels_of(coded->steps.luma);
+    const double fineness = fineness_of(&coded->steps, codes);
+    const double luma = codes->luma / (levels_of(coded->steps.luma) * fineness);
     if (header->has_chroma) {
-        const double levels = levels_of(coded->steps.chroma);
+        const double levels = levels_of(coded->steps.chroma) * fineness;
         const double co = codes->co / levels, cg = codes->cg / levels;
         const double t = luma - cg / 2.0;
         colour[1] = luma + cg / 2.0;
@@ -78,7 +88,7 @@ static oracle_splat scalar_splat(const gsf_coded_image *coded, const gsf_splat *
         .opacity = coded->header.has_opacity ? (codes->opacity + 1.0) / (steps->opacity + 1.0) : 1.0,
     };
     if (splat.s1 <= 4096.0)
-        splat.amplitude = fmin(4.0 * codes->texture.amplitude / (3.0 * levels_of(steps->luma)), 1.0);
+        splat.amplitude = fmin(2.0 * codes->texture.amplitude / (3.0 * levels_of(steps->luma)), 1.0);
     splat.wavelength = 2.5 * exp2(7.0 * codes->texture.wave / 16.0);
     splat.direction = codes->texture.direction * pi / 16.0;
     splat.phase = codes->texture.phase * pi / 4.0;

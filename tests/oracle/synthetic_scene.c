@@ -84,17 +84,19 @@ void synthetic_steps(gsf_coded_image *image) {
                          &image->steps.chroma, &image->steps.alpha,    &image->steps.opacity};
     for (int i = 0; i < 7; i++)
         *steps[i] = (uint8_t)synthetic_random(16);
+    image->steps.pivot = (uint8_t)synthetic_random(GSF_MAX_SCALE_CODE + 1);
     if (!image->header.has_rotation)
         image->steps.angle = 0;
 }
 
 void synthetic_colour(const gsf_coded_image *image, gsf_splat *splat) {
+    const unsigned fineness = gsf_colour_fineness(&image->steps, splat->major, splat->aspect);
     int min, max;
-    gsf_luma_range(image->header.blend, image->steps.luma, &min, &max);
+    gsf_luma_range(image->header.blend, image->steps.luma, fineness, &min, &max);
     splat->luma = (int16_t)between(min, max);
-    gsf_luma_range(image->header.blend, image->steps.alpha, &min, &max);
+    gsf_luma_range(image->header.blend, image->steps.alpha, 1, &min, &max);
     splat->alpha = (int16_t)between(min, max);
-    gsf_chroma_range(image->steps.chroma, &min, &max);
+    gsf_chroma_range(image->steps.chroma, fineness, &min, &max);
     splat->co = (int16_t)between(min, max);
     splat->cg = (int16_t)between(min, max);
     splat->opacity = (uint16_t)synthetic_random(image->steps.opacity + 1u);

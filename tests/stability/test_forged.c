@@ -30,16 +30,27 @@ static const char *const blends[3] = {"normalized", "alpha", "sum"};
 #define OCTAVE 4
 #define FINEST 15 /* the step with most levels */
 
-/* The brightest and the darkest luma code. */
-static int16_t brightest(const gsf_coded_image *image) {
+/* Gives a splat whose axes have been set the brightest or the darkest luma code. */
+static void set_extreme_luma(const gsf_coded_image *image, gsf_splat *splat, bool brightest) {
+    const unsigned fineness = gsf_colour_fineness(&image->steps, splat->major, splat->aspect);
     int min, max;
-    gsf_luma_range(image->header.blend, image->steps.luma, &min, &max);
-    return (int16_t)max;
+    gsf_luma_range(image->header.blend, image->steps.luma, fineness, &min, &max);
+    splat->luma = (int16_t)(brightest ? max : min);
 }
-static int16_t darkest(const gsf_coded_image *image) {
+
+/* The code of the luma numerator / denominator. */
+static int16_t code_of_luma(const gsf_coded_image *image, const gsf_splat *splat, unsigned numerator,
+                            unsigned denominator) {
+    const unsigned fineness = gsf_colour_fineness(&image->steps, splat->major, splat->aspect);
+    return (int16_t)(gsf_colour_levels(image->steps.luma) * fineness * numerator / denominator);
+}
+
+/* The chroma code of the highest or of the lowest level. */
+static int16_t extreme_chroma(const gsf_coded_image *image, const gsf_splat *splat) {
+    const unsigned fineness = gsf_colour_fineness(&image->steps, splat->major, splat->aspect);
     int min, max;
-    gsf_luma_range(image->header.blend, image->steps.luma, &min, &max);
-    return (int16_t)min;
+    gsf_chroma_range(image->steps.chroma, fineness, &min, &max);
+    return (int16_t)(synthetic_random(2) ? max : min);
 }
 
 /* Opaque grey splats in the middle of the image, whose axes have these codes. */
@@ -54,9 +65,9 @@ static void fill_scalar(gsf_coded_image *image, unsigned longer, unsigned shorte
         gsf_splat *splat = &image->splats[i];
         *splat = (gsf_splat){.major = (uint16_t)(header->has_anisotropy ? longer : shorter),
                              .aspect = (uint16_t)(header->has_anisotropy ? longer - shorter : 0),
-                             .luma = (int16_t)(gsf_colour_levels(FINEST) * 3 / 4),
                              .alpha = (int16_t)gsf_colour_levels(FINEST),
                              .opacity = image->steps.opacity};
+        splat->luma = code_of_luma(image, splat, 3, 4);
         synthetic_place_splat(image, splat, header->width / 2.0, header->height / 2.0);
     }
 }
@@ -68,7 +79,7 @@ static void fill_equal(gsf_coded_image *image) {
 static void fill_cancelling(gsf_coded_image *image) {
     fill_scalar(image, OCTAVE, OCTAVE);
     for (uint32_t i = 0; i < image->header.splat_count; i++)
-        image->splats[i].luma = i % 2 ? brightest(image) : darkest(image);
+        set_extreme_luma(image, &image->splats[i], i % 2);
 }
 
 /* Alphas on both sides of 0, by which colours are divided. */
@@ -90,9 +101,9 @@ static void fill_needles(gsf_coded_image *image, unsigned longer, unsigned short
     for (uint32_t i = 0; i < header->splat_count; i++) {
         gsf_splat *splat = &image->splats[i];
         const unsigned angles = gsf_angle_count(&image->steps, splat->aspect);
-        splat->luma = (int16_t)(i % 2 ? brightest(image) : darkest(image));
-        splat->co = (int16_t)(synthetic_random(2) ? 255 : -255);
-        splat->cg = (int16_t)(synthetic_random(2) ? 255 : -255);
+        set_extreme_luma(image, splat, i % 2);
+        splat->co = extreme_chroma(image, splat);
+        splat->cg = extreme_chroma(image, splat);
         splat->angle = (uint16_t)(header->has_rotation ? synthetic_random(angles) : 0);
         synthetic_place_splat(image, splat, synthetic_uniform(0.0, header->width),
                               synthetic_uniform(0.0, header->height));
@@ -135,7 +146,7 @@ static void fill_waves(gsf_coded_image *image, unsigned longer) {
     image->steps.luma = 0;
     for (uint32_t i = 0; i < image->header.splat_count; i++) {
         gsf_splat *splat = &image->splats[i];
-        splat->luma = (int16_t)(gsf_colour_levels(0) / 2);
+        splat->luma = code_of_luma(image, splat, 1, 2);
         splat->texture =
             (gsf_texture){.direction = (uint8_t)(i % 3), .phase = (uint8_t)(i % GSF_PHASES), .amplitude = 16};
         synthetic_place_splat(image, splat, i % 2 ? 0.0 : image->header.width, 0.0);

@@ -48,7 +48,7 @@ static gscl_coded_image scalar_picture(gsf_blend blend, uint8_t steps, uint32_t 
                                  .width = width,
                                  .height = height,
                                  .splat_count = splats};
-    p.file.steps = (gsf_steps){steps, steps, steps, steps, steps, steps, steps};
+    p.file.steps = (gsf_steps){steps, steps, steps, steps, steps, steps, steps, 0};
     assert_int_equal(gscl_coded_image_reserve(&p, splats), GSCL_OK);
     return p;
 }
@@ -70,7 +70,7 @@ static double colour_error(const gscl_coded_image *p, const float *params, const
     float back[GSCL_PARAMS];
     int min, max;
     gscl_dequantise(&p->file, splat, back);
-    gsf_luma_range(p->file.header.blend, p->file.steps.alpha, &min, &max);
+    gsf_luma_range(p->file.header.blend, p->file.steps.alpha, 1, &min, &max);
     const double levels = gsf_colour_levels(p->file.steps.alpha), alpha = params[GSCL_COLOUR + 3];
     return fabs(fmin(fmax(alpha, min / levels), max / levels) - back[GSCL_COLOUR + 3]) * levels;
 }

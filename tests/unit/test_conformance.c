@@ -316,10 +316,12 @@ static void test_colours_out_of_range(void **state) {
             gsf_splat *splat = &s->image.splats[i];
             int min, max;
             synthetic_splat(&s->image, splat, 2 + synthetic_random(16), synthetic_random(10));
-            gsf_luma_range(blends[b], 15, &min, &max);
+            const unsigned fineness = gsf_colour_fineness(&s->image.steps, splat->major, splat->aspect);
+            gsf_luma_range(blends[b], 15, fineness, &min, &max);
             splat->luma = (int16_t)(i % 2 ? min : max);
-            splat->co = (int16_t)(synthetic_random(2) ? 255 : -255);
-            splat->cg = (int16_t)(synthetic_random(2) ? 255 : -255);
+            gsf_chroma_range(15, fineness, &min, &max);
+            splat->co = (int16_t)(synthetic_random(2) ? max : min);
+            splat->cg = (int16_t)(synthetic_random(2) ? max : min);
         }
         check_scene("colours out of range", s);
     }

@@ -456,6 +456,7 @@ static void test_overhead_of_a_photograph(void **unused) {
             image.header.height = portrait ? 768 : 512;
             image.header.has_texture = texture;
             image.header.splat_count = 200;
+            image.steps.pivot = (uint8_t)gsf_typical_size(&image.header, &image.steps);
             const uint64_t with_count = check_header(&image);
             assert_in_range(with_count, 18 * 256, 24 * 256);
             assert_in_range(with_count - 7 * 256 - 3 * 256, 0, 16 * 256); /* the count takes 3.2 and 7 bits */

@@ -75,29 +75,37 @@ static void fill_steps(gsf_coded_image *image) {
     const bool used[7] = {true, true, h->has_rotation, true, h->has_chroma, h->has_alpha, h->has_opacity};
     for (int i = 0; i < 7; i++)
         *steps[i] = used[i] && h->splat_count > 0 ? (uint8_t)pick(16) : 0;
+    image->steps.pivot = h->splat_count > 0 ? (uint8_t)pick(GSF_MAX_SCALE_CODE + 1) : 0;
 }
 
 static int16_t pick_between(int min, int max) {
     return (int16_t)(min + (int)pick((uint32_t)(max - min + 1)));
 }
 
+static void fill_colour(const gsf_coded_image *image, gsf_splat *splat) {
+    const gsf_header *h = &image->header;
+    const gsf_steps *steps = &image->steps;
+    const unsigned fineness = gsf_colour_fineness(steps, splat->major, splat->aspect);
+    int min, max;
+    gsf_luma_range(h->blend, steps->luma, fineness, &min, &max);
+    splat->luma = pick_between(min, max);
+    gsf_luma_range(h->blend, steps->alpha, 1, &min, &max);
+    splat->alpha = h->has_alpha ? pick_between(min, max) : 0;
+    gsf_chroma_range(steps->chroma, fineness, &min, &max);
+    splat->co = h->has_chroma ? pick_between(min, max) : 0;
+    splat->cg = h->has_chroma ? pick_between(min, max) : 0;
+}
+
 static void fill_splat(const gsf_coded_image *image, gsf_splat *splat) {
     const gsf_header *h = &image->header;
     const gsf_steps *steps = &image->steps;
-    int min, max;
     splat->major = (uint16_t)pick(pick(2) ? 64 : 12);
     splat->aspect = h->has_anisotropy ? (uint16_t)pick(splat->major + 1u) : 0;
     splat->angle = h->has_rotation ? (uint16_t)pick(gsf_angle_count(steps, splat->aspect)) : 0;
     const gsf_splat_grid grid = gsf_splat_grid_of(h, steps, splat);
     splat->x = pick(grid.cells_x);
     splat->y = pick(grid.cells_y);
-    gsf_luma_range(h->blend, steps->luma, &min, &max);
-    splat->luma = pick_between(min, max);
-    gsf_luma_range(h->blend, steps->alpha, &min, &max);
-    splat->alpha = h->has_alpha ? pick_between(min, max) : 0;
-    gsf_chroma_range(steps->chroma, &min, &max);
-    splat->co = h->has_chroma ? pick_between(min, max) : 0;
-    splat->cg = h->has_chroma ? pick_between(min, max) : 0;
+    fill_colour(image, splat);
     splat->opacity = h->has_opacity ? (uint16_t)pick(steps->opacity + 1u) : 0;
     if (h->has_texture && pick(3) > 0)
         splat->texture = (gsf_texture){.wave = (uint8_t)pick(GSF_WAVES),
@@ -297,6 +305,7 @@ static void test_many_splats(void **unused) {
         f.image.splats[i].angle = 0;
         f.image.splats[i].x %= 512;
         f.image.splats[i].y = 0;
+        fill_colour(&f.image, &f.image.splats[i]);
     }
     check_round_trip(&f);
     destroy(&f);
@@ -317,6 +326,7 @@ static void test_all_in_one_cell(void **unused) {
         f.image.splats[i].y = 99;
         f.image.splats[i].aspect %= 4;
         f.image.splats[i].angle = 0;
+        fill_colour(&f.image, &f.image.splats[i]);
     }
     check_round_trip(&f);
     destroy(&f);
@@ -331,16 +341,16 @@ static void test_largest_codes(void **unused) {
     header.blend = GSF_BLEND_SUM;
     header.has_alpha = header.has_opacity = header.has_texture = header.high_bit_depth = true;
     create(&f, &header);
-    f.image.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15};
+    f.image.steps = (gsf_steps){15, 15, 15, 15, 15, 15, 15, 0};
     memset(f.image.background, 0xFF, sizeof f.image.background);
     for (int i = 0; i < 2; i++)
         f.image.splats[i] = (gsf_splat){.major = 63,
                                         .aspect = 63,
                                         .angle = 511,
                                         .opacity = 15,
-                                        .luma = 286,
-                                        .co = 255,
-                                        .cg = -255,
+                                        .luma = 287 * GSF_MAX_FINENESS - 1,
+                                        .co = 256 * GSF_MAX_FINENESS - 1,
+                                        .cg = -255 * GSF_MAX_FINENESS,
                                         .alpha = -286,
                                         .texture = {GSF_WAVES - 1, GSF_DIRECTIONS - 1, GSF_PHASES - 1, GSF_AMPLITUDES}};
     check_round_trip(&f);
@@ -447,9 +457,10 @@ static void test_writer_refuses_scalar(void **unused) {
     REFUSES(splats[1].angle = 512);
     REFUSES(splats[1].x = 1u << 30);
     REFUSES(splats[1].y = 1u << 30);
-    REFUSES(splats[1].luma = 287);
-    REFUSES(splats[1].co = -256);
-    REFUSES(splats[1].cg = 256);
+    REFUSES(steps.pivot = 64);
+    REFUSES(splats[1].luma = 287 * GSF_MAX_FINENESS);
+    REFUSES(splats[1].co = -256 * GSF_MAX_FINENESS);
+    REFUSES(splats[1].cg = 256 * GSF_MAX_FINENESS);
     REFUSES(splats[1].texture.wave = f.image.header.has_texture = true);
     REFUSES(splats[1].texture.amplitude = GSF_AMPLITUDES + (f.image.header.has_texture = true));
 #undef REFUSES

@@ -133,10 +133,12 @@ static void check_minimum(scene *s, int variant) {
     /* Circles, and translucent splats, overlap: passes converge slowly, in ever smaller steps. */
     const double slack = s->kind == ELLIPSES ? 1e-4 : 5e-3;
     const double least = error_of(s);
-    int min, max;
-    gsf_luma_range(s->coded.file.header.blend, s->coded.file.steps.luma, &min, &max);
+    const gsf_steps *steps = &s->coded.file.steps;
     for (uint32_t i = 0; i < s->coded.file.header.splat_count; i++) {
         gsf_splat *splat = &s->coded.file.splats[i], original = *splat;
+        int min, max;
+        gsf_luma_range(s->coded.file.header.blend, steps->luma, gsf_colour_fineness(steps, splat->major, splat->aspect),
+                       &min, &max);
         int16_t *const codes[] = {&splat->luma, &splat->co, &splat->cg};
         for (int k = 0; k < 6; k++) {
             *codes[k / 2] = (int16_t)(*codes[k / 2] + (k % 2 ? 1 : -1));

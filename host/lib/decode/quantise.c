@@ -23,7 +23,7 @@ static double scale_step(const gsf_steps *s) {
 }
 
 static double amplitude_step(const gsf_steps *s) {
-    return 4.0 / (3 * gsf_colour_levels(s->luma));
+    return 2.0 / (3 * gsf_colour_levels(s->luma));
 }
 
 void gscl_steps_to_floats(const gsf_steps *s, float *f) {
@@ -36,6 +36,7 @@ void gscl_steps_to_floats(const gsf_steps *s, float *f) {
     f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
     f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
     f[GSCL_STEP_AMPLITUDE] = (float)amplitude_step(s);
+    f[GSCL_STEP_PIVOT] = (float)(2 * s->pivot * (s->scale + 4));
 }
 
 /* The code whose step is nearest to `factor` times that of `code`; steps are in proportion to code + offset. */
@@ -61,7 +62,8 @@ gsf_steps gscl_scale_steps(const gsf_steps *s, double factor) {
                        .luma = scaled_levels(s->luma, factor),
                        .chroma = scaled_levels(s->chroma, factor),
                        .alpha = scaled_levels(s->alpha, factor),
-                       .opacity = s->opacity};
+                       .opacity = s->opacity,
+                       .pivot = s->pivot};
 }
 
 uint16_t gscl_quantise_background(const gsf_header *header, float value) {
@@ -74,22 +76,29 @@ float gscl_logit(double opacity) {
     return (float)gscl_ln(o / (1 - o));
 }
 
+/* Codes per unit of value of a splat whose axes' codes have been set. */
+static double colour_codes(const gsf_coded_image *p, unsigned step, const gsf_splat *s) {
+    return gsf_colour_levels(step) * gsf_colour_fineness(&p->steps, s->major, s->aspect);
+}
+
+/* Colour codes of a splat whose axes' codes have been set. */
 static void quantise_colour(const gsf_coded_image *p, const float *colour, gsf_splat *s) {
-    double luma = gsf_colour_levels(p->steps.luma), chroma = gsf_colour_levels(p->steps.chroma);
+    const unsigned fineness = gsf_colour_fineness(&p->steps, s->major, s->aspect);
+    double luma = colour_codes(p, p->steps.luma, s), chroma = colour_codes(p, p->steps.chroma, s);
     int min, max;
     double y = colour[0];
-    gsf_luma_range(p->header.blend, p->steps.luma, &min, &max);
+    gsf_luma_range(p->header.blend, p->steps.luma, fineness, &min, &max);
     if (p->header.has_chroma) {
         const gscl_ycocg c = gscl_ycocg_from_rgb(colour);
         int chroma_min, chroma_max;
-        gsf_chroma_range(p->steps.chroma, &chroma_min, &chroma_max);
+        gsf_chroma_range(p->steps.chroma, fineness, &chroma_min, &chroma_max);
         s->co = (int16_t)nearest_code(c.co * chroma, chroma_min, chroma_max);
         s->cg = (int16_t)nearest_code(c.cg * chroma, chroma_min, chroma_max);
         y = c.y;
     }
     s->luma = (int16_t)nearest_code(y * luma, min, max);
     if (p->header.has_alpha) {
-        gsf_luma_range(p->header.blend, p->steps.alpha, &min, &max);
+        gsf_luma_range(p->header.blend, p->steps.alpha, 1, &min, &max);
         s->alpha =
             (int16_t)nearest_code(colour[p->header.has_chroma ? 3 : 1] * gsf_colour_levels(p->steps.alpha), min, max);
     }
@@ -161,10 +170,10 @@ void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) 
 }
 
 static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, float *colour) {
-    double y = (double)s->luma / gsf_colour_levels(p->steps.luma);
+    double y = (double)s->luma / colour_codes(p, p->steps.luma, s);
     colour[0] = (float)y;
     if (p->header.has_chroma) {
-        double levels = gsf_colour_levels(p->steps.chroma);
+        double levels = colour_codes(p, p->steps.chroma, s);
         gscl_ycocg_to_rgb((gscl_ycocg){y, s->co / levels, s->cg / levels}, colour);
     }
     if (p->header.has_alpha)
@@ -215,9 +224,9 @@ void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params
     dequantise_texture(p, &s->texture, params);
 }
 
-/* Squared error of a colour after coding, per sample, in (1/255)^2. */
+/* Squared error of the colour of a circle of the pivot's size after coding, per sample, in (1/255)^2. */
 static double coded_colour_error(const gsf_coded_image *p, const float *colour) {
-    gsf_splat splat = {0};
+    gsf_splat splat = {.major = p->steps.pivot};
     float coded[4] = {0};
     double sum = 0;
     unsigned channels = gsf_channel_count(&p->header);

@@ -7,6 +7,7 @@
 #include "decode/quantise.h"
 #include "format/attributes.h"
 #include "format/count_split.h"
+#include "format/quantiser.h"
 #include "format/tables.h"
 #include "runtime/elementary.h"
 #include "scalar/tunables.h"
@@ -18,6 +19,7 @@ ASSERT_CODES_AGREE(waves, GSCL_WAVES, GSF_WAVES);
 ASSERT_CODES_AGREE(directions, GSCL_DIRECTIONS, GSF_DIRECTIONS);
 ASSERT_CODES_AGREE(direction_rows, GSCL_DIRECTION_ROWS, GSF_DIRECTION_ROWS);
 ASSERT_CODES_AGREE(phases, GSCL_PHASES, GSF_PHASES);
+ASSERT_CODES_AGREE(fineness, GSCL_MAX_FINENESS, GSF_MAX_FINENESS);
 ASSERT_CODES_AGREE(amplitudes, GSCL_AMPLITUDES, GSF_AMPLITUDES);
 
 /* Codes whose occurrences are counted. */
@@ -72,10 +74,10 @@ gscl_rdo_settings gscl_rdo_settings_of(const gsf_coded_image *image) {
                            .alpha_step = steps[GSCL_STEP_ALPHA],
                            .amplitude_step = steps[GSCL_STEP_AMPLITUDE],
                            .opacity_levels = steps[GSCL_STEP_OPACITY]};
-    gsf_luma_range(image->header.blend, codes->luma, &s.min[0], &s.max[0]);
-    gsf_chroma_range(codes->chroma, &s.min[1], &s.max[1]);
-    gsf_chroma_range(codes->chroma, &s.min[2], &s.max[2]);
-    gsf_luma_range(image->header.blend, codes->alpha, &s.min[3], &s.max[3]);
+    gsf_luma_range(image->header.blend, codes->luma, 1, &s.min[0], &s.max[0]);
+    gsf_chroma_range(codes->chroma, 1, &s.min[1], &s.max[1]);
+    gsf_chroma_range(codes->chroma, 1, &s.min[2], &s.max[2]);
+    gsf_luma_range(image->header.blend, codes->alpha, 1, &s.min[3], &s.max[3]);
     return s;
 }
 
@@ -166,12 +168,24 @@ static void make_major_bits(float *bits, const code_list *list, const rdo_expect
     }
 }
 
+/* The parts of levels of colours, whose bits count as bits of the shape, on which their number depends. */
+static void make_fineness(gscl_rdo_tables *t, const gsf_coded_image *image) {
+    const double channels = image->header.has_chroma ? 3 : 1;
+    for (unsigned major = 0; major <= GSCL_MAX_SCALE; major++)
+        for (unsigned aspect = 0; aspect <= major; aspect++) {
+            const unsigned fineness = gsf_colour_fineness(&image->steps, major, aspect);
+            t->fineness[2 * major - aspect] = (int32_t)fineness;
+            t->shape_bits[major][aspect] += (float)(channels * gscl_log2(fineness));
+        }
+}
+
 static void make_shape_tables(gscl_rdo_tables *t, const gsf_coded_image *image, const code_list *list,
                               const rdo_expectation *e) {
     const gsf_header *header = &image->header;
     float major_bits[GSCL_MAX_SCALE + 1];
     make_major_bits(major_bits, list, e);
     make_aspect_bits(t, e);
+    make_fineness(t, image);
     for (unsigned i = 0; i <= GSCL_MAX_SCALE; i++) {
         gscl_major_entry *m = &t->majors[i];
         m->step = (float)gsf_position_step_q8(&image->steps, i) / 256.0f;

@@ -5,6 +5,7 @@
 
 #include "cl/constants.h"
 #include "decode/quantise.h"
+#include "format/quantiser.h"
 #include "runtime/elementary.h"
 #include "scalar/search_plan.h"
 
@@ -20,11 +21,14 @@ static void choose_quantiser_steps(const gscl_scalar_state *s, gscl_size_target 
     gsf_coded_image *file = &s->coded->file;
     if (s->fixed_count > 0)
         return;
-    const gsf_steps defaults = gsf_default_steps((uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats));
+    gsf_header header = file->header;
+    header.splat_count = (uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats);
+    const gsf_steps defaults = gsf_default_steps(header.splat_count);
     file->steps = defaults;
     if (factor > 0)
         file->steps = gscl_scale_steps(&defaults, factor);
-    else if (s->source->background.pixels > 0)
+    file->steps.pivot = (uint8_t)gsf_typical_size(&header, &file->steps);
+    if (factor <= 0 && s->source->background.pixels > 0)
         gscl_fit_steps_to_colour(file, s->source->background.colour);
 }
 
