@@ -94,7 +94,7 @@ class Apt:
         if name == "debian":
             self._update(name, [f"deb http://deb.debian.org/debian {release} main" for release in DEBIAN])
             return
-        keyring = unpack(self.package("ubuntu-keyring", "bookworm"), self.keyring) / "usr/share/keyrings/ubuntu-archive-keyring.gpg"
+        keyring = unpack(self.package("ubuntu-keyring", "trixie"), self.keyring) / "usr/share/keyrings/ubuntu-archive-keyring.gpg"
         self._update(name, [f"deb [signed-by={keyring}] http://archive.ubuntu.com/ubuntu {release} main universe"
                             for release in UBUNTU])
 
