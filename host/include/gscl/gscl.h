@@ -309,8 +309,8 @@ typedef enum gscl_tune {
     GSCL_TUNE_AUTO = 0,
     GSCL_TUNE_PSNR = 1, /* squared error with equal weights */
     GSCL_TUNE_SSIM = 2, /* MS-SSIM: errors in smooth regions weigh more.  Default profile and loss L2 only */
-    /* What people see, by SSIMULACRA 2 and squared error: more texture, PSNR lower by 0.1 to 0.8 dB; for opaque images.
-     * Default profile and loss L2 only. */
+    /* What people see, by SSIMULACRA 2 and squared error: more texture, PSNR lower by 0.1 to 0.8 dB; for opaque images.  Where
+     * hardly anything is seen of the error, it is squared error alone.  Default profile and loss L2 only. */
     GSCL_TUNE_VISUAL = 3
 } gscl_tune;
 /* Largest image, in pixels, for which AUTO is VISUAL: up to it an encode takes less than 1 GiB, and 1.4 GiB at 25

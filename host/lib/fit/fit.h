@@ -59,7 +59,7 @@ typedef struct gscl_fit {
     gscl_buffer density_total, column_weights, group_weights; /* sums of a density (fit/placement.h) */
 
     float ssim_weight;  /* of the SSIM term where the loss is EXTERNAL */
-    float visual_share; /* of the visual loss beside squared error where errors are weighted by it */
+    float visual_share; /* of the visual loss beside squared error where errors are weighted by it; 0: none */
     gscl_ssim ssim;
     gscl_buffer derivative;     /* of the loss by the rendering, where the loss is EXTERNAL */
     gscl_buffer adapted_target; /* of the first level (gscl_fit_adapt_target), or empty */
@@ -106,10 +106,14 @@ gscl_result gscl_fit_render(gscl_fit *fit);
  * if there is one level only. */
 gscl_result gscl_fit_adapt_target(gscl_fit *fit);
 /* Makes a quadratic model of squared error and the visual loss at the current rendering (fit/visual_loss.h): the weights
- * of this level.  Has no effect but with GSCL_WEIGHTED_LUMA. */
+ * of this level.  Has no effect but where gscl_fit_has_visual_loss. */
 gscl_result gscl_fit_renew_model(gscl_fit *fit);
 /* Likewise, at planes of the level's size and with the curvature of gscl_visual_model. */
 gscl_result gscl_fit_renew_model_at(gscl_fit *fit, const gscl_buffer *rendering, float curvature);
+/* Whether the loss has a visual part: with GSCL_WEIGHTED_LUMA, until it is ended. */
+bool gscl_fit_has_visual_loss(const gscl_fit *fit);
+/* From now on the loss is squared error alone. */
+gscl_result gscl_fit_end_visual_loss(gscl_fit *fit);
 /* The current level's target: its planes and, where errors are weighted, the weights. */
 const gscl_buffer *gscl_fit_weighted_target(const gscl_fit *fit);
 

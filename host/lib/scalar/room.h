@@ -6,6 +6,7 @@
  *   encode_scalar.h: the stages of the profile
  *   scalar_state.h: the state that they share
  *   scalar_fit.h: stage "fit"
+ *   visual_model.h: the visual loss in it
  *   choose_codes.h: stage "choose codes", a loop of rate-distortion passes
  *   scalar_rdo.h: one rate-distortion pass
  *   rdo_tables.h: meanings and costs of codes in a pass

@@ -10,6 +10,7 @@
 #include "runtime/elementary.h"
 #include "runtime/launch.h"
 #include "runtime/timing.h"
+#include "scalar/visual_model.h"
 #include "session/encode_trace.h"
 
 static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
@@ -91,13 +92,10 @@ static bool has_squared_error(const gscl_scalar_state *s) {
 
 /* Measures the error of the splats at the current level: state->known_error. */
 static gscl_result measure_fit(gscl_scalar_state *s) {
-    const double samples = (double)gscl_fit_level_pixels(&s->fit) * s->fit.renderer.channels;
     if (s->fit.model_level < 0)
         return gscl_fit_loss(&s->fit, &s->known_error);
     GSCL_TRY(gscl_fit_render(&s->fit));
-    GSCL_TRY(gscl_fit_squared_error(&s->fit, &s->fit.renderer.image, &s->known_error));
-    s->known_error /= samples;
-    return GSCL_OK;
+    return gscl_scalar_measure_rendering(s);
 }
 
 /* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
@@ -189,12 +187,6 @@ static bool is_step_at(const gscl_scalar_state *s, int step, double share) {
     return step == (int)(share * s->steps);
 }
 
-/* Whether the model of the visual loss is renewed before step `step`. */
-static bool is_model_due(const gscl_scalar_state *s, int step) {
-    const int from = (int)(tunables->model_from * s->steps);
-    return step >= from && (s->fit.model_level != s->fit.level || (step - from) % tunables->model_interval == 0);
-}
-
 /* The first splats of the fit: after those of the layers before, where there are any. */
 static gscl_result place_first_splats(gscl_scalar_state *s) {
     gsf_coded_image *file = &s->coded->file;
@@ -225,9 +217,7 @@ static gscl_result prepare_step(gscl_scalar_state *s, int step, int *round, bool
         GSCL_TRY(sort_for_alpha(s));
     if (is_step_at(s, step, tunables->adapt_at) || is_step_at(s, step, tunables->adapt_again_at))
         GSCL_TRY(gscl_fit_adapt_target(&s->fit));
-    if (is_model_due(s, step))
-        GSCL_TRY(gscl_fit_renew_model(&s->fit));
-    return GSCL_OK;
+    return gscl_scalar_renew_model(s, step);
 }
 
 gscl_result gscl_scalar_fit(gscl_scalar_state *s) {

@@ -194,6 +194,13 @@ gscl_result gscl_scalar_load(gscl_scalar_state *s) {
     return gscl_fit_replace(&s->fit, s->params, count, background);
 }
 
+gscl_result gscl_scalar_measure_rendering(gscl_scalar_state *s) {
+    const double samples = (double)gscl_fit_level_pixels(&s->fit) * s->fit.renderer.channels;
+    GSCL_TRY(gscl_fit_squared_error(&s->fit, &s->fit.renderer.image, &s->known_error));
+    s->known_error /= samples;
+    return GSCL_OK;
+}
+
 gscl_result gscl_scalar_update_size(gscl_scalar_state *s) {
     GSCL_TRY(gscl_coded_image_sort(s->coded, NULL));
     return gscl_file_size(s->encoder->context, s->coded, &s->size);

@@ -56,7 +56,7 @@ typedef struct gscl_scalar_state {
     gscl_fit fit;
     size_t start, target; /* splats at the first step, and after the last densification */
     double surplus;       /* splats fitted for each that the budget holds; the passes drop the others */
-    /* Mean squared error per sample when it was last known, with weights of pixels if there are any; 0: not yet */
+    /* Mean squared error per sample when it was last known, with weights of pixels if there are any; 0: not yet. */
     double known_error;
     double residuals[GSCL_MAX_LEVELS]; /* of each level (gscl_fit_level_residual) beyond the noise of rounding; NAN: not
                                           measured yet */
@@ -89,6 +89,8 @@ int gscl_scalar_weighting(const gscl_scalar_state *state);
 gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
 /* Replaces the fit's splats by the coded ones. */
 gscl_result gscl_scalar_load(gscl_scalar_state *state);
+/* Measures squared error per sample of the last rendering at the current level, without weights: state->known_error. */
+gscl_result gscl_scalar_measure_rendering(gscl_scalar_state *state);
 /* Sorts the coded image; state->size is its size. */
 gscl_result gscl_scalar_update_size(gscl_scalar_state *state);
 /* From now on the fit draws its splats as the quantiser would store them. */
