@@ -42,6 +42,7 @@ typedef struct gscl_fit {
     int steps_since_bin;     /* steps with the present lists */
     int steps_since_control; /* steps since the device followed their lengths (gscl_fit_control) */
     int steps_since_wait;    /* steps since the host read them */
+    int max_wait;            /* steps after which it reads them again, at the latest; 0: it has not yet */
     gscl_tile_skip skip;
 
     float background[4];

@@ -73,6 +73,13 @@ gscl_result gscl_fit_begin_readings(gscl_fit *f) {
     return gscl_renderer_begin_lengths(&f->renderer);
 }
 
+/* Lists that grew beyond their room may do so again soon. */
+static void set_next_wait(gscl_fit *f, gscl_lists_state state) {
+    const struct gscl_fit_tunables *t = &gscl_fit_tunables;
+    f->max_wait = state == GSCL_LISTS_CUT || f->max_wait < t->check_interval ? t->check_interval : 2 * f->max_wait;
+    f->max_wait = f->max_wait < t->max_wait_interval ? f->max_wait : t->max_wait_interval;
+}
+
 gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
     *state = GSCL_LISTS_KEPT;
     f->known_loss = f->reading->control.loss;
@@ -87,6 +94,7 @@ gscl_result gscl_fit_end_readings(gscl_fit *f, gscl_lists_state *state) {
     if (f->renderer.count > 0)
         GSCL_TRY(grow_links(f, 1, state));
     f->has_old_lists = *state != GSCL_LISTS_KEPT;
+    set_next_wait(f, *state);
     if (*state == GSCL_LISTS_CUT && steps > 0)
         gscl_log(f->context, GSCL_LOG_DEBUG, "lists of tiles were cut short in the last %d steps", steps);
     return GSCL_OK;

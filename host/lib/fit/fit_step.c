@@ -106,7 +106,7 @@ static double max_entries(const gscl_fit *f) {
 static int wait_interval(const gscl_fit *f) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
     const int steps = (int)(t->wait_pixels / (double)gscl_renderer_plane(&f->renderer));
-    return steps < t->check_interval ? t->check_interval : steps < t->max_wait_interval ? steps : t->max_wait_interval;
+    return steps < t->check_interval ? t->check_interval : steps < f->max_wait ? steps : f->max_wait;
 }
 
 /* Bins and bounds the tile occupancy; sets the threshold of skipped tiles from the losses of the last step, which an
