@@ -21,6 +21,13 @@ static float learning_rate(double fraction) {
     return (float)(tunables->learning_rate * (fraction < 0.5 ? 1.0 : min + (1 - min) * 0.5 * (1 + gscl_cos(angle))));
 }
 
+/* The factor on the learning rate where the fit is nearly exact.  The steps of Adam do not shrink with the error: beyond some
+ * error they would be its largest part. */
+static float nearness(const gscl_scalar_state *s) {
+    const double ratio = s->known_error / tunables->full_rate_above;
+    return s->known_error > 0 && ratio < 1 ? (float)fmax(sqrt(ratio), tunables->least_nearness) : 1.0f;
+}
+
 /* 1: the steps of the fit see all rows of the image at this fraction of them; 2: every second one. */
 static int row_step(const gscl_scalar_state *s, double fraction) {
     const bool is_nearly_exact = s->known_error > 0 && s->known_error < tunables->all_rows_below;
@@ -227,7 +234,7 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
     for (int step = 0; step < s->steps; step++) {
         GSCL_TRY(prepare_step(s, step, &round, &quantising));
         const double fraction = (double)step / s->steps;
-        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction), row_step(s, fraction)));
+        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction) * nearness(s), row_step(s, fraction)));
         if (s->fit.model_level < 0)
             s->known_error = s->fit.known_loss; /* of an earlier step, without waiting */
         GSCL_TRY(report_fit_progress(s, step));
@@ -250,7 +257,7 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
         if (step % tunables->model_interval == 0)
             GSCL_TRY(gscl_fit_renew_model(&s->fit));
         const double fraction = 0.5 + 0.5 * (step + 0.5) / steps;
-        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction), row_step(s, fraction)));
+        GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction) * nearness(s), row_step(s, fraction)));
     }
     GSCL_TRY(gscl_fit_set_rows(&s->fit, 1));
     return gscl_scalar_quantise(s);

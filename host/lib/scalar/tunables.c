@@ -39,6 +39,8 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
 
     .learning_rate = 2.0,
     .min_learning_rate = 0.02,
+    .full_rate_above = 2.5e-4,
+    .least_nearness = 0.02,
     .min_sampled_steps = 200,
     .all_rows_from = 0.92,
     .all_rows_below = 2.5e-4,
