@@ -26,23 +26,62 @@ static void lower_price(gscl_scalar_state *s) {
     s->lambda_scale = fmax(s->lambda_scale * factor, tunables->min_lambda_scale);
 }
 
-/* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as the fit stands it. */
-static gscl_result use_slack(gscl_scalar_state *s) {
+/* Keeps the codes in `best` where they fit and have a lower error.  *error: of the codes; INFINITY where they do not fit. */
+static gscl_result keep_better(gscl_scalar_state *s, gscl_kept_codes *best, double *error) {
+    *error = INFINITY;
+    if (s->size > s->bytes || s->coded->file.header.splat_count == 0)
+        return GSCL_OK;
+    GSCL_TRY(gscl_scalar_measure(s, error));
+    const bool is_better = best->count == 0 || *error < best->error;
+    return is_better ? gscl_kept_codes_keep(best, s, *error) : GSCL_OK;
+}
+
+/* Spends bytes that are left on finer codes and more textures. */
+static gscl_result spend_on_codes(gscl_scalar_state *s) {
+    lower_price(s);
+    return gscl_scalar_pass(s, s->textures);
+}
+
+/* Adds splats for the bytes that are left, unless *may_add says that the fit did not stand it before, or codes are to have
+ * them. */
+static gscl_result spend(gscl_scalar_state *s, bool *may_add) {
+    if (!*may_add || gscl_scalar_has_max_splats(s) || !has_slack(s, tunables->densify_below))
+        return spend_on_codes(s);
+    s->lambda_scale = fmin(s->lambda_scale, 1);
+    s->surplus = 1;
+    /* New splats are far from their best after a single pass, and here none follow. */
+    return gscl_scalar_densify(s, 2, s->textures, may_add);
+}
+
+/* Passes that use bytes that are left.  Where the last of them is worse than the best so far, as new splats may make it that
+ * no steps are left for, the best gets finer codes instead. */
+static gscl_result spend_slack(gscl_scalar_state *s, gscl_kept_codes *best) {
     bool may_add = true;
+    double error;
+    GSCL_TRY(keep_better(s, best, &error));
     for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, s->full_share); pass++) {
-        s->keep_all = true; /* new splats would be the first to be dropped */
-        if (may_add && !gscl_scalar_has_max_splats(s) && has_slack(s, tunables->densify_below)) {
-            s->lambda_scale = fmin(s->lambda_scale, 1);
-            s->surplus = 1;
-            /* New splats are far from their best after a single pass, and here none follow. */
-            GSCL_TRY(gscl_scalar_densify(s, 2, s->textures, &may_add));
-        } else {
-            lower_price(s);
-            GSCL_TRY(gscl_scalar_pass(s, s->textures));
-        }
+        GSCL_TRY(spend(s, &may_add));
+        GSCL_TRY(keep_better(s, best, &error));
     }
-    s->keep_all = false;
+    if (s->size > s->bytes || best->count == 0 || error <= best->error)
+        return GSCL_OK;
+    GSCL_TRY(gscl_kept_codes_restore(best, s));
+    for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, s->full_share); pass++) {
+        GSCL_TRY(spend_on_codes(s));
+        GSCL_TRY(keep_better(s, best, &error));
+    }
     return GSCL_OK;
+}
+
+/* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as the fit stands it.
+ * `best`: of the files within the budget on the way, or empty where no bytes are left. */
+static gscl_result use_slack(gscl_scalar_state *s, gscl_kept_codes *best) {
+    if (!has_slack(s, s->full_share))
+        return GSCL_OK;
+    s->keep_all = true; /* new splats would be the first to be dropped */
+    const gscl_result result = spend_slack(s, best);
+    s->keep_all = false;
+    return result;
 }
 
 /* The search for the price at which a pass ends below the budget and fills it. */
@@ -105,11 +144,28 @@ static gscl_result shrink_to_budget(gscl_scalar_state *s) {
     return result;
 }
 
-gscl_result gscl_scalar_meet_budget(gscl_scalar_state *s) {
-    if (s->bytes == 0)
+/* Uses bytes that are left, shrinks the file to the budget at this price or a higher one, and prefers the best file on the
+ * way. */
+static gscl_result fill_budget(gscl_scalar_state *s, double lambda_scale, gscl_kept_codes *best) {
+    double error;
+    GSCL_TRY(use_slack(s, best));
+    s->lambda_scale = fmax(s->lambda_scale, lambda_scale);
+    GSCL_TRY(shrink_to_budget(s));
+    if (best->count == 0)
         return GSCL_OK;
-    GSCL_TRY(use_slack(s));
-    return shrink_to_budget(s);
+    GSCL_TRY(keep_better(s, best, &error));
+    return gscl_kept_codes_restore(best, s);
+}
+
+static gscl_result meet_budget_from(gscl_scalar_state *s, double lambda_scale) {
+    gscl_kept_codes best = {0};
+    const gscl_result result = fill_budget(s, lambda_scale, &best);
+    gscl_kept_codes_free(&best);
+    return result;
+}
+
+gscl_result gscl_scalar_meet_budget(gscl_scalar_state *s) {
+    return s->bytes > 0 ? meet_budget_from(s, 0) : GSCL_OK;
 }
 
 /* Fits the splats that are left, keeps all of them in a pass for their codes, and meets the budget at the price from
@@ -120,9 +176,7 @@ static gscl_result refit_to_budget(gscl_scalar_state *s) {
     s->keep_all = true;
     GSCL_TRY(gscl_scalar_pass(s, false));
     s->keep_all = false;
-    GSCL_TRY(use_slack(s));
-    s->lambda_scale = fmax(s->lambda_scale, lambda_scale);
-    return shrink_to_budget(s);
+    return meet_budget_from(s, lambda_scale);
 }
 
 /* *is_better: whether the result stays, instead of the file before. */
