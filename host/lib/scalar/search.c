@@ -95,6 +95,7 @@ static gscl_result search_round(gscl_search *q, bool combines) {
     double error;
     GSCL_TRY(make_candidate(q, combines));
     GSCL_TRY(choose_candidate_codes(q, &error));
+    GSCL_TRY(gscl_search_keep_within(q, error));
     if (scaled_error(q, error, s->size) < scaled_error(q, q->best.error, q->best.size)) {
         GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
         GSCL_TRY(gscl_trace_coded_image(s->encoder, &s->fit, s->coded, s->steps));
@@ -139,6 +140,7 @@ static gscl_result explore(gscl_search *q) {
     double error;
     GSCL_TRY(gscl_scalar_measure(s, &error));
     GSCL_TRY(gscl_kept_codes_keep(&q->best, s, error));
+    GSCL_TRY(gscl_search_keep_within(q, error));
     q->lambda = tunables->search_first_price * error / (2 * 8 * (double)s->bytes);
     for (int round = 0; round < s->rounds; round++) {
         GSCL_TRY(search_round(q, false));
@@ -171,11 +173,13 @@ static gscl_result run_search(gscl_search *q) {
 }
 
 gscl_result gscl_scalar_search(gscl_scalar_state *s, gscl_search_pool *pool) {
-    gscl_search q = {.s = s, .pool = pool};
+    gscl_search q = {.s = s, .pool = pool, .within = pool->within};
     if (!s->is_searched || s->coded->file.header.splat_count == 0)
         return GSCL_OK;
     const gscl_result result = run_search(&q);
     gscl_kept_codes_free(&q.best);
-    gscl_kept_codes_free(&q.within);
+    pool->within = q.within;
+    if (s->ends_search)
+        gscl_kept_codes_free(&pool->within);
     return result;
 }

@@ -8,15 +8,14 @@
 
 static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
 
-/* Keeps the coded image in q->within where its error is the lowest. */
+/* Measures the coded image where it fits, and keeps it in q->within where its error is the lowest. */
 static gscl_result keep_within_budget(gscl_search *q) {
     gscl_scalar_state *s = q->s;
     double error;
     if (s->size > s->bytes || s->coded->file.header.splat_count == 0)
         return GSCL_OK;
     GSCL_TRY(gscl_scalar_measure(s, &error));
-    const bool better = q->within.count == 0 || error < q->within.error;
-    return better ? gscl_kept_codes_keep(&q->within, s, error) : GSCL_OK;
+    return gscl_search_keep_within(q, error);
 }
 
 gscl_result gscl_search_to_budget(gscl_search *q, const gscl_kept_codes *from) {

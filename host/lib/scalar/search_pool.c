@@ -13,6 +13,7 @@ static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables
 void gscl_search_pool_free(gscl_search_pool *pool) {
     for (size_t i = 0; i < pool->count; i++)
         gscl_kept_codes_free(&pool->members[i].codes);
+    gscl_kept_codes_free(&pool->within);
     free(pool->members);
     free(pool->error);
     *pool = (gscl_search_pool){0};

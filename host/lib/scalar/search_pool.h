@@ -19,6 +19,9 @@ typedef struct gscl_search_member {
 typedef struct gscl_search_pool {
     gscl_search_member *members;
     size_t count, capacity;
+    gscl_kept_codes
+        within;   /* of the lowest error within the budget in all rounds of a search; its count is 0 while there is
+                               none */
     float *error; /* scratch, of each pixel of the level */
     size_t pixels;
 } gscl_search_pool;

@@ -11,6 +11,13 @@ static gscl_result measure_kept(gscl_scalar_state *s, gscl_kept_codes *kept) {
     return kept->count > 0 ? gscl_scalar_measure(s, &kept->error) : GSCL_OK;
 }
 
+gscl_result gscl_search_keep_within(gscl_search *q, double error) {
+    const gscl_scalar_state *s = q->s;
+    const bool fits = s->size <= s->bytes && s->coded->file.header.splat_count > 0;
+    const bool is_better = fits && (q->within.count == 0 || error < q->within.error);
+    return is_better ? gscl_kept_codes_keep(&q->within, s, error) : GSCL_OK;
+}
+
 gscl_result gscl_search_set_level(gscl_search *q, int level) {
     gscl_scalar_state *s = q->s;
     const double pixels = (double)gscl_fit_level_pixels(&s->fit);
