@@ -53,7 +53,9 @@ struct gscl_scalar_tunables {
     double max_quarter_until;  /* largest share at a quarter of the size, for splats that are further apart */
     double max_half_until;     /* largest share until full size is due, for splats that are further apart */
     int level_check_interval;  /* steps until a finer level that was refused is considered again */
-    double min_level_residual; /* share of the fit's error; a level with a smaller residual is skipped */
+    /* Share of the fit's error; a level with a smaller residual is skipped.  On a drawn relief of 384x256 at 4300 bytes 0.1
+     * stays at half the size, which costs 1.7 dB and 16 points of SSIMULACRA 2 against 0.04. */
+    double min_level_residual;
     double rounding_residual;  /* squared error per sample: residual of noise by rounding to 8 bits,
                                     (3/4 + 1/64) / 12 / 255^2 */
     double probe_distance;     /* pixels from splat to splat; probe fits of splats further apart use a coarser level */
