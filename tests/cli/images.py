@@ -107,6 +107,13 @@ def waves(width, height):
     return Image(width, height, 3, 8, samples)
 
 
+def glow(width, height):
+    """A round grey light, without any detail."""
+    radius = 50 * width / 192
+    return Image(width, height, 1, 8, [round(255 * math.exp(-((x - width / 2) ** 2 + (y - height / 2) ** 2) / radius ** 2))
+                                       for y in range(height) for x in range(width)])
+
+
 def hills(width, height):
     """Random colours at 14 x 10 points, and smooth transitions between them."""
     points, samples = noise(14, 10, seed=5), []

@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, hills, noise, png_bytes, psnr,
+from images import (Image, checkerboard, document, dots_in_the_dark, faint_and_strong, flat, glow, hills, noise, png_bytes, psnr,
                       sawtooth, scene, textured, waves)
 from tool import FAST, GSCL, OPENCL, TIMEOUT, ToolTest, main
 
@@ -186,6 +186,15 @@ class Settings(ToolTest):
             self.assertLessEqual(len(self.encode(image, "--bytes", "400", "--effort", "2", "--tune", "psnr", "--seed", seed)), 400)
             reached.append(psnr(image, self.decode()))
         self.assertGreater(sum(reached) / 4, 26.6)
+
+    def test_more_bytes_of_a_smooth_image_are_used(self):
+        """A search does not end far below the budget, where one pass at a higher price drops half of the splats."""
+        image, reached = glow(192, 128), []
+        for budget in (120, 200):
+            size = len(self.encode(image, "--bytes", budget, "--effort", "3"))
+            self.assertGreater(size, 0.9 * budget)
+            reached.append(psnr(image, self.decode()))
+        self.assertGreater(reached[1], reached[0] - 0.5)
 
     def figures_of_tunes(self, image, tune, *arguments):
         """What `gscl compare` measures of the image with --tune psnr, and with this tune."""
