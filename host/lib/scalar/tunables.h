@@ -56,10 +56,10 @@ struct gscl_scalar_tunables {
     /* Share of the fit's error; a level with a smaller residual is skipped.  On a drawn relief of 384x256 at 4300 bytes 0.1
      * stays at half the size, which costs 1.7 dB and 16 points of SSIMULACRA 2 against 0.04. */
     double min_level_residual;
-    double rounding_residual;  /* squared error per sample: residual of noise by rounding to 8 bits,
+    double rounding_residual; /* squared error per sample: residual of noise by rounding to 8 bits,
                                     (3/4 + 1/64) / 12 / 255^2 */
-    double probe_distance;     /* pixels from splat to splat; probe fits of splats further apart use a coarser level */
-    int min_covering_splats;   /* fewer splats may leave parts of the image to the background */
+    double probe_distance;    /* pixels from splat to splat; probe fits of splats further apart use a coarser level */
+    int min_covering_splats;  /* fewer splats may leave parts of the image to the background */
     /* The mean of the splats serves as the background up to this factor of the squared error with a stored one, which takes
      * 25 bits.  On starfields, where the mean is seen, 1.0003 and 1.03 give the same files, but for 0.02 dB in one. */
     double max_mean_error;
