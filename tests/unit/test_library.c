@@ -262,7 +262,7 @@ static void test_bad_settings(void **state) {
     bad[2].profile = (gscl_profile)2;
     bad[3].blend = (gscl_blend)4;
     bad[4].loss = (gscl_loss)4;
-    bad[5].target = (gscl_target)5;
+    bad[5].target = (gscl_target)(GSCL_TARGET_SSIMULACRA2 + 1);
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;
@@ -446,6 +446,69 @@ static void test_psnr(void **state) {
     image = synthetic_image(SYNTHETIC_NOISE, 16, 16, 3, GSCL_SAMPLE_U8);
     settings.target_value = 90.0;
     refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
+    synthetic_image_free(&image);
+}
+
+/* The score of the report is that of the decoded file, for images of all kinds. */
+static void check_ssimulacra2(uint32_t channels, gscl_sample sample, double target) {
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 160, 90, channels, sample);
+    const gscl_encode_settings settings = quick(GSCL_TARGET_SSIMULACRA2, target);
+    gscl_encode_report report = {.struct_size = sizeof report};
+    gscl_comparison comparison = {.struct_size = sizeof comparison};
+    file f = {NULL, 0};
+    assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
+    if (!(report.ssimulacra2 >= target && report.ssimulacra2 <= target + 3))
+        fail_msg("the score is %g, %g to %g expected", report.ssimulacra2, target, target + 3);
+    gscl_image decoded = decode_file(&f, NULL);
+    assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
+    if (sample != GSCL_SAMPLE_F32) /* which is decoded to 16 bits here */
+        assert_true(fabs(comparison.ssimulacra2 - report.ssimulacra2) < 1e-6);
+    assert_true(comparison.ssimulacra2 > target - 0.1);
+    gscl_free(decoded.pixels);
+    gscl_free(f.bytes);
+    synthetic_image_free(&image);
+}
+
+static void test_ssimulacra2(void **state) {
+    (void)state;
+    for (uint32_t channels = 1; channels <= 4; channels++)
+        check_ssimulacra2(channels, GSCL_SAMPLE_U8, 20);
+    check_ssimulacra2(3, GSCL_SAMPLE_U16, 30);
+    check_ssimulacra2(3, GSCL_SAMPLE_F32, -20);
+}
+
+static void test_refused_ssimulacra2(void **state) {
+    (void)state;
+    const double invalid[] = {NAN, INFINITY, -INFINITY, 100.5, GSCL_MIN_SSIMULACRA2 - 1};
+    gscl_image image = synthetic_image(SYNTHETIC_NOISE, 16, 16, 3, GSCL_SAMPLE_U8);
+    gscl_encode_settings settings = quick(GSCL_TARGET_SSIMULACRA2, 99.9);
+    refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
+    assert_non_null(strstr(gscl_context_message(context), "99.90 cannot be reached; the best found is "));
+    for (size_t i = 0; i < sizeof invalid / sizeof *invalid; i++) {
+        settings.target_value = invalid[i];
+        refuse_encode(&image, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    }
+    synthetic_image_free(&image);
+    image = synthetic_image(SYNTHETIC_FLAT, 7, 40, 3, GSCL_SAMPLE_U8);
+    settings.target_value = 10;
+    refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
+    assert_non_null(strstr(gscl_context_message(context), "7x40"));
+    synthetic_image_free(&image);
+}
+
+/* A flat image is equal to its background.  A score that is no target is not measured. */
+static void test_ssimulacra2_of_flat_images(void **state) {
+    (void)state;
+    const gscl_target targets[] = {GSCL_TARGET_SSIMULACRA2, GSCL_TARGET_PSNR, GSCL_TARGET_AUTO};
+    gscl_image image = synthetic_image(SYNTHETIC_FLAT, 30, 20, 3, GSCL_SAMPLE_U8);
+    for (int i = 0; i < 3; i++) {
+        const gscl_encode_settings settings = quick(targets[i], 100);
+        gscl_encode_report report = {.struct_size = sizeof report};
+        file f = {NULL, 0};
+        assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
+        assert_true(i == 0 ? report.ssimulacra2 == 100 : isnan(report.ssimulacra2));
+        gscl_free(f.bytes);
+    }
     synthetic_image_free(&image);
 }
 
@@ -923,6 +986,9 @@ int main(void) {
         cmocka_unit_test(test_budgets_are_used),
         cmocka_unit_test(test_bits_per_pixel),
         cmocka_unit_test(test_psnr),
+        cmocka_unit_test(test_ssimulacra2),
+        cmocka_unit_test(test_refused_ssimulacra2),
+        cmocka_unit_test(test_ssimulacra2_of_flat_images),
         cmocka_unit_test(test_default_target),
         cmocka_unit_test(test_background_of_textures),
         cmocka_unit_test(test_background_of_drawings),

@@ -246,6 +246,21 @@ static void test_samples_alone(void **state) {
     assert_true(isnan(samples.ssimulacra2));
 }
 
+static void test_appearance_alone(void **state) {
+    (void)state;
+    double score = 0;
+    for (uint32_t channels = 1; channels <= 4; channels++) {
+        draw_waves(60, 40, channels);
+        const gscl_image a = image_of(60, 40, channels, pixels_a), b = image_of(60, 40, channels, pixels_b);
+        assert_int_equal(gscl_compare_appearance(&a, &b, &score), GSCL_OK);
+        assert_true(score == compare(60, 40, channels).ssimulacra2);
+    }
+    const gscl_image a = image_of(20, 7, 3, pixels_a), b = image_of(20, 8, 3, pixels_a);
+    assert_int_equal(gscl_compare_appearance(&a, &b, &score), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_compare_appearance(&a, &a, &score), GSCL_OK);
+    assert_true(isnan(score));
+}
+
 static void test_wrong_arguments(void **state) {
     (void)state;
     const gscl_image a = image_of(20, 20, 3, pixels_a);
@@ -270,12 +285,19 @@ static void test_wrong_arguments(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_equal_images),         cmocka_unit_test(test_flat_images),
-        cmocka_unit_test(test_negative_image),       cmocka_unit_test(test_reference_values),
-        cmocka_unit_test(test_small_images),         cmocka_unit_test(test_alpha_counts_premultiplied),
-        cmocka_unit_test(test_samples_alone),        cmocka_unit_test(test_sample_types_and_strides),
-        cmocka_unit_test(test_wrong_arguments),      cmocka_unit_test(test_ssimulacra2_reference_values),
-        cmocka_unit_test(test_ssimulacra2_of_alpha), cmocka_unit_test(test_ssimulacra2_sum),
+        cmocka_unit_test(test_equal_images),
+        cmocka_unit_test(test_flat_images),
+        cmocka_unit_test(test_negative_image),
+        cmocka_unit_test(test_reference_values),
+        cmocka_unit_test(test_small_images),
+        cmocka_unit_test(test_alpha_counts_premultiplied),
+        cmocka_unit_test(test_samples_alone),
+        cmocka_unit_test(test_sample_types_and_strides),
+        cmocka_unit_test(test_appearance_alone),
+        cmocka_unit_test(test_wrong_arguments),
+        cmocka_unit_test(test_ssimulacra2_reference_values),
+        cmocka_unit_test(test_ssimulacra2_of_alpha),
+        cmocka_unit_test(test_ssimulacra2_sum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

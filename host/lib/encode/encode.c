@@ -1,5 +1,6 @@
-/* gscl_encode: the stages of an encode from top to bottom, and the loop around them where the target is a PSNR. */
+/* gscl_encode: the stages of an encode from top to bottom, and the loop around them where the target is a quality. */
 #include <gscl/gscl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +8,7 @@
 #include "codebook/encode_codebook.h"
 #include "encode/effect_search.h"
 #include "encode/prepare.h"
-#include "encode/psnr_search.h"
+#include "encode/quality_search.h"
 #include "encode/settings.h"
 #include "encode/tunables.h"
 #include "runtime/launch.h"
@@ -37,41 +38,69 @@ static gscl_result prefer_background(gscl_encoder *e, const gscl_image *image) {
     double with, without;
     if (count == 0 || count > (uint32_t)gscl_encode_tunables.few_splats)
         return GSCL_OK;
-    GSCL_TRY(gscl_encoder_psnr(e, image, &with));
+    GSCL_TRY(gscl_encoder_quality(e, image, GSCL_TARGET_PSNR, &with));
     header->splat_count = 0; /* the background is the mean colour */
-    GSCL_TRY(gscl_encoder_psnr(e, image, &without));
+    GSCL_TRY(gscl_encoder_quality(e, image, GSCL_TARGET_PSNR, &without));
     if (with >= without)
         header->splat_count = count;
     return GSCL_OK;
 }
 
-/* One trial of the search for a PSNR.  `best`: the smallest file that reaches it. */
-static gscl_result try_size(gscl_encoder *e, const gscl_image *image, gscl_psnr_search *search, encoded_file *best) {
-    const double max_trials = gscl_encode_tunables.max_trials, bytes = search->bytes;
-    double psnr;
-    e->trials++;
-    gscl_progress_stage(&e->progress, search->trials / max_trials, (search->trials + 1) / max_trials);
-    GSCL_TRY(encode_once(e, (gscl_size_target){.bytes = (size_t)bytes}));
-    GSCL_TRY(gscl_encoder_psnr(e, image, &psnr));
-    gscl_log(e->context, GSCL_LOG_INFO, "trial %d: %.0f bytes, %.3f dB", search->trials + 1, bytes, psnr);
-    if (!gscl_psnr_search_add(search, psnr))
+/* Encodes at the size that the search wants: a probe at effort 0. */
+static gscl_result encode_at(gscl_encoder *e, const gscl_quality_search *search) {
+    const int effort = e->settings.effort;
+    const double probes_share = gscl_encode_tunables.probes_share, max_trials = gscl_encode_tunables.max_trials;
+    const double unit =
+        search->is_probe ? probes_share / search->tunables->max_probes : (1 - probes_share) / max_trials;
+    const double from = search->is_probe ? unit * search->probes : probes_share + unit * search->trials;
+    gscl_progress_stage(&e->progress, from, from + unit);
+    e->settings.effort = search->is_probe ? 0 : effort;
+    e->trials += !search->is_probe;
+    const gscl_result result = encode_once(e, (gscl_size_target){.bytes = (size_t)search->bytes});
+    e->settings.effort = effort;
+    return result;
+}
+
+/* One file of the search.  `best`: the smallest one that reaches the target. */
+static gscl_result try_size(gscl_encoder *e, const gscl_image *image, gscl_quality_search *search, encoded_file *best) {
+    const double bytes = search->bytes;
+    const bool is_probe = search->is_probe;
+    double quality;
+    GSCL_TRY(encode_at(e, search));
+    GSCL_TRY(gscl_encoder_quality(e, image, e->settings.target, &quality));
+    const bool reached = gscl_quality_search_add(search, quality);
+    gscl_log(e->context, GSCL_LOG_INFO, "%s %d: %.0f bytes, quality %.3f", is_probe ? "probe" : "trial",
+             is_probe ? search->probes : search->trials, bytes, quality);
+    if (!reached)
         return GSCL_OK;
     free(best->bytes);
     *best = (encoded_file){0};
+    e->quality = quality;
     return gscl_coded_image_write(&e->coded, &best->bytes, &best->size);
 }
 
-/* Encodes at different sizes: encoder->coded is the smallest that reaches the PSNR of the settings. */
-static gscl_result encode_to_psnr(gscl_encoder *e, const gscl_image *image) {
-    const double target = e->settings.target_value;
-    gscl_psnr_search search = gscl_psnr_search_begin(target, (double)image->width * image->height);
+static gscl_result fail_target(gscl_encoder *e, double best_quality) {
+    return gscl_fail(e->context, GSCL_ERROR_TARGET_UNREACHABLE,
+                     e->settings.target == GSCL_TARGET_PSNR
+                         ? "%.2f dB cannot be reached; the best found is %.2f dB"
+                         : "a SSIMULACRA 2 of %.2f cannot be reached; the best found is %.2f",
+                     e->settings.target_value, best_quality);
+}
+
+/* Encodes at different sizes: encoder->coded is the smallest that reaches the quality of the settings. */
+static gscl_result encode_to_quality(gscl_encoder *e, const gscl_image *image) {
+    const gscl_encode_settings *s = &e->settings;
+    const gscl_quality_tunables *measure =
+        s->target == GSCL_TARGET_PSNR ? &gscl_encode_tunables.psnr : &gscl_encode_tunables.ssimulacra2;
+    gscl_quality_search search =
+        gscl_quality_search_begin(measure, s->target_value, (double)image->width * image->height,
+                                  s->effort >= gscl_encode_tunables.min_probing_effort);
     encoded_file best = {0};
     gscl_result result = GSCL_OK;
     while (result == GSCL_OK && !search.done)
         result = try_size(e, image, &search, &best);
     if (result == GSCL_OK && !best.bytes)
-        result = gscl_fail(e->context, GSCL_ERROR_TARGET_UNREACHABLE,
-                           "%.2f dB cannot be reached; the best found is %.2f dB", target, search.low_db);
+        result = fail_target(e, search.best_quality);
     if (result == GSCL_OK) {
         gscl_coded_image_free(&e->coded);
         result = gscl_coded_image_read(&e->coded, best.bytes, best.size, true);
@@ -80,12 +109,20 @@ static gscl_result encode_to_psnr(gscl_encoder *e, const gscl_image *image) {
     return result;
 }
 
+/* The background alone, which is all there is to encode: a target that is a quality is reached or not. */
+static gscl_result keep_background(gscl_encoder *e, const gscl_image *image) {
+    if (!gscl_target_is_quality(e->settings.target))
+        return GSCL_OK;
+    GSCL_TRY(gscl_encoder_quality(e, image, e->settings.target, &e->quality));
+    return e->quality >= e->settings.target_value ? GSCL_OK : fail_target(e, e->quality);
+}
+
 /* Encodes for the target of the settings: encoder->coded. */
 static gscl_result encode_to_target(gscl_encoder *e, const gscl_image *image) {
     if (gscl_encode_is_background_only(e))
-        return GSCL_OK; /* as it was prepared */
-    if (e->settings.target == GSCL_TARGET_PSNR)
-        return encode_to_psnr(e, image);
+        return keep_background(e, image); /* as it was prepared */
+    if (gscl_target_is_quality(e->settings.target))
+        return encode_to_quality(e, image);
     GSCL_TRY(encode_once(e, e->target));
     return e->settings.target == GSCL_TARGET_SPLATS ? GSCL_OK : prefer_background(e, image);
 }
@@ -120,7 +157,8 @@ static gscl_result complete_report(gscl_encoder *e, const gscl_image *image, con
     r->effect_count = e->effects.decision_count;
     memcpy(r->effects, e->effects.decisions, sizeof r->effects);
     gscl_encode_trace_end(trace, e->context); /* measuring is no part of the encode */
-    return gscl_file_psnr(e->context, file->bytes, file->size, e->settings.bare, image, &r->psnr);
+    r->ssimulacra2 = e->settings.target == GSCL_TARGET_SSIMULACRA2 ? e->quality : NAN;
+    return gscl_file_quality(e->context, file->bytes, file->size, e->settings.bare, image, GSCL_TARGET_PSNR, &r->psnr);
 }
 
 /* The encode from top to bottom.  Each stage leaves its result in the state (session/encoder.h). */
@@ -166,7 +204,7 @@ static void encoder_end(gscl_encoder *e) {
 static gscl_result encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
                           uint8_t **bytes, size_t *size, gscl_encode_report *report) {
     GSCL_TRY(gscl_require_encoder(context, "encoding"));
-    gscl_encoder e = {.context = context};
+    gscl_encoder e = {.context = context, .quality = NAN};
     gscl_encode_settings_default(&e.settings);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_encode_settings, trace, settings, &e.settings));
     if (report)

@@ -5,6 +5,7 @@
 #include "decode/blend.h"
 #include "decode/quantise.h"
 #include "encode/tunables.h"
+#include "image/ssimulacra2.h"
 #include "runtime/launch.h"
 #include "session/effects.h"
 
@@ -86,15 +87,28 @@ static gscl_result set_budget(gscl_encoder *e, double budget) {
     return GSCL_OK;
 }
 
+/* Smaller images have no SSIMULACRA 2. */
+static gscl_result check_measurable(const gscl_encoder *e) {
+    const uint32_t width = e->header.width, height = e->header.height;
+    if (width >= GSCL_SSIMULACRA2_MIN_SIDE && height >= GSCL_SSIMULACRA2_MIN_SIDE)
+        return GSCL_OK;
+    return gscl_fail(e->context, GSCL_ERROR_TARGET_UNREACHABLE,
+                     "SSIMULACRA 2 cannot be measured of %ux%u pixels, only from %dx%d on; choose another target",
+                     width, height, GSCL_SSIMULACRA2_MIN_SIDE, GSCL_SSIMULACRA2_MIN_SIDE);
+}
+
 gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
     const double pixels = (double)e->header.width * e->header.height, value = e->settings.target_value;
     double budget = 0;
     size_t blocks;
+    if (e->settings.target == GSCL_TARGET_SSIMULACRA2)
+        GSCL_TRY(check_measurable(e));
     switch (e->settings.target) {
     case GSCL_TARGET_SPLATS:
         e->target.splats = (size_t)value;
         return GSCL_OK;
+    case GSCL_TARGET_SSIMULACRA2:
     case GSCL_TARGET_PSNR:
         e->target.bytes = (size_t)(t->auto_bpp / 8 * e->header.width * e->header.height);
         return GSCL_OK;
@@ -117,8 +131,8 @@ static bool is_visual(const gscl_encoder *e) {
     const gscl_encode_settings *s = &e->settings;
     const bool has_weights = s->profile == GSCL_PROFILE_DEFAULT && s->loss == GSCL_LOSS_L2;
     const bool is_large = (uint64_t)e->header.width * e->header.height > GSCL_MAX_VISUAL_PIXELS;
-    const bool is_tiny =
-        s->target != GSCL_TARGET_SPLATS && e->target.bytes < (size_t)gscl_encode_tunables.min_visual_bytes;
+    const bool has_bytes = s->target != GSCL_TARGET_SPLATS && !gscl_target_is_quality(s->target);
+    const bool is_tiny = has_bytes && e->target.bytes < (size_t)gscl_encode_tunables.min_visual_bytes;
     return has_weights && !is_large && !is_tiny && !e->header.has_alpha && s->target != GSCL_TARGET_PSNR;
 }
 

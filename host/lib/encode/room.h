@@ -1,4 +1,4 @@
-/* gscl_encode: the list of stages, and the loop around it where the target is a PSNR.
+/* gscl_encode: the list of stages, and the loop around it where the target is a quality.
  *
  * It may use: all rooms below.
  *
@@ -9,7 +9,7 @@
  *   prepare.h: source planes, header, size of the file
  *   effect_search.h: which effects the file has
  *   coherence.h: coherence of the directions of edges
- *   psnr_search.h: which sizes to try for a PSNR
+ *   quality_search.h: which sizes to try for a quality
  *   tunables.h: numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_ENCODE_H
 #define GSCL_ROOM_LIB_ENCODE_H

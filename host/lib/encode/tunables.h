@@ -2,6 +2,28 @@
 #ifndef GSCL_LIB_ENCODE_TUNABLES_H
 #define GSCL_LIB_ENCODE_TUNABLES_H
 
+/* The search for a quality, for one measure (quality_search.h).  Its scale is what grows by about the same for each doubling
+ * of the bytes: quality itself or, where `perfect` is given, -log2(perfect - quality).  Figures are those of photographs and
+ * drawings of the corpus (tests/bench/corpus.txt, train), 0.02 to 0.54 bits per pixel at effort 5.  A wrong slope, gain or
+ * offset costs trials, never quality. */
+typedef struct gscl_quality_tunables {
+    double perfect;      /* quality of equal images; 0: the measure is its own scale, as dB */
+    double tolerance;    /* quality above the target that is accepted.  1 point is about 3 % of the bytes, and files of
+                             small images whose sizes differ by 2 % differ by as much; half of it takes further trials */
+    double aim;          /* quality above the target at which sizes aim; at 0 half of all last trials would miss it */
+    double per_doubling; /* of the scale, when the bytes double: a first guess.  SSIMULACRA 2: 0.18 to 0.6, median 0.44;
+                             PSNR: 1.6 to 5 dB */
+    double slope_range;  /* slopes that are measured are limited to a factor of it either way */
+    double slope_octaves; /* octaves; least ratio of two sizes from which a slope is taken: noise is 1 to 3 points */
+    double first_quality; /* of a file of first_bpp at effort 0, in the mean */
+    int max_probes;       /* a third one is rare */
+    double probe_octaves; /* octaves; a probe whose size is that near to the one sought is the last one */
+    double probe_gain;    /* a complete encode has probe_gain * p + probe_offset on the scale where effort 0 has p.
+                             SSIMULACRA 2: root mean square of the error 0.14, a third of an octave of size */
+    double probe_offset;  /* on the scale */
+    double probe_slope;   /* the slope of complete encodes, in slopes of effort 0: 1 to 1.8 */
+} gscl_quality_tunables;
+
 struct gscl_encode_tunables {
     double auto_bpp;      /* bits per pixel of GSCL_TARGET_AUTO */
     double auto_bytes;    /* bytes; smallest budget of GSCL_TARGET_AUTO */
@@ -19,14 +41,19 @@ struct gscl_encode_tunables {
     double max_probe_colour;    /* 0..1; root mean square of the colours' differences from grey, up to which the image
                                    may be coded as grey */
 
-    /* The search for a PSNR. */
-    int max_trials;         /* encodes */
-    double tolerance_db;    /* dB above the target that are accepted */
-    double db_per_doubling; /* dB; first guess of how PSNR grows when the bytes double */
-    double first_bpp;       /* bits per pixel of the first trial */
-    double min_bytes;       /* bytes; smallest first trial */
+    /* The search for a quality. */
+    gscl_quality_tunables psnr;        /* dB */
+    gscl_quality_tunables ssimulacra2; /* points */
+    int min_probing_effort; /* lower efforts have no probes: complete encodes take only two or three times as long */
+    int max_trials;         /* encodes, without probes; most searches take 3 or 4 */
+    double probes_share;    /* 0..1; of the time of a search, that probes are expected to take, for its progress */
+    double first_bpp;       /* bits per pixel of a first file of the mean quality */
+    double min_bytes;       /* bytes; smallest first file */
     double max_bpp;         /* bits per pixel of the largest file that is tried */
     double max_bytes;       /* bytes; where max_bpp is less, the largest file that is tried */
+    double narrow_share; /* 0..1; of the bytes: sizes that differ by less are not told apart.  With 0.01 a photograph of
+                               387x258 took 5 trials instead of 3 and saved 3 % */
+    double narrow_bytes; /* the same in bytes */
 };
 
 extern const struct gscl_encode_tunables gscl_encode_tunables;

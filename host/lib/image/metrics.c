@@ -226,10 +226,10 @@ static gscl_result measure_structure(image_pair *pair, gscl_comparison *comparis
 }
 
 /* Before the structural measures, which overwrite the planes. */
-static gscl_result measure_appearance(const image_pair *pair, gscl_comparison *comparison) {
+static gscl_result measure_appearance(const image_pair *pair, double *score) {
     double sum;
     GSCL_TRY(gscl_ssimulacra2_sum(pair->a, pair->b, pair->width, pair->height, pair->channels, &sum));
-    comparison->ssimulacra2 = gscl_ssimulacra2_score(sum);
+    *score = gscl_ssimulacra2_score(sum);
     return GSCL_OK;
 }
 
@@ -243,6 +243,16 @@ gscl_result gscl_compare_samples(const gscl_image *a, const gscl_image *b, gscl_
     return GSCL_OK;
 }
 
+gscl_result gscl_compare_appearance(const gscl_image *a, const gscl_image *b, double *score) {
+    image_pair pair;
+    if (!are_comparable(a, b))
+        return GSCL_ERROR_INVALID_ARGUMENT;
+    GSCL_TRY(open_pair(a, b, &pair));
+    const gscl_result result = measure_appearance(&pair, score);
+    close_pair(&pair);
+    return result;
+}
+
 gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparison *comparison) {
     image_pair pair;
     gscl_comparison measured;
@@ -251,7 +261,7 @@ gscl_result gscl_compare(const gscl_image *a, const gscl_image *b, gscl_comparis
     GSCL_TRY(GSCL_STRUCT_CHECK(NULL, gscl_comparison, max_difference, comparison));
     GSCL_TRY(gscl_compare_samples(a, b, &measured));
     GSCL_TRY(open_pair(a, b, &pair));
-    gscl_result result = measure_appearance(&pair, &measured);
+    gscl_result result = measure_appearance(&pair, &measured.ssimulacra2);
     if (result == GSCL_OK)
         result = measure_structure(&pair, &measured);
     close_pair(&pair);

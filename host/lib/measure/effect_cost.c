@@ -84,7 +84,8 @@ static gscl_result measure_effect(gscl_context *context, const gscl_coded_image 
         return GSCL_OK;
     GSCL_TRY(write_without(coded, use->effect, &bytes, &smaller));
     use->bits = 8.0 * ((double)size - (double)smaller);
-    gscl_result result = image ? gscl_file_psnr(context, bytes, smaller, true, image, &without) : GSCL_OK;
+    gscl_result result =
+        image ? gscl_file_quality(context, bytes, smaller, true, image, GSCL_TARGET_PSNR, &without) : GSCL_OK;
     if (image && result == GSCL_OK)
         use->gain_db = psnr - without;
     free(bytes);
@@ -116,7 +117,7 @@ gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, si
     if (result == GSCL_OK)
         result = picture_size(&coded, &picture);
     if (result == GSCL_OK && image)
-        result = gscl_file_psnr(context, bytes, size, bare, image, &psnr);
+        result = gscl_file_quality(context, bytes, size, bare, image, GSCL_TARGET_PSNR, &psnr);
     size_t used = 0;
     for (unsigned bit = 0; bit < GSCL_EFFECT_COUNT && result == GSCL_OK; bit++)
         if (info.effects >> bit & 1) {

@@ -32,7 +32,7 @@ void gscl_source_free(gscl_source *s) {
 }
 
 void gscl_encoder_release_source(gscl_encoder *e) {
-    if (e->settings.target != GSCL_TARGET_PSNR)
+    if (!gscl_target_is_quality(e->settings.target))
         gscl_source_free(&e->source);
 }
 
@@ -41,28 +41,35 @@ void gscl_encoder_restart(gscl_encoder *e) {
     e->coded.file.header = e->header;
 }
 
-gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, bool bare, const gscl_image *image,
-                           double *psnr) {
+static gscl_result measure_quality(const gscl_image *image, const gscl_image *decoded, gscl_target measure,
+                                   double *quality) {
+    gscl_comparison comparison;
+    if (measure == GSCL_TARGET_SSIMULACRA2)
+        return gscl_compare_appearance(image, decoded, quality);
+    GSCL_TRY(gscl_compare_samples(image, decoded, &comparison));
+    *quality = comparison.psnr;
+    return GSCL_OK;
+}
+
+gscl_result gscl_file_quality(gscl_context *context, const uint8_t *bytes, size_t size, bool bare,
+                              const gscl_image *image, gscl_target measure, double *quality) {
     gscl_image decoded = {0};
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = image->sample;
     settings.premultiplied = image->premultiplied;
     settings.bare = bare;
-    gscl_comparison comparison;
     GSCL_TRY(gscl_decode_within(context, bytes, size, &settings, &decoded));
-    gscl_result result = gscl_compare_samples(image, &decoded, &comparison);
-    if (result == GSCL_OK)
-        *psnr = comparison.psnr;
+    const gscl_result result = measure_quality(image, &decoded, measure, quality);
     gscl_free(decoded.pixels);
-    return result;
+    return result == GSCL_ERROR_OUT_OF_MEMORY ? gscl_fail_memory(context) : result;
 }
 
-gscl_result gscl_encoder_psnr(gscl_encoder *e, const gscl_image *image, double *psnr) {
+gscl_result gscl_encoder_quality(gscl_encoder *e, const gscl_image *image, gscl_target measure, double *quality) {
     uint8_t *bytes;
     size_t size;
     GSCL_TRY(gscl_coded_image_write(&e->coded, &bytes, &size));
-    gscl_result result = gscl_file_psnr(e->context, bytes, size, true, image, psnr);
+    gscl_result result = gscl_file_quality(e->context, bytes, size, true, image, measure, quality);
     free(bytes);
     return result;
 }

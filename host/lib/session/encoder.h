@@ -45,7 +45,7 @@ typedef struct gscl_encoder {
     gscl_source source; /* without planes where the image is flat */
     size_t max_splats;  /* beyond these, more bytes are of no use to this image */
 
-    /* Stage "resolve target": of the first fit; where the target is a PSNR, a guess. */
+    /* Stage "resolve target": of the first fit; where the target is a quality, a guess. */
     gscl_size_target target;
 
     /* Stage "decide effects". */
@@ -55,7 +55,8 @@ typedef struct gscl_encoder {
     /* Stages "fit" to "meet the budget". */
     uint64_t random;        /* state of the random generator */
     gscl_coded_image coded; /* the result */
-    uint32_t trials;        /* fits of the search for a PSNR; 0 without one */
+    uint32_t trials;        /* fits of the search for a quality, without its probes; 0 without one */
+    double quality;         /* of `coded`, where the target is a quality; NAN: not measured */
 } gscl_encoder;
 
 /* Makes planes of the channels that the header has, and looks for a flat background.  `source` may hold anything
@@ -72,10 +73,15 @@ void gscl_encoder_release_source(gscl_encoder *encoder);
 void gscl_encoder_restart(gscl_encoder *encoder);
 /* Size of a coded image as a file. */
 gscl_result gscl_file_size(gscl_context *context, gscl_coded_image *coded, size_t *size);
-/* PSNR of encoder->coded as its decoder draws it, against the image. */
-gscl_result gscl_encoder_psnr(gscl_encoder *encoder, const gscl_image *image, double *psnr);
-/* PSNR of a file as it is decoded, against an image of the decode's kind. */
-gscl_result gscl_file_psnr(gscl_context *context, const uint8_t *bytes, size_t size, bool bare, const gscl_image *image,
-                           double *psnr);
+/* Whether this target is a quality, which takes encodes of several sizes to meet. */
+static inline bool gscl_target_is_quality(gscl_target target) {
+    return target == GSCL_TARGET_PSNR || target == GSCL_TARGET_SSIMULACRA2;
+}
+
+/* Quality of encoder->coded as its decoder draws it, against the image; `measure`: a target that is a quality. */
+gscl_result gscl_encoder_quality(gscl_encoder *encoder, const gscl_image *image, gscl_target measure, double *quality);
+/* The same of a file, against an image of the decode's kind. */
+gscl_result gscl_file_quality(gscl_context *context, const uint8_t *bytes, size_t size, bool bare,
+                              const gscl_image *image, gscl_target measure, double *quality);
 
 #endif

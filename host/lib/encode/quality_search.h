@@ -1,0 +1,40 @@
+/* The search for the smallest file that reaches a quality: which sizes to try.  It encodes nothing itself.
+ *
+ * It begins with probes, encodes at effort 0, which take a tenth of the time: they find the size at which effort 0 has the
+ * quality from which a complete encode has the target in the mean, and the slope of quality there.  The trials, complete
+ * encodes, begin at that size. */
+#ifndef GSCL_LIB_QUALITY_SEARCH_H
+#define GSCL_LIB_QUALITY_SEARCH_H
+
+#include <stdbool.h>
+
+#include "encode/tunables.h"
+
+/* A file of one of the sizes that were tried. */
+typedef struct gscl_quality_point {
+    double bytes; /* 0: there is none */
+    double quality;
+} gscl_quality_point;
+
+typedef struct gscl_quality_search {
+    const gscl_quality_tunables *tunables;
+    double target;                /* in the unit of the measure */
+    double max_bytes;             /* of the largest file that is tried */
+    double bytes;                 /* to be tried next */
+    bool is_probe;                /* the next file is a probe */
+    int probes, trials;           /* so far */
+    bool done;                    /* no further trial is of use */
+    double slope;                 /* of the measure's scale when the bytes double, as far as it is known */
+    gscl_quality_point probe;     /* the last one */
+    gscl_quality_point low, high; /* the largest size known to be too poor, and the smallest known to be good enough */
+    double best_quality;          /* of all trials */
+} gscl_quality_search;
+
+/* `pixels`: of the image.  `has_probes`: without them the first trial has the size that an image needs in the mean. */
+gscl_quality_search gscl_quality_search_begin(const gscl_quality_tunables *tunables, double target, double pixels,
+                                              bool has_probes);
+/* Takes the quality of a file of search->bytes.  Returns whether it is a trial that reaches the target: then it is the best so
+ * far. */
+bool gscl_quality_search_add(gscl_quality_search *search, double quality);
+
+#endif
