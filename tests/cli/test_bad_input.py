@@ -254,6 +254,13 @@ class Budgets(ToolTest):
     def test_unreachable_quality(self):
         self.write_png("in.png", scene(30, 20))
         self.refused("in.png", "dB", "encode", "in.png", "--psnr", "100", *FAST)
+        self.refused("in.png", r"a SSIMULACRA 2 of 99\.90 cannot be reached; the best found is [\d.]+$", "encode", "in.png",
+                     "--ssimulacra2", "99.9", *FAST)
+
+    def test_too_small_for_the_measure(self):
+        self.write_png("in.png", scene(40, 7))
+        self.refused("in.png", "cannot be measured of 40x7 pixels, only from 8x8 on", "encode", "in.png", "--ssimulacra2",
+                     "30", *FAST)
 
 
 class OpenCL(ToolTest):
@@ -322,7 +329,8 @@ class Usage(ToolTest):
                 ("bytes", "12x", "a whole number"), ("bytes", " 12", "a whole number"), ("bytes", "", "a whole number"),
                 ("bytes", "99999999999999999999", "a whole number"), ("effort", "10", "from 0 to 9"),
                 ("bpp", "0", "from 0.0001 to 64"), ("bpp", "nan", "a number"), ("bpp", "inf", "a number"), ("bpp", "-nan", "a number"), ("bpp", "65", "from 0.0001 to 64"),
-                ("psnr", "0.5", "from 1 to 100"), ("splats", "1048577", "from 1 to 1048576"),
+                ("psnr", "0.5", "from 1 to 100"), ("ssimulacra2", "-100.1", "from -100 to 100"),
+                ("ssimulacra2", "101", "from -100 to 100"), ("ssimulacra2", "nan", "a number"), ("splats", "1048577", "from 1 to 1048576"),
                 ("seed", "18446744073709551616", "from 0 to 18446744073709551615"),
                 ("blend", "Alpha", "one of auto, normalized, alpha, sum"), ("profile", "", "one of default, paper"),
                 ("loss", "l3", r"one of auto, l1, l1\+ssim, l2"), ("tune", "vmaf", "one of auto, psnr, ssim, visual"),
@@ -341,11 +349,11 @@ class Usage(ToolTest):
                 self.wrong(f"--{option} cannot be '{value}'", "decode", "in.gscl", "-o", "out.png", f"--{option}", value)
 
     def test_contradictions(self):
-        targets = (("--bytes", "9"), ("--bpp", "1"), ("--psnr", "30"), ("--splats", "9"))
+        targets = (("--bytes", "9"), ("--bpp", "1"), ("--psnr", "30"), ("--ssimulacra2", "30"), ("--splats", "9"))
         for a in targets:
             for b in targets:
                 if a != b:
-                    self.wrong("--bytes, --bpp, --psnr and --splats exclude", "encode", "in.png", *a, *b)
+                    self.wrong("--bytes, --bpp, --psnr, --ssimulacra2 and --splats exclude", "encode", "in.png", *a, *b)
         self.wrong("-o and --out-dir exclude", "encode", "in.png", "-o", "a", "--out-dir", "b")
         self.wrong("-o names one file but there are 2 inputs", "encode", "a.png", "b.png", "-o", "a.gscl")
         self.wrong("--codebook .* --profile paper", "encode", "in.png", "--codebook", "16")

@@ -109,9 +109,16 @@ class Reports(BatchTest):
                 self.assertEqual((line["code"], line["message"], line["width"], line["height"]), (0, None, 24, 16))
                 self.assertEqual(line["bytes"], self.path(line["output"]).stat().st_size)
                 self.assertGreater(line["psnr"], 10)
+                self.assertIsNone(line["ssimulacra2"])
             else:
                 self.assertEqual((line["code"], line["bytes"], line["psnr"]), (101, None, None))
                 self.assertTrue(line["message"])
+
+    def test_lines_have_the_score_that_is_the_target(self):
+        self.write_list("x/0.png")
+        self.run_batch("--files-from", "list", "--jsonl", "report", "--ssimulacra2", "5")
+        [line] = self.report()
+        self.assertGreaterEqual(line["ssimulacra2"], 5)
 
     def test_summary(self):
         self.write_list("x/0.png", "x/bad.png")

@@ -56,6 +56,46 @@ class Targets(ToolTest):
                 self.assertGreaterEqual(reached, target - 0.005)
                 self.assertLessEqual(reached, target + 0.3)
 
+    def test_ssimulacra2_is_met(self):
+        """Within the tolerance, or what a hundredth of the file brings, which is more in pictures of this size."""
+        for image, target in ((textured(128, 96), "30"), (scene(96, 64, 4), "-10.5"), (scene(96, 64, 1), "50")):
+            with self.subTest(target=target):
+                self.write_png("in.png", image)
+                report = self.gscl_json("encode", "in.png", "--ssimulacra2", target, *FAST)
+                self.assertGreaterEqual(report["ssimulacra2"], float(target))
+                self.assertLessEqual(report["ssimulacra2"], float(target) + 6)
+                self.gscl("decode", "in.gscl", "-o", "out.png")
+                compared = self.gscl_json("compare", "in.png", "out.png")
+                self.assertAlmostEqual(compared["ssimulacra2"], report["ssimulacra2"], delta=0.01)
+                self.assertAlmostEqual(compared["psnr"], report["psnr"], delta=0.01)
+
+    def messages(self, *arguments):
+        """What an encode writes to standard error."""
+        done = self.start("encode", *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stderr.decode()
+
+    def test_a_higher_ssimulacra2_takes_more_bytes(self):
+        image = png_bytes(textured(128, 96))
+        sizes = [len(self.encode(image, "--ssimulacra2", target, *FAST)) for target in ("0", "30", "60")]
+        self.assertEqual(sizes, sorted(sizes))
+        self.assertLess(1.5 * sizes[0], sizes[2])
+
+    def test_probes_precede_complete_encodes(self):
+        self.write_png("in.png", textured(96, 64))
+        for effort, has_probes in (("2", False), ("3", True)):
+            for target in (("--psnr", "22"), ("--ssimulacra2", "20")):
+                with self.subTest(effort=effort, target=target):
+                    log = self.messages("in.png", *target, "--effort", effort, "-v")
+                    self.assertEqual("probe 1:" in log, has_probes)
+                    self.assertIn("trial 1:", log)
+
+    def test_score_is_printed(self):
+        self.write_png("in.png", scene(48, 32))
+        self.assertRegex(self.messages("in.png", "--ssimulacra2", "10", *FAST), r"dB, SSIMULACRA 2 \d+\.\d\d, ")
+        self.assertNotIn("SSIMULACRA", self.messages("in.png", "--psnr", "20", *FAST))
+        self.assertIsNone(self.gscl_json("encode", "in.png", "--psnr", "20", *FAST)["ssimulacra2"])
+
     def test_splats(self):
         self.encode(textured(64, 64), "--splats", "40")
         self.assertIn(self.gscl_json("info", "in.gscl")["splats"], range(36, 41))
@@ -241,6 +281,7 @@ class Settings(ToolTest):
         for image, arguments, tune in ((rgb, size, "visual"), (scene(48, 40, 1), size, "visual"), (opaque, size, "visual"),
                                        (rgb, ("--splats", "9"), "visual"), (rgb, ("--bytes", "500"), "psnr"),
                                        (rgba, size, "psnr"), (rgb, ("--psnr", "25"), "psnr"),
+                                       (rgb, ("--ssimulacra2", "0"), "visual"), (rgba, ("--ssimulacra2", "0"), "psnr"),
                                        (rgb, (*size, "--loss", "l1"), "psnr"), (rgb, (*size, "--profile", "paper"), "psnr"),
                                        (rgb, (*size, "--tune", "psnr"), "psnr"), (rgb, (*size, "--tune", "ssim"), "ssim"),
                                        (rgba, (*size, "--tune", "visual"), "visual")):

@@ -74,9 +74,11 @@ static void write_members(json_writer *json, const picture_line *line) {
     write_number(json, "splats", line->encode, line->encode ? line->encode->splats : 0);
     if (line->encode) {
         json_real(json, "psnr", line->encode->psnr);
+        json_real(json, "ssimulacra2", line->encode->ssimulacra2);
         json_real(json, "seconds", line->encode->seconds);
     } else {
         json_null(json, "psnr");
+        json_null(json, "ssimulacra2");
         json_null(json, "seconds");
     }
     write_text(json, "device", line->device);

@@ -16,12 +16,12 @@
 typedef struct encode_options {
     encode_batch batch;
     uint64_t bytes, splats, effort, codebook, seed;
-    double bpp, psnr;
+    double bpp, psnr, ssimulacra2;
     const char *effects;
     uint32_t effects_on, effects_off;
     int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
     int metadata;                   /* index into metadata_words */
-    bool has_bytes, has_bpp, has_psnr, has_splats, has_codebook;
+    bool has_bytes, has_bpp, has_psnr, has_ssimulacra2, has_splats, has_codebook;
 } encode_options;
 
 enum { METADATA_NONE, METADATA_EXIF, METADATA_ALL };
@@ -54,8 +54,9 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
     "102: the\n"                                                                                                       \
     "output cannot be written, 103: another input has this output, 104: the library that reads it has crashed, and "   \
     "later runs leave it out), message, bytes, width, height, splats, psnr, "                                          \
-    "seconds,\n"                                                                                                       \
-    "device.  Lines are in the order in which images end; the last line of an image counts, and its older ones are "   \
+    "ssimulacra2 (where it is the target),\n"                                                                          \
+    "seconds, device.  Lines are in the order in which images end; the last line of an image counts, and its older "   \
+    "ones are "                                                                                                        \
     "removed\n"                                                                                                        \
     "when a run ends."
 
@@ -140,7 +141,17 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "DB",
          .min_real = 1.0,
          .max_real = 100.0,
-         .help = "PSNR to reach in dB, exceeded by at most 0.3, or by what the last splat brings"},
+         .help = "PSNR to reach in dB, exceeded by at most 0.3, or by what 2.5 % of the bytes bring"},
+        {.name = "ssimulacra2",
+         .kind = OPTION_REAL,
+         .value = &encode->ssimulacra2,
+         .given = &encode->has_ssimulacra2,
+         .argument = "X",
+         .min_real = GSCL_MIN_SSIMULACRA2,
+         .max_real = 100.0,
+         .help =
+             "SSIMULACRA 2 to reach, what people see: 70 is good, 50 fair, 10 poor; exceeded by at most 1, or by what "
+             "2.5 % of the bytes bring; for images from 8x8 pixels on"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
@@ -180,7 +191,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .words = tune_words,
          .argument = "T",
          .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for what people see (default: auto: "
-                 "psnr for files below 600 bytes, with --psnr, and for images with transparent parts or above 16 "
+                 "psnr for files below 600 bytes without --ssimulacra2, with --psnr, and for images with transparent "
+                 "parts or above 16 "
                  "megapixels; else visual)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
@@ -247,9 +259,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     };
     const option_command command = {
         .name = "encode",
-        .usage =
-            "IN... [--files-from FILE] [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | --splats N] "
-            "[options]",
+        .usage = "IN... [--files-from FILE] [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | "
+                 "--ssimulacra2 X | --splats N] "
+                 "[options]",
         .about = "Encodes images as gscl files.  Reads PNG, JPEG, WebP, AVIF, HEIC, JPEG 2000, GIF, TIFF, OpenEXR, "
                  "HDR, BMP, ICO,\n"
                  "TGA, PNM, PSD, SGI and DDS, grey or RGB, with or without alpha.  IN may be -, standard input.  "
@@ -305,8 +317,9 @@ static int check_options(encode_options *encode) {
     const encode_batch *batch = &encode->batch;
     if (!effect_list_parse(encode->effects, &encode->effects_on, &encode->effects_off))
         return EXIT_USAGE;
-    if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_splats > 1)
-        return report_usage("encode", "--bytes, --bpp, --psnr and --splats exclude each other; give one of them");
+    if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_ssimulacra2 + encode->has_splats > 1)
+        return report_usage("encode", "--bytes, --bpp, --psnr, --ssimulacra2 and --splats exclude each other; give one "
+                                      "of them");
     if (encode->has_codebook && encode->profile != GSCL_PROFILE_PAPER)
         return report_usage("encode", "--codebook applies to the paper profile only; add --profile paper");
     if (batch->output && batch->out_dir)
@@ -351,6 +364,9 @@ static void fill_settings(encode_options *encode) {
     } else if (encode->has_psnr) {
         settings->target = GSCL_TARGET_PSNR;
         settings->target_value = encode->psnr;
+    } else if (encode->has_ssimulacra2) {
+        settings->target = GSCL_TARGET_SSIMULACRA2;
+        settings->target_value = encode->ssimulacra2;
     } else if (encode->has_splats) {
         settings->target = GSCL_TARGET_SPLATS;
         settings->target_value = (double)encode->splats;

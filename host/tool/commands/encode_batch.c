@@ -1,5 +1,6 @@
 #include "commands/encode_batch.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -44,9 +45,12 @@ static void print_report(batch_state *state, const encode_job *job) {
     const double bpp = bits_per_pixel(report->bytes, image->width, image->height);
     json_writer *json = &state->json;
     if (!state->batch->json) {
+        char score[40] = "";
+        if (!isnan(report->ssimulacra2))
+            snprintf(score, sizeof score, "SSIMULACRA 2 %.2f, ", report->ssimulacra2);
         if (!state->batch->quiet)
-            report_note("%s: %llu bytes, %.4f bpp, %u splats, %.2f dB, %.2f s%s%s", output,
-                        (unsigned long long)report->bytes, bpp, report->splats, report->psnr, report->seconds,
+            report_note("%s: %llu bytes, %.4f bpp, %u splats, %.2f dB, %s%.2f s%s%s", output,
+                        (unsigned long long)report->bytes, bpp, report->splats, report->psnr, score, report->seconds,
                         state->devices.is_all ? " on device " : "", state->devices.is_all ? device : "");
         return;
     }
@@ -61,6 +65,7 @@ static void print_report(batch_state *state, const encode_job *job) {
     json_real(json, "bpp", bpp);
     json_integer(json, "splats", report->splats);
     json_real(json, "psnr", report->psnr);
+    json_real(json, "ssimulacra2", report->ssimulacra2);
     json_real(json, "seconds", report->seconds);
     json_integer(json, "trials", report->trials);
     json_string(json, "blend", blend_words[report->blend]);
