@@ -1,5 +1,7 @@
 """gscl.encode: pictures, targets, settings, metadata, report."""
 
+import math
+
 import numpy
 import pytest
 from PIL import Image, ImageCms, PngImagePlugin
@@ -27,6 +29,13 @@ def test_psnr(picture):
     data, report = gscl.encode(picture, psnr=30, effort=0)
     assert report.psnr >= 30
     assert psnr(picture, gscl.decode(data)) == pytest.approx(report.psnr, abs=0.01)
+
+
+def test_ssimulacra2(picture):
+    data, report = gscl.encode(picture, ssimulacra2=20, effort=0)
+    assert 20 <= report.ssimulacra2 < 30 and report.tune == "visual"
+    assert gscl.compare(picture, gscl.decode(data)).ssimulacra2 == pytest.approx(report.ssimulacra2, abs=0.01)
+    assert math.isnan(gscl.encode(picture, psnr=25, effort=0).report.ssimulacra2)
 
 
 def test_splats(picture):

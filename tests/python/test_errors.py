@@ -55,6 +55,10 @@ def encode(picture, **options):
     [
         (gscl.BudgetTooSmallError, r"\d+ bytes", {"bytes": 3}),
         (gscl.TargetUnreachableError, "dB", {"psnr": 200}),
+        (gscl.TargetUnreachableError, "SSIMULACRA 2 of 99.90 cannot", {"ssimulacra2": 99.9}),
+        (gscl.InvalidArgumentError, "-100..100", {"ssimulacra2": -101}),
+        (gscl.InvalidArgumentError, "-100..100", {"ssimulacra2": float("nan")}),
+        (gscl.ConflictError, "psnr, ssimulacra2", {"psnr": 30, "ssimulacra2": 30}),
         (gscl.ConflictError, "more than one target: bytes, bpp", {"bytes": 100, "bpp": 1}),
         (gscl.ConflictError, ".", {"profile": "paper", "tune": "ssim"}),
         (gscl.InvalidArgumentError, "effort", {"effort": 10}),

@@ -55,6 +55,8 @@ class EncodeReport:
     splats: int
     psnr: float
     """dB of the decoded file against the picture."""
+    ssimulacra2: float
+    """SSIMULACRA 2 of the decoded file against the picture, where it is the target; else NaN."""
     seconds: float
     trials: int
     """Complete fits until the target was met."""
@@ -83,6 +85,7 @@ def encode(
     bytes: int | None = None,
     bpp: float | None = None,
     psnr: float | None = None,
+    ssimulacra2: float | None = None,
     splats: int | None = None,
     effort: int = 5,
     tune: Tune = "auto",
@@ -111,11 +114,13 @@ def encode(
     picture: a path to a file that Pillow reads, an image of Pillow, or an array of shape (height, width) or (height,
         width, channels): grey, grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.
         Files and images are turned upright and converted to sRGB by their profile.
-    bytes, bpp, psnr, splats: the target, at most one: bytes or bits per pixel of the whole file, never exceeded; dB,
-        exceeded by at most 0.3; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
+    bytes, bpp, psnr, ssimulacra2, splats: the target, at most one: bytes or bits per pixel of the whole file, never
+        exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, exceeded by at most 1, for pictures with
+        sides of at least 8 pixels; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
     effort: 0 (fastest) to 9 (best).
     tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).  "auto" is "psnr" for files below 600
-        bytes, where `psnr` is the target, and for pictures with transparent parts or above 16 megapixels, else "visual".
+        bytes unless `ssimulacra2` is the target, where `psnr` is the target, and for pictures with transparent parts or
+        above 16 megapixels, else "visual".
     profile, blend, loss, codebook_size, effects_on, effects_off, step_factor, seed: gscl_encode_settings in gscl/gscl.h
         explains them.
     premultiplied: whether colours of the picture are multiplied by alpha.
@@ -140,6 +145,7 @@ def encode(
         lib.GSCL_TARGET_BYTES: ("bytes", bytes),
         lib.GSCL_TARGET_BPP: ("bpp", bpp),
         lib.GSCL_TARGET_PSNR: ("psnr", psnr),
+        lib.GSCL_TARGET_SSIMULACRA2: ("ssimulacra2", ssimulacra2),
         lib.GSCL_TARGET_SPLATS: ("splats", splats),
     }
     _set_target(settings, targets)
@@ -225,6 +231,7 @@ def _report(report: Any) -> EncodeReport:
         bytes=report.bytes,
         splats=report.splats,
         psnr=report.psnr,
+        ssimulacra2=report.ssimulacra2,
         seconds=report.seconds,
         trials=report.trials,
         blend=word_of(BLENDS, report.blend),

@@ -149,7 +149,7 @@ class BudgetTooSmallError(Error, ValueError):
 
 
 class TargetUnreachableError(Error, ValueError):
-    """No file reaches this PSNR."""
+    """No file reaches this quality, or it cannot be measured."""
 
     code = 41
 

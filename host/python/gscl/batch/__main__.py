@@ -99,6 +99,7 @@ def _parser() -> argparse.ArgumentParser:
     target.add_argument("--bytes", metavar="N", type=int, help="the most bytes of each file")
     target.add_argument("--bpp", metavar="X", type=float, help="the most bits per pixel")
     target.add_argument("--psnr", metavar="DB", type=float, help="the least PSNR")
+    target.add_argument("--ssimulacra2", metavar="X", type=float, help="the least SSIMULACRA 2")
     target.add_argument("--splats", metavar="N", type=int, help="the most splats")
     settings.add_argument("--effort", metavar="0..9", type=int, help="default: 5")
     settings.add_argument("--tune", choices=["auto", "psnr", "ssim", "visual"])
@@ -110,7 +111,20 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-_SETTINGS = "bytes", "bpp", "psnr", "splats", "effort", "tune", "seed", "progressive", "icc_profile", "exif", "xmp"
+_SETTINGS = (
+    "bytes",
+    "bpp",
+    "psnr",
+    "ssimulacra2",
+    "splats",
+    "effort",
+    "tune",
+    "seed",
+    "progressive",
+    "icc_profile",
+    "exif",
+    "xmp",
+)
 
 
 class _Line:

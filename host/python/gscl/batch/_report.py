@@ -35,6 +35,7 @@ SCHEMA = pyarrow.schema(
         ("height", pyarrow.int32()),
         ("splats", pyarrow.int64()),
         ("psnr", pyarrow.float64()),
+        ("ssimulacra2", pyarrow.float64()),
         ("seconds", pyarrow.float64()),
         ("attempts", pyarrow.int32()),
         ("worker", pyarrow.string()),
@@ -64,6 +65,7 @@ class Row(TypedDict):
     height: int | None
     splats: int | None
     psnr: float | None
+    ssimulacra2: float | None
     seconds: float
     attempts: int
     worker: str
@@ -93,12 +95,16 @@ def _list(report: str) -> list[str]:
 
 
 def read_part(url: str, columns: Sequence[str] | None = None) -> Any:
-    """The table of one part, or None where there is no such part."""
+    """The table of one part, or None where there is no such part.  Columns that an older version did not write are null."""
     try:
         data = _storage.read(url)
     except FileNotFoundError:
         return None
-    return pyarrow.parquet.read_table(io.BytesIO(data), columns=None if columns is None else list(columns))
+    wanted = list(SCHEMA.names if columns is None else columns)
+    table = pyarrow.parquet.read_table(io.BytesIO(data), columns=wanted)
+    for name in set(wanted).difference(table.column_names).intersection(SCHEMA.names):
+        table = table.append_column(name, pyarrow.nulls(table.num_rows, SCHEMA.field(name).type))
+    return table.select([name for name in wanted if name in table.column_names])
 
 
 def _read_parts(report: str, columns: Sequence[str] | None) -> Iterator[Any]:

@@ -88,7 +88,7 @@ def run(
     out: the folder of the outputs, which keeps the tree of the pictures: NAME.gscl for NAME.png.
     report: the folder of the report, which read_report reads.  It has a row a picture: source, output; status: "ok",
         "exists" (the output was there, and whole) or "failed"; error; source_bytes, bytes; width, height, splats, psnr;
-        seconds, attempts, worker, device, and the time when it was finished.
+        ssimulacra2, where it is the target; seconds, attempts, worker, device, and the time when it was finished.
     client: of the cluster; None starts worker processes on this machine for the time of the call.
     workers, encoders: with no client, how many processes, and how many pictures each encodes at the same time; None
         for as many as the machine has cores, in all.  With a client, each worker has as many encoders as Dask gave it

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -137,6 +138,7 @@ def empty_row(source: str, output: str, worker: str) -> Row:
         height=None,
         splats=None,
         psnr=None,
+        ssimulacra2=None,
         seconds=0.0,
         attempts=0,
         worker=worker,
@@ -202,4 +204,5 @@ def _encode(row: Row, job: Job, source: str, output: str, device: str | None) ->
     found = info(data, bare=bool(job.settings.get("bare")), header_only=True)
     _stored(lambda: _storage.write_whole(output, data, _storage.temporary_folder(job.out, job.run)))
     row["status"], row["bytes"], row["splats"], row["psnr"] = OK, len(data), report.splats, report.psnr
+    row["ssimulacra2"] = None if math.isnan(report.ssimulacra2) else report.ssimulacra2
     row["width"], row["height"] = found.width, found.height
