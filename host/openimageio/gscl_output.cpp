@@ -177,11 +177,12 @@ bool GsclOutput::choose_number(const char *name, gscl_target target, double min,
     const OIIO::ParamValue *given = m_spec.find_attribute(name);
     if (!given)
         return true;
-    const double value = gscl_plugin::number_of(m_spec, name, -1);
+    const double value = gscl_plugin::number_of(m_spec, name, NAN);
     if (!(value >= min && value <= max))
         return fail("{} cannot be {}; it takes a number from {} to {}", name, given->get_string(), min, max);
     if (settings_.target != GSCL_TARGET_AUTO)
-        return fail("gscl:bytes, gscl:bpp, gscl:psnr and gscl:splats exclude each other; give one of them");
+        return fail(
+            "gscl:bytes, gscl:bpp, gscl:psnr, gscl:ssimulacra2 and gscl:splats exclude each other; give one of them");
     settings_.target = target;
     settings_.target_value = value;
     return true;
@@ -212,6 +213,7 @@ bool GsclOutput::choose_target() {
     return choose_number("gscl:bytes", GSCL_TARGET_BYTES, 1, UINT32_MAX) &&
            choose_number("gscl:bpp", GSCL_TARGET_BPP, 0.0001, 64) &&
            choose_number("gscl:psnr", GSCL_TARGET_PSNR, 1, 100) &&
+           choose_number("gscl:ssimulacra2", GSCL_TARGET_SSIMULACRA2, GSCL_MIN_SSIMULACRA2, 100) &&
            choose_number("gscl:splats", GSCL_TARGET_SPLATS, 0, GSCL_MAX_SPLATS) && choose_quality();
 }
 
