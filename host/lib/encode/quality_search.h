@@ -1,8 +1,7 @@
 /* The search for the smallest file that reaches a quality: which sizes to try.  It encodes nothing itself.
  *
- * It begins with probes, encodes at effort 0, which take a tenth of the time: they find the size at which effort 0 has the
- * quality from which a complete encode has the target in the mean, and the slope of quality there.  The trials, complete
- * encodes, begin at that size. */
+ * It begins with probes, encodes at effort 0, which take a tenth of the time.  From their qualities follow those of complete
+ * encodes of the same sizes, in the mean, and so a first size and the slope of quality for the trials, complete encodes. */
 #ifndef GSCL_LIB_QUALITY_SEARCH_H
 #define GSCL_LIB_QUALITY_SEARCH_H
 
@@ -12,12 +11,14 @@
 
 /* A file of one of the sizes that were tried. */
 typedef struct gscl_quality_point {
-    double bytes; /* 0: there is none */
-    double quality;
+    double bytes;   /* 0: there is none */
+    double quality; /* in the unit of the measure */
+    double scale;   /* the same on the scale of the measure; of a probe: as it predicts it of a complete encode */
 } gscl_quality_point;
 
 typedef struct gscl_quality_search {
     const gscl_quality_tunables *tunables;
+    double pixels;                /* of the image */
     double target;                /* in the unit of the measure */
     double max_bytes;             /* of the largest file that is tried */
     double bytes;                 /* to be tried next */

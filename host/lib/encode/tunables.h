@@ -15,13 +15,17 @@ typedef struct gscl_quality_tunables {
                              PSNR: 1.6 to 5 dB */
     double slope_range;  /* slopes that are measured are limited to a factor of it either way */
     double slope_octaves; /* octaves; least ratio of two sizes from which a slope is taken: noise is 1 to 3 points */
-    double first_quality; /* of a file of first_bpp at effort 0, in the mean */
+    double first_quality; /* of a file of first_bpp, in the mean */
     int max_probes;       /* a third one is rare */
     double probe_octaves; /* octaves; a probe whose size is that near to the one sought is the last one */
-    double probe_gain;    /* a complete encode has probe_gain * p + probe_offset on the scale where effort 0 has p.
-                             SSIMULACRA 2: root mean square of the error 0.14, a third of an octave of size */
-    double probe_offset;  /* on the scale */
-    double probe_slope;   /* the slope of complete encodes, in slopes of effort 0: 1 to 1.8 */
+    double probe_reach;   /* octaves; how far from one probe the next one, or the first trial, may be: at high qualities
+                             effort 0 hardly gains by more bytes */
+    double probe_gain; /* where effort 0 has p on the scale at b bits per pixel, a complete encode has probe_gain * p +
+                             probe_octave * log2(b) + probe_offset.  Root mean square of the error: SSIMULACRA 2 0.11, a
+                             quarter of an octave of size; PSNR 1.2 dB */
+    double probe_octave; /* on the scale, for each doubling of the bits per pixel */
+    double probe_offset; /* on the scale */
+    double patience;     /* share by which `tolerance` and narrow_share grow with each trial after the third one */
 } gscl_quality_tunables;
 
 struct gscl_encode_tunables {
