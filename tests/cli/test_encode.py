@@ -57,13 +57,13 @@ class Targets(ToolTest):
                 self.assertLessEqual(reached, target + 0.3)
 
     def test_ssimulacra2_is_met(self):
-        """Within the tolerance, or what a hundredth of the file brings, which is more in pictures of this size."""
-        for image, target in ((textured(128, 96), "30"), (scene(96, 64, 4), "-10.5"), (scene(96, 64, 1), "50")):
+        """By how much it is exceeded, tests of the search check: in pictures of this size one splat changes it by points."""
+        for image, target in ((textured(128, 96), "30"), (scene(96, 64, 4), "91.5"), (scene(96, 64, 1), "-10.5")):
             with self.subTest(target=target):
                 self.write_png("in.png", image)
                 report = self.gscl_json("encode", "in.png", "--ssimulacra2", target, *FAST)
                 self.assertGreaterEqual(report["ssimulacra2"], float(target))
-                self.assertLessEqual(report["ssimulacra2"], float(target) + 6)
+                self.assertLessEqual(report["trials"], 10)
                 self.gscl("decode", "in.gscl", "-o", "out.png")
                 compared = self.gscl_json("compare", "in.png", "out.png")
                 self.assertAlmostEqual(compared["ssimulacra2"], report["ssimulacra2"], delta=0.01)

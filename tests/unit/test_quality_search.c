@@ -137,6 +137,23 @@ static void test_ripples_end_the_search(void **state) {
     }
 }
 
+/* Between sizes of a few bytes no size is tried again, and a curve that is flatter than any slope does not hold the search
+ * up. */
+static void test_no_size_is_tried_twice(void **state) {
+    (void)state;
+    for (double needed = 5; needed < 3000; needed = floor(1.3 * needed) + 1) {
+        gscl_quality_search s = gscl_quality_search_begin(ssimulacra2, 20, PIXELS, false);
+        double before = 0;
+        while (!s.done) {
+            assert_true(s.bytes != before);
+            before = s.bytes;
+            gscl_quality_search_add(&s, s.bytes >= needed ? 40 : 19.9);
+        }
+        if (!(s.high.bytes >= needed && s.high.bytes <= fmax(1.2 * needed, needed + 6)))
+            fail_msg("%g bytes of %g after %d trials", s.high.bytes, needed, s.trials);
+    }
+}
+
 static void test_unreachable_target_ends_at_the_largest_size(void **state) {
     (void)state;
     const curve c = {.measure = psnr, .at_1000 = 22, .slope = 0.1};
@@ -171,6 +188,7 @@ int main(void) {
         cmocka_unit_test(test_probes_save_trials),
         cmocka_unit_test(test_steps_end_the_search),
         cmocka_unit_test(test_ripples_end_the_search),
+        cmocka_unit_test(test_no_size_is_tried_twice),
         cmocka_unit_test(test_unreachable_target_ends_at_the_largest_size),
         cmocka_unit_test(test_equal_images_have_a_place_on_the_scale),
     };

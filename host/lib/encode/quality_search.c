@@ -76,26 +76,38 @@ static void add_probe(gscl_quality_search *s, double quality) {
     s->is_probe = s->probes < t->max_probes && fabs(octaves) > t->probe_octaves && s->bytes != probe.bytes;
 }
 
-/* The next size: where a line through the two known sizes meets the aim, or one size and the slope. */
+/* The least step where all trials were on one side of the target: it grows, so that a slope that is too large does not keep
+ * the search there. */
+static double least_step(const gscl_quality_search *s) {
+    return fmin(LEAST_STEP * gscl_exp2(2 * (s->trials - 1)), MAX_OCTAVES);
+}
+
+/* The next size: where a line through the two known sizes meets the aim, or one size and the slope.  It lies between the
+ * known sizes. */
 static void choose_size(gscl_quality_search *s) {
     const gscl_quality_tunables *t = s->tunables;
     const double aim = s->target + t->aim;
     const gscl_quality_point low = s->low, high = s->high;
     if (low.bytes > 0 && high.bytes > 0) {
-        const double share = limited((scale_of(t, aim) - low.scale) / (high.scale - low.scale), 0.1, 0.9);
+        const double edge =
+            fmin(0.1 * gscl_exp2(s->repeats), 0.5); /* towards halves where one side is replaced again */
+        const double share = limited((scale_of(t, aim) - low.scale) / (high.scale - low.scale), edge, 1 - edge);
         set_size(s, low.bytes, share * gscl_log2(high.bytes / low.bytes));
+        s->bytes = limited(s->bytes, low.bytes + 1, high.bytes - 1);
     } else if (low.bytes > 0) {
-        set_size(s, low.bytes, fmax(octaves_to(s, low.quality, aim), LEAST_STEP));
+        set_size(s, low.bytes, fmax(octaves_to(s, low.quality, aim), least_step(s)));
+        s->bytes = limited(s->bytes, low.bytes + 1, s->max_bytes);
     } else {
-        set_size(s, high.bytes, fmin(octaves_to(s, high.quality, aim), -LEAST_STEP));
+        set_size(s, high.bytes, fmin(octaves_to(s, high.quality, aim), -least_step(s)));
+        s->bytes = limited(s->bytes, 1, high.bytes - 1);
     }
 }
 
-/* Whether the best file so far is good enough: near to the target, or little larger than one that is too poor.  Each trial
- * beyond the third one makes the search less strict: then the quality of files of nearly the same size differs. */
+/* Whether the best file so far is good enough: near to the target, or little larger than one that is too poor.  Trials
+ * beyond the third one make the search less strict, up to twice: then the quality of files of nearly the same size differs. */
 static bool is_met(const gscl_quality_search *s) {
     const gscl_quality_tunables *t = s->tunables;
-    const double ease = 1 + t->patience * fmax(s->trials - 3, 0);
+    const double ease = fmin(1 + t->patience * fmax(s->trials - 3, 0), 2);
     const double narrow = s->low.bytes > 0 ? ease * gscl_encode_tunables.narrow_share * s->high.bytes : 0;
     return s->high.bytes > 0 && (s->high.quality <= s->target + ease * t->tolerance ||
                                  s->high.bytes - s->low.bytes <= fmax(gscl_encode_tunables.narrow_bytes, narrow));
@@ -106,6 +118,8 @@ static bool add_trial(gscl_quality_search *s, double quality) {
     const gscl_quality_point trial = {s->bytes, quality, scale_of(s->tunables, quality)};
     gscl_quality_point *side = reached ? &s->high : &s->low;
     learn_slope(s, *side, trial);
+    s->repeats = s->trials > 0 && reached == s->was_reached ? s->repeats + 1 : 0;
+    s->was_reached = reached;
     *side = trial;
     s->best_quality = fmax(s->best_quality, quality);
     s->trials++;

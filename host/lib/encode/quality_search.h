@@ -27,6 +27,8 @@ typedef struct gscl_quality_search {
     bool done;                    /* no further trial is of use */
     double slope;                 /* of the measure's scale when the bytes double, as far as it is known */
     gscl_quality_point probe;     /* the last one */
+    bool was_reached;             /* the target, by the last trial */
+    int repeats;                  /* how many trials before the last one had the same outcome */
     gscl_quality_point low, high; /* the largest size known to be too poor, and the smallest known to be good enough */
     double best_quality;          /* of all trials */
 } gscl_quality_search;

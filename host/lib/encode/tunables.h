@@ -25,7 +25,7 @@ typedef struct gscl_quality_tunables {
                              quarter of an octave of size; PSNR 1.2 dB */
     double probe_octave; /* on the scale, for each doubling of the bits per pixel */
     double probe_offset; /* on the scale */
-    double patience;     /* share by which `tolerance` and narrow_share grow with each trial after the third one */
+    double patience;     /* share by which `tolerance` and narrow_share grow with each trial after the third one, up to twice */
 } gscl_quality_tunables;
 
 struct gscl_encode_tunables {
