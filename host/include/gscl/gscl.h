@@ -327,7 +327,8 @@ typedef enum gscl_target {
     GSCL_TARGET_PSNR = 3,  /* dB, never below, exceeded by at most 0.3, or by what 2.5 % of the bytes bring */
     GSCL_TARGET_SPLATS = 4, /* number of splats, 0..GSCL_MAX_SPLATS */
     /* SSIMULACRA 2.1 of the decoded file against the image, as gscl_compare (gscl/measure.h) computes it:
-     * GSCL_MIN_SSIMULACRA2..100, never below the target, exceeded by at most 1, or by what 2.5 % of the bytes bring.
+     * GSCL_MIN_SSIMULACRA2..100, never below the target, mostly exceeded by less than 1; by at most 2, or by what 5 % of
+     * the bytes bring.
      * Samples are taken as sRGB and at their own depth; grey as RGB; with alpha the lower score of those in front of a
      * dark and a bright background counts.  Images with a side below 8 pixels have none: GSCL_ERROR_TARGET_UNREACHABLE.
      * Measuring takes 84 bytes of memory for each pixel of an RGB image */

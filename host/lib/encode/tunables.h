@@ -25,7 +25,8 @@ typedef struct gscl_quality_tunables {
                              quarter of an octave of size; PSNR 1.2 dB */
     double probe_octave; /* on the scale, for each doubling of the bits per pixel */
     double probe_offset; /* on the scale */
-    double patience;     /* share by which `tolerance` and narrow_share grow with each trial after the third one, up to twice */
+    double
+        patience; /* share by which `tolerance` and narrow_share grow with each trial after the third one, up to twice */
 } gscl_quality_tunables;
 
 struct gscl_encode_tunables {
@@ -49,7 +50,7 @@ struct gscl_encode_tunables {
     gscl_quality_tunables psnr;        /* dB */
     gscl_quality_tunables ssimulacra2; /* points */
     int min_probing_effort; /* lower efforts have no probes: complete encodes take only two or three times as long */
-    int max_trials;         /* encodes, without probes; most searches take 3 or 4 */
+    int max_trials;         /* encodes, without probes; searches for a SSIMULACRA 2 take 3 in the mean */
     double probes_share;    /* 0..1; of the time of a search, that probes are expected to take, for its progress */
     double first_bpp;       /* bits per pixel of a first file of the mean quality */
     double min_bytes;       /* bytes; smallest first file */

@@ -115,7 +115,7 @@ def encode(
         width, channels): grey, grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.
         Files and images are turned upright and converted to sRGB by their profile.
     bytes, bpp, psnr, ssimulacra2, splats: the target, at most one: bytes or bits per pixel of the whole file, never
-        exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, exceeded by at most 1, for pictures with
+        exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, mostly exceeded by less than 1, for pictures with
         sides of at least 8 pixels; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
     effort: 0 (fastest) to 9 (best).
     tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).  "auto" is "psnr" for files below 600

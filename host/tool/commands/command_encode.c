@@ -150,8 +150,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .min_real = GSCL_MIN_SSIMULACRA2,
          .max_real = 100.0,
          .help =
-             "SSIMULACRA 2 to reach, what people see: 70 is good, 50 fair, 10 poor; exceeded by at most 1, or by what "
-             "2.5 % of the bytes bring; for images from 8x8 pixels on"},
+             "SSIMULACRA 2 to reach, what people see: 70 is good, 50 fair, 10 poor; mostly exceeded by less than 1, by "
+             "at most 2, or by what 5 % of the bytes bring; for images from 8x8 pixels on"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
