@@ -153,6 +153,7 @@ static gscl_result fill_budget(gscl_scalar_state *s, double lambda_scale, gscl_k
     GSCL_TRY(shrink_to_budget(s));
     if (best->count == 0)
         return GSCL_OK;
+    GSCL_TRY(gscl_scalar_trim(s)); /* so that a file that is a little too large is compared, too */
     GSCL_TRY(keep_better(s, best, &error));
     return gscl_kept_codes_restore(best, s);
 }

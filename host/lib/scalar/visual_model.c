@@ -23,7 +23,7 @@ static gscl_result read_loss(gscl_scalar_state *s, double *loss) {
 
 /* Whether little is seen of the error.  The sum of errors falls during the fit, and is judged once, before it has an effect;
  * single points of light keep it high where the error is small. */
-static gscl_result sees_little(gscl_scalar_state *s, bool is_first, bool *sees_little) {
+static gscl_result judge_loss(gscl_scalar_state *s, bool is_first, bool *sees_little) {
     double loss = INFINITY;
     GSCL_TRY(gscl_scalar_measure_rendering(s));
     if (is_first)
@@ -43,6 +43,6 @@ gscl_result gscl_scalar_renew_model(gscl_scalar_state *s, int step) {
     GSCL_TRY(gscl_fit_renew_model(&s->fit));
     if (after % (tunables->model_interval * tunables->models_to_check) != 0)
         return GSCL_OK;
-    GSCL_TRY(sees_little(s, after == 0, &ends));
+    GSCL_TRY(judge_loss(s, after == 0, &ends));
     return ends ? gscl_fit_end_visual_loss(&s->fit) : GSCL_OK;
 }
