@@ -215,16 +215,20 @@ static void test_new_splats_end_skipping(void **unused) {
     gscl_fit_free(&fit);
 }
 
-/* Steps do not wait for the device, but where the lengths of the lists are not known or their interval has passed. */
+/* Steps do not wait for the device, but where the lengths of the lists are not known or their interval has passed, which
+ * doubles each time. */
 static void test_steps_do_not_wait(void **unused) {
     (void)unused;
     gscl_fit fit = fit_of_a_ramp();
     append_splats(&fit);
     assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
-    const uint64_t waits = context->waits;
+    uint64_t waits = context->waits, expected = 0;
+    for (int interval = gscl_fit_tunables.check_interval; interval < gscl_fit_tunables.max_wait_interval; interval *= 2)
+        expected++;
     for (int step = 1; step < gscl_fit_tunables.max_wait_interval; step++)
         assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
-    assert_int_equal(context->waits, waits);
+    assert_int_equal(context->waits - waits, expected);
+    waits = context->waits;
     append_splats(&fit);
     assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
     assert_true(context->waits > waits);

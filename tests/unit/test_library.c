@@ -457,8 +457,9 @@ static void check_ssimulacra2(uint32_t channels, gscl_sample sample, double targ
     gscl_comparison comparison = {.struct_size = sizeof comparison};
     file f = {NULL, 0};
     assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
-    if (!(report.ssimulacra2 >= target && report.ssimulacra2 <= target + 3))
-        fail_msg("the score is %g, %g to %g expected", report.ssimulacra2, target, target + 3);
+    /* Of so small a picture files of neighbouring sizes differ by several points. */
+    if (!(report.ssimulacra2 >= target && report.ssimulacra2 <= target + 8))
+        fail_msg("the score is %g, %g to %g expected", report.ssimulacra2, target, target + 8);
     gscl_image decoded = decode_file(&f, NULL);
     assert_int_equal(gscl_compare(&image, &decoded, &comparison), GSCL_OK);
     if (sample != GSCL_SAMPLE_F32) /* which is decoded to 16 bits here */
