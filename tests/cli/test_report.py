@@ -148,7 +148,7 @@ class Help(ToolTest):
                 self.assertTrue(text.startswith(f"usage: gscl {command} "))
                 self.assertEqual(text, self.gscl("help", command).decode())
                 usage = text.splitlines()[0]
-                for option in re.findall(r"--[a-z-]+", usage):
+                for option in re.findall(r"--[a-z][a-z0-9-]*", usage):
                     self.assertRegex(text, rf"(?m)^ .*{option} ")
 
     def test_help_on_an_unknown_command(self):

@@ -76,7 +76,8 @@ gscl_result gscl_fit_begin_readings(gscl_fit *f) {
 /* Lists that grew beyond their room may do so again soon. */
 static void set_next_wait(gscl_fit *f, gscl_lists_state state) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
-    f->max_wait = state == GSCL_LISTS_CUT || f->max_wait < t->check_interval ? t->check_interval : 2 * f->max_wait;
+    const int next = f->max_wait * t->wait_growth;
+    f->max_wait = state == GSCL_LISTS_CUT || f->max_wait == 0 ? t->check_interval : next;
     f->max_wait = f->max_wait < t->max_wait_interval ? f->max_wait : t->max_wait_interval;
 }
 

@@ -8,6 +8,7 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .max_counted_at_once = 2048,
     .check_interval = 8,
     .max_wait_interval = 256,
+    .wait_growth = 8,
     .wait_pixels = 64e6,
     .max_new_splats = 0.5,
     .max_occupancy = 24.0,

@@ -22,8 +22,9 @@ struct gscl_fit_tunables {
      * (with at least check_interval steps), so that progress is reported and an encode can be cancelled in time.  On the
      * Kodak set 128 and 256 steps are as good (25.53 and 25.56 dB at 2064 bytes, 29.12 and 29.10 at 8994); with 128 an
      * encode waits 5 times more often, with 8 60 to 110 times.  The first wait is after check_interval steps, and so is that
-     * after lists that were too short; each of the others after twice the steps of the one before. */
+     * after lists that were too short; each of the others after wait_growth times the steps of the one before. */
     int max_wait_interval;
+    int wait_growth;
     double wait_pixels;
     /* New splats, as a part of those whose lists the host knows, with which it waits for the lists of all: an encode
      * adds three times those that it begins with.  0.1 measures the same and waits more often. */

@@ -82,7 +82,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
 
     .model_from = 0.3,
     .model_interval = 7,
-    .models_to_check = 4,
+    .models_to_check = 16,
     .min_visual_error = 2e-5,
     .curvature_of_passes = 0.6f,
 

@@ -128,7 +128,7 @@ struct gscl_scalar_tunables {
                                   visual_share of 0.08, Butteraugli is 5.97, 5.95 and 6.02 with 0.15, 0.3 and 0.5, and
                                   0.5 costs 0.7 points */
     int model_interval;  /* steps from model to model: 5 measures the same, 10 of 600 cost 1 to 3 points */
-    int models_to_check; /* models from one look at the error, for which the host waits, to the next; 4 is 28 steps */
+    int models_to_check; /* models from one look at the error, for which the host waits, to the next; 16 is 112 steps */
     /* Squared error per sample below which the tune visual goes on with squared error alone.  On 26 drawn pictures of 384x256
      * at 4300 bytes (nebulae, logos, stars, cells) SSIMULACRA 2 is 89.3 with 0, 91.2 with 2e-5 (47 dB), 91.5 with 6e-5 and an
      * end where the first visual loss is low, too; on 53 photographs of 98000 pixels at 2064 bytes that costs 0.8 points, of
