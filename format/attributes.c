@@ -158,6 +158,11 @@ static int16_t code_from(gsf_coder *coder, gsf_model *model, int min, int16_t co
     return (int16_t)((int)gsf_code_with_model(coder, (uint32_t)(code - min), model) + min);
 }
 
+/* The level of a code of luma or chroma; a decoder has none yet. */
+static int16_t level_of(const gsf_coder *coder, int code, unsigned fineness) {
+    return (int16_t)(GSF_DECODING(coder) ? 0 : gsf_colour_level(code, fineness));
+}
+
 /* The part of a level, after which its code is known. */
 static int16_t code_part_of_level(gsf_coder *coder, int level, unsigned fineness, int code) {
     const int first = level * (int)fineness;
@@ -165,7 +170,7 @@ static int16_t code_part_of_level(gsf_coder *coder, int level, unsigned fineness
 }
 
 static void code_luma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
-    const int level = code_from(coder, &a->luma, a->luma_min, (int16_t)gsf_colour_level(splat->luma, a->fineness));
+    const int level = code_from(coder, &a->luma, a->luma_min, level_of(coder, splat->luma, a->fineness));
     splat->luma = code_part_of_level(coder, level, a->fineness, splat->luma);
 }
 
@@ -173,8 +178,7 @@ static void code_chroma(gsf_coder *coder, gsf_attributes *a, gsf_splat *splat) {
     const uint32_t step = gsf_position_step_q8(&a->steps, splat->major);
     const uint32_t bucket_x = bucket_at(step, splat->x, a->parts_x, a->header.width);
     const uint32_t bucket_y = bucket_at(step, splat->y, a->parts_y, a->header.height);
-    int16_t level[2] = {(int16_t)gsf_colour_level(splat->co, a->fineness),
-                        (int16_t)gsf_colour_level(splat->cg, a->fineness)};
+    int16_t level[2] = {level_of(coder, splat->co, a->fineness), level_of(coder, splat->cg, a->fineness)};
     gsf_code_chroma(coder, &a->chroma, bucket_x, bucket_y, level);
     splat->co = code_part_of_level(coder, level[0], a->fineness, splat->co);
     splat->cg = code_part_of_level(coder, level[1], a->fineness, splat->cg);

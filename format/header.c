@@ -193,7 +193,8 @@ static gsf_steps used_steps(const gsf_header *header, gsf_steps steps) {
 
 /* The pivot is close to the typical size, which an encoder does not know exactly before it has all splats. */
 static void code_pivot(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
-    const int typical = (int)gsf_typical_size(header, steps), difference = steps->pivot - typical;
+    const int typical = (int)gsf_typical_size(header, steps);
+    const int difference = GSF_DECODING(coder) ? 0 : steps->pivot - typical;
     const uint32_t folded = (uint32_t)(difference < 0 ? -2 * difference - 1 : 2 * difference);
     const int number = (int)code_number(coder, folded, DIFFERENCE_LENGTHS, LENGTH(DIFFERENCE_LENGTHS));
     const int pivot = typical + (number % 2 ? -(number + 1) / 2 : number / 2);

@@ -390,7 +390,7 @@ static void test_every_kind(void **unused) {
                                             .splat_count = bits >> 10 & 1},
                                  .background = {200, 128, 128, 255},
                                  .has_mean_background = bits >> 8 & 1,
-                                 .steps = {1, 2, 3, 4, 5, 6, 7}};
+                                 .steps = {1, 2, 3, 4, 5, 6, 7, 8}};
         if (gsf_header_is_valid(&image.header))
             check_header(&image);
     }

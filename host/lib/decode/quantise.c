@@ -76,15 +76,10 @@ float gscl_logit(double opacity) {
     return (float)gscl_ln(o / (1 - o));
 }
 
-/* Codes per unit of value of a splat whose axes' codes have been set. */
-static double colour_codes(const gsf_coded_image *p, unsigned step, const gsf_splat *s) {
-    return gsf_colour_levels(step) * gsf_colour_fineness(&p->steps, s->major, s->aspect);
-}
-
 /* Colour codes of a splat whose axes' codes have been set. */
 static void quantise_colour(const gsf_coded_image *p, const float *colour, gsf_splat *s) {
     const unsigned fineness = gsf_colour_fineness(&p->steps, s->major, s->aspect);
-    double luma = colour_codes(p, p->steps.luma, s), chroma = colour_codes(p, p->steps.chroma, s);
+    double luma = gsf_colour_levels(p->steps.luma) * fineness, chroma = gsf_colour_levels(p->steps.chroma) * fineness;
     int min, max;
     double y = colour[0];
     gsf_luma_range(p->header.blend, p->steps.luma, fineness, &min, &max);
@@ -170,10 +165,11 @@ void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) 
 }
 
 static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, float *colour) {
-    double y = (double)s->luma / colour_codes(p, p->steps.luma, s);
+    const unsigned fineness = gsf_colour_fineness(&p->steps, s->major, s->aspect);
+    double y = (double)s->luma / (gsf_colour_levels(p->steps.luma) * fineness);
     colour[0] = (float)y;
     if (p->header.has_chroma) {
-        double levels = colour_codes(p, p->steps.chroma, s);
+        double levels = gsf_colour_levels(p->steps.chroma) * fineness;
         gscl_ycocg_to_rgb((gscl_ycocg){y, s->co / levels, s->cg / levels}, colour);
     }
     if (p->header.has_alpha)
