@@ -8,11 +8,11 @@ const OUT_OF_MEMORY = 7;
 const failuresOf = bytes => [
   [],
   ['not a gscl file', 'not-a-gscl-file'],
-  [`written in format version ${bytes[4] & 15}; this program reads up to version 2`, 'newer-version'],
-  [`the file is incomplete: ${bytes.length} bytes are there and more are needed`, 'truncated'],
-  ['the file is damaged or cut off: the check at its end does not match', 'damaged'],
+  [`the file has format version ${bytes[4] & 15}; this program reads version 2`, 'newer-version'],
+  [`the file is incomplete: it has ${bytes.length} bytes`, 'truncated'],
+  ['the file is damaged: its check does not match', 'damaged'],
   ['the file breaks a rule of the format', 'corrupt'],
-  ['the file has a block that must be understood and is unknown to this program', 'unknown-block'],
+  ['the file has a mandatory block of an unknown type', 'unknown-block'],
   ['out of memory', 'out-of-memory'],
 ];
 const MAX_DIMENSION = 16384;
@@ -74,18 +74,18 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   const {x = 0, y = 0, width: cropWidth = 0, height: cropHeight = 0} = crop;
   const [ownWidth, ownHeight, count] = header(), fullWidth = width || ownWidth, fullHeight = height || ownHeight;
   const w = cropWidth || fullWidth - x, h = cropHeight || fullHeight - y;
-  refuse(![width, height, x, y, cropWidth, cropHeight].every(number => number >= 0 && number % 1 == 0), 'width, height and crop must be whole numbers from 0 on');
-  refuse(!width != !height, 'both width and height must be given, or neither');
+  refuse(![width, height, x, y, cropWidth, cropHeight].every(number => number >= 0 && number % 1 == 0), 'width, height and crop must be whole numbers');
+  refuse(!width != !height, 'give both width and height, or neither');
   limitSize(w, h, MAX_DIMENSION);
   limitSize(fullWidth, fullHeight, MAX_ZOOMED);
   refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
     `crop ${x},${y},${cropWidth},${cropHeight} does not lie inside ${fullWidth}x${fullHeight}`);
-  refuse(w * h > maxPixels, `the decoded image has ${w * h} pixels (${w}x${h}); max_pixels is ${maxPixels}`, 'limit');
-  refuse(count > maxWork, `the file has ${count} splats of at least one evaluation each; max_work is ${maxWork}`, 'limit');
+  refuse(w * h > maxPixels, `the image has ${w}x${h} pixels; max_pixels is ${maxPixels}`, 'limit');
+  refuse(count > maxWork, `the file has ${count} splats; max_work is ${maxWork}`, 'limit');
   check(wasm.read(!!options.partial));
   wasm.frame(fullWidth, fullHeight, x, y, w, h);
   const work = header()[2] * w * h > maxWork ? wasm.work() : 0;
-  refuse(work > maxWork, `drawing the image takes ${work} evaluations; max_work is ${maxWork}`, 'limit');
+  refuse(work > maxWork, `drawing takes ${work} evaluations; max_work is ${maxWork}`, 'limit');
   const at = wasm.draw();
   check(at ? 0 : OUT_OF_MEMORY);
   const data = new Uint8ClampedArray(wasm.memory.buffer, at, 4 * w * h).slice();
