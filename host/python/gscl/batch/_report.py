@@ -95,16 +95,12 @@ def _list(report: str) -> list[str]:
 
 
 def read_part(url: str, columns: Sequence[str] | None = None) -> Any:
-    """The table of one part, or None where there is no such part.  Columns that an older version did not write are null."""
+    """The table of one part, or None where there is no such part."""
     try:
         data = _storage.read(url)
     except FileNotFoundError:
         return None
-    wanted = list(SCHEMA.names if columns is None else columns)
-    table = pyarrow.parquet.read_table(io.BytesIO(data), columns=wanted)
-    for name in set(wanted).difference(table.column_names).intersection(SCHEMA.names):
-        table = table.append_column(name, pyarrow.nulls(table.num_rows, SCHEMA.field(name).type))
-    return table.select([name for name in wanted if name in table.column_names])
+    return pyarrow.parquet.read_table(io.BytesIO(data), columns=None if columns is None else list(columns))
 
 
 def _read_parts(report: str, columns: Sequence[str] | None) -> Iterator[Any]:
