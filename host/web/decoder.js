@@ -11,8 +11,8 @@ const failuresOf = bytes => [
   [`the file has format version ${bytes[4] & 15}; this program reads version 2`, 'newer-version'],
   [`the file is incomplete: it has ${bytes.length} bytes`, 'truncated'],
   ['the file is damaged: its check does not match', 'damaged'],
-  ['the file breaks a rule of the format', 'corrupt'],
-  ['the file has a mandatory block of an unknown type', 'unknown-block'],
+  ['the file is not valid', 'corrupt'],
+  ['the file has an unknown mandatory block', 'unknown-block'],
   ['out of memory', 'out-of-memory'],
 ];
 const MAX_DIMENSION = 16384;
@@ -79,7 +79,7 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   limitSize(w, h, MAX_DIMENSION);
   limitSize(fullWidth, fullHeight, MAX_ZOOMED);
   refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
-    `crop ${x},${y},${cropWidth},${cropHeight} does not lie inside ${fullWidth}x${fullHeight}`);
+    `crop ${x},${y},${cropWidth},${cropHeight} is not inside ${fullWidth}x${fullHeight}`);
   refuse(w * h > maxPixels, `the image has ${w}x${h} pixels; max_pixels is ${maxPixels}`, 'limit');
   refuse(count > maxWork, `the file has ${count} splats; max_work is ${maxWork}`, 'limit');
   check(wasm.read(!!options.partial));
