@@ -157,14 +157,11 @@
 #define GSCL_STEP_ALPHA 5
 #define GSCL_STEP_OPACITY 6   /* number of levels */
 #define GSCL_STEP_AMPLITUDE 7 /* of a texture */
-#define GSCL_STEP_PIVOT 8     /* ln of the area of a circle of the pivot's size, in 1/32 octaves above 1/4 pixel */
-#define GSCL_STEP_COUNT 9
-
-/* Parts of a level of luma and chroma (gsf_colour_fineness in format/quantiser.h), and the areas of splats from which on
- * there are 2, 3, ... of them, in 1/32 octaves above that of a circle of the pivot's size. */
+/* The areas of splats from which on their levels of luma and chroma have 2, 3, ... parts (gsf_finer_from in
+ * format/quantiser.h): products of the axes in 1/32 octaves above 1/4 square pixel, less a half against rounding. */
+#define GSCL_STEP_FINER 8
 #define GSCL_MAX_FINENESS 8
-#define GSCL_FINER_FROM \
-    { -210, -92, -15, 43, 90, 128, 161 }
+#define GSCL_STEP_COUNT (GSCL_STEP_FINER + GSCL_MAX_FINENESS - 1)
 
 /* Multiply-adds of the benchmark on each lane (cl/benchmark.cl). */
 #define GSCL_BENCHMARK_CHAINS 10   /* independent chains: more than latency times units of a processor */

@@ -167,12 +167,11 @@ void splat_quantise_centre(splat *s, vfloat cell, vfloat parts, vfloat theta) {
 
 /* The parts of a level of luma and chroma, for axes that the format can represent. */
 vfloat splat_colour_fineness(const splat *s, __global const float *restrict steps) {
-    const float finer_from[GSCL_MAX_FINENESS - 1] = GSCL_FINER_FROM;
-    const vfloat area = (32.0f / M_LN2_F) * (s->log_s1 + s->log_s2) + 64.0f - steps[GSCL_STEP_PIVOT];
+    const vfloat area = (32.0f / M_LN2_F) * (s->log_s1 + s->log_s2) + 64.0f;
     vfloat fineness = (vfloat)(1.0f);
     UNROLL
     for (int i = 0; i < GSCL_MAX_FINENESS - 1; i++)
-        fineness += area > finer_from[i] - 0.5f ? (vfloat)(1.0f) : (vfloat)(0.0f);
+        fineness += area > steps[GSCL_STEP_FINER + i] ? (vfloat)(1.0f) : (vfloat)(0.0f);
     return fineness;
 }
 

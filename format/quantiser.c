@@ -10,9 +10,8 @@ static const uint32_t POWER[33] = {
 static const uint16_t COLOUR_LEVELS[16] = {4, 6, 8, 11, 16, 20, 24, 28, 32, 40, 48, 64, 96, 128, 192, 255};
 enum { MAX_LEVEL = 255 + 255 / 8 };
 
-/* The areas from which on levels have 2, 3, ... parts: the product of a splat's axes in 1/32 octaves, relative to that of
- * a circle of the pivot's size.  With these the parts grow as the fifth root of the area. */
-static const int16_t FINER_FROM[GSF_MAX_FINENESS - 1] = {-210, -92, -15, 43, 90, 128, 161};
+/* With these the parts grow as the fifth root of the area. */
+const int16_t gsf_finer_from[GSF_MAX_FINENESS - 1] = {-210, -92, -15, 43, 90, 128, 161};
 
 uint64_t gsf_sigma_q16(const gsf_steps *steps, unsigned code) {
     const unsigned exponent = code * (steps->scale + 4u); /* in 1/32 octaves above half a pixel */
@@ -91,7 +90,7 @@ unsigned gsf_colour_levels(unsigned step_index) {
 unsigned gsf_colour_fineness(const gsf_steps *steps, unsigned major, unsigned aspect) {
     const int area = ((int)(2 * major - aspect) - 2 * steps->pivot) * (steps->scale + 4);
     unsigned fineness = 1;
-    while (fineness < GSF_MAX_FINENESS && area >= FINER_FROM[fineness - 1])
+    while (fineness < GSF_MAX_FINENESS && area >= gsf_finer_from[fineness - 1])
         fineness++;
     return fineness;
 }

@@ -40,6 +40,9 @@ gsf_splat_grid gsf_splat_grid_of(const gsf_header *header, const gsf_steps *step
 /* Levels per unit of value.  Alpha = code / levels; luma and chroma = code / (levels * fineness).  Levels by index:
  * 4 6 8 11 16 20 24 28 32 40 48 64 96 128 192 255. */
 unsigned gsf_colour_levels(unsigned step_index);
+/* The areas of splats from which on levels have 2, 3, ... parts: the product of the axes in 1/32 octaves, relative to that
+ * of a circle of the pivot's size. */
+extern const int16_t gsf_finer_from[GSF_MAX_FINENESS - 1];
 /* The parts into which a splat divides each level of luma and chroma: 1..GSF_MAX_FINENESS, more in larger splats, whose
  * colours change more pixels. */
 unsigned gsf_colour_fineness(const gsf_steps *steps, unsigned major, unsigned aspect);

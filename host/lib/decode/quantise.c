@@ -36,7 +36,8 @@ void gscl_steps_to_floats(const gsf_steps *s, float *f) {
     f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
     f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
     f[GSCL_STEP_AMPLITUDE] = (float)amplitude_step(s);
-    f[GSCL_STEP_PIVOT] = (float)(2 * s->pivot * (s->scale + 4));
+    for (int i = 0; i < GSCL_MAX_FINENESS - 1; i++)
+        f[GSCL_STEP_FINER + i] = (float)(2 * s->pivot * (s->scale + 4) + gsf_finer_from[i]) - 0.5f;
 }
 
 /* The code whose step is nearest to `factor` times that of `code`; steps are in proportion to code + offset. */
