@@ -29,11 +29,10 @@ static void lower_price(gscl_scalar_state *s) {
 /* Keeps the codes in `best` where they fit and have a lower error.  *error: of the codes; INFINITY where they do not fit. */
 static gscl_result keep_better(gscl_scalar_state *s, gscl_kept_codes *best, double *error) {
     *error = INFINITY;
-    if (s->size > s->bytes || s->coded->file.header.splat_count == 0)
+    if (!gscl_scalar_is_within_budget(s))
         return GSCL_OK;
     GSCL_TRY(gscl_scalar_measure(s, error));
-    const bool is_better = best->count == 0 || *error < best->error;
-    return is_better ? gscl_kept_codes_keep(best, s, *error) : GSCL_OK;
+    return gscl_kept_codes_keep_better(best, s, *error);
 }
 
 /* Spends bytes that are left on finer codes and more textures. */
@@ -42,8 +41,8 @@ static gscl_result spend_on_codes(gscl_scalar_state *s) {
     return gscl_scalar_pass(s, s->textures);
 }
 
-/* Adds splats for the bytes that are left, unless *may_add says that the fit did not stand it before, or codes are to have
- * them. */
+/* Adds splats for the bytes that are left, unless *may_add says that the fit did not stand it before, or that codes are to
+ * have them. */
 static gscl_result spend(gscl_scalar_state *s, bool *may_add) {
     if (!*may_add || gscl_scalar_has_max_splats(s) || !has_slack(s, tunables->densify_below))
         return spend_on_codes(s);
@@ -53,24 +52,25 @@ static gscl_result spend(gscl_scalar_state *s, bool *may_add) {
     return gscl_scalar_densify(s, 2, s->textures, may_add);
 }
 
-/* Passes that use bytes that are left.  Where the last of them is worse than the best so far, as new splats may make it that
- * no steps are left for, the best gets finer codes instead. */
-static gscl_result spend_slack(gscl_scalar_state *s, gscl_kept_codes *best) {
-    bool may_add = true;
-    double error;
-    GSCL_TRY(keep_better(s, best, &error));
+/* Passes that use bytes that are left, for splats only if it may.  *error: of the codes after the last one. */
+static gscl_result spend_in_passes(gscl_scalar_state *s, bool may_add, gscl_kept_codes *best, double *error) {
     for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, s->full_share); pass++) {
         GSCL_TRY(spend(s, &may_add));
-        GSCL_TRY(keep_better(s, best, &error));
+        GSCL_TRY(keep_better(s, best, error));
     }
+    return GSCL_OK;
+}
+
+/* Uses bytes that are left.  Where the last of them is worse than the best so far, as new splats may make it that
+ * no steps are left for, the best gets finer codes instead. */
+static gscl_result spend_slack(gscl_scalar_state *s, gscl_kept_codes *best) {
+    double error;
+    GSCL_TRY(keep_better(s, best, &error));
+    GSCL_TRY(spend_in_passes(s, true, best, &error));
     if (s->size > s->bytes || best->count == 0 || error <= best->error)
         return GSCL_OK;
     GSCL_TRY(gscl_kept_codes_restore(best, s));
-    for (int pass = 0; pass < tunables->max_slack_passes && has_slack(s, s->full_share); pass++) {
-        GSCL_TRY(spend_on_codes(s));
-        GSCL_TRY(keep_better(s, best, &error));
-    }
-    return GSCL_OK;
+    return spend_in_passes(s, false, best, &error);
 }
 
 /* Uses bytes that are left: a few for finer codes and more textures, many for more splats, as long as the fit stands it.

@@ -32,8 +32,7 @@ static gscl_result keep_result(gscl_scalar_state *s, gscl_kept_codes *best) {
     double error;
     GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
     GSCL_TRY(gscl_scalar_measure(s, &error));
-    const bool better = best->count == 0 || error < best->error;
-    return better ? gscl_kept_codes_keep(best, s, error) : GSCL_OK;
+    return gscl_kept_codes_keep_better(best, s, error);
 }
 
 /* Encodes the layer.  A small file is searched from several starts, of which lower efforts make the first ones alone, with

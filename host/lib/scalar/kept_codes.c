@@ -27,6 +27,10 @@ gscl_result gscl_kept_codes_keep(gscl_kept_codes *kept, const gscl_scalar_state 
     return GSCL_OK;
 }
 
+gscl_result gscl_kept_codes_keep_better(gscl_kept_codes *kept, const gscl_scalar_state *s, double error) {
+    return kept->count == 0 || error < kept->error ? gscl_kept_codes_keep(kept, s, error) : GSCL_OK;
+}
+
 gscl_result gscl_kept_codes_restore(const gscl_kept_codes *kept, gscl_scalar_state *s) {
     gsf_coded_image *file = &s->coded->file;
     file->header.splat_count = kept->count;

@@ -16,6 +16,8 @@ typedef struct gscl_kept_codes {
 
 /* Copies state->coded; state->size is its size. */
 gscl_result gscl_kept_codes_keep(gscl_kept_codes *kept, const gscl_scalar_state *state, double error);
+/* The same where none are kept, or the kept ones have a higher error. */
+gscl_result gscl_kept_codes_keep_better(gscl_kept_codes *kept, const gscl_scalar_state *state, double error);
 /* Writes the codes and their size back. */
 gscl_result gscl_kept_codes_restore(const gscl_kept_codes *kept, gscl_scalar_state *state);
 /* Accepts a zeroed object. */

@@ -24,9 +24,7 @@ static void choose_quantiser_steps(const gscl_scalar_state *s, gscl_size_target 
     gsf_header header = file->header;
     header.splat_count = (uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats);
     const gsf_steps defaults = gsf_default_steps(header.splat_count);
-    file->steps = defaults;
-    if (factor > 0)
-        file->steps = gscl_scale_steps(&defaults, factor);
+    file->steps = factor > 0 ? gscl_scale_steps(&defaults, factor) : defaults;
     file->steps.pivot = (uint8_t)gsf_typical_size(&header, &file->steps);
     if (factor <= 0 && s->source->background.pixels > 0)
         gscl_fit_steps_to_colour(file, s->source->background.colour);
@@ -192,6 +190,10 @@ gscl_result gscl_scalar_load(gscl_scalar_state *s) {
     GSCL_TRY(reserve_params(s, count));
     gscl_coded_image_params(s->coded, s->params, background);
     return gscl_fit_replace(&s->fit, s->params, count, background);
+}
+
+bool gscl_scalar_is_within_budget(const gscl_scalar_state *s) {
+    return s->size <= s->bytes && s->coded->file.header.splat_count > 0;
 }
 
 gscl_result gscl_scalar_measure_rendering(gscl_scalar_state *s) {

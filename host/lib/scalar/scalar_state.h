@@ -89,6 +89,8 @@ int gscl_scalar_weighting(const gscl_scalar_state *state);
 gscl_result gscl_scalar_quantise(gscl_scalar_state *state);
 /* Replaces the fit's splats by the coded ones. */
 gscl_result gscl_scalar_load(gscl_scalar_state *state);
+/* Whether the coded image, whose size is known, has splats and is no larger than the budget. */
+bool gscl_scalar_is_within_budget(const gscl_scalar_state *state);
 /* Measures squared error per sample of the last rendering at the current level, without weights: state->known_error. */
 gscl_result gscl_scalar_measure_rendering(gscl_scalar_state *state);
 /* Sorts the coded image; state->size is its size. */

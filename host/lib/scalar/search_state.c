@@ -12,10 +12,7 @@ static gscl_result measure_kept(gscl_scalar_state *s, gscl_kept_codes *kept) {
 }
 
 gscl_result gscl_search_keep_within(gscl_search *q, double error) {
-    const gscl_scalar_state *s = q->s;
-    const bool fits = s->size <= s->bytes && s->coded->file.header.splat_count > 0;
-    const bool is_better = fits && (q->within.count == 0 || error < q->within.error);
-    return is_better ? gscl_kept_codes_keep(&q->within, s, error) : GSCL_OK;
+    return gscl_scalar_is_within_budget(q->s) ? gscl_kept_codes_keep_better(&q->within, q->s, error) : GSCL_OK;
 }
 
 gscl_result gscl_search_set_level(gscl_search *q, int level) {
