@@ -261,12 +261,21 @@ static gboolean stop_load(gpointer context, GError **error) {
 typedef struct target_option {
     const char *key;
     gscl_target target;
+    double least; /* value */
 } target_option;
 
-static const target_option targets[] = {{"bytes", GSCL_TARGET_BYTES},
-                                        {"bpp", GSCL_TARGET_BPP},
-                                        {"psnr", GSCL_TARGET_PSNR},
-                                        {"ssimulacra2", GSCL_TARGET_SSIMULACRA2}};
+static const target_option targets[] = {{"bytes", GSCL_TARGET_BYTES, 0},
+                                        {"bpp", GSCL_TARGET_BPP, 0},
+                                        {"psnr", GSCL_TARGET_PSNR, 0},
+                                        {"ssimulacra2", GSCL_TARGET_SSIMULACRA2, GSCL_MIN_SSIMULACRA2}};
+
+/* NULL: the key is none of a target. */
+static const target_option *target_of(const char *key) {
+    for (gsize i = 0; i < G_N_ELEMENTS(targets); i++)
+        if (strcmp(key, targets[i].key) == 0)
+            return &targets[i];
+    return NULL;
+}
 
 /* What is saved beside the pixels: the colours of the pixbuf, as its loader or its program gives them. */
 typedef struct save_options {
@@ -286,8 +295,7 @@ static gboolean take_profile(const char *text, save_options *options) {
 static gboolean bad_option(GError **error, const char *key, const char *value) {
     g_set_error(error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
                 "gscl: the option %s cannot be '%.40s'; there are bytes, bpp, psnr, ssimulacra2 (-100 to 100), effort "
-                "(0 to 9), "
-                "tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
+                "(0 to 9), tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
                 key, value, GSCL_MAX_BLOCK_SIZE);
     return FALSE;
 }
@@ -307,17 +315,15 @@ static gboolean take_option(const char *key, const char *value, save_options *op
     gscl_encode_settings *settings = &options->settings;
     char *end;
     const double number = g_ascii_strtod(value, &end);
-    const double least = strcmp(key, "ssimulacra2") == 0 ? GSCL_MIN_SSIMULACRA2 : 0.0;
-    const gboolean is_number = end != value && *end == '\0' && isfinite(number) && number >= least;
-    for (gsize i = 0; i < G_N_ELEMENTS(targets); i++) {
-        if (strcmp(key, targets[i].key) == 0) {
-            settings->target = targets[i].target;
-            settings->target_value = number;
-            return is_number;
-        }
+    const gboolean is_number = end != value && *end == '\0' && isfinite(number);
+    const target_option *target = target_of(key);
+    if (target) {
+        settings->target = target->target;
+        settings->target_value = number;
+        return is_number && number >= target->least;
     }
     if (strcmp(key, "effort") == 0) {
-        if (!is_number || number > GSCL_MAX_EFFORT || number != floor(number))
+        if (!is_number || number < 0 || number > GSCL_MAX_EFFORT || number != floor(number))
             return FALSE;
         settings->effort = (int)number;
         return TRUE;
@@ -328,9 +334,7 @@ static gboolean take_option(const char *key, const char *value, save_options *op
 }
 
 static gboolean is_save_option_supported(const gchar *key) {
-    return strcmp(key, "bytes") == 0 || strcmp(key, "bpp") == 0 || strcmp(key, "psnr") == 0 ||
-           strcmp(key, "ssimulacra2") == 0 || strcmp(key, "effort") == 0 || strcmp(key, "tune") == 0 ||
-           strcmp(key, PROFILE_OPTION) == 0;
+    return target_of(key) || strcmp(key, "effort") == 0 || strcmp(key, "tune") == 0 || strcmp(key, PROFILE_OPTION) == 0;
 }
 
 static gboolean take_options(GdkPixbuf *pixbuf, gchar **keys, gchar **values, save_options *options, GError **error) {
