@@ -56,8 +56,7 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
     "later runs leave it out), message, bytes, width, height, splats, psnr, "                                          \
     "ssimulacra2 (where it is the target),\n"                                                                          \
     "seconds, device.  Lines are in the order in which images end; the last line of an image counts, and its older "   \
-    "ones are "                                                                                                        \
-    "removed\n"                                                                                                        \
+    "ones are removed\n"                                                                                               \
     "when a run ends."
 
 #define MAX_FILE_BYTES UINT32_MAX
@@ -192,8 +191,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "T",
          .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for what people see (default: auto: "
                  "psnr for files below 600 bytes without --ssimulacra2, with --psnr, and for images with transparent "
-                 "parts or above 16 "
-                 "megapixels; else visual)"},
+                 "parts or above 16 megapixels; else visual)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
          .value = &encode->effects,
@@ -260,8 +258,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     const option_command command = {
         .name = "encode",
         .usage = "IN... [--files-from FILE] [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | "
-                 "--ssimulacra2 X | --splats N] "
-                 "[options]",
+                 "--ssimulacra2 X | --splats N] [options]",
         .about = "Encodes images as gscl files.  Reads PNG, JPEG, WebP, AVIF, HEIC, JPEG 2000, GIF, TIFF, OpenEXR, "
                  "HDR, BMP, ICO,\n"
                  "TGA, PNM, PSD, SGI and DDS, grey or RGB, with or without alpha.  IN may be -, standard input.  "
