@@ -22,7 +22,8 @@ struct gscl_fit_tunables {
      * (with at least check_interval steps), so that progress is reported and an encode can be cancelled in time.  On the
      * Kodak set 128 and 256 steps are as good (25.53 and 25.56 dB at 2064 bytes, 29.12 and 29.10 at 8994); with 128 an
      * encode waits 5 times more often, with 8 60 to 110 times.  The first wait is after check_interval steps, and so is that
-     * after lists that were too short; each of the others after wait_growth times the steps of the one before. */
+     * after lists that were too short; each of the others after wait_growth times the steps of the one before.  The fits
+     * of an encode at 0.042 bits a pixel wait 87 times with 2 (and models_to_check 4), 34 times with 8 (and 16). */
     int max_wait_interval;
     int wait_growth;
     double wait_pixels;
