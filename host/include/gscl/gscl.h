@@ -409,7 +409,8 @@ typedef struct gscl_encode_report {
     uint64_t bytes;
     double psnr;         /* dB of the decoded file against the image, as gscl_compare (gscl/measure.h) computes it */
     double seconds;      /* total */
-    uint32_t trials;     /* complete fits until the target was met; a target that is a quality takes short ones, too */
+    uint32_t trials;     /* complete fits until the target was met: 2 where a smooth image was tried with fewer bytes; a
+                            target that is a quality takes short ones, too */
     gscl_blend blend;    /* never AUTO */
     gscl_tune tune;      /* never AUTO */
     size_t effect_count; /* rows of `effects` */

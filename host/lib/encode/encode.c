@@ -87,6 +87,12 @@ static gscl_result fail_target(gscl_encoder *e, double best_quality) {
                      e->settings.target_value, best_quality);
 }
 
+/* encoder->coded becomes what this file holds. */
+static gscl_result take_file(gscl_encoder *e, const encoded_file *file) {
+    gscl_coded_image_free(&e->coded);
+    return gscl_coded_image_read(&e->coded, file->bytes, file->size, true);
+}
+
 /* Encodes at different sizes: encoder->coded is the smallest that reaches the quality of the settings. */
 static gscl_result encode_to_quality(gscl_encoder *e, const gscl_image *image) {
     const gscl_encode_settings *s = &e->settings;
@@ -101,11 +107,41 @@ static gscl_result encode_to_quality(gscl_encoder *e, const gscl_image *image) {
         result = try_size(e, image, &search, &best);
     if (result == GSCL_OK && !best.bytes)
         result = fail_target(e, search.best_quality);
-    if (result == GSCL_OK) {
-        gscl_coded_image_free(&e->coded);
-        result = gscl_coded_image_read(&e->coded, best.bytes, best.size, true);
-    }
+    if (result == GSCL_OK)
+        result = take_file(e, &best);
     free(best.bytes);
+    return result;
+}
+
+/* Encodes as the largest file that is searched, without a trace: encoder->coded is the result where its PSNR is higher. */
+static gscl_result try_searched_file(gscl_encoder *e, const gscl_image *image, double psnr, const encoded_file *file) {
+    gscl_encode_trace *trace = e->trace;
+    double searched_psnr;
+    e->trace = NULL;
+    gscl_progress_stage(&e->progress, 1, 1);
+    e->settings.tune = GSCL_TUNE_PSNR;
+    gscl_result result = encode_once(e, (gscl_size_target){.bytes = (size_t)gscl_encode_tunables.min_visual_bytes - 1});
+    e->trace = trace;
+    e->trials = 2;
+    if (result == GSCL_OK)
+        result = gscl_encoder_quality(e, image, GSCL_TARGET_PSNR, &searched_psnr);
+    return result != GSCL_OK || searched_psnr > psnr ? result : take_file(e, file);
+}
+
+/* A smooth image that is nearly exact may be better with fewer bytes: small files are searched. */
+static gscl_result prefer_searched_file(gscl_encoder *e, const gscl_image *image) {
+    const gscl_tune tune = e->settings.tune;
+    encoded_file file;
+    double psnr;
+    if (!e->may_search_smooth)
+        return GSCL_OK;
+    GSCL_TRY(gscl_encoder_quality(e, image, GSCL_TARGET_PSNR, &psnr));
+    if (psnr < gscl_encode_tunables.min_smooth_psnr)
+        return GSCL_OK;
+    GSCL_TRY(gscl_coded_image_write(&e->coded, &file.bytes, &file.size));
+    const gscl_result result = try_searched_file(e, image, psnr, &file);
+    e->settings.tune = tune;
+    free(file.bytes);
     return result;
 }
 
@@ -123,7 +159,9 @@ static gscl_result encode_to_target(gscl_encoder *e, const gscl_image *image) {
         return keep_background(e, image); /* as it was prepared */
     if (gscl_target_is_quality(e->settings.target))
         return encode_to_quality(e, image);
+    e->may_search_smooth = gscl_encode_may_search_smooth(e, image);
     GSCL_TRY(encode_once(e, e->target));
+    GSCL_TRY(prefer_searched_file(e, image));
     return e->settings.target == GSCL_TARGET_SPLATS ? GSCL_OK : prefer_background(e, image);
 }
 

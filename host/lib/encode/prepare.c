@@ -7,6 +7,7 @@
 #include "encode/tunables.h"
 #include "image/ssimulacra2.h"
 #include "runtime/launch.h"
+#include "scalar/tunables.h"
 #include "session/effects.h"
 
 /* The header of the image, still without effects (gscl_effects_set_header). */
@@ -139,6 +140,14 @@ static bool is_visual(const gscl_encoder *e) {
 void gscl_encode_resolve_tune(gscl_encoder *e) {
     if (e->settings.tune == GSCL_TUNE_AUTO)
         e->settings.tune = is_visual(e) ? GSCL_TUNE_VISUAL : GSCL_TUNE_PSNR;
+}
+
+bool gscl_encode_may_search_smooth(const gscl_encoder *e, const gscl_image *image) {
+    const gscl_encode_settings *s = &e->settings;
+    const struct gscl_encode_tunables *t = &gscl_encode_tunables;
+    return s->profile == GSCL_PROFILE_DEFAULT && s->loss == GSCL_LOSS_L2 && !s->progressive &&
+           gscl_effort_presets[s->effort].searches > 0 && e->target.bytes >= (size_t)t->min_visual_bytes &&
+           (double)image->width * image->height <= t->max_smooth_pixels;
 }
 
 bool gscl_encode_is_background_only(const gscl_encoder *e) {

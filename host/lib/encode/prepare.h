@@ -13,6 +13,8 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *encoder);
 /* Replaces the tune AUTO of the settings by what it means for this image and target. */
 void gscl_encode_resolve_tune(gscl_encoder *encoder);
 
+/* Whether a file for this target that turns out to be nearly exact is compared with a smaller one that is searched. */
+bool gscl_encode_may_search_smooth(const gscl_encoder *encoder, const gscl_image *image);
 /* Whether the background alone is the result: the image is flat, or the target is no splats. */
 bool gscl_encode_is_background_only(const gscl_encoder *encoder);
 

@@ -5,6 +5,8 @@ const struct gscl_encode_tunables gscl_encode_tunables = {
     .auto_bytes = 256.0,
     .few_splats = 40,
     .min_visual_bytes = 600,
+    .min_smooth_psnr = 47,
+    .max_smooth_pixels = 4e6,
 
     .min_probe_bytes = 100,
     .probe_bits = 34,

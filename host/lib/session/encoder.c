@@ -32,7 +32,7 @@ void gscl_source_free(gscl_source *s) {
 }
 
 void gscl_encoder_release_source(gscl_encoder *e) {
-    if (!gscl_target_is_quality(e->settings.target))
+    if (!gscl_target_is_quality(e->settings.target) && !e->may_search_smooth)
         gscl_source_free(&e->source);
 }
 

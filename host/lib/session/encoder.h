@@ -55,6 +55,7 @@ typedef struct gscl_encoder {
     /* Stages "fit" to "meet the budget". */
     uint64_t random;        /* state of the random generator */
     gscl_coded_image coded; /* the result */
+    bool may_search_smooth; /* another fit follows where the first one is nearly exact: the source is needed for it */
     uint32_t trials;        /* fits of the search for a quality, without its probes; 0 without one */
     double quality;         /* of `coded`, where the target is a quality; NAN: not measured */
 } gscl_encoder;
