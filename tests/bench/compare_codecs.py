@@ -1,22 +1,29 @@
 #!/usr/bin/env python3
-"""Quality against rate of gscl beside JPEG, JPEG 2000, WebP and AVIF on a folder of PNG images: a plot and tables.
+"""Quality against rate of gscl beside JPEG, JPEG 2000, JPEG XL, WebP, AVIF and VVC on a folder of PNG images: a plot and tables.
 
     sh tests/bench/bench.sh compare_codecs FOLDER [--gscl build/gscl] [--codecs NAME,NAME] [--plot FILE.svg]
                                            [--csv FILE] [--points FILE.csv] [--jobs 2] [--document [RESULTS.md]]
 
 gscl has --tune psnr where no other tune is named.  The other codecs are those of Pillow: libjpeg-turbo (4:2:0, optimised),
-OpenJPEG (9/7 wavelet, colour transform), libwebp (method 6) and libavif (speed 4, tuned for PSNR).  Each image is coded at many
-qualities; between two of them the quality is interpolated linearly in the logarithm of the rate.  A curve is the mean over all
-images, and is drawn where every image reaches the rate.  --csv writes every measured point; --points adds points from such a
-file, or from one with the columns image, bpp, psnr and optionally msssim and codec (default: the paper).
+OpenJPEG (9/7 wavelet, colour transform), libjxl of pillow-jxl-plugin (effort 7), libwebp (method 6) and libavif (speed 4, tuned
+for PSNR); and those of ffmpeg in imageio-ffmpeg: libaom at speed 0 with 10 bits, and vvenc (preset medium, 10 bits, 4:2:0, without
+a container).  Each image is coded at many qualities; between two of them the quality is interpolated linearly in the logarithm of
+the rate.  A curve is the mean over all images, and is drawn where every image reaches the rate.  --csv writes every measured point;
+--points adds points from such a file, or from one with the columns image, bpp, psnr and optionally msssim and codec (default: the
+paper).  Marks are means over 24 Kodak images that others have published: published.csv.
 """
 import collections
 import concurrent.futures
 import csv
+import itertools
 import math
 import pathlib
+import re
+import subprocess
 import tempfile
 
+import imageio_ffmpeg
+import pillow_jxl  # noqa: F401 (adds JPEG XL to Pillow)
 from PIL import Image
 
 import codec
@@ -24,6 +31,7 @@ import document
 import plots
 
 PSNR, MS_SSIM = 3, 4  # columns of the measured rows
+PUBLISHED = pathlib.Path(__file__).parent / "published.csv"
 # Bits per pixel.
 RATES = (0.03, 0.042, 0.066, 0.1, 0.125, 0.183, 0.3, 0.5, 1.0)
 TABLE_RATES = (0.042, 0.066, 0.125, 0.183, 0.3, 0.5, 1.0)
@@ -33,11 +41,18 @@ OTHERS = {
     "JPEG": (".jpg", "quality", (1, 2, 3, 5, 8, 12, 17, 24, 33, 45, 58, 72, 84, 92), dict(optimize=True, subsampling="4:2:0")),
     "JPEG 2000": (".jp2", "quality_layers", tuple([24 / rate] for rate in (0.025, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.45, 0.7, 1.1)),
                   dict(irreversible=True, mct=1, quality_mode="rates")),
+    "JPEG XL": (".jxl", "quality", (0, 2, 5, 9, 14, 20, 27, 35, 45, 56, 68, 80), dict(effort=7)),
     "WebP": (".webp", "quality", (0, 1, 3, 6, 10, 16, 25, 36, 50, 65, 78, 88), dict(method=6)),
     "AVIF": (".avif", "quality", (0, 2, 5, 9, 14, 20, 27, 35, 44, 54, 64, 74), dict(speed=4, advanced={"tune": "psnr"})),
 }
-COLOURS = {"gscl": "tab:red", "gscl --tune ssim": "tab:orange", "JPEG": "tab:gray", "JPEG 2000": "tab:blue", "WebP": "tab:green",
-           "AVIF": "tab:purple", "the paper": "black"}
+# By codec: suffix, quality option of ffmpeg, its values, and further options.
+FFMPEG = {
+    "AVIF, speed 0": (".avif", "-crf", (63, 62, 60, 57, 53, 48, 43, 38, 32, 26),
+                      ("-c:v", "libaom-av1", "-still-picture", 1, "-cpu-used", 0, "-b:v", 0, "-aom-params", "tune=psnr")),
+    "VVC": (".vvc", "-qp", (63, 60, 57, 54, 51, 48, 45, 42, 38, 34, 30), ("-c:v", "libvvenc", "-preset", "medium", "-f", "vvc")),
+}
+COLOURS = {"gscl": "tab:red", "gscl --tune ssim": "tab:orange", "JPEG": "tab:gray", "JPEG 2000": "tab:blue", "JPEG XL": "tab:cyan",
+           "WebP": "tab:green", "AVIF": "tab:purple", "AVIF, speed 0": "violet", "VVC": "tab:brown", "the paper": "black"}
 
 
 def measure_gscl(gscl, name, image, rate):
@@ -59,12 +74,32 @@ def measure_other(gscl, name, image, value):
         return name, image.stem, 8 * coded.stat().st_size / pixels, quality["psnr"], quality["ms_ssim"]
 
 
+def run_ffmpeg(*words):
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-loglevel", "error", "-y", *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(command)}: {done.stderr.strip()}")
+
+
+def measure_ffmpeg(gscl, name, image, value):
+    suffix, option, _, fixed_options = FFMPEG[name]
+    with tempfile.TemporaryDirectory() as folder:
+        coded, decoded = pathlib.Path(folder, "coded" + suffix), pathlib.Path(folder, "decoded.png")
+        run_ffmpeg("-i", image, "-pix_fmt", "yuv420p10le", option, value, *fixed_options, coded)
+        run_ffmpeg("-i", coded, "-frames:v", 1, "-pix_fmt", "rgb24", decoded)
+        with Image.open(image) as source:
+            pixels = source.width * source.height
+        quality = codec.compare(gscl, image, decoded)
+        return name, image.stem, 8 * coded.stat().st_size / pixels, quality["psnr"], quality["ms_ssim"]
+
+
 def measure_all(arguments, images):
     """Rows (codec, image, bpp, psnr, ms_ssim)."""
-    chosen = arguments.codecs.split(",") if arguments.codecs else [*VARIANTS, *OTHERS]
+    chosen = re.split(r",(?! )", arguments.codecs) if arguments.codecs else [*VARIANTS, *OTHERS, *FFMPEG]
     others = [name for name in OTHERS if name in chosen]
     tasks = [(measure_other, name, image, value) for image in images for name in others for value in OTHERS[name][2]]
     tasks += [(measure_gscl, name, image, rate) for image in images for name in VARIANTS if name in chosen for rate in RATES]
+    tasks += [(measure_ffmpeg, name, image, value) for image in images for name in FFMPEG if name in chosen for value in FFMPEG[name][2]]
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         return list(pool.map(lambda task: task[0](arguments.gscl, *task[1:]), tasks))
 
@@ -95,6 +130,15 @@ def mean_curve(rows, name, column, rates):
     return curve
 
 
+def mark_published(axis, column):
+    """Marks what others have published: the nearest mean rates, and the name beside the first of them."""
+    marks = itertools.cycle("ovs^Dp*X")
+    for name, points in itertools.groupby(read_points(PUBLISHED), key=lambda row: row[0]):
+        places = [(row[2], row[column]) for row in points if not math.isnan(row[column])]
+        if places:
+            axis.plot(*zip(*places), label=name, linestyle="none", marker=next(marks), markersize=4, color="0.35")
+
+
 def draw(rows, path):
     figure, axes = plots.pyplot.subplots(1, 2, figsize=(10.5, 4.3), constrained_layout=True)
     fine = [0.025 * 1.03 ** i for i in range(130)]
@@ -106,12 +150,13 @@ def draw(rows, path):
             style = dict(color=COLOURS.get(name), linewidth=2.2 if name.startswith("gscl") else 1.3)
             if curve:
                 axis.plot(*zip(*curve), label=name, **style)
+        mark_published(axis, column)
         axis.set(xscale="log", xlabel="bits per pixel", title=title, xlim=(0.028, 1.05))
         axis.set_xticks((0.03, 0.05, 0.1, 0.2, 0.5, 1.0), ("0.03", "0.05", "0.1", "0.2", "0.5", "1"))
         axis.minorticks_off()
         axis.grid(True, alpha=0.3)
     axes[1].set_ylim(0.75, 1.0)
-    axes[0].legend(loc="upper left")
+    axes[0].legend(loc="upper left", fontsize=6, ncols=2)
     plots.save(figure, path)
 
 
@@ -154,7 +199,7 @@ def write_csv(path, rows):
 def main():
     parser = codec.parser(__doc__)
     parser.add_argument("--codecs", default="", help="codecs to measure, separated by commas (default: " +
-                        ", ".join([*VARIANTS, *OTHERS]) + ")")
+                        ", ".join([*VARIANTS, *OTHERS, *FFMPEG]) + ")")
     parser.add_argument("--plot", help="plot to write (default: quality.svg, beside the document if one is given)")
     parser.add_argument("--points", action="append", default=[], help="CSV file of points measured before or elsewhere")
     parser.add_argument("--jobs", type=int, default=2, help="encodes at a time (default %(default)s)")
