@@ -131,12 +131,12 @@ def mean_curve(rows, name, column, rates):
 
 
 def mark_published(axis, column):
-    """Marks what others have published: the nearest mean rates, and the name beside the first of them."""
-    marks = itertools.cycle("ovs^Dp*X")
-    for name, points in itertools.groupby(read_points(PUBLISHED), key=lambda row: row[0]):
+    """Marks the means that others have published."""
+    codecs = itertools.groupby(read_points(PUBLISHED), key=lambda row: row[0])
+    for mark, (name, points) in zip(itertools.cycle("ovs^Dp*X"), codecs):
         places = [(row[2], row[column]) for row in points if not math.isnan(row[column])]
         if places:
-            axis.plot(*zip(*places), label=name, linestyle="none", marker=next(marks), markersize=4, color="0.35")
+            axis.plot(*zip(*places), label=name, linestyle="none", marker=mark, markersize=4, color="0.35")
 
 
 def draw(rows, path):
