@@ -113,9 +113,11 @@ static gscl_result encode_to_quality(gscl_encoder *e, const gscl_image *image) {
     return result;
 }
 
-/* Encodes as the largest file that is searched, without a trace: encoder->coded is the result where its PSNR is higher. */
+/* Encodes as the largest file that is searched, for PSNR and without a trace: encoder->coded is the result where its PSNR is
+ * higher, and again that of `file`, which has the other tune, where it is not. */
 static gscl_result try_searched_file(gscl_encoder *e, const gscl_image *image, double psnr, const encoded_file *file) {
     gscl_encode_trace *trace = e->trace;
+    const gscl_tune tune = e->settings.tune;
     double searched_psnr;
     e->trace = NULL;
     gscl_progress_stage(&e->progress, 1, 1);
@@ -125,12 +127,14 @@ static gscl_result try_searched_file(gscl_encoder *e, const gscl_image *image, d
     e->trials = 2;
     if (result == GSCL_OK)
         result = gscl_encoder_quality(e, image, GSCL_TARGET_PSNR, &searched_psnr);
-    return result != GSCL_OK || searched_psnr > psnr ? result : take_file(e, file);
+    if (result != GSCL_OK || searched_psnr > psnr)
+        return result;
+    e->settings.tune = tune;
+    return take_file(e, file);
 }
 
 /* A smooth image that is nearly exact may be better with fewer bytes: small files are searched. */
 static gscl_result prefer_searched_file(gscl_encoder *e, const gscl_image *image) {
-    const gscl_tune tune = e->settings.tune;
     encoded_file file;
     double psnr;
     if (!e->may_search_smooth)
@@ -140,7 +144,6 @@ static gscl_result prefer_searched_file(gscl_encoder *e, const gscl_image *image
         return GSCL_OK;
     GSCL_TRY(gscl_coded_image_write(&e->coded, &file.bytes, &file.size));
     const gscl_result result = try_searched_file(e, image, psnr, &file);
-    e->settings.tune = tune;
     free(file.bytes);
     return result;
 }
