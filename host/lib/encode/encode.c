@@ -15,6 +15,7 @@
 #include "runtime/struct_size.h"
 #include "runtime/timing.h"
 #include "scalar/encode_scalar.h"
+#include "scalar/tunables.h"
 #include "session/encode_trace.h"
 #include "session/encoder.h"
 
@@ -122,7 +123,7 @@ static gscl_result try_searched_file(gscl_encoder *e, const gscl_image *image, d
     e->trace = NULL;
     gscl_progress_stage(&e->progress, 1, 1);
     e->settings.tune = GSCL_TUNE_PSNR;
-    gscl_result result = encode_once(e, (gscl_size_target){.bytes = (size_t)gscl_encode_tunables.min_visual_bytes - 1});
+    gscl_result result = encode_once(e, (gscl_size_target){.bytes = (size_t)gscl_scalar_tunables.max_search_bytes - 1});
     e->trace = trace;
     e->trials = 2;
     if (result == GSCL_OK)

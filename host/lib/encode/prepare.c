@@ -144,10 +144,10 @@ void gscl_encode_resolve_tune(gscl_encoder *e) {
 
 bool gscl_encode_may_search_smooth(const gscl_encoder *e, const gscl_image *image) {
     const gscl_encode_settings *s = &e->settings;
-    const struct gscl_encode_tunables *t = &gscl_encode_tunables;
     return s->profile == GSCL_PROFILE_DEFAULT && s->loss == GSCL_LOSS_L2 && !s->progressive &&
-           gscl_effort_presets[s->effort].searches > 0 && e->target.bytes >= (size_t)t->min_visual_bytes &&
-           (double)image->width * image->height <= t->max_smooth_pixels;
+           gscl_effort_presets[s->effort].searches > 0 &&
+           e->target.bytes >= (size_t)gscl_scalar_tunables.max_search_bytes &&
+           (double)image->width * image->height <= gscl_encode_tunables.max_smooth_pixels;
 }
 
 bool gscl_encode_is_background_only(const gscl_encoder *e) {

@@ -36,7 +36,7 @@ struct gscl_encode_tunables {
                           lost 4.6 dB to it; to try it takes two drawings */
     int min_visual_bytes; /* bytes; smaller files have the tune PSNR where none is given: on six photographs of 192x128
                              visual costs 0.7 dB and 6 % of Butteraugli at 450 bytes, and 0.1 dB and -8 % at 700 */
-    /* dB; a file whose PSNR is higher is compared with the largest one that is searched, at min_visual_bytes less one.  On
+    /* dB; a file whose PSNR is higher is compared with the largest one that is searched (scalar/tunables.h).  On
      * drawn gradients, glows and ripples of 192x128, files of 800 to 1800 bytes are up to 2.6 dB worse than that without it
      * (53 and 55.9 dB), for an encode in twice the time.  Lower ones were not tried: photographs have 20 to 45 dB. */
     double min_smooth_psnr;
