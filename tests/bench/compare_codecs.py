@@ -18,7 +18,6 @@ import csv
 import itertools
 import math
 import pathlib
-import re
 import subprocess
 import tempfile
 
@@ -47,12 +46,12 @@ OTHERS = {
 }
 # By codec: suffix, quality option of ffmpeg, its values, and further options.
 FFMPEG = {
-    "AVIF, speed 0": (".avif", "-crf", (63, 62, 60, 57, 53, 48, 43, 38, 32, 26),
+    "AVIF speed 0": (".avif", "-crf", (63, 62, 60, 57, 53, 48, 43, 38, 32, 26),
                       ("-c:v", "libaom-av1", "-still-picture", 1, "-cpu-used", 0, "-b:v", 0, "-aom-params", "tune=psnr")),
     "VVC": (".vvc", "-qp", (63, 60, 57, 54, 51, 48, 45, 42, 38, 34, 30), ("-c:v", "libvvenc", "-preset", "medium", "-f", "vvc")),
 }
 COLOURS = {"gscl": "tab:red", "gscl --tune ssim": "tab:orange", "JPEG": "tab:gray", "JPEG 2000": "tab:blue", "JPEG XL": "tab:cyan",
-           "WebP": "tab:green", "AVIF": "tab:purple", "AVIF, speed 0": "violet", "VVC": "tab:brown", "the paper": "black"}
+           "WebP": "tab:green", "AVIF": "tab:purple", "AVIF speed 0": "violet", "VVC": "tab:brown", "the paper": "black"}
 
 
 def measure_gscl(gscl, name, image, rate):
@@ -61,17 +60,23 @@ def measure_gscl(gscl, name, image, rate):
     return name, image.stem, row["bpp"], row["psnr"], row["ms_ssim"]
 
 
+def row_of(gscl, name, image, coded, decoded):
+    """The row of a file, and of what its decoder made of it."""
+    with Image.open(image) as source:
+        pixels = source.width * source.height
+    quality = codec.compare(gscl, image, decoded)
+    return name, image.stem, 8 * coded.stat().st_size / pixels, quality["psnr"], quality["ms_ssim"]
+
+
 def measure_other(gscl, name, image, value):
     suffix, option, _, fixed_options = OTHERS[name]
     with tempfile.TemporaryDirectory() as folder:
         coded, decoded = pathlib.Path(folder, "coded" + suffix), pathlib.Path(folder, "decoded.png")
         with Image.open(image) as source:
-            pixels = source.width * source.height
             source.convert("RGB").save(coded, **{option: value}, **fixed_options)
         with Image.open(coded) as opened:
             opened.convert("RGB").save(decoded)
-        quality = codec.compare(gscl, image, decoded)
-        return name, image.stem, 8 * coded.stat().st_size / pixels, quality["psnr"], quality["ms_ssim"]
+        return row_of(gscl, name, image, coded, decoded)
 
 
 def run_ffmpeg(*words):
@@ -87,15 +92,12 @@ def measure_ffmpeg(gscl, name, image, value):
         coded, decoded = pathlib.Path(folder, "coded" + suffix), pathlib.Path(folder, "decoded.png")
         run_ffmpeg("-i", image, "-pix_fmt", "yuv420p10le", option, value, *fixed_options, coded)
         run_ffmpeg("-i", coded, "-frames:v", 1, "-pix_fmt", "rgb24", decoded)
-        with Image.open(image) as source:
-            pixels = source.width * source.height
-        quality = codec.compare(gscl, image, decoded)
-        return name, image.stem, 8 * coded.stat().st_size / pixels, quality["psnr"], quality["ms_ssim"]
+        return row_of(gscl, name, image, coded, decoded)
 
 
 def measure_all(arguments, images):
     """Rows (codec, image, bpp, psnr, ms_ssim)."""
-    chosen = re.split(r",(?! )", arguments.codecs) if arguments.codecs else [*VARIANTS, *OTHERS, *FFMPEG]
+    chosen = arguments.codecs.split(",") if arguments.codecs else [*VARIANTS, *OTHERS, *FFMPEG]
     others = [name for name in OTHERS if name in chosen]
     tasks = [(measure_other, name, image, value) for image in images for name in others for value in OTHERS[name][2]]
     tasks += [(measure_gscl, name, image, rate) for image in images for name in VARIANTS if name in chosen for rate in RATES]
