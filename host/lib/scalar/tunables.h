@@ -106,14 +106,12 @@ struct gscl_scalar_tunables {
     double search_taken_weight;   /* of the gain of a part, each time that it has been taken */
     double search_size_slope;     /* of the logarithm of the error, by that of the size */
     double search_size_curvature; /* the same, by its square; 0 keeps images that are far too small */
-    double search_removed; /* share of the splats that a round removes; 0 to 0.05 are as good, 0.08 costs 0.05 dB */
-    double search_added;   /* share of the splats that it adds besides; 0.03 to 0.05 are as good */
-    int search_steps;      /* of the fit in a round; 200 take 1.1 times as long and are as good: on 15 photographs of
-                                  0.3 to 0.7 megapixels at 100, 300 and 590 bytes 150 change -0.01 to 0.02 dB; 120 in more
-                                  rounds are as good, 60 cost 0.05 dB */
-    int search_passes;     /* rate-distortion passes in a round; 2 and 5 are as good */
-    double search_first_price;  /* lambda in the first round, in units of error / (2 * bits of the budget) */
-    double search_price_gain;   /* exponent of the price by the size after a round; 1, without splats for
+    double search_removed;     /* share of the splats that a round removes; 0 to 0.05 are as good, 0.08 costs 0.05 dB */
+    double search_added;       /* share of the splats that it adds besides; 0.03 to 0.05 are as good */
+    int search_steps;          /* of the fit in a round; 150 take 0.95 times as long and cost 0.03 dB at 300 bytes */
+    int search_passes;         /* rate-distortion passes in a round; 2 and 5 are as good */
+    double search_first_price; /* lambda in the first round, in units of error / (2 * bits of the budget) */
+    double search_price_gain;  /* exponent of the price by the size after a round; 1, without splats for
                                   the bytes that are missing, costs 0.06 dB at 300 bytes */
     double search_final_pixels; /* of the level of the last part, at least */
     double search_wave_pixels;  /* the same where waves are tried: at 90000 they cost a picture 0.5 dB */
