@@ -1,5 +1,6 @@
 #include "format/check.h"
 
+#include "format/classes.h"
 #include "format/codebooks.h"
 #include "format/container.h"
 #include "format/header.h"
@@ -91,7 +92,8 @@ static bool colour_is_valid(const gsf_coded_image *image, const gsf_splat *splat
 static bool scalar_is_valid(const gsf_coded_image *image) {
     bool valid = steps_are_valid(&image->steps);
     for (uint32_t i = 0; valid && i < image->header.splat_count; i++)
-        valid = shape_is_valid(image, &image->splats[i]) && colour_is_valid(image, &image->splats[i]);
+        valid = shape_is_valid(image, &image->splats[i]) && colour_is_valid(image, &image->splats[i]) &&
+                gsf_packet_may_hold(image, i, image->header.packets, image->header.packet);
     return valid;
 }
 
@@ -111,7 +113,8 @@ static bool indexed_is_valid(const gsf_coded_image *image) {
 
 bool gsf_coded_image_is_valid(const gsf_coded_image *image) {
     if (!gsf_header_is_valid(&image->header) || !background_is_valid(image) ||
-        (image->bare ? image->blocks != NULL : !gsf_blocks_are_valid(image->blocks)))
+        (image->header.packets > 0 && image->identity == GSF_NO_IDENTITY) ||
+        (image->bare || image->header.packets > 0 ? image->blocks != NULL : !gsf_blocks_are_valid(image->blocks)))
         return false;
     if (image->header.splat_count == 0)
         return true;

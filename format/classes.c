@@ -18,7 +18,8 @@ uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat) {
     return GSF_SCALE_CLASSES * s->layer + GSF_MAX_SCALE_CODE - s->major;
 }
 
-gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
+/* The grid of a class in the whole picture. */
+static gsf_grid whole_grid(const gsf_coded_image *image, uint32_t class_no) {
     const gsf_header *header = &image->header;
     if (header->coding == GSF_CODING_CODEBOOK) {
         const uint32_t cells = UINT32_C(1) << image->codebooks.position_bits;
@@ -30,10 +31,81 @@ gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
                       gsf_position_cells(&image->steps, major, header->height), step, step};
 }
 
-gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat) {
+/* ---- The cells of a packet ---- */
+
+/* Whether a packet has a part of the cells only: not where they are few, and each may be needed in several packets. */
+static bool is_thinned(const gsf_grid *grid, uint32_t packets) {
+    return packets > 1 && (grid->cells_x >= 2 * packets || grid->cells_y >= 2 * packets);
+}
+
+static bool is_thinned_in_x(const gsf_grid *grid) {
+    return grid->cells_x >= grid->cells_y;
+}
+
+/* By how many cells the next row (column) of a packet's cells lies further on, so that they spread evenly. */
+static uint32_t packet_skew(uint32_t packets) {
+    uint32_t skew = 1;
+    while (skew * (skew + 1) < packets)
+        skew++;
+    return skew;
+}
+
+/* The first cell of a packet in this row (column). */
+static uint32_t first_cell(uint32_t packets, uint32_t packet, uint32_t row) {
+    return (packet + packet_skew(packets) * row) % packets;
+}
+
+gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
+    gsf_grid grid = whole_grid(image, class_no);
+    const uint32_t packets = image->header.packets;
+    if (!is_thinned(&grid, packets))
+        return grid;
+    const bool in_x = is_thinned_in_x(&grid);
+    uint32_t *cells = in_x ? &grid.cells_x : &grid.cells_y;
+    *cells = (*cells + packets - 1) / packets;
+    *(in_x ? &grid.pitch_x : &grid.pitch_y) *= packets;
+    return grid;
+}
+
+gsf_point gsf_class_cell(const gsf_coded_image *image, uint32_t class_no, gsf_point point) {
+    const gsf_grid grid = whole_grid(image, class_no);
+    const uint32_t packets = image->header.packets;
+    if (!is_thinned(&grid, packets))
+        return point;
+    const bool in_x = is_thinned_in_x(&grid);
+    uint32_t *thinned = in_x ? &point.x : &point.y;
+    const uint32_t last = (in_x ? grid.cells_x : grid.cells_y) - 1;
+    const uint32_t cell = *thinned * packets + first_cell(packets, image->header.packet, in_x ? point.y : point.x);
+    *thinned = cell < last ? cell : last;
+    return point;
+}
+
+static gsf_point whole_point(const gsf_coded_image *image, uint32_t splat) {
     if (image->header.coding == GSF_CODING_CODEBOOK)
         return (gsf_point){image->indexed[splat].x, image->indexed[splat].y};
     const gsf_splat *s = &image->splats[splat];
     const gsf_splat_grid grid = gsf_splat_grid_of(&image->header, &image->steps, s);
     return (gsf_point){s->x / grid.parts_x, s->y / grid.parts_y};
+}
+
+gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat) {
+    gsf_point point = whole_point(image, splat);
+    const uint32_t packets = image->header.packets;
+    if (packets <= 1)
+        return point;
+    const gsf_grid grid = whole_grid(image, gsf_class_of(image, splat));
+    if (is_thinned(&grid, packets))
+        *(is_thinned_in_x(&grid) ? &point.x : &point.y) /= packets;
+    return point;
+}
+
+bool gsf_packet_may_hold(const gsf_coded_image *image, uint32_t splat, uint32_t packets, uint32_t packet) {
+    const gsf_grid grid = whole_grid(image, gsf_class_of(image, splat));
+    if (!is_thinned(&grid, packets))
+        return true;
+    const gsf_point point = whole_point(image, splat);
+    const bool in_x = is_thinned_in_x(&grid);
+    const uint32_t cell = in_x ? point.x : point.y, last = (in_x ? grid.cells_x : grid.cells_y) - 1;
+    const uint32_t first = first_cell(packets, packet, in_x ? point.y : point.x);
+    return cell % packets == first || (cell == last && first > last % packets);
 }

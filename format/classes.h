@@ -12,8 +12,14 @@ uint32_t gsf_class_count(const gsf_coded_image *image);
 /* The code of the major axis in a class of scalar coding. */
 unsigned gsf_class_major(uint32_t class_no);
 uint32_t gsf_class_of(const gsf_coded_image *image, uint32_t splat);
+/* Its grid; in a packet, that of the cells of the packet (FORMAT.md, "Packets"). */
 gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no);
-/* The cell of its class's grid in which a splat lies. */
+/* The cell of this grid in which a splat lies. */
 gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat);
+/* The cell of the whole picture's grid of the class for a cell of gsf_class_grid. */
+gsf_point gsf_class_cell(const gsf_coded_image *image, uint32_t class_no, gsf_point point);
+
+/* Whether a splat may be in this one of `packets` packets.  A splat that all may hold may be in several. */
+bool gsf_packet_may_hold(const gsf_coded_image *image, uint32_t splat, uint32_t packets, uint32_t packet);
 
 #endif

@@ -64,6 +64,11 @@ static gsf_result get_varint(cursor *c, uint32_t *value) {
     return GSF_CORRUPT;
 }
 
+size_t gsf_get_varint(const uint8_t *bytes, size_t size, uint32_t *value) {
+    cursor c = {bytes, bytes + size};
+    return get_varint(&c, value) == GSF_OK ? (size_t)(c.at - bytes) : 0;
+}
+
 static gsf_result keep_block(gsf_container *container, unsigned type, bool mandatory, gsf_bytes content) {
     for (unsigned i = 0; i < GSF_BLOCK_COUNT; i++) {
         if (TYPES[i] != type)
@@ -158,7 +163,7 @@ gsf_result gsf_open_container_prefix(const uint8_t *bytes, size_t size, gsf_cont
 
 /* ---- Writing ---- */
 
-static size_t varint_size(size_t value) {
+size_t gsf_varint_size(size_t value) {
     return value < 1u << 7 ? 1 : value < 1u << 14 ? 2 : 3;
 }
 
@@ -166,7 +171,7 @@ static size_t varint_size(size_t value) {
 static size_t list_size(const gsf_bytes *blocks, unsigned first, unsigned end) {
     size_t size = 0;
     for (unsigned i = first; blocks && i < end; i++)
-        size += blocks[i].data ? 1 + varint_size(blocks[i].size) + blocks[i].size : 0;
+        size += blocks[i].data ? 1 + gsf_varint_size(blocks[i].size) + blocks[i].size : 0;
     return size;
 }
 
@@ -195,7 +200,7 @@ bool gsf_blocks_are_valid(const gsf_bytes *blocks) {
                      blocks[GSF_BLOCK_COLOUR_SPACE].size == GSF_COLOUR_SPACE_SIZE);
 }
 
-static uint8_t *put_varint(uint8_t *at, size_t value) {
+uint8_t *gsf_put_varint(uint8_t *at, size_t value) {
     for (; value >= 0x80; value >>= 7)
         *at++ = (uint8_t)(value | 0x80);
     *at++ = (uint8_t)value;
@@ -209,7 +214,7 @@ static uint8_t *put_list(uint8_t *at, const gsf_bytes *blocks, unsigned first, u
             continue;
         last = at;
         *at++ = TYPES[i];
-        at = put_varint(at, blocks[i].size);
+        at = gsf_put_varint(at, blocks[i].size);
         memcpy(at, blocks[i].data, blocks[i].size);
         at += blocks[i].size;
     }

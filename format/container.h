@@ -28,6 +28,12 @@ void gsf_put_container_end(uint8_t *bytes, size_t size, const gsf_bytes *blocks)
 /* Whether the sizes of blocks are within their limits (writer). */
 bool gsf_blocks_are_valid(const gsf_bytes *blocks);
 
+/* Numbers of 7 bits a byte (FORMAT.md, "Blocks"), at most 2^21 - 1: the size of one; writes one, and returns the byte behind
+ * it; reads one, and returns its size, 0 where it is not complete or not valid. */
+size_t gsf_varint_size(size_t value);
+uint8_t *gsf_put_varint(uint8_t *at, size_t value);
+size_t gsf_get_varint(const uint8_t *bytes, size_t size, uint32_t *value);
+
 /* The check of these bytes: CRC-16/GENIBUS. */
 uint16_t gsf_crc16(const uint8_t *bytes, size_t size);
 

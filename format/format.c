@@ -7,7 +7,9 @@
 #include "format/container.h"
 #include "format/header.h"
 #include "format/order.h"
+#include "format/packet.h"
 #include "format/payload.h"
+#include "format/picture.h"
 
 /* Sorting and coding use the memory one after the other. */
 size_t gsf_scratch_size(const gsf_header *header) {
@@ -37,6 +39,8 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_hea
     gsf_container container;
     gsf_coder coder;
     *header = (gsf_header){.width = 0};
+    if (!bare && gsf_is_packet_list(bytes, size))
+        return gsf_read_list_header(bytes, size, header);
     const gsf_result result = open_file(bytes, size, bare, &container);
     if (result != GSF_OK)
         return result;
@@ -45,32 +49,22 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_hea
     return gsf_coder_overrun(&coder) ? result_of_picture(GSF_TRUNCATED, &container, bare) : GSF_OK;
 }
 
+/* Bytes around a picture without blocks. */
+static size_t frame_size(const gsf_coded_image *image) {
+    const gsf_bytes none[GSF_BLOCK_COUNT] = {{NULL, 0}};
+    if (image->header.packets > 0)
+        return GSF_PACKET_FRAME;
+    return image->bare ? 0 : gsf_container_start_size(none) + gsf_container_end_size(none);
+}
+
 /* Resets the counters and adds the bits of the container. */
 static void count_container(const gsf_coded_image *image, size_t size, size_t picture_size) {
     if (!GSF_STREAM_BITS(image))
         return;
-    const gsf_bytes none[GSF_BLOCK_COUNT] = {{NULL, 0}};
-    const size_t all = size - picture_size;
-    const size_t fixed = image->bare ? 0 : gsf_container_start_size(none) + gsf_container_end_size(none);
+    const size_t all = size - picture_size, fixed = all > 0 ? frame_size(image) : 0;
     memset(image->stream_bits256, 0, GSF_STREAM_COUNT * sizeof *image->stream_bits256);
     image->stream_bits256[GSF_STREAM_CONTAINER] = (uint64_t)fixed * 8 * 256;
     image->stream_bits256[GSF_STREAM_BLOCKS] = (uint64_t)(all - fixed) * 8 * 256;
-}
-
-/* A picture is valid only if the decoder consumes exactly its bytes. */
-static bool is_at_end(const gsf_coder *coder) {
-    return coder->decoder.position == coder->decoder.size + GSF_IMPLIED_BYTES;
-}
-
-static gsf_result read_picture(gsf_coded_image *image, gsf_bytes picture, void *scratch) {
-    gsf_coder coder;
-    gsf_coder_read_from(&coder, picture.data, picture.size, image->stream_bits256);
-    gsf_code_header(&coder, image);
-    const bool valid =
-        !gsf_coder_overrun(&coder) && gsf_code_payload(&coder, image, gsf_workspace_in(&image->header, scratch));
-    if (gsf_coder_overrun(&coder))
-        return GSF_TRUNCATED;
-    return valid && is_at_end(&coder) ? GSF_OK : GSF_CORRUPT;
 }
 
 /* Clears the fields that reading sets.  The arrays and the pointers to them stay. */
@@ -85,19 +79,34 @@ static void clear_fields(gsf_coded_image *image) {
     books->shape_count = books->colour_count = 0;
 }
 
+/* Reads a list of packets, which takes the bits of the pictures that it reads from those of the container. */
+static gsf_result read_list(const uint8_t *list, size_t size, gsf_coded_image *image, void *scratch) {
+    count_container(image, 0, 0);
+    if (GSF_STREAM_BITS(image))
+        image->stream_bits256[GSF_STREAM_CONTAINER] = (uint64_t)size * 8 * 256;
+    return gsf_read_list(list, size, image, scratch);
+}
+
 gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, void *scratch) {
     gsf_container container;
     clear_fields(image);
+    if (!image->bare && gsf_is_packet_list(bytes, size))
+        return read_list(bytes, size, image, scratch);
     const gsf_result result = open_file(bytes, size, image->bare, &container);
     if (result != GSF_OK)
         return result;
     count_container(image, size, container.picture.size);
-    return result_of_picture(read_picture(image, container.picture, scratch), &container, image->bare);
+    return result_of_picture(gsf_read_picture(image, container.picture, scratch), &container, image->bare);
 }
 
 gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *image, uint32_t *total, void *scratch) {
     gsf_container container = {.picture = {bytes, size}};
     gsf_coder coder;
+    if (!image->bare && gsf_is_packet_list(bytes, size)) {
+        const gsf_result whole = gsf_read(bytes, size, image, scratch);
+        *total = image->header.splat_count;
+        return whole;
+    }
     clear_fields(image);
     const gsf_result result = image->bare ? GSF_OK : gsf_open_container_prefix(bytes, size, &container);
     if (result != GSF_OK)
@@ -116,7 +125,8 @@ gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *i
     gsf_workspace *workspace = gsf_workspace_in(&image->header, scratch);
     const bool valid = gsf_code_payload(&coder, image, workspace);
     *total = image->header.splat_count;
-    if (image->bare && valid && is_at_end(&coder)) /* a bare file has no check: that it is whole shows here */
+    if (image->bare && valid &&
+        gsf_picture_is_at_end(&coder)) /* a bare file has no check: that it is whole shows here */
         return GSF_OK;
     if (!has_header)
         return GSF_TRUNCATED;
@@ -139,6 +149,8 @@ static size_t max_splits(const gsf_coded_image *image) {
 
 /* Bytes around the picture. */
 static size_t container_size(const gsf_coded_image *image) {
+    if (image->header.packets > 0)
+        return GSF_PACKET_FRAME;
     return image->bare ? 0 : gsf_container_start_size(image->blocks) + gsf_container_end_size(image->blocks);
 }
 
@@ -157,16 +169,21 @@ void gsf_sort(gsf_coded_image *image, void *scratch) {
     gsf_sort_splats(image, (gsf_workspace *)scratch + 1); /* records need the alignment of the workspace */
 }
 
-/* The coder counts the bytes that do not fit, so that a capacity of 0 gives the size alone, without bits by stream. */
-static gsf_result write_picture(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
-    gsf_coder coder;
-    gsf_coder_write_to(&coder, bytes, capacity, capacity > 0 ? image->stream_bits256 : NULL);
-    gsf_code_header(&coder, image);
-    if (!gsf_code_payload(&coder, image, gsf_workspace_in(&image->header, scratch)))
-        return GSF_INVALID;
-    gsf_range_encoder_finish(&coder.encoder);
-    *size = coder.encoder.size;
-    return *size <= capacity ? GSF_OK : GSF_NO_SPACE;
+/* Bytes before the picture. */
+static size_t start_size(const gsf_coded_image *image) {
+    if (image->header.packets > 0)
+        return 1;
+    return image->bare ? 0 : gsf_container_start_size(image->blocks);
+}
+
+/* Writes what surrounds the picture. */
+static void put_container(const gsf_coded_image *image, uint8_t *bytes, size_t picture_size) {
+    if (image->header.packets > 0) {
+        gsf_put_packet_frame(bytes, picture_size, image->identity);
+    } else if (!image->bare) {
+        gsf_put_container_start(bytes, image->blocks);
+        gsf_put_container_end(bytes, start_size(image) + picture_size, image->blocks);
+    }
 }
 
 gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch) {
@@ -177,16 +194,13 @@ gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, si
     const size_t around = container_size(image);
     if (capacity < around)
         return GSF_NO_SPACE;
-    const size_t start = image->bare ? 0 : gsf_container_start_size(image->blocks);
     count_container(image, around, 0);
     gsf_sort(image, scratch);
-    const gsf_result result = write_picture(image, bytes + start, capacity - around, &picture_size, scratch);
+    const gsf_result result =
+        gsf_write_picture(image, bytes + start_size(image), capacity - around, &picture_size, scratch);
     if (result != GSF_OK)
         return result;
-    if (!image->bare) {
-        gsf_put_container_start(bytes, image->blocks);
-        gsf_put_container_end(bytes, start + picture_size, image->blocks);
-    }
+    put_container(image, bytes, picture_size);
     *size = around + picture_size;
     return GSF_OK;
 }
@@ -196,7 +210,7 @@ gsf_result gsf_size(gsf_coded_image *image, size_t *size, void *scratch) {
     *size = 0;
     if (!gsf_coded_image_is_valid(image))
         return GSF_INVALID;
-    const gsf_result result = write_picture(image, NULL, 0, &picture_size, scratch);
+    const gsf_result result = gsf_write_picture(image, NULL, 0, &picture_size, scratch);
     if (result == GSF_INVALID)
         return result;
     *size = container_size(image) + picture_size;

@@ -21,7 +21,10 @@
  *     order         the stored order
  *     check         the rules that an image must keep
  *     payload       everything after the header of a picture
+ *     picture       the header and all after it, in one stream
  *     container     what surrounds a picture in a file
+ *     packet        parts of a picture that can be drawn alone, and lists of them
+ *     repair        packets from which others are computed that were lost
  *     format        this public face: whole files */
 #ifndef GSCL_FORMAT_FORMAT_H
 #define GSCL_FORMAT_FORMAT_H
@@ -39,8 +42,9 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_hea
 /* Bytes of working memory (aligned for uint64_t) that the functions below need at `scratch`. */
 size_t gsf_scratch_size(const gsf_header *header);
 
-/* Reads and checks a whole file, of the form that image->bare says.  `splats` or `indexed` (and the codebook arrays)
- * must be in place.  Never reads outside bytes[0..size), whatever it holds. */
+/* Reads and checks a whole file, of the form that image->bare says, or a list of packets (packet.h), which need not be all
+ * of a picture.  `splats` or `indexed` (and the codebook arrays) must be in place.  Never reads outside bytes[0..size),
+ * whatever it holds. */
 gsf_result gsf_read(const uint8_t *bytes, size_t size, gsf_coded_image *image, void *scratch);
 
 /* Reads what the first bytes of a file hold, of the form that image->bare says; more may follow.  *total is the number
@@ -51,10 +55,11 @@ gsf_result gsf_read_prefix(const uint8_t *bytes, size_t size, gsf_coded_image *i
 /* An upper bound of the size of the written file. */
 size_t gsf_write_bound(const gsf_coded_image *image);
 
-/* Writes the image, with its blocks unless it is bare, and sets *size to the size of the file.  Sorts image->splats (or
- * ->indexed) into the stored order in place and zeroes the codes of effects that are off, so that afterwards the image
- * equals the one that gsf_read would return.  The file is a function of the image alone.  Returns GSF_INVALID when a
- * value is outside the format's limits, or when the splats together cover more pixels than FORMAT.md's "Limits" allow. */
+/* Writes the image, with its blocks unless it is bare, or as a packet where header.packets is not 0, and sets *size to the
+ * size of the file.  Sorts image->splats (or ->indexed) into the stored order in place and zeroes the codes of effects that
+ * are off, so that afterwards the image equals the one that gsf_read would return.  The file is a function of the image
+ * alone.  Returns GSF_INVALID when a value is outside the format's limits, or when the splats together cover more pixels
+ * than FORMAT.md's "Limits" allow. */
 gsf_result gsf_write(gsf_coded_image *image, uint8_t *bytes, size_t capacity, size_t *size, void *scratch);
 
 /* Counts the exact size of the file that gsf_write would write, without writing it.  The splats must be in the stored

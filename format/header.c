@@ -16,6 +16,13 @@ static bool has_transparency(gsf_layout layout) {
     return layout == GSF_GREY_ALPHA || layout == GSF_RGBA;
 }
 
+static bool packet_is_valid(const gsf_header *header) {
+    if (header->packets == 0)
+        return header->packet == 0;
+    return header->packets <= GSF_MAX_PACKETS && header->packet < header->packets &&
+           header->coding == GSF_CODING_SCALAR && header->enhancement_layers == 0;
+}
+
 bool gsf_header_is_valid(const gsf_header *header) {
     return (unsigned)header->blend <= GSF_BLEND_SUM && (unsigned)header->coding <= GSF_CODING_CODEBOOK &&
            (unsigned)header->layout <= GSF_RGBA && (has_colour(header->layout) || !header->has_chroma) &&
@@ -23,7 +30,8 @@ bool gsf_header_is_valid(const gsf_header *header) {
            (header->has_anisotropy || !header->has_rotation) &&
            (header->coding == GSF_CODING_SCALAR || (!header->has_texture && header->enhancement_layers == 0)) &&
            header->enhancement_layers < GSF_MAX_LAYERS && header->width >= 1 && header->width <= GSF_MAX_DIMENSION &&
-           header->height >= 1 && header->height <= GSF_MAX_DIMENSION && header->splat_count <= GSF_MAX_SPLATS;
+           header->height >= 1 && header->height <= GSF_MAX_DIMENSION && header->splat_count <= GSF_MAX_SPLATS &&
+           packet_is_valid(header);
 }
 
 /* ---- Symbols of fixed probabilities ---- */
@@ -66,6 +74,18 @@ static uint32_t code_number(gsf_coder *coder, uint32_t value, const uint16_t *fr
     return number;
 }
 
+/* ---- Packet ---- */
+
+static const uint16_t PACKET_LENGTHS[] = {8, 2, 3, 4, 4, 3, 2, 1, 1}; /* of the number of packets - 1 */
+
+/* Codes which packet this is.  A reader has set header->packets where it is one. */
+static void code_packet(gsf_coder *coder, gsf_header *header) {
+    if (header->packets == 0)
+        return;
+    header->packets = (uint16_t)(1 + code_number(coder, header->packets - 1u, PACKET_LENGTHS, LENGTH(PACKET_LENGTHS)));
+    header->packet = (uint8_t)gsf_code_uniform(coder, header->packet, header->packets);
+}
+
 /* ---- Kind ---- */
 
 static const uint16_t BLENDS[] = {10, 4, 2};
@@ -83,12 +103,14 @@ static void set_ordinary(gsf_header *h) {
                       .layout = GSF_RGB,
                       .has_chroma = true,
                       .has_rotation = true,
-                      .has_anisotropy = true};
+                      .has_anisotropy = true,
+                      .packets = h->packets,
+                      .packet = h->packet};
 }
 
 static void code_special(gsf_coder *coder, gsf_header *h) {
     h->blend = (gsf_blend)code_fixed(coder, h->blend, BLENDS, LENGTH(BLENDS));
-    h->coding = (gsf_coding)code_flag(coder, h->coding == GSF_CODING_CODEBOOK, 3);
+    h->coding = h->packets > 0 ? GSF_CODING_SCALAR : (gsf_coding)code_flag(coder, h->coding == GSF_CODING_CODEBOOK, 3);
     h->layout = (gsf_layout)code_fixed(coder, h->layout, LAYOUTS, LENGTH(LAYOUTS));
     h->high_bit_depth = code_flag(coder, h->high_bit_depth, 4);
     h->has_chroma = has_colour(h->layout) && code_flag(coder, h->has_chroma, 12);
@@ -155,7 +177,8 @@ static void code_size(gsf_coder *coder, gsf_header *header) {
 static void code_layers(gsf_coder *coder, gsf_header *header) {
     const uint32_t layers = header->enhancement_layers;
     header->enhancement_layers = 0;
-    if (header->coding == GSF_CODING_SCALAR && header->splat_count > 0 && code_flag(coder, layers > 0, 1))
+    if (header->coding == GSF_CODING_SCALAR && header->packets == 0 && header->splat_count > 0 &&
+        code_flag(coder, layers > 0, 1))
         header->enhancement_layers = (uint8_t)(1 + gsf_code_uniform(coder, layers - 1, GSF_MAX_LAYERS - 1));
 }
 
@@ -164,6 +187,7 @@ static const uint16_t COUNT_LENGTHS[] = {2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 
 
 void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
     gsf_coder_count_in(coder, GSF_STREAM_HEADER);
+    code_packet(coder, header);
     code_kind(coder, header);
     code_size(coder, header);
     const uint32_t count = code_number(coder, header->splat_count, COUNT_LENGTHS, LENGTH(COUNT_LENGTHS));
@@ -171,7 +195,7 @@ void gsf_code_fields(gsf_coder *coder, gsf_header *header) {
     code_layers(coder, header);
 }
 
-gsf_steps gsf_default_steps(uint32_t splat_count) {
+gsf_steps gsf_default_steps(uint64_t splat_count) {
     const uint8_t finer = splat_count >= GSF_MANY_SPLATS;
     return (gsf_steps){.scale = 6,
                        .position = 8,
@@ -202,7 +226,7 @@ static void code_pivot(gsf_coder *coder, const gsf_header *header, gsf_steps *st
 }
 
 static void code_step_indices(gsf_coder *coder, const gsf_header *header, gsf_steps *steps) {
-    gsf_steps defaults = used_steps(header, gsf_default_steps(header->splat_count));
+    gsf_steps defaults = used_steps(header, gsf_default_steps(gsf_all_splats(header)));
     *steps = used_steps(header, *steps);
     defaults.pivot = steps->pivot;
     uint8_t *own[] = {&steps->scale,  &steps->position, &steps->angle,  &steps->luma,

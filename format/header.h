@@ -13,9 +13,10 @@ bool gsf_header_is_valid(const gsf_header *header);
 
 /* The steps that take one bit in a file with so many splats: finer colours from GSF_MANY_SPLATS on. */
 #define GSF_MANY_SPLATS 640u
-gsf_steps gsf_default_steps(uint32_t splat_count);
+gsf_steps gsf_default_steps(uint64_t splat_count);
 
-/* Codes kind, size and number of splats.  Every decoded header is valid. */
+/* Codes kind, size and number of splats, and before them what a packet says of itself: a reader sets header->packets to 1
+ * for a packet, to 0 for a whole picture.  Every decoded header is valid. */
 void gsf_code_fields(gsf_coder *coder, gsf_header *header);
 /* Codes the whole header: the fields, the steps of scalar coding where there are splats, and the background.  The caller
  * checks whether the input ran out. */

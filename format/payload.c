@@ -18,7 +18,8 @@ static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
     }
 }
 
-static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_no, gsf_point at) {
+static void place_splat(gsf_coded_image *image, uint32_t splat, uint32_t class_no, gsf_point point) {
+    const gsf_point at = gsf_class_cell(image, class_no, point);
     if (image->header.coding == GSF_CODING_SCALAR)
         image->splats[splat] = (gsf_splat){
             .layer = class_no / GSF_SCALE_CLASSES, .major = (uint16_t)gsf_class_major(class_no), .x = at.x, .y = at.y};

@@ -42,11 +42,15 @@ uint32_t gsf_position_parts(const gsf_steps *steps, unsigned aspect) {
     return (uint32_t)((((uint64_t)POWER[exponent % 32] << (exponent / 32)) + (1u << 23)) >> 24);
 }
 
+uint64_t gsf_all_splats(const gsf_header *header) {
+    return (uint64_t)header->splat_count * (header->packets > 0 ? header->packets : 1u);
+}
+
 unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps) {
     const uint64_t area = (uint64_t)header->width * header->height << 16; /* of the image, in 1/256 pixel squared */
     for (unsigned code = 0; code < GSF_MAX_SCALE_CODE; code++) {
         const uint64_t sigma = gsf_sigma_q16(steps, code) >> 8;
-        if (sigma * sigma * header->splat_count >= area) /* below 2^64: the area is below 2^44, a step below 2^4 */
+        if (sigma * sigma * gsf_all_splats(header) >= area) /* below 2^64: the area is below 2^44, a step below 2^4 */
             return code;
     }
     return GSF_MAX_SCALE_CODE;

@@ -18,6 +18,8 @@ uint32_t gsf_position_parts(const gsf_steps *steps, unsigned aspect);
 /* Number of angles in half a turn for an aspect code: ceil(pi / QT * (a - 1/a)) clamped to 1..GSF_MAX_ANGLES with
  * a = 2^(aspect * (steps->scale + 4) / 32), QT = (steps->angle + 2) / 16.  theta = code * pi / count. */
 unsigned gsf_angle_count(const gsf_steps *steps, unsigned aspect);
+/* The splats of the whole picture; a packet takes all packets to have as many as it has. */
+uint64_t gsf_all_splats(const gsf_header *header);
 /* The major code of a typical splat: the smallest with which as many circles of that sigma have, as squares, the area of
  * the image.  0..GSF_MAX_SCALE_CODE. */
 unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps);

@@ -12,6 +12,8 @@
 #define GSF_MAX_CODEBOOK 1024 /* code words in either codebook */
 #define GSF_MAX_CHANNELS 4
 #define GSF_MAX_LAYERS 8
+#define GSF_MAX_PACKETS 256
+#define GSF_NO_IDENTITY 0xC7u /* no packet begins with it: files do */
 
 typedef enum gsf_result {
     GSF_OK = 0,
@@ -48,6 +50,8 @@ typedef struct gsf_header {
     uint32_t width, height;     /* pixels, 1..GSF_MAX_DIMENSION */
     uint32_t splat_count;       /* 0..GSF_MAX_SPLATS */
     uint8_t enhancement_layers; /* layers of splats after the base layer, 0..GSF_MAX_LAYERS - 1; scalar coding only */
+    uint16_t packets; /* of a packet: how many the picture has, 1..GSF_MAX_PACKETS; 0: it is a whole picture */
+    uint8_t packet;   /* of a packet: its number */
 } gsf_header;
 
 /* Quantiser steps of scalar coding, as the indices that are stored (0..15 each).  quantiser.h converts them to pixels
@@ -164,6 +168,8 @@ typedef struct gsf_coded_image {
     gsf_indexed_splat *indexed;            /* codebook coding: array of splat_count */
     uint64_t *stream_bits256;              /* out: 1/256 bits of each stream, GSF_STREAM_COUNT numbers; may be NULL */
     bool bare;                             /* in: the file is the picture alone */
+    uint8_t identity;                      /* in, writing a packet: of its picture, not GSF_NO_IDENTITY */
+    uint32_t packets_read;                 /* out, reading a list of packets: those whose splats it has */
     const gsf_bytes *blocks;               /* in, writing: GSF_BLOCK_COUNT of them, or NULL; without `bare` only */
 } gsf_coded_image;
 

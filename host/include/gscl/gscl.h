@@ -98,6 +98,7 @@ typedef enum gscl_result {
     GSCL_ERROR_CORRUPT = 24,          /* the check matches, but the file breaks a rule of the format */
     GSCL_ERROR_LIMIT = 25,            /* decoding needs more than max_pixels or max_work; the message has the figures */
     GSCL_ERROR_UNKNOWN_BLOCK = 26,    /* a block of a type unknown here that a reader must understand */
+    GSCL_ERROR_OTHER_PICTURE = 27,    /* a packet of another picture than those before it */
     GSCL_ERROR_IMAGE_SIZE = 30,       /* an image without pixels or larger than GSCL_MAX_DIMENSION */
     GSCL_ERROR_IMAGE_NOT_FINITE = 31, /* NaN or infinite samples */
     GSCL_ERROR_BUDGET_TOO_SMALL = 40, /* the message names the smallest possible size */
@@ -145,8 +146,8 @@ typedef struct gscl_device_info {
  * of the format. */
 #define GSCL_HOST_DEVICE "host"
 
-/* Lists all devices that encode: those of OpenCL in the order of their ids, then the processor.  *devices is the first one; the caller releases the whole list with
- * gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device, or no OpenCL loader. */
+/* Lists all devices that encode: those of OpenCL in the order of their ids, then the processor.  *devices is the first one;
+ * the caller releases the whole list with gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device, or no OpenCL loader. */
 GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices);
 
 typedef enum gscl_log_level {
@@ -374,6 +375,19 @@ typedef struct gscl_encode_settings {
                          default false */
     const gscl_block
         *blocks; /* copied into the file and counted by its targets in bytes; not with `bare`; default NULL */
+    uint32_t
+        packet_size; /* largest size of a packet, GSCL_MIN_PACKET_SIZE..GSCL_MAX_PACKET_SIZE bytes: writes packets (see
+                              "Packets") instead of a file; default 0: a file.  Default profile only, with a target in
+                              bytes or AUTO; not with `bare`, `progressive` or `blocks` */
+    uint32_t
+        packet_count; /* 1..GSCL_MAX_PACKETS packets, which together are the target; default 0: as many as the target,
+                              which is of all packets, needs */
+    uint32_t packet_identity; /* of the picture: 1..255, but not 199; default 0: a number that follows from the picture.
+                                 A sender of many pictures counts through them, so that no two in a row have the same */
+    double
+        packet_loss; /* share of packets that are expected to be lost, 0..0.9: some packets become repair packets, from
+                           which as many others are computed again as are lost, so that the expected quality is best;
+                           default 0: none */
 } gscl_encode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_encode_settings_default. */
@@ -422,13 +436,54 @@ typedef struct gscl_encode_report {
     double ssimulacra2; /* of the decoded file against the image, where the target is SSIMULACRA2; else NaN */
 } gscl_encode_report;
 
-/* Encodes `image` into a new buffer *bytes of *size bytes, which the caller releases with gscl_free.
+/* Encodes `image` into a new buffer *bytes of *size bytes, which the caller releases with gscl_free: a file or, with
+ * settings->packet_size, a list of packets.
  * `settings` may be NULL for the defaults.  `report` may be NULL.  Errors: GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
  * _CONFLICT, _IMAGE_SIZE, _IMAGE_NOT_FINITE, _BUDGET_TOO_SMALL, _TARGET_UNREACHABLE, _CANCELLED, and those of memory and
  * the device. */
 GSCL_API GSCL_CHECKED gscl_result gscl_encode(gscl_context *context, const gscl_image *image,
                                               const gscl_encode_settings *settings, uint8_t **bytes, size_t *size,
                                               gscl_encode_report *report);
+
+/* ---- Packets ------------------------------------------------------------------------------- */
+
+/* A picture may be divided into packets for radio and other links that lose some of them.  Each can be drawn by itself, any
+ * number of them together, and the order in which they come does not matter.  Repair packets besides (setting packet_loss)
+ * draw nothing; any of them replaces any other that is lost.
+ *
+ * gscl_encode writes a list of packets, which gscl_next_packet takes apart.  Functions that read files read lists, too:
+ * of the packets that the first one has the picture of, those that are neither damaged nor repeated.  A receiver that gets
+ * packets one by one uses a gscl_decoder. */
+
+#define GSCL_MIN_PACKET_SIZE 40   /* bytes */
+#define GSCL_MAX_PACKET_SIZE 1400 /* bytes */
+#define GSCL_MAX_PACKETS 256      /* of a picture */
+
+/* Takes the next packet from a list.  *position is 0 before the first call and belongs to this function.  *packet points
+ * into the list.  Returns false, and leaves all else as it is, behind the last packet and where the list is cut off or is
+ * none. */
+GSCL_API bool gscl_next_packet(const uint8_t *list, size_t size, size_t *position, const uint8_t **packet,
+                               size_t *packet_size);
+
+/* Appends a packet to a list, which grows: *list is NULL, or a list that the caller releases with gscl_free.  The packet may
+ * be damaged; it is not looked into.  Errors: GSCL_ERROR_INVALID_ARGUMENT, _OUT_OF_MEMORY; the list then stays as it is. */
+GSCL_API GSCL_CHECKED gscl_result gscl_append_packet(uint8_t **list, size_t *size, const uint8_t *packet,
+                                                     size_t packet_size);
+
+/* Which packet this is, from its bytes alone. */
+typedef struct gscl_packet_info {
+    size_t struct_size;     /* set by the caller */
+    uint32_t identity;      /* of the picture, 0..255 */
+    uint32_t number;        /* of the packet, from 0 on; repair packets come after those that have splats */
+    uint32_t count;         /* packets of the picture that have splats; 0 in a repair packet, which does not say it */
+    uint32_t width, height; /* encoded size of the picture, pixels; 0 in a repair packet */
+    uint32_t splats;        /* in this packet */
+    bool repair;            /* it has no splats: with others it replaces packets that are lost */
+} gscl_packet_info;
+
+/* Reads what a packet says of itself.  The caller sets info->struct_size.  Errors: GSCL_ERROR_NOT_GSCL, _TRUNCATED,
+ * _DAMAGED, _CORRUPT, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE. */
+GSCL_API GSCL_CHECKED gscl_result gscl_packet_probe(const uint8_t *packet, size_t size, gscl_packet_info *info);
 
 /* ---- Decoding ------------------------------------------------------------------------------ */
 
@@ -472,6 +527,43 @@ static inline void gscl_decode_settings_default(gscl_decode_settings *settings) 
 GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size,
                                               const gscl_decode_settings *settings, gscl_image *image);
 
+/* ---- Pictures that come piece by piece ------------------------------------------------------ */
+
+/* Takes a picture as it comes, by packets or by the bytes of a file, and draws what is there at any time.  It has no device of
+ * its own: the context is that of each drawing.  It is used by one thread at a time. */
+typedef struct gscl_decoder gscl_decoder;
+
+/* `settings` may be NULL for the defaults; `partial` has no effect.  Errors: GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
+ * _OUT_OF_MEMORY. */
+GSCL_API GSCL_CHECKED gscl_result gscl_decoder_create(gscl_decoder **decoder, const gscl_decode_settings *settings);
+/* Frees a decoder and sets *decoder to NULL. */
+GSCL_API void gscl_decoder_free(gscl_decoder **decoder);
+
+/* Adds a packet, and copies it.  One that has come before changes nothing.  Any error leaves the picture as it is:
+ * GSCL_ERROR_NOT_GSCL, _TRUNCATED, _DAMAGED and _CORRUPT for what is no valid packet, _OTHER_PICTURE for one that does not
+ * belong to those before it, _OUT_OF_MEMORY, and GSCL_ERROR_INVALID_ARGUMENT also for a decoder that has bytes of a file. */
+GSCL_API GSCL_CHECKED gscl_result gscl_decoder_add_packet(gscl_decoder *decoder, const uint8_t *packet, size_t size);
+/* Adds the next bytes of a file, and copies them.  They are looked at when the picture is drawn.  Errors:
+ * GSCL_ERROR_INVALID_ARGUMENT, also for a decoder that has packets, and _OUT_OF_MEMORY. */
+GSCL_API GSCL_CHECKED gscl_result gscl_decoder_add_bytes(gscl_decoder *decoder, const uint8_t *bytes, size_t size);
+
+/* What has come of a picture. */
+typedef struct gscl_decoder_state {
+    size_t struct_size;     /* set by the caller */
+    uint32_t width, height; /* encoded size, pixels */
+    uint32_t splats;        /* that can be drawn */
+    uint32_t packets;       /* of the picture that have splats; 0 for a file, and before one of them has come */
+    uint32_t drawn;         /* of those, how many can be drawn; with repair packets it may be more than have come */
+    uint32_t received;      /* packets that have come, repair packets included, each counted once */
+    uint64_t bytes;         /* that are kept */
+} gscl_decoder_state;
+
+/* The caller sets state->struct_size.  Errors: GSCL_ERROR_TRUNCATED before the first packet, and while not even the header
+ * of a file has come; those of gscl_certain_splats for a file. */
+GSCL_API GSCL_CHECKED gscl_result gscl_decoder_inspect(const gscl_decoder *decoder, gscl_decoder_state *state);
+/* Draws what has come, as gscl_decode does, with the same errors; GSCL_ERROR_TRUNCATED before there is anything to draw. */
+GSCL_API GSCL_CHECKED gscl_result gscl_decoder_draw(gscl_decoder *decoder, gscl_context *context, gscl_image *image);
+
 /* ---- Inspecting files (without a context and without OpenCL) -------------------------------- */
 
 /* How functions that only read take a file. */
@@ -503,6 +595,7 @@ typedef struct gscl_info {
     gscl_blend blend;       /* never AUTO */
     uint32_t splats;
     uint32_t layers;                    /* of a progressive file; else 1 */
+    uint32_t packets;                   /* of a list that were read, gscl_inspect only; else 0 */
     uint32_t effects;                   /* bits of gscl_effect that are on */
     uint32_t shape_words, colour_words; /* codebook sizes, gscl_inspect only; else 0 */
     uint64_t bytes;

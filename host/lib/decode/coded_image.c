@@ -5,7 +5,11 @@
 
 #include "cl/constants.h"
 #include "decode/blend.h"
+#include "decode/format_result.h"
+#include "decode/packet_split.h"
 #include "decode/quantise.h"
+#include "format/packet.h"
+#include "format/repair.h"
 
 void gscl_coded_image_free(gscl_coded_image *p) {
     free(p->file.splats);
@@ -50,8 +54,8 @@ gscl_result gscl_coded_image_read(gscl_coded_image *p, const uint8_t *bytes, siz
     return gscl_coded_image_read_counted(p, bytes, size, bare, NULL);
 }
 
-gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare,
-                                          uint64_t *stream_bits256) {
+static gscl_result read_file(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare,
+                             uint64_t *stream_bits256) {
     memset(p, 0, sizeof *p);
     p->file.bare = bare;
     p->file.stream_bits256 = stream_bits256;
@@ -64,8 +68,49 @@ gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *by
     return result;
 }
 
+/* Adds the packets that a list lacks and that its repair packets replace.  *repaired is NULL where there are none. */
+static gscl_result repair_list(const uint8_t *list, size_t size, uint8_t **repaired, size_t *repaired_size) {
+    const size_t needed = gsf_repair_size(list, size);
+    size_t end = 0; /* of the last packet that is complete */
+    for (gsf_bytes packet; gsf_next_packet(list, size, &end, &packet);)
+        continue;
+    *repaired = NULL;
+    if (needed == 0)
+        return GSCL_OK;
+    *repaired = malloc(end + needed);
+    if (!*repaired)
+        return GSCL_ERROR_OUT_OF_MEMORY;
+    memcpy(*repaired, list, end);
+    *repaired_size = end + gsf_repair_list(list, size, *repaired + end);
+    return GSCL_OK;
+}
+
+/* Reads a list of packets, which may lack some. */
+static gscl_result read_list(gscl_coded_image *p, const uint8_t *list, size_t size, uint64_t *stream_bits256) {
+    uint8_t *repaired;
+    size_t repaired_size;
+    GSCL_TRY(repair_list(list, size, &repaired, &repaired_size));
+    const gscl_result result = repaired ? read_file(p, repaired, repaired_size, false, stream_bits256)
+                                        : read_file(p, list, size, false, stream_bits256);
+    if (result == GSCL_OK && repaired && stream_bits256) /* what was computed is not in the list */
+        stream_bits256[GSF_STREAM_CONTAINER] -= (uint64_t)(repaired_size - size) * 8 * 256;
+    free(repaired);
+    return result;
+}
+
+gscl_result gscl_coded_image_read_counted(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare,
+                                          uint64_t *stream_bits256) {
+    return !bare && gsf_is_packet_list(bytes, size) ? read_list(p, bytes, size, stream_bits256)
+                                                    : read_file(p, bytes, size, bare, stream_bits256);
+}
+
 gscl_result gscl_coded_image_read_prefix(gscl_coded_image *p, const uint8_t *bytes, size_t size, bool bare,
                                          uint32_t *total) {
+    if (!bare && gsf_is_packet_list(bytes, size)) {
+        GSCL_TRY(read_list(p, bytes, size, NULL));
+        *total = p->file.header.splat_count;
+        return GSCL_OK;
+    }
     memset(p, 0, sizeof *p);
     p->file.bare = bare;
     GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, bare, &p->file.header)));
@@ -95,6 +140,8 @@ gscl_result gscl_coded_image_write(gscl_coded_image *p, uint8_t **bytes, size_t 
 
 gscl_result gscl_coded_image_size(gscl_coded_image *p, size_t *size) {
     GSCL_TRY(gscl_coded_image_reserve(p, p->file.header.splat_count));
+    if (p->packets > 0)
+        return gscl_packets_size(&p->file, p->packets, size);
     return gscl_result_of_format(gsf_size(&p->file, size, p->scratch));
 }
 
@@ -144,30 +191,6 @@ gscl_result gscl_coded_image_sort(gscl_coded_image *p, size_t *order) {
         return sort_with_order(p, order);
     gsf_sort(&p->file, p->scratch);
     return GSCL_OK;
-}
-
-gscl_result gscl_result_of_format(gsf_result result) {
-    switch (result) {
-    case GSF_OK:
-        return GSCL_OK;
-    case GSF_NOT_GSCL:
-        return GSCL_ERROR_NOT_GSCL;
-    case GSF_NEWER_VERSION:
-        return GSCL_ERROR_NEWER_VERSION;
-    case GSF_TRUNCATED:
-        return GSCL_ERROR_TRUNCATED;
-    case GSF_DAMAGED:
-        return GSCL_ERROR_DAMAGED;
-    case GSF_CORRUPT:
-        return GSCL_ERROR_CORRUPT;
-    case GSF_UNKNOWN_BLOCK:
-        return GSCL_ERROR_UNKNOWN_BLOCK;
-    case GSF_NO_SPACE:
-        return GSCL_ERROR_OUT_OF_MEMORY;
-    case GSF_INVALID:
-        return GSCL_ERROR_INVALID_ARGUMENT;
-    }
-    return GSCL_ERROR_CORRUPT;
 }
 
 gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size) {

@@ -10,7 +10,8 @@
 
 typedef struct gscl_coded_image {
     gsf_coded_image file;
-    size_t capacity; /* splats that fit in the arrays */
+    size_t capacity;  /* splats that fit in the arrays */
+    uint32_t packets; /* among which it is going to be divided; 0: it is going to be a file */
     void *scratch;
 } gscl_coded_image;
 
@@ -30,15 +31,14 @@ gscl_result gscl_coded_image_read_prefix(gscl_coded_image *coded, const uint8_t 
                                          uint32_t *total);
 /* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);
-/* The exact size of the file that gscl_coded_image_write would write.  The splats must be in the stored order. */
+/* The exact size of the file that gscl_coded_image_write would write, or of the packets (gscl_packets_size).  The splats
+ * must be in the stored order. */
 gscl_result gscl_coded_image_size(gscl_coded_image *coded, size_t *size);
 
 /* Sorts the splats into the stored order.  `order` is NULL or receives their old places: place i then holds the splat
  * that was at place order[i]. */
 gscl_result gscl_coded_image_sort(gscl_coded_image *coded, size_t *order);
 
-/* The library's result for a format result. */
-gscl_result gscl_result_of_format(gsf_result result);
 /* Stores a message for a result of the format, with versions and sizes, and returns the result. */
 gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, const uint8_t *bytes, size_t size);
 

@@ -5,6 +5,7 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
+#include "decode/format_result.h"
 #include "decode/draw_device.h"
 #include "decode/draw_progress.h"
 #include "decode/frame.h"

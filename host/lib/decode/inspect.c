@@ -6,6 +6,8 @@
 #include "cl/constants.h"
 #include "decode/blend.h"
 #include "decode/coded_image.h"
+#include "decode/format_result.h"
+#include "format/packet.h"
 #include "decode/frame.h"
 #include "runtime/elementary.h"
 #include "runtime/struct_size.h"
@@ -50,7 +52,7 @@ static const char *const stream_names[GSF_STREAM_COUNT] = {
     [GSF_STREAM_COLOUR_INDEX] = "colour-index",
 };
 
-static void describe_header(const gsf_header *header, size_t size, gscl_info *info) {
+static void describe_header(const gsf_header *header, size_t size, uint32_t packets, gscl_info *info) {
     *info = (gscl_info){.struct_size = sizeof *info};
     info->format_version = GSF_VERSION;
     info->width = header->width;
@@ -61,6 +63,7 @@ static void describe_header(const gsf_header *header, size_t size, gscl_info *in
     info->blend = gscl_blend_from_format(header->blend);
     info->splats = header->splat_count;
     info->layers = header->enhancement_layers + 1u;
+    info->packets = packets;
     info->bytes = size;
     info->pixels = (uint64_t)header->width * header->height;
     info->work = header->splat_count * info->pixels;
@@ -122,7 +125,7 @@ gscl_result gscl_probe(const uint8_t *bytes, size_t size, const gscl_read_settin
     gsf_header header;
     GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, s.bare, &header)));
     gscl_info own;
-    describe_header(&header, size, &own);
+    describe_header(&header, size, 0, &own);
     gscl_struct_write(info, &own);
     return GSCL_OK;
 }
@@ -137,7 +140,7 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, const gscl_read_sett
     gscl_info own;
     uint64_t stream_bits256[GSF_STREAM_COUNT];
     GSCL_TRY(gscl_coded_image_read_counted(&coded, bytes, size, s.bare, stream_bits256));
-    describe_header(&coded.file.header, size, &own);
+    describe_header(&coded.file.header, size, coded.file.packets_read, &own);
     if (coded.file.header.coding == GSF_CODING_CODEBOOK && coded.file.header.splat_count > 0) {
         own.shape_words = coded.file.codebooks.shape_count;
         own.colour_words = coded.file.codebooks.colour_count;
@@ -159,6 +162,11 @@ gscl_result gscl_find_block(const void *file, size_t size, gscl_block_type type,
     if (!file || !data || !data_size || (unsigned)type >= GSF_BLOCK_COUNT)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gsf_container container;
+    if (gsf_is_packet_list(file, size)) {
+        *data = NULL;
+        *data_size = 0;
+        return GSCL_OK;
+    }
     GSCL_TRY(gscl_result_of_format(gsf_open_container(file, size, &container)));
     if (!container.is_intact)
         return GSCL_ERROR_DAMAGED;

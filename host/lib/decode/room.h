@@ -3,6 +3,8 @@
  * It may use: software/, image/, runtime/, format/ and cl/.
  *
  * In the order in which to read them:
+ *   format_result.h: results of the format
+ *   packet_target.h, packet_parts.h, packet_balance.h, packet_split.h: an image in packets
  *   coded_image.h: bytes to integers and back
  *   quantise.h: integers to splat parameters and back
  *   blend.h, ycocg.h, ellipse.h: the numbers of blend modes, colours, sizes of splats
@@ -12,7 +14,7 @@
  *   draw_progress.h: the caller's callback
  *   draw_device.h: a frame on the device
  *   decode.h: decoding in another call
- *   decode.c, inspect.c: the public functions
+ *   decode.c, decoder.c, inspect.c: the public functions
  *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_DECODE_H
 #define GSCL_ROOM_LIB_DECODE_H

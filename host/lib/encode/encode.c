@@ -6,6 +6,7 @@
 
 #include "cl/constants.h"
 #include "codebook/encode_codebook.h"
+#include "decode/packet_split.h"
 #include "encode/effect_search.h"
 #include "encode/prepare.h"
 #include "encode/quality_search.h"
@@ -91,7 +92,9 @@ static gscl_result fail_target(gscl_encoder *e, double best_quality) {
 /* encoder->coded becomes what this file holds. */
 static gscl_result take_file(gscl_encoder *e, const encoded_file *file) {
     gscl_coded_image_free(&e->coded);
-    return gscl_coded_image_read(&e->coded, file->bytes, file->size, true);
+    GSCL_TRY(gscl_coded_image_read(&e->coded, file->bytes, file->size, true));
+    e->coded.packets = e->packets.count;
+    return GSCL_OK;
 }
 
 /* Encodes at different sizes: encoder->coded is the smallest that reaches the quality of the settings. */
@@ -178,7 +181,9 @@ static gscl_result write_file(gscl_encoder *e, encoded_file *file) {
     e->coded.file.bare = e->settings.bare;
     e->coded.file.blocks = e->settings.bare ? NULL : e->blocks;
     gscl_stage(e->context, GSCL_STAGE_WRITE);
-    const gscl_result result = gscl_coded_image_write(&e->coded, &file->bytes, &file->size);
+    const gscl_result result = e->packets.count > 0
+                                   ? gscl_packets_write(&e->coded.file, &e->packets, &file->bytes, &file->size)
+                                   : gscl_coded_image_write(&e->coded, &file->bytes, &file->size);
     gscl_stage(e->context, GSCL_STAGE_NONE);
     return result == GSCL_OK
                ? GSCL_OK
@@ -192,7 +197,7 @@ static gscl_result complete_report(gscl_encoder *e, const gscl_image *image, con
         return GSCL_OK;
     gscl_encode_report *r = trace->report;
     r->splats = e->coded.file.header.splat_count;
-    r->bytes = file->size;
+    r->bytes = e->packets.count > 0 ? gscl_packets_bytes(file->bytes, file->size) : file->size;
     r->trials = e->trials ? e->trials : 1;
     r->blend = e->settings.blend;
     r->tune = e->settings.tune;

@@ -4,7 +4,9 @@
 
 #include "decode/blend.h"
 #include "decode/quantise.h"
+#include "encode/repairs.h"
 #include "encode/tunables.h"
+#include "format/repair.h"
 #include "image/ssimulacra2.h"
 #include "runtime/launch.h"
 #include "scalar/tunables.h"
@@ -62,7 +64,7 @@ gscl_result gscl_encode_prepare(gscl_encoder *e, const gscl_image *image) {
 /* Bytes of the file around its picture, and those of them that are blocks. */
 static size_t container_size(const gscl_encoder *e, size_t *blocks) {
     *blocks = 0;
-    if (e->settings.bare)
+    if (e->settings.bare || e->settings.packet_size > 0)
         return 0;
     const size_t all = gsf_container_start_size(e->blocks) + gsf_container_end_size(e->blocks);
     *blocks = all - gsf_container_start_size(NULL) - gsf_container_end_size(NULL);
@@ -98,6 +100,26 @@ static gscl_result check_measurable(const gscl_encoder *e) {
                      width, height, GSCL_SSIMULACRA2_MIN_SIDE, GSCL_SSIMULACRA2_MIN_SIDE);
 }
 
+/* Resolves how many packets there are; *budget, in bytes of all of them, becomes that of what they are divided from. */
+static gscl_result set_packets(gscl_encoder *e, double *budget) {
+    const gscl_encode_settings *s = &e->settings;
+    if (s->packet_size == 0)
+        return GSCL_OK;
+    const double all = s->packet_count > 0 ? s->packet_count : ceil(fmax(*budget, 1) / s->packet_size);
+    if (all > GSCL_MAX_PACKETS)
+        return gscl_fail(e->context, GSCL_ERROR_CONFLICT, "%.0f bytes are more than %d packets of %u", floor(*budget),
+                         GSCL_MAX_PACKETS, s->packet_size);
+    const double size = s->packet_count > 0 ? s->packet_size : floor(*budget / all);
+    const uint32_t repairs = gscl_choose_repairs((uint32_t)all, s->packet_loss);
+    const size_t longer = GSF_REPAIR_FRAME - 1; /* bytes by which a repair packet is longer than others */
+    const size_t limit = (size_t)size - (repairs > 0 ? longer : 0);
+    const double slack = all > 1 ? gscl_encode_tunables.packet_slack : 0;
+    e->packets = (gscl_packet_target){(uint32_t)all - repairs, repairs, limit, (uint8_t)s->packet_identity};
+    e->coded.packets = e->packets.count;
+    *budget = e->packets.count * ((double)limit - slack);
+    return GSCL_OK;
+}
+
 gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
     const double pixels = (double)e->header.width * e->header.height, value = e->settings.target_value;
@@ -124,6 +146,7 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
         budget = value * pixels / 8;
         break;
     }
+    GSCL_TRY(set_packets(e, &budget));
     return set_budget(e, budget);
 }
 

@@ -7,6 +7,7 @@
  *   default_settings.c: the settings that the caller leaves
  *   settings.h: which settings are valid
  *   prepare.h: source planes, header, size of the file
+ *   repairs.h: how many packets repair others
  *   effect_search.h: which effects the file has
  *   coherence.h: coherence of the directions of edges
  *   quality_search.h: which sizes to try for a quality

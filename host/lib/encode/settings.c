@@ -4,6 +4,22 @@
 
 #include "format/format.h"
 
+static gscl_result check_packets(gscl_context *context, const gscl_encode_settings *s) {
+    if (s->packet_size != 0 && (s->packet_size < GSCL_MIN_PACKET_SIZE || s->packet_size > GSCL_MAX_PACKET_SIZE))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "packets of %u bytes are not in %d..%d", s->packet_size,
+                         GSCL_MIN_PACKET_SIZE, GSCL_MAX_PACKET_SIZE);
+    if (s->packet_count > GSCL_MAX_PACKETS)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u packets are more than %d", s->packet_count,
+                         GSCL_MAX_PACKETS);
+    if (s->packet_identity > 255 || s->packet_identity == GSF_NO_IDENTITY)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the identity %u is not in 1..255 without %u",
+                         s->packet_identity, GSF_NO_IDENTITY);
+    if (!(s->packet_loss >= 0 && s->packet_loss <= 0.9))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the loss of packets %g is not in 0..0.9",
+                         s->packet_loss);
+    return GSCL_OK;
+}
+
 static gscl_result check_ranges(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
         s->tune > GSCL_TUNE_VISUAL || s->target > GSCL_TARGET_SSIMULACRA2)
@@ -26,7 +42,7 @@ static gscl_result check_ranges(gscl_context *context, const gscl_encode_setting
     if (s->step_factor != 0 && !(s->step_factor >= 0.25 && s->step_factor <= 4))
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%g times the quantiser's steps are not in 0.25..4",
                          s->step_factor);
-    return GSCL_OK;
+    return check_packets(context, s);
 }
 
 /* Each type once, with a size that the format allows. */
@@ -47,6 +63,22 @@ static gscl_result check_blocks(gscl_context *context, const gscl_block *block) 
                              block->size, GSF_COLOUR_SPACE_SIZE);
     }
     return GSCL_OK;
+}
+
+static const char *contradiction_of_packets(const gscl_encode_settings *s) {
+    if (s->packet_size == 0)
+        return s->packet_count != 0 || s->packet_identity != 0 || s->packet_loss != 0
+                   ? "number, identity and loss of packets need their size"
+                   : NULL;
+    if (s->profile == GSCL_PROFILE_PAPER)
+        return "packets are the default profile's";
+    if (s->bare || s->progressive || s->blocks)
+        return "packets are not bare, and have no layers and no blocks (profile, metadata)";
+    if (s->packet_count != 0 && s->target != GSCL_TARGET_AUTO)
+        return "a number of packets is a target by itself";
+    if (s->target != GSCL_TARGET_AUTO && s->target != GSCL_TARGET_BYTES && s->target != GSCL_TARGET_BPP)
+        return "packets need a target in bytes, or their number";
+    return NULL;
 }
 
 static const char *contradiction(const gscl_encode_settings *s) {
@@ -72,6 +104,7 @@ gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_
     GSCL_TRY(check_ranges(context, s));
     GSCL_TRY(check_blocks(context, s->blocks));
     const char *why = contradiction(s);
+    why = why ? why : contradiction_of_packets(s);
     return why ? gscl_fail(context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;
 }
 

@@ -46,6 +46,8 @@ const char *gscl_result_text(gscl_result result) {
         return "written in a newer format version than this program reads";
     case GSCL_ERROR_TRUNCATED:
         return "the file is incomplete";
+    case GSCL_ERROR_OTHER_PICTURE:
+        return "a packet of another picture";
     case GSCL_ERROR_DAMAGED:
         return "the file is damaged or cut off: the check at its end does not match";
     case GSCL_ERROR_CORRUPT:

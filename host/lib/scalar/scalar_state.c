@@ -5,13 +5,15 @@
 
 #include "cl/constants.h"
 #include "decode/quantise.h"
+#include "format/packet.h"
 #include "format/quantiser.h"
 #include "runtime/elementary.h"
 #include "scalar/search_plan.h"
 
 /* Splats that the budget is expected to hold. */
-static size_t estimate_splats(size_t bytes) {
-    const double bits = 8 * ((double)bytes - GSCL_HEADER_BYTES);
+static size_t estimate_splats(size_t bytes, uint32_t packets) {
+    const double header = packets > 0 ? (double)packets * (GSCL_HEADER_BYTES + GSF_PACKET_FRAME) : GSCL_HEADER_BYTES;
+    const double bits = 8 * ((double)bytes - header);
     return bits > 32 ? (size_t)(bits / gscl_scalar_tunables.expected_bits_per_splat) + 1 : 0;
 }
 
@@ -22,7 +24,7 @@ static void choose_quantiser_steps(const gscl_scalar_state *s, gscl_size_target 
     if (s->fixed_count > 0)
         return;
     gsf_header header = file->header;
-    header.splat_count = (uint32_t)(all.bytes ? estimate_splats(all.bytes) : all.splats);
+    header.splat_count = (uint32_t)(all.bytes ? estimate_splats(all.bytes, s->coded->packets) : all.splats);
     const gsf_steps defaults = gsf_default_steps(header.splat_count);
     file->steps = factor > 0 ? gscl_scale_steps(&defaults, factor) : defaults;
     file->steps.pivot = (uint8_t)gsf_typical_size(&header, &file->steps);
@@ -60,7 +62,7 @@ static bool is_searched(const gscl_scalar_state *s, const gscl_scalar_plan *plan
 
 /* The number of splats that the target holds. */
 static size_t choose_target(const gscl_scalar_state *s, gscl_size_target target) {
-    const size_t splats = s->bytes ? estimate_splats(s->bytes) : target.splats;
+    const size_t splats = s->bytes ? estimate_splats(s->bytes, s->coded->packets) : target.splats;
     return splats < s->max_splats ? splats : s->max_splats;
 }
 

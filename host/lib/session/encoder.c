@@ -39,6 +39,7 @@ void gscl_encoder_release_source(gscl_encoder *e) {
 void gscl_encoder_restart(gscl_encoder *e) {
     e->random = e->settings.seed;
     e->coded.file.header = e->header;
+    e->coded.packets = e->packets.count;
 }
 
 static gscl_result measure_quality(const gscl_image *image, const gscl_image *decoded, gscl_target measure,

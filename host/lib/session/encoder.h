@@ -3,6 +3,7 @@
 #define GSCL_LIB_ENCODER_H
 
 #include "decode/coded_image.h"
+#include "decode/packet_target.h"
 #include "fit/fit.h"
 #include "image/image.h"
 #include "session/effects.h"
@@ -47,6 +48,7 @@ typedef struct gscl_encoder {
 
     /* Stage "resolve target": of the first fit; where the target is a quality, a guess. */
     gscl_size_target target;
+    gscl_packet_target packets;
 
     /* Stage "decide effects". */
     gscl_effects effects;

@@ -2,19 +2,71 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cli/base64.h"
 #include "cli/message.h"
+#include "cli/output_file.h"
+#include "cli/packet_input.h"
 #include "cli/read_file.h"
 
-bool read_gscl_file(const char *name, const gscl_form *form, uint8_t **bytes, size_t *size) {
+/* Adds the packets of an input, or takes its bytes as those of a file where it is the only one and holds no packet.  *bytes
+ * stays the caller's; it becomes NULL where its packets were added. */
+static bool take_input(const char *name, const gscl_form *form, bool is_only, uint8_t **bytes, size_t *size,
+                       packet_collection *packets) {
+    const char *label = input_label(name);
+    if (form->bare)
+        return true;
+    const bool is_text = form->base64 && is_packet_text(*bytes, *size);
+    const char *error = form->base64 && !is_text ? base64_decode(*bytes, size) : NULL;
+    if (error)
+        return report_error(label, "%s", error);
+    if (!is_text && is_only && !is_packet_input(*bytes, *size) && strcmp(name_suffix(name), ".gsclp") != 0)
+        return true;
+    const bool ok =
+        is_text ? packets_collect_text(packets, label, *bytes, *size) : packets_collect(packets, label, *bytes, *size);
+    free(*bytes);
+    *bytes = NULL;
+    return ok;
+}
+
+/* Reads an input; *bytes is NULL afterwards where it had packets. */
+static bool read_input(const char *name, const gscl_form *form, bool is_only, uint8_t **bytes, size_t *size,
+                       packet_collection *packets) {
     if (!read_file(name, MAX_GSCL_FILE, bytes, size))
         return false;
-    const char *error = form->base64 ? base64_decode(*bytes, size) : NULL;
-    if (!error)
+    const char *error = form->bare && form->base64 ? base64_decode(*bytes, size) : NULL;
+    if (error)
+        report_error(input_label(name), "%s", error);
+    if (!error && take_input(name, form, is_only, bytes, size, packets))
         return true;
     free(*bytes);
-    return report_error(input_label(name), "%s", error);
+    *bytes = NULL;
+    return false;
+}
+
+bool read_gscl_files(char *const *names, int count, const gscl_form *form, uint8_t **bytes, size_t *size) {
+    packet_collection packets = {0};
+    bool ok = true;
+    *bytes = NULL;
+    for (int i = 0; i < count && ok; i++)
+        ok = read_input(names[i], form, count == 1, bytes, size, &packets);
+    packets_end(&packets);
+    if (ok && !*bytes) {
+        *bytes = packets.list;
+        *size = packets.size;
+        ok = packets.list ||
+             report_error(input_label(names[0]),
+                          count == 1 ? "holds no packet of a picture" : "and the others hold no packet of a picture");
+    } else {
+        gscl_free(packets.list);
+    }
+    return ok;
+}
+
+bool read_gscl_file(const char *name, const gscl_form *form, uint8_t **bytes, size_t *size) {
+    char *names[] = {(char *)name};
+    return read_gscl_files(names, 1, form, bytes, size);
 }
 
 bool is_within_limits(const char *name, const gscl_info *info, const gscl_limits *limits) {

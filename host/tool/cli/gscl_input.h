@@ -49,8 +49,12 @@ typedef struct gscl_limits {
                 "100000000000)"                                                                                     \
     }
 
-/* Reads the gscl file `name` ("-": standard input) into *bytes, to be released with free.  Reports errors. */
+/* Reads the gscl file `name` ("-": standard input) into *bytes, to be released with free.  A packet becomes a list of one;
+ * packets of a list or of lines of text that are of no use are left out with a warning.  Reports errors. */
 bool read_gscl_file(const char *name, const gscl_form *form, uint8_t **bytes, size_t *size);
+
+/* The same for several files, which then all hold packets, of one picture. */
+bool read_gscl_files(char *const *names, int count, const gscl_form *form, uint8_t **bytes, size_t *size);
 
 /* Whether drawing the picture of a file stays within the limits.  Reports an error about `name` otherwise. */
 bool is_within_limits(const char *name, const gscl_info *info, const gscl_limits *limits);

@@ -6,7 +6,7 @@
  *   options.h, colour_name.h: command lines described by a table
  *   message.h, exit_code.h: errors, notes and the exit code of the program
  *   read_file.h, output_target.h, output_file.h: files and pipes
- *   base64.h, gscl_input.h: the forms of gscl files
+ *   base64.h, packet_input.h, gscl_input.h: the forms of gscl files
  *   interrupt.h, progress.h: signals and the progress line of a long computation
  *   memory.h: memory that is freed goes back to the system
  *   device_list.h, device_choice.h, pocl_cache.h, build_notice.h: the device of a command

@@ -34,6 +34,9 @@ typedef struct encode_batch {
  * with a summary.  Other batches have all their inputs on the command line, which is checked before the first encode. */
 bool encode_batch_is_run(const encode_batch *batch);
 
+/* Whether each packet is written to a file of its own. */
+bool encode_batch_has_packet_files(const encode_batch *batch);
+
 /* Whether the output is standard output. */
 bool encode_batch_is_piped(const encode_batch *batch);
 

@@ -19,7 +19,9 @@
 #include "image/image_output.h"
 
 typedef struct decode_options {
-    const char *input, *output;
+    const char *input, *output; /* the input that messages name */
+    char *const *inputs;
+    int input_count;
     double scale;
     option_size size;
     option_rectangle crop;
@@ -167,18 +169,28 @@ static int decode_bytes(const decode_options *options, const image_format *forma
 
 static int decode_file(const decode_options *options) {
     const image_format *format = image_format_of("decode", options->output);
-    if (!format || !output_is_separate("decode", options->input, options->output))
+    if (!format)
         return EXIT_USAGE;
+    for (int i = 0; i < options->input_count; i++)
+        if (!output_is_separate("decode", options->inputs[i], options->output))
+            return EXIT_USAGE;
     if (format->bits == 32 && options->has_depth)
         return report_usage("decode", "--depth does not apply to %s, which holds floating-point samples; leave it out",
                             format->suffix);
     uint8_t *bytes;
     size_t size;
-    if (!read_gscl_file(options->input, &options->form, &bytes, &size))
+    if (!read_gscl_files(options->inputs, options->input_count, &options->form, &bytes, &size))
         return EXIT_FAILURE;
     const int status = decode_bytes(options, format, bytes, size);
     free(bytes);
     return status;
+}
+
+static decode_options with_inputs(decode_options decode, char *const *inputs, int count) {
+    decode.input = inputs[0];
+    decode.inputs = inputs;
+    decode.input_count = count;
+    return decode;
 }
 
 static option_outcome parse_decode(decode_options *decode, int argc, char **argv) {
@@ -240,9 +252,10 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
     };
     const option_command command = {
         .name = "decode",
-        .usage = "IN.gscl -o OUT.png [options]",
+        .usage = "IN... -o OUT.png [options]",
         .about =
-            "Decodes a gscl file to an image, with the colour profile, EXIF and XMP that the file has, where the "
+            "Decodes a gscl file, or packets of 'gscl encode --packets' in any order and with any of them missing, to "
+            "an image, with the colour profile, EXIF and XMP that the file has, where the "
             "format holds\nthem; colours are converted to sRGB otherwise.  Alpha is written straight; OpenEXR holds "
             "premultiplied alpha\nand linear light.\n\n"
             "Where the format holds no alpha (.jpg, .ppm, .bmp and others), it is left out if it is 1 everywhere; "
@@ -252,12 +265,12 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,
-        .max_operands = 1,
+        .max_operands = argc,
     };
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     if (outcome == OPTIONS_RUN)
-        decode->input = argv[first];
+        *decode = with_inputs(*decode, argv + first, argc - first);
     return outcome;
 }
 
@@ -270,5 +283,7 @@ int command_decode(int argc, char **argv) {
         return report_usage("decode", "-o is missing; it names the image to write, or - for standard output");
     if (options.has_scale && options.has_size)
         return report_usage("decode", "--scale and --size exclude each other; give one of them");
+    if (options.input_count > 1 && options.form.bare)
+        return report_usage("decode", "a bare file is decoded alone; only packets are put together");
     return decode_file(&options);
 }

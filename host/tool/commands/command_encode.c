@@ -15,7 +15,7 @@
 
 typedef struct encode_options {
     encode_batch batch;
-    uint64_t bytes, splats, effort, codebook, seed;
+    uint64_t bytes, splats, effort, codebook, seed, packet_size, packet_count, packet_identity;
     double bpp, psnr, ssimulacra2;
     const char *effects;
     uint32_t effects_on, effects_off;
@@ -227,6 +227,36 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .value = &batch->base64,
          .help =
              "write one line of base64url text (default output: standard output; in --out-dir: IN with suffix .b64)"},
+        {.name = "packets",
+         .kind = OPTION_INTEGER,
+         .value = &encode->packet_size,
+         .argument = "N",
+         .min_integer = GSCL_MIN_PACKET_SIZE,
+         .max_integer = GSCL_MAX_PACKET_SIZE,
+         .help = "write packets of at most N bytes, 40 to 1400, each of which draws by itself (default output: IN with "
+                 "the suffixes .000.gsclp, .001.gsclp and so on; with -o one file, a list; with --base64 a line each)"},
+        {.name = "packet-count",
+         .kind = OPTION_INTEGER,
+         .value = &encode->packet_count,
+         .argument = "K",
+         .min_integer = 1,
+         .max_integer = GSCL_MAX_PACKETS,
+         .help = "write K packets of the size of --packets (default: as many as --bytes or --bpp needs)"},
+        {.name = "packet-loss",
+         .kind = OPTION_REAL,
+         .value = &encode->batch.settings.packet_loss,
+         .argument = "P",
+         .min_real = 0,
+         .max_real = 0.9,
+         .help = "share of packets that are expected to be lost, 0 to 0.9: that many and more are made good by repair "
+                 "packets, which take room (default 0)"},
+        {.name = "packet-identity",
+         .kind = OPTION_INTEGER,
+         .value = &encode->packet_identity,
+         .argument = "I",
+         .min_integer = 1,
+         .max_integer = 255,
+         .help = "number of the picture in each packet, not 199 (default: one that follows from the picture)"},
         {.name = "keep-profile",
          .kind = OPTION_FLAG,
          .value = &batch->reading.keep_profile,
@@ -350,6 +380,9 @@ static void fill_settings(encode_options *encode) {
     settings->effects_off = encode->effects_off;
     settings->codebook_size = (uint32_t)encode->codebook;
     settings->seed = encode->seed;
+    settings->packet_size = (uint32_t)encode->packet_size;
+    settings->packet_count = (uint32_t)encode->packet_count;
+    settings->packet_identity = (uint32_t)encode->packet_identity;
     encode->batch.reading.keep_exif = encode->metadata != METADATA_NONE;
     encode->batch.reading.keep_xmp = encode->metadata == METADATA_ALL;
     if (encode->has_bytes) {

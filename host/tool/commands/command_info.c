@@ -101,6 +101,8 @@ static void print_text(const file_facts *facts) {
         printf(", code words: %u shapes, %u colours", info->shape_words, info->colour_words);
     if (info->layers > 1)
         printf(", progressive: %u layers", info->layers);
+    if (info->packets > 0)
+        printf(", %u packet%s", info->packets, info->packets == 1 ? "" : "s");
     putchar('\n');
     print_blocks(facts);
     print_effects(facts);
@@ -165,6 +167,7 @@ static void write_json(const file_facts *facts) {
     write_effects(&json, facts);
     json_integer(&json, "splats", info->splats);
     json_integer(&json, "layers", info->layers);
+    json_integer(&json, "packets", info->packets);
     json_integer(&json, "shape_words", info->shape_words);
     json_integer(&json, "colour_words", info->colour_words);
     json_integer(&json, "bytes", info->bytes);

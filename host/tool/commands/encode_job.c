@@ -8,6 +8,7 @@
 #include "cli/interrupt.h"
 #include "cli/message.h"
 #include "cli/read_file.h"
+#include "commands/packet_files.h"
 #include "image/image_file.h"
 
 /* ---- The start --------------------------------------------------------------------------------- */
@@ -104,19 +105,35 @@ void encode_job_start(encode_job *job, batch_worker *worker) {
 
 /* ---- The end ----------------------------------------------------------------------------------- */
 
-/* Writes the file, as bytes or as text. */
-static void write_file(encode_job *job) {
-    if (!job->batch->base64) {
-        output_write(&job->output, job->bytes, job->size);
-        return;
-    }
+static void write_line(encode_job *job, const uint8_t *bytes, size_t size) {
     size_t length = 0;
-    char *line = base64_line(job->bytes, job->size, &length);
+    char *line = base64_line(bytes, size, &length);
     if (line)
         output_write(&job->output, line, length);
     else
         job->output.error = ENOMEM;
     free(line);
+}
+
+/* Writes each packet, or the file, as a line of text. */
+static void write_text(encode_job *job) {
+    const uint8_t *packet;
+    size_t position = 0, size;
+    if (job->settings.packet_size == 0)
+        write_line(job, job->bytes, job->size);
+    while (gscl_next_packet(job->bytes, job->size, &position, &packet, &size))
+        write_line(job, packet, size);
+}
+
+/* Writes the file, the list of packets or the packets, as bytes or as text. */
+static bool write_file(encode_job *job) {
+    if (encode_batch_has_packet_files(job->batch))
+        return packet_files_write(&job->output, job->output_name, job->bytes, job->size);
+    if (job->batch->base64)
+        write_text(job);
+    else
+        output_write(&job->output, job->bytes, job->size);
+    return true;
 }
 
 /* Writes the result of the thread.  Returns the exit code of the program. */
@@ -126,9 +143,11 @@ static int write_output(encode_job *job) {
         output_discard(&job->output);
         return report_result(job->worker->context, input_label(job->input), job->result);
     }
-    write_file(job);
+    const bool ok = write_file(job);
     gscl_free(job->bytes);
-    if (output_commit(&job->output))
+    if (!ok)
+        output_discard(&job->output);
+    else if (output_commit(&job->output))
         return EXIT_SUCCESS;
     job->code = PICTURE_OUTPUT;
     return EXIT_FAILURE;

@@ -1,6 +1,8 @@
 #define _GNU_SOURCE /* strdup, syncfs */
 #include "commands/picture_queue.h"
 
+#include "commands/packet_files.h"
+
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +33,9 @@ int picture_queue_open(picture_queue *queue, const encode_batch *batch) {
                              .naming = {.output = encode_batch_is_piped(batch) ? "-" : batch->output,
                                         .out_dir = batch->out_dir,
                                         .keep_tree = batch->keep_tree,
-                                        .suffix = batch->base64 ? ".b64" : ".gscl"},
+                                        .suffix = encode_batch_has_packet_files(batch) ? FIRST_PACKET_SUFFIX
+                                                  : batch->base64                      ? ".b64"
+                                                                                       : ".gscl"},
                              .is_run = encode_batch_is_run(batch),
                              .list = {.file = -1},
                              .report = {.file = -1, .index = {.file = -1}}};
