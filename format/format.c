@@ -9,6 +9,10 @@
 #include "format/order.h"
 #include "format/payload.h"
 
+size_t gsf_read_scratch_size(const gsf_header *header) {
+    return gsf_workspace_size(header);
+}
+
 /* Sorting and coding use the memory one after the other. */
 size_t gsf_scratch_size(const gsf_header *header) {
     const size_t coding = gsf_workspace_size(header);

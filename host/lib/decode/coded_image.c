@@ -32,6 +32,7 @@ gscl_result gscl_coded_image_reserve(gscl_coded_image *p, size_t splats) {
         return GSCL_OK;
     gsf_header largest = p->file.header;
     largest.splat_count = (uint32_t)splats;
+    largest.enhancement_layers = GSF_MAX_LAYERS - 1; /* an encoder adds layers later */
     free(p->scratch);
     p->scratch = malloc(gsf_scratch_size(&largest) + 8);
     size_t row = indexed ? sizeof(gsf_indexed_splat) : sizeof(gsf_splat);
