@@ -7,8 +7,8 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
+#include "decode/dequantise.h"
 #include "decode/frame.h"
-#include "decode/resize.h"
 #include "format/format.h"
 #include "software/software.h"
 
@@ -80,7 +80,7 @@ const float *web_splats(void) {
     const uint32_t count = coded.file.header.splat_count;
     float *params = malloc(count * GSCL_PARAMS * sizeof *params);
     for (uint32_t i = 0; params && i < count; i++)
-        gscl_coded_image_splat(&coded, i, params + i * GSCL_PARAMS);
+        gscl_dequantise_splat(&coded.file, i, params + i * GSCL_PARAMS);
     return params;
 }
 
@@ -99,7 +99,7 @@ void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y
 
 /* What max_work limits. */
 double web_work(void) {
-    return (double)gscl_frame_work(&coded, &frame);
+    return (double)gscl_frame_work(&coded.file, &frame);
 }
 
 /* The options of gscl_frame_options; the format and the kernels number blend modes alike. */
@@ -113,12 +113,11 @@ static gscl_kernel_options options_of(const gsf_header *h) {
 }
 
 /* `x`, `y`: the place in the drawn image of the corner of what `software` draws. */
-static void add_splats(gscl_software *software, uint32_t x, uint32_t y, double sums[4]) {
+static void add_splats(gscl_software *software, uint32_t x, uint32_t y, gscl_real sums[4]) {
     const gsf_header *header = &coded.file.header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
-        gscl_coded_image_splat(&coded, i, params);
-        gscl_resize_splats(params, 1, frame.scale_x, frame.scale_y);
+        gscl_frame_splat(&coded.file, i, &frame, params);
         params[GSCL_X] -= (float)x;
         params[GSCL_Y] -= (float)y;
         gscl_software_add(software, params);
@@ -137,12 +136,12 @@ const void *web_draw(void) {
     const size_t pixels = (size_t)frame.width * frame.height;
     const gscl_image image = {frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc(4 * pixels)};
     gscl_software *software = gscl_software_create(&options, &view, coded.file.header.splat_count);
-    double sums[4] = {0};
+    gscl_real sums[4] = {0};
     float background[4];
     if (!software || !image.pixels)
         return NULL;
     add_splats(software, frame.x - view.x, frame.y - view.y, sums);
-    gscl_coded_image_background(&coded, sums, background);
+    gscl_dequantise_background(&coded.file, sums, background);
     gscl_software_draw(software, background, &image);
     return image.pixels;
 }

@@ -5,7 +5,7 @@
 
 #include "cl/constants.h"
 #include "decode/blend.h"
-#include "decode/quantise.h"
+#include "decode/dequantise.h"
 
 void gscl_coded_image_free(gscl_coded_image *p) {
     free(p->file.splats);
@@ -196,28 +196,13 @@ uint32_t gscl_coded_image_channels(const gsf_header *header) {
     return channels[header->layout];
 }
 
-void gscl_coded_image_splat(const gscl_coded_image *p, uint32_t i, float *params) {
-    if (p->file.header.coding == GSF_CODING_SCALAR)
-        gscl_dequantise(&p->file, &p->file.splats[i], params);
-    else
-        gscl_dequantise_indexed(&p->file, &p->file.indexed[i], params);
-}
-
-void gscl_coded_image_background(const gscl_coded_image *p, const double colour_sums[4], float background[4]) {
-    const gsf_header *header = &p->file.header;
-    const bool is_mean = p->file.has_mean_background && header->splat_count > 0;
-    for (unsigned k = 0; k < gsf_channel_count(header); k++)
-        background[k] = is_mean ? (float)(colour_sums[k] / header->splat_count)
-                                : (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
-}
-
 void gscl_coded_image_params(const gscl_coded_image *p, float *params, float background[4]) {
     const unsigned channels = gsf_channel_count(&p->file.header);
-    double sums[4] = {0};
+    gscl_real sums[4] = {0};
     for (uint32_t i = 0; i < p->file.header.splat_count; i++, params += GSCL_PARAMS) {
-        gscl_coded_image_splat(p, i, params);
+        gscl_dequantise_splat(&p->file, i, params);
         for (unsigned k = 0; k < channels; k++)
             sums[k] += params[GSCL_COLOUR + k];
     }
-    gscl_coded_image_background(p, sums, background);
+    gscl_dequantise_background(&p->file, sums, background);
 }

@@ -47,12 +47,6 @@ gscl_kernel_options gscl_coded_image_options(const gsf_header *header);
 /* Channels of the decoded image, 1..4. */
 uint32_t gscl_coded_image_channels(const gsf_header *header);
 
-/* Dequantises splat `i` into GSCL_PARAMS parameters. */
-void gscl_coded_image_splat(const gscl_coded_image *coded, uint32_t i, float *params);
-
-/* The background, of gsf_channel_count channels.  `colour_sums`: each channel added up over the splats. */
-void gscl_coded_image_background(const gscl_coded_image *coded, const double colour_sums[4], float background[4]);
-
 /* Dequantises all splats (splat_count * GSCL_PARAMS parameters in drawing order) and the background. */
 void gscl_coded_image_params(const gscl_coded_image *coded, float *params, float background[4]);
 

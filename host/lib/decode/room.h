@@ -4,11 +4,11 @@
  *
  * In the order in which to read them:
  *   coded_image.h: bytes to integers and back
- *   quantise.h: integers to splat parameters and back
+ *   dequantise.h, quantise.h: integers to splat parameters and back
  *   blend.h, ycocg.h, ellipse.h: the numbers of blend modes, colours, sizes of splats
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
- *   frame.h: the rectangle that a decode returns, and its limits
+ *   frame.h, frame_message.h: the rectangle that a decode returns, and its limits
  *   draw_progress.h: the caller's callback
  *   draw_device.h: a frame on the device
  *   decode.h: decoding in another call
