@@ -59,7 +59,7 @@ const uint32_t *web_fields(void) {
 /* Memory for the file, whatever its coding. */
 static bool reserve(gsf_coded_image *file) {
     gsf_codebooks *books = &file->codebooks;
-    coded.scratch = malloc(gsf_scratch_size(&file->header));
+    coded.scratch = malloc(gsf_read_scratch_size(&file->header));
     file->splats = malloc(file->header.splat_count * sizeof *file->splats);
     file->indexed = malloc(file->header.splat_count * sizeof *file->indexed);
     books->shape_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->shape_words);

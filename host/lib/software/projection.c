@@ -58,8 +58,9 @@ bool gscl_ellipse_project(const gscl_kernel_options *options, const float *param
                         .width2 = (float)(s1 * (s1 / yy) * (s2 * s2))};
     project_colour(options, params, e);
     const gscl_real half_width = gscl_real_sqrt(REACH2 * xx), half_height = gscl_real_sqrt(REACH2 * yy);
-    return cover(e->x, half_width + MARGIN + MARGIN_PART * half_width, width, &e->first_column, &e->last_column) &&
-           cover(e->y, half_height, height, &e->first_row, &e->last_row);
+    return cover(e->x, half_width + MARGIN + MARGIN_PART * half_width, width, &e->box.first_column,
+                 &e->box.last_column) &&
+           cover(e->y, half_height, height, &e->box.first_row, &e->box.last_row);
 }
 
 /* The columns of a chord.  Without branches, because nothing can foresee them. */
