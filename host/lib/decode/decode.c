@@ -16,11 +16,6 @@
 #include "runtime/struct_size.h"
 #include "software/software.h"
 
-void gscl_decode_settings_init(gscl_decode_settings *settings, size_t struct_size) {
-    const gscl_decode_settings defaults = {0};
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
-
 /* Takes the caller's pixels when they fit, or allocates some. */
 static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, const gscl_image *caller,
                                   void **allocated) {

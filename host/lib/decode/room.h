@@ -11,8 +11,9 @@
  *   frame.h, frame_message.h: the rectangle that a decode returns, and its limits
  *   draw_progress.h: the caller's callback
  *   draw_device.h: a frame on the device
+ *   draw_rows.h: a frame by rows in memory of the caller
  *   decode.h: decoding in another call
- *   decode.c, inspect.c: the public functions
+ *   decode.c, decode_rows.c, decode_settings.c, inspect.c: the public functions
  *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_DECODE_H
 #define GSCL_ROOM_LIB_DECODE_H
