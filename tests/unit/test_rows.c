@@ -364,6 +364,7 @@ static void test_limits(void **state) {
     settings.max_work--;
     assert_int_equal(decode_rows(&f, &settings, 0, 0, 0, &j), GSCL_ERROR_LIMIT);
     free(j.image.pixels);
+    settings.max_work = 0;
     settings.max_pixels--;
     assert_int_equal(decode_rows(&f, &settings, 0, 0, 0, &j), GSCL_ERROR_LIMIT);
     settings = default_settings();

@@ -82,7 +82,7 @@ uint64_t gscl_frame_work(const gsf_coded_image *coded, const gscl_frame *f) {
     for (uint32_t i = 0; i < coded->header.splat_count; i++) {
         float params[GSCL_PARAMS];
         gscl_frame_splat(coded, i, f, params);
-        work += (uint64_t)gscl_real_max(1, gscl_real_ceil(outline_area(params, f)));
+        work += (uint32_t)gscl_real_max(1, gscl_real_ceil(outline_area(params, f))); /* at most 2^28 */
     }
     return work;
 }
