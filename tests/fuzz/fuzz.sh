@@ -26,7 +26,8 @@ image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt
 # What gscl_decode_rows calls.
 rows="$(ls host/lib/software/*.c) host/lib/decode/blend.c host/lib/decode/coded_image.c host/lib/decode/decode_rows.c
     host/lib/decode/decode_settings.c host/lib/decode/dequantise.c host/lib/decode/draw_rows.c host/lib/decode/frame.c
-    host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/elementary.c host/lib/runtime/struct_size.c"
+    host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/context.c host/lib/runtime/elementary.c
+    host/lib/runtime/result.c host/lib/runtime/struct_size.c host/lib/runtime/text.c"
 image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
 more=
 kept=tests/fuzz/corpus/$target
@@ -41,7 +42,7 @@ rows)
     sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c $format $rows"
     options="-max_len=64 -entropic=0"
     kept="tests/fuzz/corpus/reader tests/conformance/files"
-    more="-Ihost/lib -ffp-contract=off -ffunction-sections -Wl,--gc-sections -lm"
+    more="-Ihost/lib -ffp-contract=off -lm"
     measured="$rows"
     ;;
 writer)
