@@ -67,7 +67,7 @@ static uint32_t code_group_counts(gsf_coder *coder, const gsf_coded_image *image
 
 static void code_indexed(gsf_coder *coder, gsf_workspace *w, gsf_indexed_splat *splat) {
     gsf_coder_count_in(coder, GSF_STREAM_COLOUR_INDEX);
-    splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->models.colour_index);
+    splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->models.colour_index.model);
 }
 
 /* Codes the positions of the splats of a class, then all else of each of them. */
@@ -98,7 +98,8 @@ static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
     if (image->header.coding == GSF_CODING_SCALAR)
         gsf_attributes_init(&w->models.attributes, &image->header, &image->steps);
     else
-        gsf_model_init(&w->models.colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
+        gsf_model_init(&w->models.colour_index.model, &COLOUR_INDEX, w->models.colour_index.freq,
+                       image->codebooks.colour_count, 0);
     for (uint32_t i = 0; i < classes && !gsf_coder_overrun(coder); i++) {
         if (i % group_size(image) == 0)
             left -= code_group_counts(coder, image, w, i, left);

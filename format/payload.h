@@ -14,7 +14,10 @@ typedef struct gsf_workspace {
     gsf_set set;
     union {
         gsf_attributes attributes; /* scalar coding */
-        gsf_model colour_index;    /* codebook coding */
+        struct {
+            gsf_model model;
+            uint16_t freq[GSF_MAX_CODEBOOK];
+        } colour_index; /* codebook coding */
     } models;
     uint32_t certain;  /* splats decoded without a byte beyond the end (reader) */
     uint32_t *counts;  /* splats, by class */
