@@ -27,7 +27,7 @@ __attribute__((section(".vectors"), used)) static const vectors table = {
 
 #define UNUSED 0xA5 /* fills the stack at the start */
 
-/* Without a frame for variables, because it fills the whole stack below it. */
+/* Fills the stack below its own frame. */
 void reset(void) {
     COPROCESSOR_ACCESS |= FLOATING_POINT;
     __asm volatile("dsb\n isb");

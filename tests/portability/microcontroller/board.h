@@ -6,16 +6,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Bytes of variables, and the memory behind them up to the stack, which has STACK_SIZE bytes. */
-#define STACK_SIZE 8192u /* multiple of 8 */
-size_t board_variables(void);
-uint8_t *board_free_memory(size_t *size);
+#define STACK_SIZE 8192u /* bytes, at the end of the memory */
 
+/* Bytes of variables. */
+size_t board_variables(void);
+/* The memory between variables and stack. */
+uint8_t *board_free_memory(size_t *size);
 /* Bytes of the stack that were used since the start. */
 size_t board_used_stack(void);
 
-/* Instructions since the last call, which QEMU counts with `-icount shift=0`: one takes a nanosecond.  At most 6.7e8, and in
- * steps of 40. */
+/* Begins to count instructions, and returns their number since: at most 6.7e8, in steps of 40.  In QEMU with
+ * `-icount shift=0` each takes a nanosecond. */
 void board_start_count(void);
 uint32_t board_count(void);
 
