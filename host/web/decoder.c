@@ -56,15 +56,17 @@ const uint32_t *web_fields(void) {
     return fields;
 }
 
-/* Memory for the file, whatever its coding. */
+/* Memory for the file, whatever its coding.  The arrays follow each other, each of a multiple of 8 bytes. */
 static bool reserve(gsf_coded_image *file) {
-    gsf_codebooks *books = &file->codebooks;
-    coded.scratch = malloc(gsf_read_scratch_size(&file->header));
-    file->splats = malloc(file->header.splat_count * sizeof *file->splats);
-    file->indexed = malloc(file->header.splat_count * sizeof *file->indexed);
-    books->shape_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->shape_words);
-    books->colour_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->colour_words);
-    return coded.scratch && file->splats && file->indexed && books->shape_words && books->colour_words;
+    const size_t count = file->header.splat_count;
+    const size_t splat = sizeof *file->splats + sizeof *file->indexed;
+    const size_t word = sizeof *file->codebooks.shape_words + sizeof *file->codebooks.colour_words;
+    file->splats = malloc(count * splat + GSF_MAX_CODEBOOK * word + gsf_read_scratch_size(&file->header));
+    file->indexed = (gsf_indexed_splat *)(file->splats + count);
+    file->codebooks.shape_words = (uint16_t(*)[GSF_SHAPE_DIMS])(file->indexed + count);
+    file->codebooks.colour_words = (uint16_t(*)[GSF_MAX_COLOUR_DIMS])(file->codebooks.shape_words + GSF_MAX_CODEBOOK);
+    coded.scratch = file->codebooks.colour_words + GSF_MAX_CODEBOOK;
+    return file->splats;
 }
 
 gsf_result web_read(bool partial) {
@@ -103,13 +105,14 @@ double web_work(void) {
 }
 
 /* The options of gscl_frame_options; the format and the kernels number blend modes alike. */
-static gscl_kernel_options options_of(const gsf_header *h) {
-    return (gscl_kernel_options){.blend = (int)h->blend,
-                                 .colours = h->has_chroma ? 3 : 1,
-                                 .alpha_channel = h->has_alpha,
-                                 .opacity = h->has_opacity,
-                                 .texture = h->has_texture,
-                                 .shape = GSCL_SHAPE_ROTATED};
+static const gscl_kernel_options *options_of(const gsf_header *h) {
+    static gscl_kernel_options options = {.shape = GSCL_SHAPE_ROTATED};
+    options.blend = (int)h->blend;
+    options.colours = h->has_chroma ? 3 : 1;
+    options.alpha_channel = h->has_alpha;
+    options.opacity = h->has_opacity;
+    options.texture = h->has_texture;
+    return &options;
 }
 
 /* `x`, `y`: the place in the drawn image of the corner of what `software` draws. */
@@ -128,14 +131,14 @@ static void add_splats(gscl_software *software, uint32_t x, uint32_t y, gscl_rea
 
 /* Pixels of 4 bytes, R, G, B and alpha, whatever the layout of the file; NULL without memory. */
 const void *web_draw(void) {
-    const gscl_kernel_options options = options_of(&coded.file.header);
     /* The renderer has no numbers for the rows of larger images: it draws the rectangle as an image of its own. */
     const bool is_far = frame.full_width > GSCL_MAX_DIMENSION || frame.full_height > GSCL_MAX_DIMENSION;
     const gscl_software_view near = {frame.full_width, frame.full_height, frame.x, frame.y};
     const gscl_software_view view = is_far ? (gscl_software_view){frame.width, frame.height, 0, 0} : near;
-    const size_t pixels = (size_t)frame.width * frame.height;
-    const gscl_image image = {frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc(4 * pixels)};
-    gscl_software *software = gscl_software_create(&options, &view, coded.file.header.splat_count);
+    const gscl_image image = {
+        frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc((size_t)4 * frame.width * frame.height)};
+    gscl_software *software =
+        gscl_software_create(options_of(&coded.file.header), &view, coded.file.header.splat_count);
     gscl_real sums[4] = {0};
     float background[4];
     if (!software || !image.pixels)

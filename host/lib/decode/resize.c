@@ -16,10 +16,11 @@ static void resize_shape(float *p, gscl_real sx, gscl_real sy) {
     const gscl_real xx = (along_x + box_x) * sx * sx, yy = (along_y + box_y) * sy * sy;
     const gscl_real xy = c * s * (v1 - v2) * sx * sy;
     /* xx * yy - xy * xy without the digits that cancel each other */
-    const gscl_real determinant = (v1 * v2 + along_x * box_y + along_y * box_x + box_x * box_y) * (sx * sy) * (sx * sy);
-    const gscl_real large = (xx + yy) / 2 + gscl_hypot((xx - yy) / 2, xy), smallest_part = GSCL_REAL(1e-12);
+    const gscl_real determinant = (v1 * v2 + along_x * box_y + (along_y + box_y) * box_x) * sx * sx * sy * sy;
+    const gscl_real large = (xx + yy) / 2 + gscl_hypot((xx - yy) / 2, xy);
+    const gscl_real thinnest = GSCL_REAL(1e-12); /* bounds the aspect by 10^6 */
     p[GSCL_LOG_S1] = (float)(gscl_ln(large) / 2);
-    p[GSCL_LOG_S2] = (float)(gscl_ln(gscl_real_max(determinant / large, smallest_part * large)) / 2);
+    p[GSCL_LOG_S2] = (float)(gscl_ln(determinant / large + thinnest * large) / 2);
     p[GSCL_THETA] = (float)(gscl_atan2(2 * xy, xx - yy) / 2);
 }
 

@@ -33,11 +33,11 @@ static inline gscl_real gscl_real_ceil(gscl_real x) {
 
 /* The lesser and the larger of two numbers, neither of them NaN. */
 static inline gscl_real gscl_real_min(gscl_real x, gscl_real y) {
-    return x < y ? x : y;
+    return GSCL_OF_REAL(fmin)(x, y);
 }
 
 static inline gscl_real gscl_real_max(gscl_real x, gscl_real y) {
-    return x > y ? x : y;
+    return GSCL_OF_REAL(fmax)(x, y);
 }
 
 #endif

@@ -35,7 +35,7 @@ void gscl_canvas_init(gscl_canvas *c, const gscl_kernel_options *options, int co
     c->stride = columns + GSCL_ROW_LANES;
     c->plane = c->stride * rows;
     c->run = floats;
-    c->total = floats + planes_of(options) * c->plane;
+    c->total = floats + (c->channels + 1) * c->plane;
 }
 
 static float *plane_of(const gscl_canvas *c, float *planes, int k) {

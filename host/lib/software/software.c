@@ -7,8 +7,8 @@
 #include "software/strips.h"
 
 struct gscl_software {
-    gscl_software_view view;
     gscl_strips strips;
+    gscl_software_view view;
     gscl_ellipse *ellipses; /* of the splats that touch the image */
 };
 

@@ -7,7 +7,7 @@
 #define NO_BAND UINT32_MAX
 
 size_t gscl_strips_memory(const gscl_kernel_options *options, int columns, int rows, uint32_t count) {
-    return count * (sizeof(gscl_box) + sizeof(uint32_t)) + sizeof(uint32_t) +
+    return ((size_t)count + 1) * (sizeof(gscl_box) + sizeof(uint32_t)) +
            gscl_canvas_floats(options, columns, rows) * sizeof(float);
 }
 
@@ -19,10 +19,6 @@ void gscl_strips_begin(gscl_strips *s, uint32_t full_width, uint32_t count, void
     s->canvas.image_width = (int)full_width;
     /* Listing writes one number beyond the last splat. */
     gscl_canvas_init(&s->canvas, s->options, s->columns, s->rows, (float *)(s->listed + count + 1));
-}
-
-void gscl_strips_add(gscl_strips *s, gscl_box box) {
-    s->boxes[s->count++] = box;
 }
 
 /* Lists the splats of a band of rows, which begins at a multiple of GSCL_BLOCK_ROWS. */
@@ -94,11 +90,11 @@ static void draw_blocks(gscl_strips *s, uint32_t x, uint32_t to, const float bac
 void gscl_strips_draw(gscl_strips *s, uint32_t x, uint32_t y, const float background[4], const gscl_image *image) {
     gscl_canvas *c = &s->canvas;
     for (uint32_t row = 0; row < image->height; row += (uint32_t)c->height) {
-        const uint32_t band = (y + row) / GSCL_BLOCK_ROWS * GSCL_BLOCK_ROWS;
+        const uint32_t first = y + row, band = first & -(uint32_t)GSCL_BLOCK_ROWS;
         if (band != s->band)
             list_splats(s, band);
-        c->y = (int)(y + row);
-        c->height = (int)lesser(lesser((uint32_t)s->rows, band + GSCL_BLOCK_ROWS - y - row), image->height - row);
+        c->y = (int)first;
+        c->height = (int)lesser(lesser((uint32_t)s->rows, band + GSCL_BLOCK_ROWS - first), image->height - row);
         draw_blocks(s, x, row, background, image);
     }
 }

@@ -35,7 +35,9 @@ size_t gscl_strips_memory(const gscl_kernel_options *options, int columns, int r
  * fields up to `owner`, of whose options those of the fit and of measurements have no effect; the others are set. */
 void gscl_strips_begin(gscl_strips *strips, uint32_t full_width, uint32_t count, void *memory);
 /* Adds the next splat. */
-void gscl_strips_add(gscl_strips *strips, gscl_box box);
+static inline void gscl_strips_add(gscl_strips *strips, gscl_box box) {
+    strips->boxes[strips->count++] = box;
+}
 
 /* Draws image->height rows of the drawn image from (x, y) on into image->pixels.  A pixel has the same value in every strip,
  * and with blocks of any size. */
