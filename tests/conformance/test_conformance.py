@@ -1,6 +1,6 @@
 """Runs the conformance set through the library and through the decoder in ../decoder: test_conformance.py CODES [TEST...]
 
-CODES is the program of codes.c, which may have been built for another machine (codes.py).
+CODES is the program of codes.c, which may have been built for another machine (codes.py), or that of decode_single.c.
 """
 import json
 import pathlib
@@ -68,20 +68,7 @@ class SetTest(unittest.TestCase):
             self.check_samples(image.crop(x, y, 1, 1).samples, expected, image.depth)
 
 
-class Library(SetTest):
-    def test_reads(self):
-        for bare in FORMS:
-            chosen = entries(bare)
-            for entry, (result, text) in zip(chosen, CODES.read(bare, [*map(path, chosen)]), strict=True):
-                self.check_reading(entry, result, text)
-
-    @unittest.skipUnless("decode-cpu" in DECODERS, "the library has no OpenCL")
-    def test_decodes_with_opencl(self):
-        self.check_decodes("decode-cpu")
-
-    def test_decodes_on_host(self):
-        self.check_decodes("decode-host")
-
+class Decodes(SetTest):
     def check_decodes(self, decoder):
         """Of files whose whole picture is not kept, an emulator draws some pixels only: the whole of two takes an hour."""
         self.right = 0
@@ -109,6 +96,28 @@ class Library(SetTest):
                 for (_, _, *expected), (depth, samples) in zip(some, found, strict=True):
                     self.check_samples(samples, expected, depth)
                 self.right += 1
+
+
+class Library(Decodes):
+    def test_reads(self):
+        for bare in FORMS:
+            chosen = entries(bare)
+            for entry, (result, text) in zip(chosen, CODES.read(bare, [*map(path, chosen)]), strict=True):
+                self.check_reading(entry, result, text)
+
+    @unittest.skipUnless("decode-cpu" in DECODERS, "the library has no OpenCL")
+    def test_decodes_with_opencl(self):
+        self.check_decodes("decode-cpu")
+
+    def test_decodes_on_host(self):
+        self.check_decodes("decode-host")
+
+
+class Single(Decodes):
+    """A decoder in single precision: CODES is the program of decode_single.c."""
+
+    def test_decodes(self):
+        self.check_decodes("decode-single")
 
 
 class Decoder(SetTest):
