@@ -6,6 +6,7 @@
 
 #include "board.h"
 #include "decode/coded_image.h"
+#include "decode/format_result.h"
 
 #define MAX_FILE 4096u /* bytes */
 
