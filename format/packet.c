@@ -138,8 +138,10 @@ gsf_result gsf_read_list_header(const uint8_t *list, size_t size, gsf_header *he
     return GSF_OK;
 }
 
-/* Whether steps and background of a packet are those of the packets before it. */
+/* Whether steps and background of a packet are those of the packets before it.  They count where there are splats only. */
 static bool agrees(const gsf_coded_image *part, const gsf_coded_image *image) {
+    if (part->header.splat_count == 0 || image->header.splat_count == 0)
+        return true;
     return memcmp(&part->steps, &image->steps, sizeof part->steps) == 0 &&
            part->has_mean_background == image->has_mean_background &&
            memcmp(part->background, image->background, sizeof part->background) == 0;
@@ -159,10 +161,10 @@ static bool read_part(gsf_bytes packet, gsf_coded_image *part, void *scratch) {
 /* Adds the splats of a part, which stand behind those of `image`, where it agrees with the others and the limits allow. */
 static bool add_part(list_reader *r, const gsf_coded_image *part, gsf_coded_image *image) {
     const uint32_t before = image->header.splat_count;
-    if (r->has_first && !agrees(part, image))
+    if (!agrees(part, image))
         return false;
     image->header.splat_count = before + part->header.splat_count;
-    if (!r->has_first) {
+    if (!r->has_first || (before == 0 && part->header.splat_count > 0)) {
         image->steps = part->steps;
         image->has_mean_background = part->has_mean_background;
         memcpy(image->background, part->background, sizeof part->background);
@@ -179,9 +181,11 @@ static void take_packet(list_reader *r, const gsf_header *header, gsf_bytes pack
     gsf_coded_image part = *image;
     uint64_t bits[GSF_STREAM_COUNT] = {0};
     const uint32_t before = image->header.splat_count;
-    if (r->has_number[header->packet] || header->splat_count > GSF_MAX_SPLATS - before)
+    if (r->has_number[header->packet])
         return;
     r->has_number[header->packet] = true; /* also where it is not valid, which bounds the work */
+    if (header->splat_count > GSF_MAX_SPLATS - before)
+        return;
     part.stream_bits256 = GSF_STREAM_BITS(image) ? bits : NULL;
     part.splats = image->splats + before;
     if (!read_part(packet, &part, scratch) || !add_part(r, &part, image))
