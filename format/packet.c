@@ -198,6 +198,14 @@ static void take_packet(list_reader *r, const gsf_header *header, gsf_bytes pack
         image->stream_bits256[GSF_STREAM_CONTAINER] -= (uint64_t)(packet.size - GSF_PACKET_FRAME) * 8 * 256;
 }
 
+/* Sets what the header of the first packet says of the picture. */
+static void set_kind(const list_reader *r, gsf_coded_image *image) {
+    const uint32_t count = image->header.splat_count;
+    image->header = r->header;
+    image->header.packets = image->header.packet = 0;
+    image->header.splat_count = count;
+}
+
 /* Removes splats that equal the one before them; equal ones are neighbours. */
 static void remove_repeated(gsf_coded_image *image) {
     const uint32_t count = image->header.splat_count;
@@ -215,9 +223,12 @@ gsf_result gsf_read_list(const uint8_t *list, size_t size, gsf_coded_image *imag
     size_t position = 0;
     image->header.splat_count = 0;
     image->packets_read = 0;
-    while (gsf_next_packet(list, size, &position, &packet))
-        if (is_of_picture(&r, packet, &header))
-            take_packet(&r, &header, packet, image, scratch);
+    while (gsf_next_packet(list, size, &position, &packet)) {
+        if (!is_of_picture(&r, packet, &header))
+            continue;
+        set_kind(&r, image);
+        take_packet(&r, &header, packet, image, scratch);
+    }
     if (!r.has_first)
         return position == 0 ? GSF_TRUNCATED : GSF_DAMAGED;
     gsf_sort_splats(image, (gsf_workspace *)scratch + 1);
