@@ -206,8 +206,7 @@ static void set_kind(const list_reader *r, gsf_coded_image *image) {
     image->header.splat_count = count;
 }
 
-/* Removes splats that equal the one before them; equal ones are neighbours. */
-static void remove_repeated(gsf_coded_image *image) {
+void gsf_remove_repeated(gsf_coded_image *image) {
     const uint32_t count = image->header.splat_count;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -232,6 +231,6 @@ gsf_result gsf_read_list(const uint8_t *list, size_t size, gsf_coded_image *imag
     if (!r.has_first)
         return position == 0 ? GSF_TRUNCATED : GSF_DAMAGED;
     gsf_sort_splats(image, (gsf_workspace *)scratch + 1);
-    remove_repeated(image);
+    gsf_remove_repeated(image);
     return GSF_OK;
 }

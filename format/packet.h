@@ -41,4 +41,7 @@ gsf_result gsf_read_list_header(const uint8_t *list, size_t size, gsf_header *he
  * that are damaged, repeated or of another picture.  `image` and `scratch` as for gsf_read. */
 gsf_result gsf_read_list(const uint8_t *list, size_t size, gsf_coded_image *image, void *scratch);
 
+/* Removes splats that equal the one before them.  In the stored order equal ones are neighbours, of which a list has one. */
+void gsf_remove_repeated(gsf_coded_image *image);
+
 #endif
