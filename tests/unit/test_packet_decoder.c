@@ -377,6 +377,34 @@ static void test_packets_without_splats(void **unused) {
     synthetic_packets_free(&few);
 }
 
+/* Random changes of packets whose checks then match: whatever comes, the decoder draws what is valid. */
+static void test_changed_packets(void **unused) {
+    (void)unused;
+    uint32_t taken = 0;
+    for (int round = 0; round < 100; round++) {
+        gscl_decoder *decoder = decoder_of(NULL);
+        for (uint32_t i = 0; i < 2 * PACKETS; i++) {
+            uint8_t copy[500];
+            const gsf_bytes packet = packets.packets[synthetic_random(PACKETS)];
+            memcpy(copy, packet.data, packet.size);
+            for (uint32_t changes = synthetic_random(3); changes > 0; changes--)
+                copy[1 + synthetic_random((uint32_t)packet.size - 3)] ^= (uint8_t)(1u << synthetic_random(8));
+            const size_t size = gsf_put_packet_frame(copy, packet.size - GSF_PACKET_FRAME, 7);
+            const gscl_result result = gscl_decoder_add_packet(decoder, copy, size);
+            assert_true(result == GSCL_OK || result == GSCL_ERROR_CORRUPT || result == GSCL_ERROR_OTHER_PICTURE);
+            taken += result == GSCL_OK;
+        }
+        gscl_image image = {0};
+        gscl_decoder_state state = {.struct_size = sizeof state};
+        const gscl_result inspected = gscl_decoder_inspect(decoder, &state);
+        if (inspected == GSCL_OK && (uint64_t)state.width * state.height < 100000)
+            assert_int_equal(gscl_decoder_draw(decoder, context, &image), GSCL_OK);
+        gscl_free(image.pixels);
+        gscl_decoder_free(&decoder);
+    }
+    assert_true(taken > 100);
+}
+
 /* The settings are those of each drawing. */
 static void test_settings(void **unused) {
     (void)unused;
@@ -505,6 +533,7 @@ int main(void) {
         cmocka_unit_test(test_repair_packets),
         cmocka_unit_test(test_repair_packets_of_another_picture),
         cmocka_unit_test(test_packets_without_splats),
+        cmocka_unit_test(test_changed_packets),
         cmocka_unit_test(test_settings),
         cmocka_unit_test(test_pieces),
         cmocka_unit_test(test_mixed_input),
