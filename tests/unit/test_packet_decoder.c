@@ -484,8 +484,12 @@ static void test_mixed_input(void **unused) {
     assert_counts(decoder, 1, 1);
     gscl_decoder_free(&decoder);
     decoder = decoder_of(NULL);
-    assert_int_equal(gscl_decoder_add_bytes(decoder, packets.packets[0].data, 5), GSCL_OK);
+    size_t size;
+    uint8_t *list = whole_list(&size);
+    assert_int_equal(gscl_decoder_add_bytes(decoder, list, size), GSCL_OK);
     assert_int_equal(add(decoder, packets.packets[0]), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(state_of(decoder).bytes, size);
+    free(list);
     gscl_decoder_free(&decoder);
 }
 

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "format/container.h"
 #include "format/packet.h"
 #include "format/repair.h"
 #include "synthetic_packets.h"
@@ -138,6 +139,45 @@ static void test_packets_that_end_with_zeros(void **unused) {
     assert_true(found > 10);
 }
 
+/* A copy of a repair packet with this identity and number, and some bytes more, whose check matches. */
+static gsf_bytes changed_repair(gsf_bytes repair, uint8_t identity, uint8_t number, size_t more) {
+    const size_t size = repair.size + more;
+    uint8_t *copy = calloc(size, 1);
+    assert_non_null(copy);
+    memcpy(copy, repair.data, repair.size - 2);
+    copy[0] = identity;
+    copy[1] = number;
+    const uint16_t check = gsf_crc16(copy, size - 2) ^ 0xFFFF;
+    copy[size - 2] = (uint8_t)(check >> 8);
+    copy[size - 1] = (uint8_t)check;
+    return (gsf_bytes){copy, size};
+}
+
+/* Repair packets that are of no use among those that are: packets 0 and 1 of four are lost. */
+static void test_useless_repairs(void **unused) {
+    (void)unused;
+    static const uint32_t order[] = {4, 6, 2, 3, 5};
+    static const uint8_t identities[] = {8, 7, 7, 7}, numbers[] = {9, 2, 4, 9};
+    synthetic_random_state = 12;
+    for (int kind = 0; kind < 4; kind++) {
+        synthetic_packets packets = divided(2, 4, 3, 7);
+        free((void *)packets.packets[6].data);
+        packets.packets[6] = changed_repair(packets.packets[4], identities[kind], numbers[kind], kind == 3);
+        uint8_t *made;
+        const size_t size = repair(&packets, order, 5, &made);
+        const uint8_t *at = made;
+        for (uint32_t k = 0; k < 2; k++) {
+            at += gsf_packet_size_field(packets.packets[k].size);
+            assert_true(at + packets.packets[k].size <= made + size);
+            assert_memory_equal(at, packets.packets[k].data, packets.packets[k].size);
+            at += packets.packets[k].size;
+        }
+        assert_ptr_equal(at, made + size);
+        free(made);
+        synthetic_packets_free(&packets);
+    }
+}
+
 static void test_damaged_repairs(void **unused) {
     (void)unused;
     uint8_t identity;
@@ -163,7 +203,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_three_of_seven), cmocka_unit_test(test_random_numbers),
         cmocka_unit_test(test_other_pictures),       cmocka_unit_test(test_packets_that_end_with_zeros),
-        cmocka_unit_test(test_damaged_repairs),
+        cmocka_unit_test(test_useless_repairs),      cmocka_unit_test(test_damaged_repairs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
