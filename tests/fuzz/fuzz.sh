@@ -5,11 +5,12 @@
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader, rows, writer, image or options; README.md says what each does.  FOLDER: holds the program, and in FOLDER/corpus
-# the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, the conformance set are read, too.
+# TARGET: reader, rows, writer, packets, image or options; README.md says what each does.  FOLDER: holds the program, and in
+# FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader and packets, the conformance
+# set are read, too.
 # An input that fails is kept as FOLDER/crash-...
 #
-# Installs LLVM's tools and the libraries of the sanitizers.  In the reader and the writer comparisons
+# Installs LLVM's tools and the libraries of the sanitizers.  In the reader, the writer and packets comparisons
 # are not traced, which makes the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -50,6 +51,12 @@ writer)
     options=-max_len=512
     measured=format
     ;;
+packets)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_mutator.c $format"
+    options="-max_len=512 -entropic=0"
+    kept="$kept tests/conformance/files"
+    measured=format
+    ;;
 image)
     sources="tests/fuzz/image_mutator.c $image"
     options="-max_len=4400 -close_fd_mask=2 -malloc_limit_mb=200"
@@ -84,7 +91,7 @@ fi
 
 traced=
 case $target in
-reader | writer) traced=-fno-sanitize-coverage=trace-cmp ;;
+reader | writer | packets) traced=-fno-sanitize-coverage=trace-cmp ;;
 esac
 $compile -O2 -DFUZZ_SAMPLE -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined $traced \
     tests/fuzz/fuzz_$target.c $sources $more -o "$folder/fuzz-$target"

@@ -18,7 +18,7 @@ import {runTests, test} from './tap.mjs';
 const folder = resolve(process.argv[2]), gscl = process.env.GSCL;
 const {decode, info, splats, load, GsclError} = await import(pathToFileURL(join(folder, 'node.js')));
 const set = fileURLToPath(new URL('../conformance/', import.meta.url));
-const index = JSON.parse(readFileSync(join(set, 'index.json')));
+const index = JSON.parse(readFileSync(join(set, 'index.json'))).filter(entry => !entry.packets); /* it reads files only */
 const fileOf = name => readFileSync(join(set, 'files', `${name}.gscl`));
 
 const MAX_GZIPPED = 15000; /* bytes of the module and its script */
