@@ -48,6 +48,17 @@ static bool write_strip(void *out, uint32_t y, const gscl_image *strip) {
     return true;
 }
 
+/* Adds the packets that a list lacks and that can be computed. */
+static size_t repair(uint8_t *bytes, size_t size) {
+    const size_t needed = gscl_repair_memory(bytes, size);
+    void *memory = malloc(needed + 1);
+    if (needed > 0 && needed <= MAX_FILE && memory &&
+        gscl_repair_packets(bytes, size, memory, needed, &size) == GSCL_OK)
+        memcpy(bytes, memory, size);
+    free(memory);
+    return size;
+}
+
 /* `image` receives the kind of the picture. */
 static gscl_result decode(const uint8_t *bytes, size_t size, bool bare, FILE *out, gscl_image *image) {
     gscl_decode_settings settings;
@@ -74,7 +85,7 @@ static void decode_file(const char *path, bool bare, const char *folder, int num
         perror(path);
         exit(EXIT_FAILURE);
     }
-    const size_t size = fread(bytes, 1, sizeof bytes, in);
+    const size_t size = repair(bytes, fread(bytes, 1, sizeof bytes, in));
     const gscl_result result = decode(bytes, size, bare, out, &image);
     printf("file %s %s", path, result_name(result));
     if (result == GSCL_OK)

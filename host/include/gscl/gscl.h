@@ -470,6 +470,14 @@ GSCL_API bool gscl_next_packet(const uint8_t *list, size_t size, size_t *positio
 GSCL_API GSCL_CHECKED gscl_result gscl_append_packet(uint8_t **list, size_t *size, const uint8_t *packet,
                                                      size_t packet_size);
 
+/* Computes the packets that a list lacks from its repair packets, as all functions do that read a list in memory of their own.
+ * gscl_repair_memory returns the bytes of memory for it, 0 where nothing can be computed or the list is none.  `memory`, of that
+ * size, becomes the list with them, of *repaired_size bytes.  Nothing is allocated.  Errors: GSCL_ERROR_INVALID_ARGUMENT, also
+ * where nothing can be computed; GSCL_ERROR_OUT_OF_MEMORY where the memory is too small. */
+GSCL_API size_t gscl_repair_memory(const uint8_t *list, size_t size);
+GSCL_API GSCL_CHECKED gscl_result gscl_repair_packets(const uint8_t *list, size_t size, void *memory, size_t memory_size,
+                                                      size_t *repaired_size);
+
 /* Which packet this is, from its bytes alone. */
 typedef struct gscl_packet_info {
     size_t struct_size;     /* set by the caller */
@@ -583,7 +591,7 @@ GSCL_API GSCL_CHECKED gscl_result gscl_rows_memory(const uint8_t *bytes, size_t 
 /* Decodes a file by rows in memory of the caller, for processors with little memory: it allocates nothing and calls neither
  * the operating system nor the library with a context.  The rows have the samples that gscl_decode returns on the device
  * GSCL_HOST_DEVICE of a library that only decodes; they depend neither on strip_rows nor on the memory.
- * Of a list of packets it draws those that are there, and repairs none.
+ * Of a list of packets it draws those that are there: gscl_repair_packets adds those that can be computed.
  *
  * `settings` may be NULL for the defaults; all have their effect but `progress`, which is not called: GSCL_SAMPLE_U8 gives 8
  * bits of files that have 16, too.  `strip_rows`: rows of a strip, of which the last may have fewer; more than the

@@ -8,7 +8,6 @@
 #include "decode/dequantise.h"
 #include "decode/format_result.h"
 #include "format/packet.h"
-#include "format/repair.h"
 
 void gscl_coded_image_free(gscl_coded_image *p) {
     free(p->file.splats);
@@ -70,19 +69,12 @@ static gscl_result read_file(gscl_coded_image *p, const uint8_t *bytes, size_t s
 
 /* Adds the packets that a list lacks and that its repair packets replace.  *repaired is NULL where there are none. */
 static gscl_result repair_list(const uint8_t *list, size_t size, uint8_t **repaired, size_t *repaired_size) {
-    const size_t needed = gsf_repair_size(list, size);
-    size_t end = 0; /* of the last packet that is complete */
-    for (gsf_bytes packet; gsf_next_packet(list, size, &end, &packet);)
-        continue;
+    const size_t needed = gscl_repair_memory(list, size);
     *repaired = NULL;
     if (needed == 0)
         return GSCL_OK;
-    *repaired = malloc(end + needed);
-    if (!*repaired)
-        return GSCL_ERROR_OUT_OF_MEMORY;
-    memcpy(*repaired, list, end);
-    *repaired_size = end + gsf_repair_list(list, size, *repaired + end);
-    return GSCL_OK;
+    *repaired = malloc(needed);
+    return *repaired ? gscl_repair_packets(list, size, *repaired, needed, repaired_size) : GSCL_ERROR_OUT_OF_MEMORY;
 }
 
 /* Reads a list of packets, which may lack some. */
