@@ -440,14 +440,10 @@ static void parse_file(text *t, const char *path) {
 /* Writes a bare file whose work may be above the limit. */
 static size_t write_unchecked(gsf_coded_image *image, uint8_t *bytes, size_t capacity, void *scratch) {
     gsf_coder coder;
-    gsf_workspace *workspace = scratch;
-    const uint32_t splats = image->header.splat_count;
     gsf_sort(image, scratch);
     gsf_coder_write_to(&coder, bytes, capacity, NULL);
     gsf_code_header(&coder, image);
-    workspace->points = (gsf_point *)(workspace + 1);
-    workspace->priors = (gsf_prior *)(workspace->points + (splats > GSF_MAX_CODEBOOK ? splats : GSF_MAX_CODEBOOK));
-    if (gsf_code_payload(&coder, image, workspace))
+    if (gsf_code_payload(&coder, image, gsf_workspace_in(&image->header, scratch)))
         fail("the file keeps all limits");
     gsf_range_encoder_finish(&coder.encoder);
     return coder.encoder.size;

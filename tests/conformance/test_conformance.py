@@ -1,6 +1,6 @@
 """Runs the conformance set through the library and through the decoder in ../decoder: test_conformance.py CODES [TEST...]
 
-CODES is the program of codes.c, which may have been built for another machine (codes.py).
+CODES is the program of codes.c, which may have been built for another machine (codes.py), or that of decode_single.c.
 """
 import json
 import pathlib
@@ -69,28 +69,15 @@ class SetTest(unittest.TestCase):
             self.check_samples(image.crop(x, y, 1, 1).samples, expected, image.depth)
 
 
-class Library(SetTest):
-    def test_reads(self):
-        for bare in FORMS:
-            chosen = entries(bare)
-            for entry, (result, text) in zip(chosen, CODES.read(bare, [*map(path, chosen)]), strict=True):
-                self.check_reading(entry, result, text)
-
-    @unittest.skipUnless("decode-cpu" in DECODERS, "the library has no OpenCL")
-    def test_decodes_with_opencl(self):
-        self.check_decodes("decode-cpu")
-
-    def test_decodes_on_host(self):
-        self.check_decodes("decode-host")
-
-    def check_decodes(self, decoder):
+class Decodes(SetTest):
+    def check_decodes(self, decoder, index=INDEX):
         """Of files whose whole picture is not kept, an emulator draws some pixels only: the whole of two takes an hour."""
         self.right = 0
         for bare in FORMS:
-            chosen = entries(bare)
+            chosen = [entry for entry in index if entry["bare"] == bare]
             self.check_whole(decoder, bare, [entry for entry in chosen if not CODES.is_emulated or "samples" not in entry])
             self.check_pixels(bare, [entry for entry in chosen if CODES.is_emulated and "samples" in entry])
-        print(f"# {decoder}: {self.right} of {len(INDEX)} files right")
+        print(f"# {decoder}: {self.right} of {len(index)} files right")
 
     def check_whole(self, decoder, bare, chosen):
         with tempfile.TemporaryDirectory() as folder:
@@ -110,6 +97,28 @@ class Library(SetTest):
                 for (_, _, *expected), (depth, samples) in zip(some, found, strict=True):
                     self.check_samples(samples, expected, depth)
                 self.right += 1
+
+
+class Library(Decodes):
+    def test_reads(self):
+        for bare in FORMS:
+            chosen = entries(bare)
+            for entry, (result, text) in zip(chosen, CODES.read(bare, [*map(path, chosen)]), strict=True):
+                self.check_reading(entry, result, text)
+
+    @unittest.skipUnless("decode-cpu" in DECODERS, "the library has no OpenCL")
+    def test_decodes_with_opencl(self):
+        self.check_decodes("decode-cpu")
+
+    def test_decodes_on_host(self):
+        self.check_decodes("decode-host")
+
+
+class Single(Decodes):
+    """A decoder in single precision, which computes no packets: CODES is the program of decode_single.c."""
+
+    def test_decodes(self):
+        self.check_decodes("decode-single", [entry for entry in INDEX if "repaired" not in entry])
 
 
 class Decoder(SetTest):

@@ -5,9 +5,9 @@
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader, writer, packets, decoder, image or options; README.md says what each does.  FOLDER: holds the program, and in
-# FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, packets and the decoder, the
-# conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
+# TARGET: reader, rows, writer, packets, decoder, image or options; README.md says what each does.  FOLDER: holds the program,
+# and in FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, packets and the
+# decoder, the conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
 #
 # Installs LLVM's tools and the libraries of the sanitizers.  In all but the last two comparisons are not traced, which makes
 # the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
@@ -23,6 +23,11 @@ format=$(ls format/*.c)
 image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
     host/tool/cli/output_target.c host/tool/cli/name_hash.c
     $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
+# What gscl_decode_rows calls.
+rows="$(ls host/lib/software/*.c) host/lib/decode/blend.c host/lib/decode/coded_image.c host/lib/decode/decode_rows.c
+    host/lib/decode/decode_settings.c host/lib/decode/dequantise.c host/lib/decode/draw_rows.c host/lib/decode/frame.c
+    host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/context.c host/lib/runtime/elementary.c
+    host/lib/runtime/result.c host/lib/runtime/struct_size.c host/lib/runtime/text.c"
 image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
 more=
 kept=tests/fuzz/corpus/$target
@@ -32,6 +37,13 @@ reader)
     options="-max_len=64 -entropic=0"
     kept="$kept tests/conformance/files"
     measured=format
+    ;;
+rows)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c $format $rows"
+    options="-max_len=64 -entropic=0"
+    kept="tests/fuzz/corpus/reader tests/conformance/files"
+    more="-Ihost/lib -ffp-contract=off -lm"
+    measured="$rows"
     ;;
 writer)
     sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c $format"

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
-#include "decode/quantise.h"
+#include "decode/dequantise.h"
 #include "format/classes.h"
 #include "format/quantiser.h"
 #include "runtime/elementary.h"
