@@ -11,8 +11,9 @@
 #include "format/payload.h"
 #include "format/picture.h"
 
+/* The splats of a list of packets are sorted, too. */
 size_t gsf_read_scratch_size(const gsf_header *header) {
-    return gsf_workspace_size(header);
+    return header->packets > 0 ? gsf_scratch_size(header) : gsf_workspace_size(header);
 }
 
 /* Sorting and coding use the memory one after the other. */

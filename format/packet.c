@@ -133,7 +133,7 @@ gsf_result gsf_read_list_header(const uint8_t *list, size_t size, gsf_header *he
     if (r.header.packets == 0)
         return position == 0 ? GSF_TRUNCATED : GSF_DAMAGED;
     *header = r.header;
-    header->packets = header->packet = 0;
+    header->packet = 0;
     header->splat_count = splats;
     return GSF_OK;
 }

@@ -34,7 +34,7 @@ bool gsf_next_packet(const uint8_t *list, size_t size, size_t *position, gsf_byt
 uint32_t gsf_list_packets(const uint8_t *list, size_t size, gsf_bytes packets[GSF_MAX_PACKETS], uint8_t *identity);
 
 /* The header's fields of the picture whose packets a list holds: those of its first packet that has a matching check and a
- * header.  splat_count is an upper bound of the splats of all packets of that picture.  GSF_TRUNCATED: there is no
+ * header.  splat_count is an upper bound of the splats of all packets of that picture, and packets is how many it has.  GSF_TRUNCATED: there is no
  * packet; GSF_DAMAGED: there are only others. */
 gsf_result gsf_read_list_header(const uint8_t *list, size_t size, gsf_header *header);
 /* Reads the splats of all packets of that picture, in the stored order of a whole picture and each once.  Skips packets

@@ -50,7 +50,8 @@ typedef struct gsf_header {
     uint32_t width, height;     /* pixels, 1..GSF_MAX_DIMENSION */
     uint32_t splat_count;       /* 0..GSF_MAX_SPLATS */
     uint8_t enhancement_layers; /* layers of splats after the base layer, 0..GSF_MAX_LAYERS - 1; scalar coding only */
-    uint16_t packets; /* of a packet: how many the picture has, 1..GSF_MAX_PACKETS; 0: it is a whole picture */
+    uint16_t packets; /* of a packet: how many the picture has, 1..GSF_MAX_PACKETS; 0: it is a whole picture.  That of
+                         gsf_read_header for a list, too */
     uint8_t packet;   /* of a packet: its number */
 } gsf_header;
 

@@ -375,6 +375,8 @@ class Writer:
         """Adds a file, or a list of packets, with what the decoder says of it."""
         (self.out / "files" / (name + (".gsclp" if packets else ".gscl"))).write_bytes(data)
         entry = {"file": name, "about": about, "bare": bare, **({"packets": True} if packets else {}), "result": "valid"}
+        if packets and gscl.is_repaired(data):
+            entry["repaired"] = True
         try:
             picture = gscl.decode(data, bare)
             entry["codes"] = picture.codes_hash()

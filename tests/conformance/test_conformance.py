@@ -70,14 +70,14 @@ class SetTest(unittest.TestCase):
 
 
 class Decodes(SetTest):
-    def check_decodes(self, decoder):
+    def check_decodes(self, decoder, index=INDEX):
         """Of files whose whole picture is not kept, an emulator draws some pixels only: the whole of two takes an hour."""
         self.right = 0
         for bare in FORMS:
-            chosen = entries(bare)
+            chosen = [entry for entry in index if entry["bare"] == bare]
             self.check_whole(decoder, bare, [entry for entry in chosen if not CODES.is_emulated or "samples" not in entry])
             self.check_pixels(bare, [entry for entry in chosen if CODES.is_emulated and "samples" in entry])
-        print(f"# {decoder}: {self.right} of {len(INDEX)} files right")
+        print(f"# {decoder}: {self.right} of {len(index)} files right")
 
     def check_whole(self, decoder, bare, chosen):
         with tempfile.TemporaryDirectory() as folder:
@@ -115,10 +115,10 @@ class Library(Decodes):
 
 
 class Single(Decodes):
-    """A decoder in single precision: CODES is the program of decode_single.c."""
+    """A decoder in single precision, which computes no packets: CODES is the program of decode_single.c."""
 
     def test_decodes(self):
-        self.check_decodes("decode-single")
+        self.check_decodes("decode-single", [entry for entry in INDEX if "repaired" not in entry])
 
 
 class Decoder(SetTest):

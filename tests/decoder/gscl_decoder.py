@@ -1140,6 +1140,12 @@ def read_list(data):
     return picture
 
 
+def is_repaired(data):
+    """Whether repair packets of a list make up for packets that it lacks."""
+    packets = intact_packets(packets_of(data))
+    return bool(packets) and bool(repaired_packets(packets, packets_of(data)))
+
+
 def picture_with(picture, packet):
     """The picture with the splats of one packet more, where they belong together and the limits hold.  Each may be None."""
     if picture is None or packet is None:

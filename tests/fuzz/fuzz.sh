@@ -5,13 +5,12 @@
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader, rows, writer, packets, image or options; README.md says what each does.  FOLDER: holds the program, and in
-# FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader and packets, the conformance
-# set are read, too.
-# An input that fails is kept as FOLDER/crash-...
+# TARGET: reader, rows, writer, packets, decoder, image or options; README.md says what each does.  FOLDER: holds the program,
+# and in FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, packets and the
+# decoder, the conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
 #
-# Installs LLVM's tools and the libraries of the sanitizers.  In the reader, the writer and packets comparisons
-# are not traced, which makes the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
+# Installs LLVM's tools and the libraries of the sanitizers.  In all but the last two comparisons are not traced, which makes
+# the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/setup.sh
@@ -55,7 +54,14 @@ packets)
     sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_mutator.c $format"
     options="-max_len=512 -entropic=0"
     kept="$kept tests/conformance/files"
-    measured=format
+    measured="format/packet.c format/repair.c format/classes.c"
+    ;;
+decoder)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/packet_mutator.c host/lib/decode/decoder.c"
+    options="-max_len=512 -entropic=0"
+    more="-Ihost/lib -fsanitize=address,undefined,fuzzer-no-link $folder/decoder/libgscl.a -lm"
+    kept="$kept tests/fuzz/corpus/packets tests/conformance/files"
+    measured=host/lib/decode/decoder.c
     ;;
 image)
     sources="tests/fuzz/image_mutator.c $image"
@@ -79,6 +85,12 @@ if [ "$target" = options ] && [ ! -f "$folder/library/libgscl.a" ]; then
     meson setup "$folder/library" -Dtool=disabled -Dtests=disabled -Dweb=disabled >/dev/null
     ninja -C "$folder/library" libgscl.a >/dev/null
 fi
+if [ "$target" = decoder ] && [ ! -f "$folder/decoder/libgscl.a" ]; then
+    CC=clang meson setup "$folder/decoder" -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dtests=disabled -Dweb=disabled \
+        -Db_sanitize=address,undefined -Db_lundef=false \
+        -Dc_args="-fsanitize=fuzzer-no-link -fno-sanitize-coverage=trace-cmp" >/dev/null
+    ninja -C "$folder/decoder" libgscl.a >/dev/null
+fi
 compile="clang -std=c99 -g -I. -Ihost/include -Ihost -Ihost/tool"
 
 if [ "${1-}" = coverage ]; then
@@ -91,7 +103,7 @@ fi
 
 traced=
 case $target in
-reader | writer | packets) traced=-fno-sanitize-coverage=trace-cmp ;;
+reader | writer | packets | decoder) traced=-fno-sanitize-coverage=trace-cmp ;;
 esac
 $compile -O2 -DFUZZ_SAMPLE -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined $traced \
     tests/fuzz/fuzz_$target.c $sources $more -o "$folder/fuzz-$target"
