@@ -34,9 +34,11 @@ const fetchFile = async (url, code, options) => {
 };
 
 const compile = async source => (source = await source) instanceof WebAssembly.Module ? source : WebAssembly.compile(source);
-const fetchModule = async () => (await fetchFile(new URL('gscl.wasm', import.meta.url), 'failed')).arrayBuffer();
 let given, fetched; /* promises of the module */
+let name = 'gscl.wasm'; /* of the file that is fetched */
+export const useFile = it => (name = it, fetched = 0);
 export const load = source => given = compile(source);
+const fetchModule = () => fetchFile(new URL(name, import.meta.url), 'failed').then(answer => answer.arrayBuffer());
 const moduleOf = () => given || (fetched ||= compile(fetchModule()).catch(error => {
   fetched = 0; /* the next call tries again */
   throw error;
