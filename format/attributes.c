@@ -51,14 +51,14 @@ void gsf_attributes_init(gsf_attributes *a, const gsf_header *header, const gsf_
     gsf_conditional_init(&a->wave, &WAVE);
     gsf_luma_range(header->blend, steps->luma, 1, &min, &max);
     a->luma_min = min;
-    gsf_model_init(&a->luma, &LUMA, (uint32_t)(max - min + 1), 0);
+    gsf_model_init(&a->luma, &LUMA, a->luma_freq, (uint32_t)(max - min + 1), 0);
     if (header->blend != GSF_BLEND_SUM)
         start_luma(&a->luma, min, (int)gsf_colour_levels(steps->luma));
     gsf_luma_range(header->blend, steps->alpha, 1, &min, &max);
     a->alpha_min = min;
-    gsf_model_init(&a->alpha, &ALPHA, (uint32_t)(max - min + 1), 0);
-    gsf_model_init(&a->opacity, &OPACITY, steps->opacity + 1u, 0);
-    gsf_model_init(&a->wave_direction, &WAVE_DIRECTION, GSF_DIRECTIONS, 0);
+    gsf_model_init(&a->alpha, &ALPHA, a->alpha_freq, (uint32_t)(max - min + 1), 0);
+    gsf_model_init(&a->opacity, &OPACITY, a->opacity_freq, steps->opacity + 1u, 0);
+    gsf_model_init(&a->wave_direction, &WAVE_DIRECTION, a->direction_freq, GSF_DIRECTIONS, 0);
     gsf_chroma_range(steps->chroma, 1, &min, &max);
     gsf_chroma_init(&a->chroma, max);
 }

@@ -8,6 +8,10 @@
 #include "format/model.h"
 #include "format/types.h"
 
+#define GSF_MAX_LUMA_CODES 573 /* -286..286, with fineness 1 */
+#define GSF_MAX_OPACITIES 16
+
+/* Not copied after gsf_attributes_init: the models point to the frequencies. */
 typedef struct gsf_attributes {
     gsf_header header;
     gsf_steps steps;
@@ -18,6 +22,8 @@ typedef struct gsf_attributes {
     unsigned fineness;                       /* of the current splat's luma and chroma, gsf_colour_fineness */
     int luma_min, alpha_min;
     gsf_model luma, alpha, opacity, wave_direction;
+    uint16_t luma_freq[GSF_MAX_LUMA_CODES], alpha_freq[GSF_MAX_LUMA_CODES];
+    uint16_t opacity_freq[GSF_MAX_OPACITIES], direction_freq[GSF_DIRECTIONS];
     gsf_conditional aspect, direction, textured, amplitude, wave;
     gsf_chroma chroma;
 } gsf_attributes;

@@ -17,9 +17,10 @@ void gsf_chroma_init(gsf_chroma *chroma, int32_t levels) {
     chroma->levels = levels;
     chroma->co_co = START_CO_CO;
     for (int i = 0; i < 2; i++) {
-        gsf_model_init(&chroma->channel[i].plain, &PLAIN, 2 * (uint32_t)levels + 1, levels);
-        gsf_model_init(&chroma->channel[i].residual, &RESIDUAL, 4 * (uint32_t)levels + 1, 2 * levels);
-        chroma->channel[i].plain_weight = START_WEIGHT;
+        gsf_chroma_channel *c = &chroma->channel[i];
+        gsf_model_init(&c->plain, &PLAIN, c->plain_freq, 2 * (uint32_t)levels + 1, levels);
+        gsf_model_init(&c->residual, &RESIDUAL, c->residual_freq, 4 * (uint32_t)levels + 1, 2 * levels);
+        c->plain_weight = START_WEIGHT;
     }
 }
 

@@ -12,10 +12,12 @@
 #define GSF_PYRAMID_SIDE (1u << (GSF_PYRAMID_LEVELS - 1))
 #define GSF_PYRAMID_BUCKETS 1365 /* 1 + 4 + 16 + ... + 32 * 32 */
 
-#define GSF_MAX_CHROMA_CODES 511 /* -255..255 */
+#define GSF_MAX_CHROMA_CODES 511      /* -255..255 */
+#define GSF_MAX_CHROMA_RESIDUALS 1021 /* -510..510 */
 
 typedef struct gsf_chroma_channel {
     gsf_model plain, residual;
+    uint16_t plain_freq[GSF_MAX_CHROMA_CODES], residual_freq[GSF_MAX_CHROMA_RESIDUALS];
     uint32_t plain_weight;                /* of 2^16; the residual model has 2^16 - plain_weight */
     uint16_t mixed[GSF_MAX_CHROMA_CODES]; /* frequencies that coded the last code, and their sum */
     uint32_t mixed_total;

@@ -11,6 +11,10 @@
 #include "format/payload.h"
 #include "format/picture.h"
 
+size_t gsf_read_scratch_size(const gsf_header *header) {
+    return gsf_workspace_size(header);
+}
+
 /* Sorting and coding use the memory one after the other. */
 size_t gsf_scratch_size(const gsf_header *header) {
     const size_t coding = gsf_workspace_size(header);

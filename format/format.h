@@ -41,6 +41,8 @@ gsf_result gsf_read_header(const uint8_t *bytes, size_t size, bool bare, gsf_hea
 
 /* Bytes of working memory (aligned for uint64_t) that the functions below need at `scratch`. */
 size_t gsf_scratch_size(const gsf_header *header);
+/* The same for reading alone, which needs less. */
+size_t gsf_read_scratch_size(const gsf_header *header);
 
 /* Reads and checks a whole file, of the form that image->bare says, or a list of packets (packet.h), which need not be all
  * of a picture.  `splats` or `indexed` (and the codebook arrays) must be in place.  Never reads outside bytes[0..size),

@@ -1,7 +1,8 @@
 #include "format/model.h"
 
-void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint32_t count, int32_t centre) {
+void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint16_t *freq, uint32_t count, int32_t centre) {
     const uint32_t width2 = (uint32_t)shape->width * shape->width;
+    model->freq = freq;
     model->count = count;
     model->total = 0;
     model->limit = count * shape->mean_limit < GSF_MODEL_MAX_TOTAL ? count * shape->mean_limit : GSF_MODEL_MAX_TOTAL;

@@ -5,8 +5,6 @@
 
 #include "format/coder.h"
 
-#define GSF_MAX_ALPHABET 1024
-
 typedef struct gsf_model_shape {
     uint16_t base; /* start: base + height * width^2 / (width^2 + (code - centre)^2) */
     uint16_t height;
@@ -20,11 +18,11 @@ typedef struct gsf_model_shape {
 typedef struct gsf_model {
     uint32_t count, total, limit;
     uint16_t gain[3];
-    uint16_t freq[GSF_MAX_ALPHABET];
+    uint16_t *freq; /* of each symbol */
 } gsf_model;
 
-/* Symbols 0..count-1, count <= GSF_MAX_ALPHABET; the initial frequencies are highest at `centre`. */
-void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint32_t count, int32_t centre);
+/* Symbols 0..count-1, whose frequencies `freq` has room for; the initial ones are highest at `centre`. */
+void gsf_model_init(gsf_model *model, const gsf_model_shape *shape, uint16_t *freq, uint32_t count, int32_t centre);
 /* Adapts the frequencies to a coded value. */
 void gsf_model_update(gsf_model *model, uint32_t value);
 /* Adds to the frequency of one value; does nothing when it is outside the alphabet. */

@@ -138,8 +138,10 @@ gsf_result gsf_read_list_header(const uint8_t *list, size_t size, gsf_header *he
     return GSF_OK;
 }
 
-/* Whether steps and background of a packet are those of the packets before it. */
+/* Whether steps and background of a packet are those of the packets before it.  They count where there are splats only. */
 static bool agrees(const gsf_coded_image *part, const gsf_coded_image *image) {
+    if (part->header.splat_count == 0 || image->header.splat_count == 0)
+        return true;
     return memcmp(&part->steps, &image->steps, sizeof part->steps) == 0 &&
            part->has_mean_background == image->has_mean_background &&
            memcmp(part->background, image->background, sizeof part->background) == 0;
@@ -159,10 +161,10 @@ static bool read_part(gsf_bytes packet, gsf_coded_image *part, void *scratch) {
 /* Adds the splats of a part, which stand behind those of `image`, where it agrees with the others and the limits allow. */
 static bool add_part(list_reader *r, const gsf_coded_image *part, gsf_coded_image *image) {
     const uint32_t before = image->header.splat_count;
-    if (r->has_first && !agrees(part, image))
+    if (!agrees(part, image))
         return false;
     image->header.splat_count = before + part->header.splat_count;
-    if (!r->has_first) {
+    if (!r->has_first || (before == 0 && part->header.splat_count > 0)) {
         image->steps = part->steps;
         image->has_mean_background = part->has_mean_background;
         memcpy(image->background, part->background, sizeof part->background);
@@ -179,9 +181,11 @@ static void take_packet(list_reader *r, const gsf_header *header, gsf_bytes pack
     gsf_coded_image part = *image;
     uint64_t bits[GSF_STREAM_COUNT] = {0};
     const uint32_t before = image->header.splat_count;
-    if (r->has_number[header->packet] || header->splat_count > GSF_MAX_SPLATS - before)
+    if (r->has_number[header->packet])
         return;
     r->has_number[header->packet] = true; /* also where it is not valid, which bounds the work */
+    if (header->splat_count > GSF_MAX_SPLATS - before)
+        return;
     part.stream_bits256 = GSF_STREAM_BITS(image) ? bits : NULL;
     part.splats = image->splats + before;
     if (!read_part(packet, &part, scratch) || !add_part(r, &part, image))
@@ -194,8 +198,15 @@ static void take_packet(list_reader *r, const gsf_header *header, gsf_bytes pack
         image->stream_bits256[GSF_STREAM_CONTAINER] -= (uint64_t)(packet.size - GSF_PACKET_FRAME) * 8 * 256;
 }
 
-/* Removes splats that equal the one before them; equal ones are neighbours. */
-static void remove_repeated(gsf_coded_image *image) {
+/* Sets what the header of the first packet says of the picture. */
+static void set_kind(const list_reader *r, gsf_coded_image *image) {
+    const uint32_t count = image->header.splat_count;
+    image->header = r->header;
+    image->header.packets = image->header.packet = 0;
+    image->header.splat_count = count;
+}
+
+void gsf_remove_repeated(gsf_coded_image *image) {
     const uint32_t count = image->header.splat_count;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -211,12 +222,15 @@ gsf_result gsf_read_list(const uint8_t *list, size_t size, gsf_coded_image *imag
     size_t position = 0;
     image->header.splat_count = 0;
     image->packets_read = 0;
-    while (gsf_next_packet(list, size, &position, &packet))
-        if (is_of_picture(&r, packet, &header))
-            take_packet(&r, &header, packet, image, scratch);
+    while (gsf_next_packet(list, size, &position, &packet)) {
+        if (!is_of_picture(&r, packet, &header))
+            continue;
+        set_kind(&r, image);
+        take_packet(&r, &header, packet, image, scratch);
+    }
     if (!r.has_first)
         return position == 0 ? GSF_TRUNCATED : GSF_DAMAGED;
     gsf_sort_splats(image, (gsf_workspace *)scratch + 1);
-    remove_repeated(image);
+    gsf_remove_repeated(image);
     return GSF_OK;
 }

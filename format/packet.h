@@ -38,8 +38,10 @@ uint32_t gsf_list_packets(const uint8_t *list, size_t size, gsf_bytes packets[GS
  * packet; GSF_DAMAGED: there are only others. */
 gsf_result gsf_read_list_header(const uint8_t *list, size_t size, gsf_header *header);
 /* Reads the splats of all packets of that picture, in the stored order of a whole picture and each once.  Skips packets
- * that are damaged, repeated or of another picture.  `image` and `scratch` as for gsf_read; image->header is that of
- * gsf_read_list_header. */
+ * that are damaged, repeated or of another picture.  `image` and `scratch` as for gsf_read. */
 gsf_result gsf_read_list(const uint8_t *list, size_t size, gsf_coded_image *image, void *scratch);
+
+/* Removes splats that equal the one before them.  In the stored order equal ones are neighbours, of which a list has one. */
+void gsf_remove_repeated(gsf_coded_image *image);
 
 #endif

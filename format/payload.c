@@ -10,7 +10,7 @@ static const gsf_model_shape COLOUR_INDEX = {16, 0, 1, {32, 4, 0}, 256};
 
 /* Fills the class counts and the points from the splats (writer). */
 static void list_splats(const gsf_coded_image *image, gsf_workspace *w) {
-    for (uint32_t i = 0; i < GSF_MAX_CLASSES; i++)
+    for (uint32_t i = 0; i < gsf_class_count(image); i++)
         w->counts[i] = 0;
     for (uint32_t i = 0; i < image->header.splat_count; i++) {
         w->counts[gsf_class_of(image, i)]++;
@@ -43,7 +43,7 @@ static uint32_t code_layer_counts(gsf_coder *coder, gsf_workspace *w, uint32_t c
     if (left > 0 && !is_last)
         n = gsf_code_count_split(coder, gsf_sum(counts, GSF_SCALE_CLASSES), left, GSF_WEIGHT_UNIT, GSF_WEIGHT_UNIT);
     for (uint32_t i = 0, rest = n; i < GSF_SCALE_CLASSES; i++) {
-        counts[i] = code_class_count(coder, counts[i], rest, class_no + i, w->attributes.typical_size);
+        counts[i] = code_class_count(coder, counts[i], rest, class_no + i, w->models.attributes.typical_size);
         rest -= counts[i];
     }
     return n;
@@ -68,7 +68,7 @@ static uint32_t code_group_counts(gsf_coder *coder, const gsf_coded_image *image
 
 static void code_indexed(gsf_coder *coder, gsf_workspace *w, gsf_indexed_splat *splat) {
     gsf_coder_count_in(coder, GSF_STREAM_COLOUR_INDEX);
-    splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->colour_index);
+    splat->colour = (uint16_t)gsf_code_with_model(coder, splat->colour, &w->models.colour_index.model);
 }
 
 /* Codes the positions of the splats of a class, then all else of each of them. */
@@ -80,7 +80,7 @@ static void code_class(gsf_coder *coder, gsf_coded_image *image, gsf_workspace *
         if (GSF_DECODING(coder))
             place_splat(image, i, class_no, w->points[i]);
         if (image->header.coding == GSF_CODING_SCALAR)
-            gsf_code_attributes(coder, &w->attributes, &image->splats[i]);
+            gsf_code_attributes(coder, &w->models.attributes, &image->splats[i]);
         else
             code_indexed(coder, w, &image->indexed[i]);
         if (gsf_coder_is_certain(coder))
@@ -97,9 +97,10 @@ static void code_splats(gsf_coder *coder, gsf_coded_image *image, gsf_workspace 
         w->grids[i] = gsf_class_grid(image, i);
     gsf_set_init(&w->set, w->points, w->counts, w->grids, w->priors);
     if (image->header.coding == GSF_CODING_SCALAR)
-        gsf_attributes_init(&w->attributes, &image->header, &image->steps);
+        gsf_attributes_init(&w->models.attributes, &image->header, &image->steps);
     else
-        gsf_model_init(&w->colour_index, &COLOUR_INDEX, image->codebooks.colour_count, 0);
+        gsf_model_init(&w->models.colour_index.model, &COLOUR_INDEX, w->models.colour_index.freq,
+                       image->codebooks.colour_count, 0);
     for (uint32_t i = 0; i < classes && !gsf_coder_overrun(coder); i++) {
         if (i % group_size(image) == 0)
             left -= code_group_counts(coder, image, w, i, left);
@@ -117,19 +118,29 @@ static void code_codebooks(gsf_coder *coder, gsf_coded_image *image, gsf_workspa
     gsf_complete_shape_words(&image->header, &image->codebooks);
 }
 
+/* The most classes that a file with this header has: with codebooks their number is not known yet. */
+static size_t class_rows(const gsf_header *header) {
+    return header->coding == GSF_CODING_SCALAR ? GSF_SCALE_CLASSES * (header->enhancement_layers + (size_t)1)
+                                               : GSF_MAX_CLASSES;
+}
+
 /* Rows of the list of points: splats, or the words of a codebook. */
 static size_t point_rows(const gsf_header *header) {
-    return header->splat_count > GSF_MAX_CODEBOOK ? header->splat_count : GSF_MAX_CODEBOOK;
+    const bool has_words = header->coding == GSF_CODING_CODEBOOK && header->splat_count < GSF_MAX_CODEBOOK;
+    return has_words ? GSF_MAX_CODEBOOK : header->splat_count;
 }
 
 size_t gsf_workspace_size(const gsf_header *header) {
     const size_t priors = header->splat_count < GSF_MAX_PRIORS ? header->splat_count : GSF_MAX_PRIORS;
-    return sizeof(gsf_workspace) + point_rows(header) * sizeof(gsf_point) + priors * sizeof(gsf_prior);
+    return sizeof(gsf_workspace) + class_rows(header) * (sizeof(gsf_grid) + sizeof(uint32_t)) +
+           point_rows(header) * sizeof(gsf_point) + priors * sizeof(gsf_prior);
 }
 
 gsf_workspace *gsf_workspace_in(const gsf_header *header, void *memory) {
     gsf_workspace *workspace = memory;
-    workspace->points = (gsf_point *)(workspace + 1);
+    workspace->grids = (gsf_grid *)(workspace + 1);
+    workspace->counts = (uint32_t *)(workspace->grids + class_rows(header));
+    workspace->points = (gsf_point *)(workspace->counts + class_rows(header));
     workspace->priors = (gsf_prior *)(workspace->points + point_rows(header));
     return workspace;
 }

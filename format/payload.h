@@ -11,13 +11,18 @@
 
 /* Working memory of gsf_code_payload, with the lists behind it. */
 typedef struct gsf_workspace {
-    uint32_t counts[GSF_MAX_CLASSES]; /* splats, by class */
-    gsf_grid grids[GSF_MAX_CLASSES];
     gsf_set set;
-    gsf_attributes attributes;
-    gsf_model colour_index;
+    union {
+        gsf_attributes attributes; /* scalar coding */
+        struct {
+            gsf_model model;
+            uint16_t freq[GSF_MAX_CODEBOOK];
+        } colour_index; /* codebook coding */
+    } models;
     uint32_t certain;  /* splats decoded without a byte beyond the end (reader) */
-    gsf_point *points; /* one for every splat, at least GSF_MAX_CODEBOOK */
+    uint32_t *counts;  /* splats, by class */
+    gsf_grid *grids;   /* by class */
+    gsf_point *points; /* one for every splat, with codebooks at least GSF_MAX_CODEBOOK */
     gsf_prior *priors; /* one for every splat, at most GSF_MAX_PRIORS */
 } gsf_workspace;
 

@@ -167,14 +167,16 @@ static void solve(const repair_task *t, uint8_t *rows) {
     }
 }
 
-/* The bytes of a packet whose content is known, behind which there are zeros: those with a matching check.  0: none. */
+/* The bytes of a packet whose content is known, behind which there are zeros: the fewest with a matching check.  0: none. */
 static size_t packet_size(uint8_t *packet, size_t longest) {
     uint8_t identity;
     gsf_bytes picture;
     size_t size = longest;
-    while (size > GSF_PACKET_FRAME && gsf_open_packet((gsf_bytes){packet, size}, &identity, &picture) != GSF_OK)
-        size = packet[size - 1] == 0 ? size - 1 : 0;
-    return size > GSF_PACKET_FRAME ? size : 0;
+    while (size > 0 && packet[size - 1] == 0)
+        size--;
+    while (size <= longest && gsf_open_packet((gsf_bytes){packet, size}, &identity, &picture) != GSF_OK)
+        size++;
+    return size <= longest ? size : 0;
 }
 
 size_t gsf_repair_list(const uint8_t *list, size_t size, uint8_t *memory) {

@@ -40,14 +40,15 @@ typedef struct gsf_prior {
 #define GSF_MAX_PRIORS 4096u /* bounds the work */
 
 #define GSF_MAX_NARROW 128u /* cells: a rectangle that is longer is wide */
+#define GSF_NARROW_SPLITS (GSF_IS_SMALL ? 1 : GSF_MAX_NARROW + 1)
 
 /* Splats that are coded class by class. */
 typedef struct gsf_set {
-    gsf_point *points;                           /* of all classes in turn */
-    const uint32_t *counts;                      /* of each class */
-    const gsf_grid *grids;                       /* of each class */
-    gsf_prior *priors;                           /* memory for as many as there are points, at most GSF_MAX_PRIORS */
-    gsf_single_split narrow[GSF_MAX_NARROW + 1]; /* splits of one point, by the length of the side that is cut */
+    gsf_point *points;                          /* of all classes in turn */
+    const uint32_t *counts;                     /* of each class */
+    const gsf_grid *grids;                      /* of each class */
+    gsf_prior *priors;                          /* memory for as many as there are points, at most GSF_MAX_PRIORS */
+    gsf_single_split narrow[GSF_NARROW_SPLITS]; /* splits of one point, by the length of the side that is cut */
 } gsf_set;
 
 /* The sum of counts[0..n). */

@@ -26,4 +26,4 @@ sample() {
 for target in reader writer image options; do
     [ ! -x "$build/tests/fuzz_$target" ] || memcheck "$build/tests/fuzz_$target" $(sample tests/fuzz/corpus/$target/*)
 done
-memcheck "$build/tests/codes" decode-host whole "$folder" $(sample tests/conformance/files/*.gscl)
+memcheck "$build/tests/codes" decode-host whole "$folder" $(sample tests/conformance/files/*.gscl*)

@@ -212,7 +212,7 @@ lanes=
 trap 'for lane in $lanes; do kill -s TERM -- "-$lane" 2>/dev/null; done; wait; rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM HUP
 
-install_packages $build_packages $test_packages $target_packages $(for machine in $quick_machines; do machine_packages "$machine"; done) ||
+install_packages $build_packages $test_packages $target_packages $microcontroller_packages $(for machine in $quick_machines; do machine_packages "$machine"; done) ||
     { echo "0 passed, 1 failed"; exit 1; }
 release_build
 for lane in kernel_lane build_lane; do

@@ -32,6 +32,8 @@ machine_packages() {
 }
 # Those that tests/run.sh tests.
 quick_machines="i386 s390x aarch64 mingw"
+# Packages of tests/portability/microcontroller.
+microcontroller_packages="gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
 
 missing_packages() {
     for package in "$@"; do

@@ -26,8 +26,9 @@ FAST = {"canvas.c"}
 LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split() + PASSES
 # The lowest 1024 bytes hold nothing, where wasm-ld begins the data.  The order of the passes was found by trying.
 OPTIMISE = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
-    --low-memory-unused -Oz --flatten --rereloop --remove-unused-brs --merge-blocks --precompute-propagate --reorder-functions
-    --rse --coalesce-locals --simplify-locals-nonesting --dae-optimizing -Oz --flatten -Oz""".split()
+    --low-memory-unused --optimize-added-constants-propagate -Oz --flatten --rereloop --remove-unused-brs --reorder-functions
+    --precompute-propagate --simplify-globals-optimizing --merge-blocks --rse --coalesce-locals --dae-optimizing -Oz --precompute
+    --ssa-nomerge --flatten --rse -Oz""".split()
 
 
 def run(command):

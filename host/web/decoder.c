@@ -7,8 +7,8 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
+#include "decode/dequantise.h"
 #include "decode/frame.h"
-#include "decode/resize.h"
 #include "format/format.h"
 #include "format/packet.h"
 #include "software/software.h"
@@ -72,15 +72,22 @@ const uint32_t *web_fields(void) {
     return fields;
 }
 
-/* Memory for the file, whatever its coding. */
+/* Working memory: splats of a list of packets are sorted. */
+static size_t scratch_size(const gsf_header *header) {
+    return GSF_HAS_PACKETS ? gsf_scratch_size(header) : gsf_read_scratch_size(header);
+}
+
+/* Memory for the file, whatever its coding.  The arrays follow each other, each of a multiple of 8 bytes. */
 static bool reserve(gsf_coded_image *file) {
-    gsf_codebooks *books = &file->codebooks;
-    coded.scratch = malloc(gsf_scratch_size(&file->header));
-    file->splats = malloc(file->header.splat_count * sizeof *file->splats);
-    file->indexed = malloc(file->header.splat_count * sizeof *file->indexed);
-    books->shape_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->shape_words);
-    books->colour_words = malloc(GSF_MAX_CODEBOOK * sizeof *books->colour_words);
-    return coded.scratch && file->splats && file->indexed && books->shape_words && books->colour_words;
+    const size_t count = file->header.splat_count;
+    const size_t splat = sizeof *file->splats + sizeof *file->indexed;
+    const size_t word = sizeof *file->codebooks.shape_words + sizeof *file->codebooks.colour_words;
+    file->splats = malloc(count * splat + GSF_MAX_CODEBOOK * word + scratch_size(&file->header));
+    file->indexed = (gsf_indexed_splat *)(file->splats + count);
+    file->codebooks.shape_words = (uint16_t(*)[GSF_SHAPE_DIMS])(file->indexed + count);
+    file->codebooks.colour_words = (uint16_t(*)[GSF_MAX_COLOUR_DIMS])(file->codebooks.shape_words + GSF_MAX_CODEBOOK);
+    coded.scratch = file->codebooks.colour_words + GSF_MAX_CODEBOOK;
+    return file->splats;
 }
 
 gsf_result web_read(bool partial) {
@@ -96,7 +103,7 @@ const float *web_splats(void) {
     const uint32_t count = coded.file.header.splat_count;
     float *params = malloc(count * GSCL_PARAMS * sizeof *params);
     for (uint32_t i = 0; params && i < count; i++)
-        gscl_coded_image_splat(&coded, i, params + i * GSCL_PARAMS);
+        gscl_dequantise_splat(&coded.file, i, params + i * GSCL_PARAMS);
     return params;
 }
 
@@ -115,26 +122,26 @@ void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y
 
 /* What max_work limits. */
 double web_work(void) {
-    return (double)gscl_frame_work(&coded, &frame);
+    return (double)gscl_frame_work(&coded.file, &frame);
 }
 
 /* The options of gscl_frame_options; the format and the kernels number blend modes alike. */
-static gscl_kernel_options options_of(const gsf_header *h) {
-    return (gscl_kernel_options){.blend = (int)h->blend,
-                                 .colours = h->has_chroma ? 3 : 1,
-                                 .alpha_channel = h->has_alpha,
-                                 .opacity = h->has_opacity,
-                                 .texture = h->has_texture,
-                                 .shape = GSCL_SHAPE_ROTATED};
+static const gscl_kernel_options *options_of(const gsf_header *h) {
+    static gscl_kernel_options options = {.shape = GSCL_SHAPE_ROTATED};
+    options.blend = (int)h->blend;
+    options.colours = h->has_chroma ? 3 : 1;
+    options.alpha_channel = h->has_alpha;
+    options.opacity = h->has_opacity;
+    options.texture = h->has_texture;
+    return &options;
 }
 
 /* `x`, `y`: the place in the drawn image of the corner of what `software` draws. */
-static void add_splats(gscl_software *software, uint32_t x, uint32_t y, double sums[4]) {
+static void add_splats(gscl_software *software, uint32_t x, uint32_t y, gscl_real sums[4]) {
     const gsf_header *header = &coded.file.header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
-        gscl_coded_image_splat(&coded, i, params);
-        gscl_resize_splats(params, 1, frame.scale_x, frame.scale_y);
+        gscl_frame_splat(&coded.file, i, &frame, params);
         params[GSCL_X] -= (float)x;
         params[GSCL_Y] -= (float)y;
         gscl_software_add(software, params);
@@ -145,20 +152,20 @@ static void add_splats(gscl_software *software, uint32_t x, uint32_t y, double s
 
 /* Pixels of 4 bytes, R, G, B and alpha, whatever the layout of the file; NULL without memory. */
 const void *web_draw(void) {
-    const gscl_kernel_options options = options_of(&coded.file.header);
     /* The renderer has no numbers for the rows of larger images: it draws the rectangle as an image of its own. */
     const bool is_far = frame.full_width > GSCL_MAX_DIMENSION || frame.full_height > GSCL_MAX_DIMENSION;
     const gscl_software_view near = {frame.full_width, frame.full_height, frame.x, frame.y};
     const gscl_software_view view = is_far ? (gscl_software_view){frame.width, frame.height, 0, 0} : near;
-    const size_t pixels = (size_t)frame.width * frame.height;
-    const gscl_image image = {frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc(4 * pixels)};
-    gscl_software *software = gscl_software_create(&options, &view, coded.file.header.splat_count);
-    double sums[4] = {0};
+    const gscl_image image = {
+        frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc((size_t)4 * frame.width * frame.height)};
+    gscl_software *software =
+        gscl_software_create(options_of(&coded.file.header), &view, coded.file.header.splat_count);
+    gscl_real sums[4] = {0};
     float background[4];
     if (!software || !image.pixels)
         return NULL;
     add_splats(software, frame.x - view.x, frame.y - view.y, sums);
-    gscl_coded_image_background(&coded, sums, background);
+    gscl_dequantise_background(&coded.file, sums, background);
     gscl_software_draw(software, background, &image);
     return image.pixels;
 }

@@ -318,7 +318,8 @@ class Usage(ToolTest):
         for command in ("encode", "decode", "info", "draw"):
             self.wrong("an input is missing; usage: gscl", command)
         self.wrong("an input is missing", "compare", "a.png")
-        self.wrong("too many inputs", "decode", "a.gscl", "b.gscl", "-o", "out.png")
+        self.wrong("too many inputs", "info", "a.gscl", "b.gscl")
+        self.wrong("a bare file is decoded alone", "decode", "a.gscl", "b.gscl", "--bare", "-o", "out.png")
         self.wrong("too many inputs", "devices", "0.0")
         self.wrong("-o is missing", "decode", "a.gscl")
         self.wrong("-o is missing", "draw", "a.gscl")

@@ -1,6 +1,9 @@
 /* Writes files from their codes as text, reads files to that text, and decodes them by the library.
  *
  *     codes write TEXT OUT [bare] [unchecked]
+ *     codes packets TEXT OUT IDENTITY COUNT REPAIRS [everywhere]
+ *                                            writes a list of COUNT packets and REPAIRS repair packets.  A splat that several
+ *                                            packets may have goes into one of them, or `everywhere` into all
  *     codes read whole|bare FILE...          prints for each file: file NAME RESULT, then the codes of a valid one
  *     codes prefixes whole|bare FILE...      prints for each valid file: file NAME, then of each prefix:
  *                                            prefix SIZE RESULT CERTAIN TOTAL
@@ -25,11 +28,14 @@
 #include <gscl/gscl.h>
 
 #include "devices.h"
+#include "format/classes.h"
 #include "format/codebooks.h"
 #include "format/coder.h"
 #include "format/format.h"
 #include "format/header.h"
+#include "format/packet.h"
 #include "format/payload.h"
+#include "format/repair.h"
 
 #define MAX_LINE 100000
 #define MAX_NUMBERS 16
@@ -186,9 +192,25 @@ static void print_image(const gsf_coded_image *image) {
     }
 }
 
+/* Of a list of packets a larger one that has those, too, for which its repair packets make up.  Frees `bytes`. */
+static uint8_t *repair(uint8_t *bytes, bool bare, size_t *size) {
+    const bool is_list = !bare && gsf_is_packet_list(bytes, *size);
+    const size_t room = is_list ? gsf_repair_size(bytes, *size) : 0;
+    if (room == 0)
+        return bytes;
+    size_t end = 0; /* of the packets: what is behind them is none */
+    for (gsf_bytes packet; gsf_next_packet(bytes, *size, &end, &packet);)
+        continue;
+    uint8_t *repaired = allocate(end + room, 1);
+    memcpy(repaired, bytes, end);
+    *size = end + gsf_repair_list(bytes, *size, repaired + end);
+    free(bytes);
+    return repaired;
+}
+
 static void read_and_print(const char *path, bool bare) {
     size_t size;
-    uint8_t *bytes = read_file(path, &size);
+    uint8_t *bytes = repair(read_file(path, &size), bare, &size);
     gsf_coded_image image = {.bare = bare};
     gsf_result result = gsf_read_header(bytes, size, bare, &image.header);
     if (result == GSF_OK) {
@@ -198,7 +220,7 @@ static void read_and_print(const char *path, bool bare) {
         free(scratch);
     }
     printf("file %s %s\n", path, result_name(result));
-    if (result == GSF_OK && !bare)
+    if (result == GSF_OK && !bare && !gsf_is_packet_list(bytes, size))
         print_blocks(bytes, size);
     if (result == GSF_OK)
         print_image(&image);
@@ -211,7 +233,9 @@ static void print_prefix(const uint8_t *bytes, size_t size, gsf_coded_image imag
     uint8_t *exact = allocate(size, 1);
     uint32_t total = 0;
     memcpy(exact, bytes, size);
-    const gsf_result result = gsf_read_prefix(exact, size, &image, &total, scratch);
+    size_t repaired_size = size;
+    exact = repair(exact, image.bare, &repaired_size);
+    const gsf_result result = gsf_read_prefix(exact, repaired_size, &image, &total, scratch);
     printf("prefix %zu %s", size, result_name(result));
     if (result == GSF_OK)
         printf(" %" PRIu32 " %" PRIu32, image.header.splat_count, total);
@@ -416,14 +440,10 @@ static void parse_file(text *t, const char *path) {
 /* Writes a bare file whose work may be above the limit. */
 static size_t write_unchecked(gsf_coded_image *image, uint8_t *bytes, size_t capacity, void *scratch) {
     gsf_coder coder;
-    gsf_workspace *workspace = scratch;
-    const uint32_t splats = image->header.splat_count;
     gsf_sort(image, scratch);
     gsf_coder_write_to(&coder, bytes, capacity, NULL);
     gsf_code_header(&coder, image);
-    workspace->points = (gsf_point *)(workspace + 1);
-    workspace->priors = (gsf_prior *)(workspace->points + (splats > GSF_MAX_CODEBOOK ? splats : GSF_MAX_CODEBOOK));
-    if (gsf_code_payload(&coder, image, workspace))
+    if (gsf_code_payload(&coder, image, gsf_workspace_in(&image->header, scratch)))
         fail("the file keeps all limits");
     gsf_range_encoder_finish(&coder.encoder);
     return coder.encoder.size;
@@ -447,6 +467,80 @@ static void write_codes(const char *text_path, const char *path, bool bare, bool
     free_arrays(&t.image);
     for (int i = 0; i < GSF_BLOCK_COUNT; i++)
         free((void *)t.blocks[i].data);
+}
+
+/* ---- Packets ---- */
+
+/* Whether packet k gets a splat.  Those of one that several may have take turns. */
+static bool takes_splat(const gsf_coded_image *image, uint32_t splat, uint32_t count, uint32_t k, bool everywhere) {
+    if (!gsf_packet_may_hold(image, splat, count, k))
+        return false;
+    for (uint32_t turn = 0; !everywhere && turn < count; turn++) {
+        const uint32_t first = (splat + turn) % count;
+        if (gsf_packet_may_hold(image, splat, count, first))
+            return first == k;
+    }
+    return true;
+}
+
+/* Puts a packet into memory of its own. */
+static gsf_bytes make_packet(const gsf_coded_image *image, uint32_t count, uint32_t k, bool everywhere) {
+    gsf_coded_image part = *image;
+    size_t size;
+    part.splats = allocate(image->header.splat_count, sizeof *part.splats);
+    part.header.packets = (uint16_t)count;
+    part.header.packet = (uint8_t)k;
+    part.header.splat_count = 0;
+    for (uint32_t i = 0; i < image->header.splat_count; i++)
+        if (takes_splat(image, i, count, k, everywhere))
+            part.splats[part.header.splat_count++] = image->splats[i];
+    const size_t capacity = gsf_write_bound(&part);
+    uint8_t *bytes = allocate(capacity, 1);
+    void *scratch = allocate(gsf_scratch_size(&part.header), 1);
+    if (gsf_write(&part, bytes, capacity, &size, scratch) != GSF_OK)
+        fail("packet %" PRIu32 " of %" PRIu32 " cannot be written", k, count);
+    free(scratch);
+    free(part.splats);
+    return (gsf_bytes){bytes, size};
+}
+
+static gsf_bytes make_repair(const gsf_bytes *packets, uint32_t count, uint32_t number) {
+    size_t longest = 0;
+    for (uint32_t i = 0; i < count; i++)
+        longest = packets[i].size > longest ? packets[i].size : longest;
+    const size_t size = longest - 1 + GSF_REPAIR_FRAME;
+    uint8_t *bytes = allocate(size, 1);
+    gsf_write_repair(packets, count, longest, number, bytes);
+    return (gsf_bytes){bytes, size};
+}
+
+static void write_packet_list(const char *path, const gsf_bytes *packets, uint32_t count) {
+    FILE *file = fopen(path, "wb");
+    uint8_t start[GSF_PACKET_LIST_START], field[4];
+    gsf_put_packet_list_start(start);
+    bool written = file && fwrite(start, 1, sizeof start, file) == sizeof start;
+    for (uint32_t i = 0; i < count && written; i++) {
+        const size_t field_size = gsf_packet_size_field(packets[i].size);
+        gsf_put_packet_size(field, packets[i].size);
+        written = fwrite(field, 1, field_size, file) == field_size &&
+                  fwrite(packets[i].data, 1, packets[i].size, file) == packets[i].size;
+    }
+    if (!written || fclose(file) != 0)
+        fail("%s: cannot be written", path);
+}
+
+static void write_packets(const char *text_path, const char *path, const char *const *numbers, bool everywhere) {
+    text t = {.splats = 0};
+    gsf_bytes packets[GSF_MAX_PACKETS];
+    const uint32_t count = (uint32_t)atoi(numbers[1]), all = count + (uint32_t)atoi(numbers[2]);
+    parse_file(&t, text_path);
+    t.image.identity = (uint8_t)atoi(numbers[0]);
+    for (uint32_t i = 0; i < all; i++)
+        packets[i] = i < count ? make_packet(&t.image, count, i, everywhere) : make_repair(packets, count, i);
+    write_packet_list(path, packets, all);
+    for (uint32_t i = 0; i < all; i++)
+        free((void *)packets[i].data);
+    free_arrays(&t.image);
 }
 
 /* ---- Decoding ---- */
@@ -587,13 +681,16 @@ int main(int count, char **words) {
         return 0;
     }
     if (count < 4)
-        fail("codes write TEXT OUT [bare] [unchecked], codes read whole|bare FILE..., codes prefixes whole|bare "
+        fail("codes write TEXT OUT [bare] [unchecked], codes packets TEXT OUT IDENTITY COUNT REPAIRS [everywhere], "
+             "codes read whole|bare FILE..., codes prefixes whole|bare "
              "FILE..., codes decode-host whole|bare FOLDER FILE..., codes pixels whole|bare FILE X Y... or codes "
              "decoders");
     const bool bare = strcmp(words[2], "bare") == 0;
     if (strcmp(words[1], "write") == 0)
         write_codes(words[2], words[3], has_word(words + 4, count - 4, "bare"),
                     has_word(words + 4, count - 4, "unchecked"));
+    else if (strcmp(words[1], "packets") == 0 && count >= 7)
+        write_packets(words[2], words[3], (const char *const *)words + 4, has_word(words + 7, count - 7, "everywhere"));
     else if (strcmp(words[1], "read") == 0)
         for (int i = 3; i < count; i++)
             read_and_print(words[i], bare);

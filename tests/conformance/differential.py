@@ -6,7 +6,7 @@ OpenCL in the mapping of CPUs and in that of GPUs, unless the library was built 
 where BUILD has it, and gscl_decoder.py.  All must
 read the same codes.  What gscl_decoder.py draws in double precision is the exact picture, from which the samples of the others
 may differ as much as FORMAT.md, "Precision", allows.  A third of the files is also damaged or cut: then all must give the
-same result.  The report counts features and results, and shows the largest differences: of a decoder from the exact
+same result.  Others are also divided into packets, of which some are lost or damaged; the decoder of web pages reads no lists.  The report counts features and results, and shows the largest differences: of a decoder from the exact
 picture in units of what is allowed, of two decoders in units of what the bounds of both allow.
 
 Ends with status 1 when decoders disagree, and names the seed and the file, which --keep keeps.
@@ -27,6 +27,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "decoder"), str(HERE.parent / "cli"
 import gscl_decoder as gscl
 from codes import Codes, form
 from gscl_file import crc16
+from packet_lists import listed, sealed
 from random_scenes import random_scene
 
 BATCH = 250  # files that a process of each decoder gets
@@ -38,8 +39,8 @@ MAX_PIXELS, MAX_SPLATS = 10000, 2000  # of damaged files that are drawn
 class File:
     """A file to compare.  `problems` says in what the decoders disagree."""
 
-    def __init__(self, name, path, bare, features=()):
-        self.name, self.path, self.bare, self.features = name, path, bare, features
+    def __init__(self, name, path, bare, features=(), is_list=False):
+        self.name, self.path, self.bare, self.features, self.is_list = name, path, bare, features, is_list
         self.result, self.codes, self.bounds, self.pictures, self.problems = None, "", None, {}, []
 
 
@@ -74,12 +75,36 @@ def damaged_file(file, seed):
     return File(f"{file.name}, {kind}", path, bare, {"damaged: " + kind})
 
 
+def packet_list(codes, folder, seed, kinds):
+    """A list of packets in any order, of which some are lost, repeated, damaged, or changed with a check that matches."""
+    scene, features = random_scene(seed, kinds)
+    if scene.coding == gscl.CODEBOOK or scene.layers > 1 or scene.blocks:
+        return
+    pick = random.Random(seed)
+    text, path = folder / "codes.txt", folder / f"{seed}.gsclp"
+    text.write_text(scene.codes())
+    count, repairs = pick.choice((1, 2, 2, 3, 5, 8, 40)), pick.choice((0, 0, 1, 2, 4))
+    codes.run("packets", text, path, pick.choice((0, 7, 255)), count, repairs, *pick.choice(([], ["everywhere"])))
+    packets = gscl.packets_of(path.read_bytes())
+    kept = packets[:1] + [changed_packet(packet, pick) for packet in packets * 2 if pick.random() < 0.4]
+    path.write_bytes(listed(pick.sample(kept, len(kept))))
+    yield File(f"seed {seed}, {count} packets", path, False, {"packets", "repair packets" if repairs else "no repair packets"}, True)
+
+
+def changed_packet(packet, pick):
+    at, kind = pick.randrange(len(packet)), pick.random()
+    changed = packet[:at] + bytes([packet[at] ^ 1 << pick.randrange(8)]) + packet[at + 1:]
+    return packet if kind < 0.8 else changed if kind < 0.9 else sealed(changed[:-2])
+
+
 def make_files(codes, folder, seeds, kinds):
     for seed in seeds:
         file = valid_file(codes, folder, seed, kinds)
         yield file
         if seed % 3 == 0:
             yield damaged_file(file, seed)
+        if seed % 3 > 0:
+            yield from packet_list(codes, folder, seed, kinds)
 
 
 # ---- The exact picture ----------------------------------------------------------------------------------------------
@@ -150,6 +175,7 @@ def draw_by_library(codes, folder, files):
 
 
 def decode_by_web(web, folder, files):
+    files = [file for file in files if not file.is_list]
     lines = [f'{form(file.bare)} {"read" if file.bounds is None else "draw"} {file.path}\n' for file in files]
     results = subprocess.run(["node", str(HERE / "decode_all.mjs"), str(web), str(folder)], check=True, text=True,
                              input="".join(lines), stdout=subprocess.PIPE).stdout.split()
@@ -212,7 +238,7 @@ class Comparison:
     def __init__(self, codes, web=None, kinds=None):
         self.codes, self.web, self.kinds = codes, web, kinds
         self.largest, self.features, self.results, self.failed = {}, collections.Counter(), collections.Counter(), []
-        self.valid = self.drawn = 0
+        self.valid = self.lists = self.drawn = 0
 
     def add(self, seeds, keep=None):
         """Compares the files of these seeds."""
@@ -234,10 +260,11 @@ class Comparison:
             self.drawn += 1
         self.features.update(file.features)
         damaged = any(feature.startswith("damaged") for feature in file.features)
-        self.valid += not damaged
+        self.lists += file.is_list
+        self.valid += not damaged and not file.is_list
         if damaged:
             self.results[file.result] += 1
-        else:
+        elif not file.is_list:
             compare(file, "library", "result of a file that was written:", file.result, "valid")
         if file.problems:
             self.failed.append(file)
@@ -246,7 +273,8 @@ class Comparison:
                 shutil.copy(file.path, keep)
 
     def report(self):
-        yield f"{self.valid} random files, {sum(self.results.values())} damaged ones; {self.drawn} drawn; {len(self.failed)} disagreements"
+        yield f"{self.valid} random files, {sum(self.results.values())} damaged ones, {self.lists} lists of packets; " \
+              f"{self.drawn} drawn; {len(self.failed)} disagreements"
         yield "results of damaged files: " + ", ".join(f"{result} {n}" for result, n in self.results.most_common())
         yield "files by feature: " + ", ".join(f"{feature} {n}" for feature, n in sorted(self.features.items()))
         for (a, b), (value, where) in self.largest.items():

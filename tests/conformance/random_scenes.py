@@ -2,7 +2,7 @@
 import random
 
 import gscl_decoder as gscl
-from make import ALPHA, DEFAULT_STEPS, NORMALIZED, RGB, RGB_ALPHA, SUM, Scene
+from scene import ALPHA, DEFAULT_STEPS, NORMALIZED, RGB, RGB_ALPHA, SUM, Scene
 
 FRAMES = (3, 2), (4, 3), (16, 9), (16, 10), (5, 4), (2, 1), (1, 1)  # ratios with a symbol of their own
 

@@ -1,6 +1,6 @@
 """Runs the conformance set through the library and through the decoder in ../decoder: test_conformance.py CODES [TEST...]
 
-CODES is the program of codes.c, which may have been built for another machine (codes.py).
+CODES is the program of codes.c, which may have been built for another machine (codes.py), or that of decode_single.c.
 """
 import json
 import pathlib
@@ -17,6 +17,7 @@ from codes import Codes
 from gscl_file import crc16
 from images import Image, read_png
 from make import Writer, make
+from packet_lists import listed, sealed
 from tool import main
 
 CODES = Codes(sys.argv.pop(1))
@@ -30,7 +31,7 @@ MUTATIONS = 1  # of each byte of small pictures
 
 
 def path(entry):
-    return FILES / (entry["file"] + ".gscl")
+    return FILES / (entry["file"] + (".gsclp" if entry.get("packets") else ".gscl"))
 
 
 def entries(bare, *results):
@@ -68,20 +69,7 @@ class SetTest(unittest.TestCase):
             self.check_samples(image.crop(x, y, 1, 1).samples, expected, image.depth)
 
 
-class Library(SetTest):
-    def test_reads(self):
-        for bare in FORMS:
-            chosen = entries(bare)
-            for entry, (result, text) in zip(chosen, CODES.read(bare, [*map(path, chosen)]), strict=True):
-                self.check_reading(entry, result, text)
-
-    @unittest.skipUnless("decode-cpu" in DECODERS, "the library has no OpenCL")
-    def test_decodes_with_opencl(self):
-        self.check_decodes("decode-cpu")
-
-    def test_decodes_on_host(self):
-        self.check_decodes("decode-host")
-
+class Decodes(SetTest):
     def check_decodes(self, decoder):
         """Of files whose whole picture is not kept, an emulator draws some pixels only: the whole of two takes an hour."""
         self.right = 0
@@ -109,6 +97,28 @@ class Library(SetTest):
                 for (_, _, *expected), (depth, samples) in zip(some, found, strict=True):
                     self.check_samples(samples, expected, depth)
                 self.right += 1
+
+
+class Library(Decodes):
+    def test_reads(self):
+        for bare in FORMS:
+            chosen = entries(bare)
+            for entry, (result, text) in zip(chosen, CODES.read(bare, [*map(path, chosen)]), strict=True):
+                self.check_reading(entry, result, text)
+
+    @unittest.skipUnless("decode-cpu" in DECODERS, "the library has no OpenCL")
+    def test_decodes_with_opencl(self):
+        self.check_decodes("decode-cpu")
+
+    def test_decodes_on_host(self):
+        self.check_decodes("decode-host")
+
+
+class Single(Decodes):
+    """A decoder in single precision: CODES is the program of decode_single.c."""
+
+    def test_decodes(self):
+        self.check_decodes("decode-single")
 
 
 class Decoder(SetTest):
@@ -167,6 +177,18 @@ class Both(unittest.TestCase):
                     self.assertEqual(result, by_decoder(file.read_bytes(), False)[0])
             self.assertEqual(results, {result.replace(" ", "-") for result in RESULTS})
 
+    def test_changed_lists(self):
+        """Both readers agree on lists of packets of which a byte was changed, with and without a check that matches."""
+        pick = random.Random(1)
+        with tempfile.TemporaryDirectory() as folder:
+            files = list(changed_lists(pathlib.Path(folder), pick))
+            results = set()
+            for file, (result, text) in zip(files, CODES.read(False, files), strict=True):
+                with self.subTest(file=file.name):
+                    results.add(result)
+                    self.assertEqual((result, text), by_decoder(file.read_bytes(), False))
+            self.assertEqual(results, {"valid", "not-a-gscl-file", "truncated", "damaged"})
+
     def test_writes(self):
         """make.py makes the set that is here."""
         with tempfile.TemporaryDirectory() as folder:
@@ -191,7 +213,7 @@ def mutations(folder, pick):
     """Pictures of small valid files, each with one byte changed, as bare files."""
     for entry in INDEX:
         data = path(entry).read_bytes()
-        if entry["result"] != "valid" or len(data) > 80 or not entry["bare"] and data[4] != 2:
+        if entry["result"] != "valid" or len(data) > 80 or entry.get("packets") or not entry["bare"] and data[4] != 2:
             continue
         picture = data if entry["bare"] else data[5:-2]
         for at in range(len(picture)):
@@ -215,6 +237,23 @@ def changed_files(folder):
             file = folder / f"{name}-{at}-cut"
             file.write_bytes(data[:at])
             yield file
+
+
+def changed_lists(folder, pick):
+    """Lists of packets with one byte changed, and with one byte of a packet changed whose check then matches."""
+    for name in "packets-2", "packets-repair", "packets-empty", "packets-last-row":
+        data = (FILES / f"{name}.gsclp").read_bytes()
+        packets = gscl.packets_of(data)
+        for at in range(len(data)):
+            file = folder / f"{name}-{at}"
+            file.write_bytes(data[:at] + bytes([data[at] ^ pick.randint(1, 255)]) + data[at + 1:])
+            yield file
+        for number, packet in enumerate(packets):
+            for at in range(0, len(packet) - 2, 3):
+                file = folder / f"{name}-{number}-{at}-sealed"
+                changed = sealed(packet[:at] + bytes([packet[at] ^ pick.randint(1, 255)]) + packet[at + 1:-2])
+                file.write_bytes(listed(packets[:number] + [changed] + packets[number + 1:]))
+                yield file
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Compares all decoders on 200 random files, and on some of them damaged: test_differential.py CODES [TEST...]
+"""Compares all decoders on 200 random files, some of them damaged or divided into packets: test_differential.py CODES [TEST...]
 
 CODES is the program of codes.c; the environment variable GSCL_WEB names the folder of the decoder for web pages.
 differential.py compares more files.
@@ -30,6 +30,7 @@ class Differential(unittest.TestCase):
             print("#", line)
         self.assertEqual([file.problems for file in comparison.failed], [])
         self.assertEqual(comparison.valid, FILES)
+        self.assertGreater(comparison.lists, FILES // 5)
         self.assertGreater(comparison.drawn, FILES - 1)
         decoders = {WORDS[word] for word in CODES.run("decoders").split()} | ({WEB} if web else set())
         self.assertEqual({b for a, b in comparison.largest if a == EXACT}, decoders)

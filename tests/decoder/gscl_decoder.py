@@ -7,6 +7,9 @@
     gscl_decoder.py [--bare] --hash FILE     prints the SHA-256 of that text
     gscl_decoder.py [--bare] --partial FILE [OUT.png]    as much as a prefix of a file shows
 
+FILE may also be a list of packets, or one packet, whose bytes do not begin as those of a file do.  Packets that a list lacks are
+computed from its repair packets, where it has enough of them.
+
 An invalid file ends the program with status 1 and the result of the page's section "Errors" on the standard error stream.
 The names of functions and variables are those of the page; the trained tables are read from the page itself.  The program is
 simple rather than fast: one million pixels and some hundred splats take about a minute.
@@ -215,11 +218,52 @@ FLAGS = "has_chroma has_alpha has_opacity has_anisotropy has_rotation has_textur
 class Splat:
     """Codes of one splat: those of the page, as attributes."""
 
+    def scalar_codes(self):
+        """All codes of scalar coding, in the order of those of one cell."""
+        return (self.aspect, self.angle, self.part, self.luma, self.co, self.cg, self.alpha, self.opacity, self.amplitude, self.wave,
+                self.direction, self.phase)
+
+
+class Grid:
+    """The cells of a class: their numbers and pitches in x and y."""
+
+    def __init__(self, cells_x, cells_y, pitch_x, pitch_y):
+        self.size, self.pitch = [cells_x, cells_y], [pitch_x, pitch_y]
+
+    def cell_of_class(self, cell):
+        return cell
+
+
+class PacketGrid(Grid):
+    """The cells of a class of scalar coding that a packet may have: all of them in a picture that is no packet."""
+
+    def __init__(self, picture, major):
+        step = picture.grid_step(major)
+        super().__init__(picture.cells(major, picture.width), picture.cells(major, picture.height), step, step)
+        self.cells, self.K, self.k = max(self.size), picture.K, picture.k
+        self.is_part = self.K > 1 and self.cells >= 2 * self.K
+        self.along = 0 if self.size[0] >= self.size[1] else 1
+        self.skew = next(n for n in range(self.K + 1) if n * (n + 1) >= self.K)
+        if self.is_part:
+            self.size[self.along] = ceil_quotient(self.cells, self.K)
+            self.pitch[self.along] *= self.K
+
+    def cell_of_class(self, cell):
+        if not self.is_part:
+            return cell
+        a, b = cell[self.along], cell[1 - self.along]
+        along = min(self.K * a + (self.k + self.skew * b) % self.K, self.cells - 1)
+        return (along, b) if self.along == 0 else (b, along)
+
 
 class Picture:
-    """Header and splats.  `certain` is the number of splats decoded from bytes that had come."""
+    """Header and splats.  `certain` is the number of splats decoded from bytes that had come.
 
-    def __init__(self):
+    K and k are those of a packet; a picture that is no packet is read like the only one."""
+
+    def __init__(self, in_packet=False):
+        self.in_packet = in_packet
+        self.K, self.k = 1, 0
         self.n = 0
         self.splats = []
         self.blocks = []
@@ -228,10 +272,9 @@ class Picture:
     # ------------------------------------------------------------------------------------------ header
 
     def read_header(self, coder):
-        self.read_kind(coder)
-        self.read_size(coder)
-        self.n = min(coder.number([2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1]), 1048576)
-        self.layers = 2 + coder.uniform(7) if self.coding == SCALAR and self.n > 0 and coder.flag(1) else 1
+        self.read_header_to_n(coder)
+        may_have_layers = self.coding == SCALAR and self.n > 0 and not self.in_packet
+        self.layers = 2 + coder.uniform(7) if may_have_layers and coder.flag(1) else 1
         self.step, self.pivot = dict.fromkeys(STEPS, 0), 0
         if self.coding == SCALAR and self.n > 0:
             self.read_steps(coder)
@@ -240,13 +283,21 @@ class Picture:
         self.background = [coder.raw(16 if self.high_bit_depth else 8) for _ in range(self.channels)] if own else None
         self.levels = {name: LEVELS[self.step[name]] for name in ("luma", "chroma", "alpha")}
 
+    def read_header_to_n(self, coder):
+        if self.in_packet:
+            self.K = 1 + coder.number([8, 2, 3, 4, 4, 3, 2, 1, 1])
+            self.k = coder.uniform(self.K)
+        self.read_kind(coder)
+        self.read_size(coder)
+        self.n = min(coder.number([2, 1, 1, 2, 4, 6, 8, 7, 7, 6, 5, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1]), 1048576)
+
     def read_kind(self, coder):
         if coder.flag(4) == 0:
             self.blend, self.coding, self.layout, self.high_bit_depth = NORMALIZED, SCALAR, RGB, 0
             self.has_chroma, self.has_alpha, self.has_opacity, self.has_anisotropy, self.has_rotation = 1, 0, 0, 1, 1
         else:
             self.blend = coder.decode([10, 4, 2])
-            self.coding = coder.flag(3)
+            self.coding = SCALAR if self.in_packet else coder.flag(3)
             self.layout = coder.decode([5, 2, 4, 5])
             self.high_bit_depth = coder.flag(4)
             self.has_chroma = coder.flag(12) if self.layout in (RGB, RGB_ALPHA) else 0
@@ -272,7 +323,7 @@ class Picture:
 
     def read_steps(self, coder):
         used = {"angle": self.has_rotation, "chroma": self.has_chroma, "alpha": self.has_alpha, "opacity": self.has_opacity}
-        fine = 1 if self.n >= 640 else 0
+        fine = 1 if self.n * self.K >= 640 else 0
         default = dict(zip(STEPS, (6, 8, 4, 5 + fine, 3 + fine, 4, 3)))
         explicit = coder.flag(2)
         for name in STEPS:
@@ -299,7 +350,7 @@ class Picture:
 
     def typical(self):
         for c in range(63):
-            if (self.sigma(c) >> 8) ** 2 * self.n >= self.width * self.height << 16:
+            if (self.sigma(c) >> 8) ** 2 * self.n * self.K >= self.width * self.height << 16:
                 return c
         return 63
 
@@ -332,16 +383,14 @@ class Picture:
         for number, count in enumerate(counts):
             if self.coding == SCALAR:
                 layer, major = number // 64, 63 - number % 64
-                pitch_x = pitch_y = self.grid_step(major)
-                w, h = self.cells(major, self.width), self.cells(major, self.height)
+                grid = PacketGrid(self, major)
             else:
-                pitch_x, pitch_y = self.width, self.height
-                w = h = 1 << self.position_bits
+                grid = Grid(1 << self.position_bits, 1 << self.position_bits, self.width, self.height)
             cells = []
             if count:
-                points(coder, cells, (pitch_x, pitch_y), (0, 0, w, h), count, collect_priors(earlier))
-            earlier.append([((2 * x + 1) * pitch_x, (2 * y + 1) * pitch_y) for x, y in cells])
-            for x, y in cells:
+                points(coder, cells, grid.pitch, (0, 0, *grid.size), count, collect_priors(earlier))
+            earlier.append([((2 * x + 1) * grid.pitch[0], (2 * y + 1) * grid.pitch[1]) for x, y in cells])
+            for x, y in map(grid.cell_of_class, cells):
                 splat = self.read_scalar_splat(coder, layer, major, x, y) if self.coding == SCALAR else \
                     self.read_codebook_splat(coder, number, x, y)
                 self.splats.append(splat)
@@ -460,8 +509,9 @@ class Picture:
         C = self.angle_count(splat.aspect)
         splat.angle = self.read_angle(coder, C, min(splat.aspect // 2, 7)) if self.has_rotation and C > 1 else 0
         parts = self.parts(splat.aspect)
-        part = coder.uniform(parts)
+        splat.part = part = coder.uniform(parts)
         steep = C < 4 * splat.angle < 3 * C
+        splat.cell = x, y
         splat.parts_x, splat.parts_y = (parts, 1) if steep else (1, parts)
         splat.x, splat.y = (x * parts + part, y) if steep else (x, y * parts + part)
         splat.F = self.fineness(major, splat.aspect)
@@ -769,6 +819,22 @@ def collect_priors(earlier):
     return priors
 
 
+def split_axis(w, h, pitch):
+    return 0 if w > 1 and (h == 1 or w * pitch[0] >= h * pitch[1]) else 1
+
+
+def halves_to(cell, size, pitch):
+    """The halves in which `points` finds a cell of a grid, 0 for the first: the order of cells is that of these lists."""
+    at, size, halves = list(cell), list(size), []
+    while size != [1, 1]:
+        axis = split_axis(*size, pitch)
+        a = size[axis] // 2
+        halves.append(int(at[axis] >= a))
+        at[axis] -= a * halves[-1]
+        size[axis] = size[axis] - a if halves[-1] else a
+    return halves
+
+
 def points(coder, cells, pitch, rectangle, n, priors):
     """Appends the cells of n points in the rectangle (x0, y0, w, h) to `cells`."""
     x0, y0, w, h = rectangle
@@ -777,10 +843,9 @@ def points(coder, cells, pitch, rectangle, n, priors):
     if w == 1 and h == 1:
         cells.extend([(x0, y0)] * n)
         return
-    along_x = w > 1 and (h == 1 or w * pitch[0] >= h * pitch[1])
-    size = w if along_x else h
+    axis = split_axis(w, h, pitch)
+    size = rectangle[2 + axis]
     a = size // 2
-    axis = 0 if along_x else 1
     first, second = [], []
     if w <= 128 and h <= 128:
         A = 1024 * a // size
@@ -793,7 +858,7 @@ def points(coder, cells, pitch, rectangle, n, priors):
         B = 192 - A + 16 * len(second)
         A += 16 * len(first)
     left = split(coder, n, A, B)
-    halves = ((x0, y0, a, h), (x0 + a, y0, w - a, h)) if along_x else ((x0, y0, w, a), (x0, y0 + a, w, h - a))
+    halves = ((x0, y0, a, h), (x0 + a, y0, w - a, h)) if axis == 0 else ((x0, y0, w, a), (x0, y0 + a, w, h - a))
     points(coder, cells, pitch, halves[0], left, first)
     points(coder, cells, pitch, halves[1], n - left, second)
 
@@ -868,8 +933,10 @@ def read_picture(data, start, end):
 
 
 def decode(data, bare=False):
-    """Reads a file from its bytes; raises Refused."""
-    return read_bare(data) if bare else read_complete(data)
+    """Reads a file, or a list of packets, from its bytes; raises Refused."""
+    if bare:
+        return read_bare(data)
+    return read_list(data) if data[:4] == LIST_MAGIC else read_complete(data)
 
 
 def read_bare(data):
@@ -954,7 +1021,7 @@ def decode_prefix(data, bare=False):
     try:
         return decode(data, bare)
     except Refused as error:
-        if error.result not in (TRUNCATED, DAMAGED):
+        if error.result not in (TRUNCATED, DAMAGED) or data[:4] == LIST_MAGIC:
             raise
     start, end = 0, len(data)
     if not bare:
@@ -984,6 +1051,214 @@ def decode_prefix(data, bare=False):
     return picture
 
 
+# ---------------------------------------------------------------------------------------------- packets
+
+LIST_MAGIC = b"\xC7gsp"
+NO_IDENTITY = 0xC7
+
+
+def packets_of(data):
+    """The complete packets of a list."""
+    position, packets = 4, []
+    while True:
+        size = 0
+        for group in range(3):
+            if position >= len(data):
+                return packets
+            value = data[position]
+            position += 1
+            size |= (value & 127) << 7 * group
+            if value < 128:
+                break
+        if value > 127 or value == 0 and group > 0 or size > len(data) - position:
+            return packets
+        packets.append(data[position:position + size])
+        position += size
+
+
+class Packet:
+    """A packet whose check matches, with its header up to N."""
+
+    def __init__(self, data):
+        self.data = data
+        self.start = Picture(in_packet=True)
+        self.start.read_header_to_n(RangeDecoder(data, 1, len(data) - 2))
+        self.number = self.start.k
+
+    def kind(self):
+        """What is equal in all packets of a picture, of the header up to N."""
+        s = self.start
+        return (self.data[0], s.K, s.blend, s.layout, s.high_bit_depth, *(getattr(s, flag) for flag in FLAGS), s.width, s.height)
+
+    def picture(self):
+        """The whole packet; None where it is not valid."""
+        end = len(self.data) - 2
+        coder = RangeDecoder(self.data, 1, end)
+        picture = Picture(in_packet=True)
+        try:
+            picture.read_header(coder)
+            picture.read_splats(coder, end - 1)
+            if coder.bytes_read() != end - 1 + 3:
+                return None
+            picture.check_work()
+        except (BeyondEnd, NotAllowed):
+            return None
+        return picture
+
+
+def intact_packets(all_packets):
+    """Of the first packet's picture the packets whose header can be read: {number: Packet}, in their order."""
+    found = {}
+    for data in all_packets:
+        if len(data) < 4 or data[0] == NO_IDENTITY or crc16(data[:-2]) != int.from_bytes(data[-2:], "big"):
+            continue
+        try:
+            packet = Packet(data)
+        except BeyondEnd:
+            continue
+        first = next(iter(found.values()), packet)
+        if packet.kind() == first.kind():
+            found.setdefault(packet.number, packet)
+    return found
+
+
+def read_list(data):
+    """Reads the picture of a list of packets; raises Refused."""
+    all_packets = packets_of(data)
+    if not all_packets:
+        raise Refused(TRUNCATED, "no packet is complete")
+    packets = intact_packets(all_packets)
+    if packets:
+        packets = intact_packets(all_packets + repaired_packets(packets, all_packets))
+    picture = None
+    for packet in packets.values():
+        picture = picture_with(picture, packet.picture())
+    if picture is None:
+        raise Refused(DAMAGED, "no packet of the list is valid")
+    picture.splats = in_stored_order(picture)
+    picture.n = picture.certain = len(picture.splats)
+    return picture
+
+
+def picture_with(picture, packet):
+    """The picture with the splats of one packet more, where they belong together and the limits hold.  Each may be None."""
+    if picture is None or packet is None:
+        return packet or picture
+    if not packet.splats:
+        return picture
+    if not picture.splats:
+        return packet
+    if any(getattr(packet, name) != getattr(picture, name) for name in ("step", "pivot", "background")):
+        return picture
+    before = picture.splats
+    picture.splats = before + packet.splats
+    try:
+        if len(picture.splats) > 1048576:
+            raise NotAllowed("there are too many splats")
+        picture.check_work()
+    except NotAllowed:
+        picture.splats = before
+    return picture
+
+
+def in_stored_order(picture):
+    """The splats, those that are equal in all codes once."""
+    grids = {major: Grid(picture.cells(major, picture.width), picture.cells(major, picture.height), 1, 1)
+             for major in {splat.major for splat in picture.splats}}
+
+    def place(splat):
+        grid = grids[splat.major]
+        return -splat.major, halves_to(splat.cell, grid.size, grid.pitch), splat.scalar_codes()
+
+    distinct = {(splat.major, splat.cell, splat.scalar_codes()): splat for splat in picture.splats}
+    return sorted(distinct.values(), key=place)
+
+
+# ---- repair packets
+
+POWERS = [1]
+while len(POWERS) < 255:
+    POWERS.append(POWERS[-1] << 1 ^ (0x11D if POWERS[-1] & 128 else 0))
+LOGARITHMS = {power: exponent for exponent, power in enumerate(POWERS)}
+
+
+def multiply(a, b):
+    """The product of two bytes as elements of GF(256)."""
+    return POWERS[(LOGARITHMS[a] + LOGARITHMS[b]) % 255] if a and b else 0
+
+
+def inverse(a):
+    return POWERS[-LOGARITHMS[a] % 255]
+
+
+def add_multiple(row, factor, other):
+    row[:] = [a ^ multiply(factor, b) for a, b in zip(row, other)]
+
+
+def repair_contents(packets, all_packets):
+    """The contents of the repair packets for these packets, by their numbers, all of the same length."""
+    first = next(iter(packets.values()))
+    contents = {}
+    for data in all_packets:
+        if len(data) < 5 or data[0] != first.data[0] or crc16(data[:-2]) ^ 0xFFFF != int.from_bytes(data[-2:], "big"):
+            continue
+        length = len(next(iter(contents.values()), data[2:-2]))
+        if data[1] >= first.start.K and len(data) - 4 == length:
+            contents.setdefault(data[1], data[2:-2])
+    return contents
+
+
+def repaired_packets(packets, all_packets):
+    """Those that a list lacks and that its repair packets make up for."""
+    first = next(iter(packets.values()))
+    contents = repair_contents(packets, all_packets)
+    missing = [k for k in range(first.start.K) if k not in packets]
+    if not missing or len(contents) < len(missing):
+        return []
+    if any(len(packet.data) - 1 > len(next(iter(contents.values()))) for packet in packets.values()):
+        return []
+    rows = [equation(r, content, packets, missing) for r, content in contents.items()][:len(missing)]
+    solve(rows, len(missing))
+    ended = (ended_packet(first.data[:1] + bytes(row[len(missing):])) for row in rows)
+    return [packet for packet in ended if packet is not None]
+
+
+def equation(r, content, packets, missing):
+    """The factors of the missing packets, then what they add up to."""
+    rest = list(content)
+    for k, packet in packets.items():
+        known = packet.data[1:]
+        add_multiple(rest, inverse(r ^ k), known + bytes(len(rest) - len(known)))
+    return [inverse(r ^ k) for k in missing] + rest
+
+
+def solve(rows, count):
+    """Makes the first `count` columns those of the identity matrix, which is possible for the factors of repair packets."""
+    for column in range(count):
+        factor = inverse(rows[column][column])
+        rows[column][:] = [multiply(factor, a) for a in rows[column]]
+        for row in rows:
+            if row is not rows[column]:
+                add_multiple(row, row[column], rows[column])
+
+
+def ended_packet(data):
+    """A computed packet without the zeros behind it; None where no check matches."""
+    end = len(data.rstrip(b"\0"))
+    for size in range(max(end, 4), len(data) + 1):
+        if crc16(data[:size - 2]) == int.from_bytes(data[size - 2:size], "big"):
+            return data[:size]
+    return None
+
+
+def list_of_one(packet):
+    return LIST_MAGIC + varint(len(packet)) + packet
+
+
+def varint(value):
+    return bytes([value]) if value < 128 else bytes([value & 127 | 128]) + varint(value >> 7)
+
+
 # ---------------------------------------------------------------------------------------------- the command
 
 def png_bytes(picture):
@@ -1010,6 +1285,8 @@ def main():
     arguments = parser.parse_args()
     with open(arguments.file, "rb") as file:
         data = file.read()
+    if data[:3] != LIST_MAGIC[:3] and not arguments.bare:
+        data = list_of_one(data)
     try:
         picture = (decode_prefix if arguments.partial else decode)(data, arguments.bare)
     except Refused as error:

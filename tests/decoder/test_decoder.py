@@ -88,6 +88,24 @@ class Command(unittest.TestCase):
             self.decoded("--bare", SET / "files" / "bare-photograph.gscl", out)
             self.assertEqual(read_png(out.read_bytes()), read_png((SET / "pictures" / "bare-photograph.png").read_bytes()))
 
+    def test_packets(self):
+        """A list, one of its packets as a file, and that one with a changed byte."""
+        file = SET / "files" / "packets-2.gsclp"
+        self.assertEqual(self.decoded(file), "48x32, 24 splats, 24 of them certain\n")
+        packet = gscl.packets_of(file.read_bytes())[1]
+        with tempfile.TemporaryDirectory() as folder:
+            single = pathlib.Path(folder, "single.gsclp")
+            single.write_bytes(packet)
+            self.assertRegex(self.decoded("--codes", single), r"\nsplats 1\d\n")
+            single.write_bytes(packet[:-1] + bytes([packet[-1] ^ 1]))
+            self.assertIn("damaged: ", self.start(single).stderr)
+
+    def test_elements(self):
+        """The field of repair packets."""
+        for a in range(1, 256):
+            self.assertEqual(gscl.multiply(a, gscl.inverse(a)), 1)
+        self.assertEqual(gscl.multiply(0x80, 2), 0x1D)
+
     def test_refused(self):
         file = SET / "files" / "cut-half.gscl"
         done = self.start("--codes", file)

@@ -136,7 +136,8 @@ class Loader(DesktopTest):
             self.assertTrue(least <= profile <= most, profile)
 
     def test_conformance(self):
-        index = [entry for entry in json.loads((CONFORMANCE / "index.json").read_text()) if not entry["bare"]]
+        index = [entry for entry in json.loads((CONFORMANCE / "index.json").read_text())
+                 if not entry["bare"] and "packets" not in entry]
         loaded = self.load(*[CONFORMANCE / "files" / (entry["file"] + ".gscl") for entry in index])
         for entry, (image, _, outcome) in zip(index, loaded, strict=True):
             with self.subTest(file=entry["file"]):

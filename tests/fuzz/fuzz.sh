@@ -5,11 +5,12 @@
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader, writer, image or options; README.md says what each does.  FOLDER: holds the program, and in FOLDER/corpus
-# the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, the conformance set are read, too.
+# TARGET: reader, rows, writer, packets, image or options; README.md says what each does.  FOLDER: holds the program, and in
+# FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader and packets, the conformance
+# set are read, too.
 # An input that fails is kept as FOLDER/crash-...
 #
-# Installs LLVM's tools and the libraries of the sanitizers.  In the reader and the writer comparisons
+# Installs LLVM's tools and the libraries of the sanitizers.  In the reader, the writer and packets comparisons
 # are not traced, which makes the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -23,6 +24,11 @@ format=$(ls format/*.c)
 image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
     host/tool/cli/output_target.c host/tool/cli/name_hash.c
     $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
+# What gscl_decode_rows calls.
+rows="$(ls host/lib/software/*.c) host/lib/decode/blend.c host/lib/decode/coded_image.c host/lib/decode/decode_rows.c
+    host/lib/decode/decode_settings.c host/lib/decode/dequantise.c host/lib/decode/draw_rows.c host/lib/decode/frame.c
+    host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/context.c host/lib/runtime/elementary.c
+    host/lib/runtime/result.c host/lib/runtime/struct_size.c host/lib/runtime/text.c"
 image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
 more=
 kept=tests/fuzz/corpus/$target
@@ -33,9 +39,22 @@ reader)
     kept="$kept tests/conformance/files"
     measured=format
     ;;
+rows)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c $format $rows"
+    options="-max_len=64 -entropic=0"
+    kept="tests/fuzz/corpus/reader tests/conformance/files"
+    more="-Ihost/lib -ffp-contract=off -lm"
+    measured="$rows"
+    ;;
 writer)
     sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c $format"
     options=-max_len=512
+    measured=format
+    ;;
+packets)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_mutator.c $format"
+    options="-max_len=512 -entropic=0"
+    kept="$kept tests/conformance/files"
     measured=format
     ;;
 image)
@@ -72,7 +91,7 @@ fi
 
 traced=
 case $target in
-reader | writer) traced=-fno-sanitize-coverage=trace-cmp ;;
+reader | writer | packets) traced=-fno-sanitize-coverage=trace-cmp ;;
 esac
 $compile -O2 -DFUZZ_SAMPLE -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined $traced \
     tests/fuzz/fuzz_$target.c $sources $more -o "$folder/fuzz-$target"

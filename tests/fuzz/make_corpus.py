@@ -30,11 +30,19 @@ KINDS = {
 }
 
 
-def encoded(gscl, image, *options):
+PACKETS = {
+    "four": ("--packet-count=4",),
+    "lossy": ("--packet-count=5", "--packet-loss=0.4"),
+    "many": ("--packet-count=8", "--packet-loss=0.1"),
+    "grey": ("--packet-count=2", "--effects=-chroma"),
+}
+
+
+def encoded(gscl, image, *options, target=("--splats=12",)):
     with tempfile.TemporaryDirectory() as folder:
         source, output = pathlib.Path(folder, "in.png"), pathlib.Path(folder, "out.gscl")
         source.write_bytes(png_bytes(image))
-        subprocess.run([gscl, "encode", "-q", source, "-o", output, "--effort=1", "--splats=12", *options], check=True)
+        subprocess.run([gscl, "encode", "-q", source, "-o", output, "--effort=1", *target, *options], check=True)
         return output.read_bytes()
 
 
@@ -71,6 +79,12 @@ def reader_seeds(gscl):
     return {f"{name}.gscl": data for name, data in files.items()}
 
 
+def packets_seeds(gscl):
+    """Lists of packets; other inputs of this target, of which each byte is a choice, are found by fuzzing."""
+    target = "--packets=60", "--packet-identity=1"
+    return {f"{name}.packets": encoded(gscl, scene(40, 30, 3, 8), *options, target=target) for name, options in PACKETS.items()}
+
+
 def write_seeds(target, files):
     folder = HERE / "corpus" / target
     folder.mkdir(parents=True, exist_ok=True)
@@ -84,9 +98,10 @@ def write_seeds(target, files):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--gscl", default="build/gscl", help="program that encodes (default %(default)s)")
-    parser.add_argument("targets", nargs="*", help="reader, image, options (default: all)")
+    parser.add_argument("targets", nargs="*", help="reader, packets, image, options (default: all)")
     arguments = parser.parse_args()
     makers = {"reader": lambda: reader_seeds(arguments.gscl),
+              "packets": lambda: packets_seeds(arguments.gscl),
               "image": lambda: {f"{name}.image": data for name, data in image_seeds()},
               "options": lambda: {f"{name}.options": line.replace(" ", "\n").encode() for name, line in COMMAND_LINES.items()}}
     for target in arguments.targets or makers:

@@ -13,6 +13,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 /* Likewise, of a gscl file, which begins with the magic bytes, or else of a bare picture.  Keeps what a reader checks first:
  * magic, check, blocks and the end of the picture. */
 size_t fuzz_mutate_file(uint8_t *data, size_t size, size_t max_size, unsigned seed);
+/* Likewise, of a list of packets, or else of any bytes.  Keeps the checks of packets and the ends of their pictures. */
+size_t fuzz_mutate_packets(uint8_t *data, size_t size, size_t max_size, unsigned seed);
 /* Likewise, of an image file.  Keeps the checksums of PNG right. */
 size_t fuzz_mutate_image(uint8_t *data, size_t size, size_t max_size, unsigned seed);
 

@@ -293,7 +293,8 @@ class Programs(ToolTest):
 
     def test_conformance(self):
         """The files of the conformance set give the pictures that they should, within 1/255, or are refused."""
-        index = [entry for entry in json.loads((CONFORMANCE / "index.json").read_text()) if not entry["bare"]]
+        index = [entry for entry in json.loads((CONFORMANCE / "index.json").read_text())
+                 if not entry["bare"] and "packets" not in entry]
         files = [CONFORMANCE / "files" / (entry["file"] + ".gscl") for entry in index]
         done = subprocess.run([os.environ["USE_PLUGIN"], self.folder, *files], capture_output=True, timeout=TIMEOUT, text=True)
         for number, (entry, line) in enumerate(zip(index, done.stdout.splitlines(), strict=True)):

@@ -27,7 +27,7 @@ def chosen(valid):
 
 
 def path(entry):
-    return SET / "files" / (entry["file"] + ".gscl")
+    return SET / "files" / (entry["file"] + (".gsclp" if entry.get("packets") else ".gscl"))
 
 
 @chosen(valid=True)

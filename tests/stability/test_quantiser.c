@@ -18,6 +18,7 @@
 #include "cl/constants.h"
 #include "decodes.h"
 #include "decode/coded_image.h"
+#include "decode/dequantise.h"
 #include "decode/quantise.h"
 #include "report.h"
 #include "synthetic_scene.h"

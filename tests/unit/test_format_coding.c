@@ -128,8 +128,9 @@ static void test_reading_stops_at_the_end(void **unused) {
 static void test_model_adapts(void **unused) {
     (void)unused;
     static const gsf_model_shape shape = {1, 50, 3, {32, 8, 2}, 64};
+    uint16_t freq[40];
     gsf_model model;
-    gsf_model_init(&model, &shape, 40, 20);
+    gsf_model_init(&model, &shape, freq, 40, 20);
     assert_int_equal(model.freq[20], 51);
     assert_true(model.freq[19] == model.freq[21] && model.freq[21] < 51);
     for (int i = 0; i < 1000; i++)

@@ -9,6 +9,7 @@
 
 #include "cl/constants.h"
 #include "decode/blend.h"
+#include "decode/dequantise.h"
 #include "decode/ellipse.h"
 #include "decode/quantise.h"
 #include "decode/ycocg.h"

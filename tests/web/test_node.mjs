@@ -19,9 +19,9 @@ const folder = resolve(process.argv[2]), module = process.argv[3], gscl = proces
 const hasPackets = module == 'gscl-packets.wasm';
 const {decode, info, splats, load, GsclError} = await import(pathToFileURL(join(folder, 'node.js')));
 const set = fileURLToPath(new URL('../conformance/', import.meta.url));
-const fileOf = name => readFileSync(join(set, 'files', `${name}.gscl`));
-const isList = bytes => bytes.toString('latin1', 0, 4) == '\u00c7gsp';
-const index = JSON.parse(readFileSync(join(set, 'index.json'))).filter(({file}) => hasPackets || !isList(fileOf(file)));
+const index = JSON.parse(readFileSync(join(set, 'index.json'))).filter(entry => hasPackets || !entry.packets);
+const lists = new Set(index.filter(entry => entry.packets).map(entry => entry.file));
+const fileOf = name => readFileSync(join(set, 'files', name + (lists.has(name) ? '.gsclp' : '.gscl')));
 const loadModule = () => load(readFileSync(join(folder, module)));
 await loadModule();
 

@@ -564,6 +564,41 @@ GSCL_API GSCL_CHECKED gscl_result gscl_decoder_inspect(const gscl_decoder *decod
 /* Draws what has come, as gscl_decode does, with the same errors; GSCL_ERROR_TRUNCATED before there is anything to draw. */
 GSCL_API GSCL_CHECKED gscl_result gscl_decoder_draw(gscl_decoder *decoder, gscl_context *context, gscl_image *image);
 
+/* ---- Decoding by rows (without a context and without allocation) --------------------------------- */
+
+/* Receives the next rows of a decoded image, from top to bottom.  `strip` has the whole width of the image, channels, samples
+ * and premultiplied colours as gscl_decode would return them; its first row is row y of the image.  It and its pixels are
+ * valid during the call, which may write to the pixels.  Returns true to continue and false to stop. */
+typedef bool (*gscl_rows_callback)(void *opaque, uint32_t y, const gscl_image *strip);
+
+/* Returns the least memory, in bytes, with which gscl_decode_rows decodes a file.  It needs the start of the file up to the
+ * 32nd byte of the picture, which comes after 5 bytes and the blocks before it, or the whole file where that is shorter.
+ * `settings` and `strip_rows` as for gscl_decode_rows.  `image`: NULL, or receives width, height, channels, sample and
+ * premultiplied of the whole decoded image, without pixels.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file,
+ * GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE, _IMAGE_SIZE; GSCL_ERROR_OUT_OF_MEMORY where a size_t does not hold the number. */
+GSCL_API GSCL_CHECKED gscl_result gscl_rows_memory(const uint8_t *bytes, size_t size,
+                                                   const gscl_decode_settings *settings, uint32_t strip_rows,
+                                                   gscl_image *image, size_t *memory_size);
+
+/* Decodes a file by rows in memory of the caller, for processors with little memory: it allocates nothing and calls neither
+ * the operating system nor the library with a context.  The rows have the samples that gscl_decode returns on the device
+ * GSCL_HOST_DEVICE of a library that only decodes; they depend neither on strip_rows nor on the memory.
+ * Of a list of packets it draws those that are there, and repairs none.
+ *
+ * `settings` may be NULL for the defaults; all have their effect but `progress`, which is not called: GSCL_SAMPLE_U8 gives 8
+ * bits of files that have 16, too.  `strip_rows`: rows of a strip, of which the last may have fewer; more than the
+ * image has are as many as it has, and the strip is then the whole image.  0: as many as the memory allows, 1 to 16.
+ * `memory`: at least gscl_rows_memory bytes at any address, whose content is undefined afterwards.  More memory saves time
+ * until blocks of 16 rows, or of a strip, are drawn at once, each row of which takes up to 10,400 bytes.  The stack takes
+ * about 5 KB besides.  The callback must not be NULL.
+ *
+ * Errors: those of gscl_rows_memory; GSCL_ERROR_OUT_OF_MEMORY where memory_size is too small, _LIMIT for max_pixels and
+ * max_work, _CANCELLED where the callback returned false.  Only _CANCELLED comes after the first call of the callback. */
+GSCL_API GSCL_CHECKED gscl_result gscl_decode_rows(const uint8_t *bytes, size_t size,
+                                                   const gscl_decode_settings *settings, uint32_t strip_rows,
+                                                   void *memory, size_t memory_size, gscl_rows_callback callback,
+                                                   void *opaque);
+
 /* ---- Inspecting files (without a context and without OpenCL) -------------------------------- */
 
 /* How functions that only read take a file. */

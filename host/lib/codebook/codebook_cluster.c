@@ -7,7 +7,7 @@
 #include "cl/constants.h"
 #include "codebook/kmeans.h"
 #include "codebook/tunables.h"
-#include "decode/quantise.h"
+#include "decode/dequantise.h"
 #include "fit/random.h"
 #include "runtime/elementary.h"
 

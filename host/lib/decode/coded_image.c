@@ -5,9 +5,8 @@
 
 #include "cl/constants.h"
 #include "decode/blend.h"
+#include "decode/dequantise.h"
 #include "decode/format_result.h"
-#include "decode/packet_split.h"
-#include "decode/quantise.h"
 #include "format/packet.h"
 #include "format/repair.h"
 
@@ -36,6 +35,7 @@ gscl_result gscl_coded_image_reserve(gscl_coded_image *p, size_t splats) {
         return GSCL_OK;
     gsf_header largest = p->file.header;
     largest.splat_count = (uint32_t)splats;
+    largest.enhancement_layers = GSF_MAX_LAYERS - 1; /* an encoder adds layers later */
     free(p->scratch);
     p->scratch = malloc(gsf_scratch_size(&largest) + 8);
     size_t row = indexed ? sizeof(gsf_indexed_splat) : sizeof(gsf_splat);
@@ -137,13 +137,6 @@ gscl_result gscl_coded_image_write(gscl_coded_image *p, uint8_t **bytes, size_t 
     return GSCL_OK;
 }
 
-gscl_result gscl_coded_image_size(gscl_coded_image *p, size_t *size) {
-    GSCL_TRY(gscl_coded_image_reserve(p, p->file.header.splat_count));
-    if (p->packets > 0)
-        return gscl_packets_size(&p->file, p->packets, size);
-    return gscl_result_of_format(gsf_size(&p->file, size, p->scratch));
-}
-
 /* A splat's codes as bytes, and its place. */
 typedef struct tagged_splat {
     unsigned char codes[sizeof(gsf_splat) > sizeof(gsf_indexed_splat) ? sizeof(gsf_splat) : sizeof(gsf_indexed_splat)];
@@ -217,28 +210,13 @@ uint32_t gscl_coded_image_channels(const gsf_header *header) {
     return channels[header->layout];
 }
 
-void gscl_coded_image_splat(const gscl_coded_image *p, uint32_t i, float *params) {
-    if (p->file.header.coding == GSF_CODING_SCALAR)
-        gscl_dequantise(&p->file, &p->file.splats[i], params);
-    else
-        gscl_dequantise_indexed(&p->file, &p->file.indexed[i], params);
-}
-
-void gscl_coded_image_background(const gscl_coded_image *p, const double colour_sums[4], float background[4]) {
-    const gsf_header *header = &p->file.header;
-    const bool is_mean = p->file.has_mean_background && header->splat_count > 0;
-    for (unsigned k = 0; k < gsf_channel_count(header); k++)
-        background[k] = is_mean ? (float)(colour_sums[k] / header->splat_count)
-                                : (float)p->file.background[k] / (header->high_bit_depth ? 65535.0f : 255.0f);
-}
-
 void gscl_coded_image_params(const gscl_coded_image *p, float *params, float background[4]) {
     const unsigned channels = gsf_channel_count(&p->file.header);
-    double sums[4] = {0};
+    gscl_real sums[4] = {0};
     for (uint32_t i = 0; i < p->file.header.splat_count; i++, params += GSCL_PARAMS) {
-        gscl_coded_image_splat(p, i, params);
+        gscl_dequantise_splat(&p->file, i, params);
         for (unsigned k = 0; k < channels; k++)
             sums[k] += params[GSCL_COLOUR + k];
     }
-    gscl_coded_image_background(p, sums, background);
+    gscl_dequantise_background(&p->file, sums, background);
 }

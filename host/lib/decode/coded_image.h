@@ -34,10 +34,6 @@ gscl_result gscl_coded_image_read_prefix(gscl_coded_image *coded, const uint8_t 
 gscl_result gscl_repair_list(const uint8_t *list, size_t size, uint8_t **repaired, size_t *repaired_size);
 /* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);
-/* The exact size of the file that gscl_coded_image_write would write, or of the packets (gscl_packets_size).  The splats
- * must be in the stored order. */
-gscl_result gscl_coded_image_size(gscl_coded_image *coded, size_t *size);
-
 /* Sorts the splats into the stored order.  `order` is NULL or receives their old places: place i then holds the splat
  * that was at place order[i]. */
 gscl_result gscl_coded_image_sort(gscl_coded_image *coded, size_t *order);
@@ -49,12 +45,6 @@ gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, con
 gscl_kernel_options gscl_coded_image_options(const gsf_header *header);
 /* Channels of the decoded image, 1..4. */
 uint32_t gscl_coded_image_channels(const gsf_header *header);
-
-/* Dequantises splat `i` into GSCL_PARAMS parameters. */
-void gscl_coded_image_splat(const gscl_coded_image *coded, uint32_t i, float *params);
-
-/* The background, of gsf_channel_count channels.  `colour_sums`: each channel added up over the splats. */
-void gscl_coded_image_background(const gscl_coded_image *coded, const double colour_sums[4], float background[4]);
 
 /* Dequantises all splats (splat_count * GSCL_PARAMS parameters in drawing order) and the background. */
 void gscl_coded_image_params(const gscl_coded_image *coded, float *params, float background[4]);

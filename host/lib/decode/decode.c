@@ -5,34 +5,17 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
+#include "decode/dequantise.h"
 #include "decode/format_result.h"
 #include "decode/draw_device.h"
 #include "decode/draw_progress.h"
-#include "decode/frame.h"
-#include "decode/resize.h"
+#include "decode/frame_message.h"
 #include "decode/tunables.h"
 #include "image/image.h"
 #include "runtime/allocate.h"
 #include "runtime/stage_clock.h"
 #include "runtime/struct_size.h"
 #include "software/software.h"
-
-void gscl_decode_settings_init(gscl_decode_settings *settings, size_t struct_size) {
-    const gscl_decode_settings defaults = {0};
-    gscl_struct_init(settings, struct_size, &defaults, sizeof defaults);
-}
-
-/* The image that the decode returns, without pixels. */
-static gscl_image shape_of(const gscl_frame *f, const gsf_header *header, const gscl_decode_settings *s) {
-    gscl_sample sample = s->sample != GSCL_SAMPLE_AUTO ? s->sample
-                         : header->high_bit_depth      ? GSCL_SAMPLE_U16
-                                                       : GSCL_SAMPLE_U8;
-    return (gscl_image){.width = f->width,
-                        .height = f->height,
-                        .channels = gscl_coded_image_channels(header),
-                        .sample = sample,
-                        .premultiplied = s->premultiplied};
-}
 
 /* Takes the caller's pixels when they fit, or allocates some. */
 static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, const gscl_image *caller,
@@ -57,12 +40,11 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
 }
 
 /* Adds all splats, one by one, so that no memory holds the parameters of all; adds up their colours in `sums`. */
-static void add_splats(const gscl_coded_image *coded, const gscl_frame *f, gscl_software *software, double sums[4]) {
+static void add_splats(const gscl_coded_image *coded, const gscl_frame *f, gscl_software *software, gscl_real sums[4]) {
     const gsf_header *header = &coded->file.header;
     for (uint32_t i = 0; i < header->splat_count; i++) {
         float params[GSCL_PARAMS];
-        gscl_coded_image_splat(coded, i, params);
-        gscl_resize_splats(params, 1, f->scale_x, f->scale_y);
+        gscl_frame_splat(&coded->file, i, f, params);
         gscl_software_add(software, params);
         for (unsigned k = 0; k < gsf_channel_count(header); k++)
             sums[k] += params[GSCL_COLOUR + k];
@@ -73,14 +55,14 @@ static gscl_result draw_in_software(gscl_context *context, const gscl_coded_imag
                                     const gscl_image *image, const gscl_draw_progress *progress) {
     const gscl_kernel_options options = gscl_frame_options(&coded->file.header, f);
     const gscl_software_view view = {f->full_width, f->full_height, f->x, f->y};
-    double sums[4] = {0};
+    gscl_real sums[4] = {0};
     float background[4];
     gscl_stage(context, GSCL_STAGE_DEQUANTISE);
     gscl_software *software = gscl_software_create(&options, &view, coded->file.header.splat_count);
     if (!software)
         return gscl_fail_memory(context);
     add_splats(coded, f, software, sums);
-    gscl_coded_image_background(coded, sums, background);
+    gscl_dequantise_background(&coded->file, sums, background);
     gscl_stage(context, GSCL_STAGE_DRAW);
     gscl_result result = GSCL_OK;
     for (uint32_t row = 0; row < image->height && result == GSCL_OK;) {
@@ -101,14 +83,14 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
         gscl_coded_image_fail(context, result, bytes, size);
         return result;
     }
-    GSCL_TRY(gscl_frame_resolve(context, s, &header, f));
+    GSCL_TRY(gscl_frame_resolve_for(context, s, &header, f));
     gscl_stage(context, GSCL_STAGE_ENTROPY_DECODING);
     uint32_t total;
     result = s->partial ? gscl_coded_image_read_prefix(coded, bytes, size, s->bare, &total)
                         : gscl_coded_image_read(coded, bytes, size, s->bare);
     if (result != GSCL_OK)
         gscl_coded_image_fail(context, result, bytes, size);
-    else if ((result = gscl_frame_check_work(context, s, coded, f)) != GSCL_OK)
+    else if ((result = gscl_frame_check_work(context, s, &coded->file, f)) != GSCL_OK)
         gscl_coded_image_free(coded);
     if (result != GSCL_OK)
         gscl_stage(context, GSCL_STAGE_NONE);
@@ -136,7 +118,7 @@ gscl_result gscl_decode_within(gscl_context *context, const uint8_t *bytes, size
     gscl_coded_image coded;
     gscl_frame f;
     GSCL_TRY(read_within_limits(context, bytes, size, &s, &coded, &f));
-    gscl_image decoded = shape_of(&f, &coded.file.header, &s);
+    gscl_image decoded = gscl_frame_image(&f, &s, &coded.file.header);
     void *allocated = NULL;
     gscl_result result = provide_pixels(context, &decoded, image, &allocated);
     if (result == GSCL_OK) {

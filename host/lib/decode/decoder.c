@@ -231,7 +231,7 @@ gscl_result gscl_decoder_inspect(const gscl_decoder *d, gscl_decoder_state *stat
 gscl_result gscl_decoder_draw(gscl_decoder *d, gscl_context *context, gscl_image *image) {
     if (!d || !context || !image)
         return GSCL_ERROR_INVALID_ARGUMENT;
-    if (!d->bytes)
+    if (!d->bytes || (d->is_list && d->drawn == 0))
         return GSCL_ERROR_TRUNCATED;
     gscl_decode_settings settings = d->settings;
     settings.partial = true;

@@ -17,7 +17,7 @@ static uint32_t rows_of_band(const gscl_coded_image *coded, const gscl_frame *f,
     const struct gscl_decode_tunables *t = &gscl_decode_tunables;
     double rows = (double)t->band_samples / ((double)f->width * image->channels);
     if (progress->callback)
-        rows = fmin(rows, t->band_work * f->height / ((double)gscl_frame_work(coded, f) + 1));
+        rows = fmin(rows, t->band_work * f->height / ((double)gscl_frame_work(&coded->file, f) + 1));
     return rows < GSCL_TILE ? GSCL_TILE : (uint32_t)rows / GSCL_TILE * GSCL_TILE;
 }
 

@@ -152,7 +152,7 @@ gscl_result gscl_inspect(const uint8_t *bytes, size_t size, const gscl_read_sett
                               .height = own.height,
                               .scale_x = 1,
                               .scale_y = 1};
-    own.work = gscl_frame_work(&coded, &whole);
+    own.work = gscl_frame_work(&coded.file, &whole);
     gscl_struct_write(info, &own);
     gscl_coded_image_free(&coded);
     return GSCL_OK;

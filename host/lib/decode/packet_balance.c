@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
-#include "decode/quantise.h"
+#include "decode/dequantise.h"
 #include "format/classes.h"
 #include "format/quantiser.h"
 #include "runtime/elementary.h"
@@ -87,11 +87,29 @@ static packet_move find_move(const gscl_packet_split *s, uint32_t from) {
     return best;
 }
 
+static void drop_splat(gscl_packet_split *s, uint32_t splat) {
+    gsf_coded_image *file = s->file;
+    const uint32_t behind = file->header.splat_count - splat - 1;
+    memmove(&file->splats[splat], &file->splats[splat + 1], behind * sizeof file->splats[0]);
+    memmove(&s->packet_of[splat], &s->packet_of[splat + 1], behind * sizeof s->packet_of[0]);
+    file->header.splat_count--;
+}
+
+/* Whether another splat has the same codes: a reader takes one of them only. */
+static bool has_equal(const gsf_coded_image *file, uint32_t splat) {
+    bool found = false;
+    for (uint32_t i = 0; i < file->header.splat_count && !found; i++)
+        found = i != splat && memcmp(&file->splats[i], &file->splats[splat], sizeof file->splats[i]) == 0;
+    return found;
+}
+
 static gscl_result make_move(gscl_packet_split *s, const packet_move *move) {
     const uint32_t from = s->packet_of[move->splat];
     s->file->splats[move->splat].x = move->x;
     s->file->splats[move->splat].y = move->y;
     s->packet_of[move->splat] = (uint16_t)move->packet;
+    if (has_equal(s->file, move->splat))
+        drop_splat(s, move->splat);
     const gscl_result result = gscl_packet_split_measure(s, from);
     return result == GSCL_OK ? gscl_packet_split_measure(s, move->packet) : result;
 }
@@ -107,10 +125,7 @@ static gscl_result drop_smallest(gscl_packet_split *s, uint32_t packet) {
             smallest = i;
     if (smallest == file->header.splat_count)
         return GSCL_ERROR_BUDGET_TOO_SMALL;
-    const uint32_t behind = file->header.splat_count - smallest - 1;
-    memmove(&file->splats[smallest], &file->splats[smallest + 1], behind * sizeof file->splats[0]);
-    memmove(&s->packet_of[smallest], &s->packet_of[smallest + 1], behind * sizeof s->packet_of[0]);
-    file->header.splat_count--;
+    drop_splat(s, smallest);
     return gscl_packet_split_measure(s, packet);
 }
 

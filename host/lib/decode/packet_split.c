@@ -99,6 +99,7 @@ gscl_result gscl_packets_write(gsf_coded_image *file, const gscl_packet_target *
     gscl_packet_split s = {.file = file, .packets = target->count, .target = *target};
     gscl_result result = gscl_packet_split_begin(&s, s.file);
     if (result == GSCL_OK) {
+        gsf_remove_repeated(file);
         gscl_packet_split_assign(&s);
         result = gscl_packet_split_measure_all(&s);
     }
@@ -106,6 +107,8 @@ gscl_result gscl_packets_write(gsf_coded_image *file, const gscl_packet_target *
         result = gscl_packet_balance(&s);
     if (result == GSCL_OK)
         result = write_list(&s, list, size);
+    if (result == GSCL_OK)
+        gsf_sort(file, s.scratch); /* splats have moved */
     gscl_packet_split_free(&s);
     return result;
 }

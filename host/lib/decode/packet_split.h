@@ -15,8 +15,8 @@ size_t gscl_packets_bytes(const uint8_t *list, size_t size);
 gscl_result gscl_packets_size(const gsf_coded_image *file, uint32_t packets, size_t *size);
 
 /* Writes a list of packets into a new buffer (gscl_free).  Splats of packets that are too large move to others: those of large
- * cells as they are, others by a few cells.  A splat for which there is no room is dropped, the smallest first.
- * *file becomes what the list holds.  GSCL_ERROR_BUDGET_TOO_SMALL where not even a packet without splats is within
+ * cells as they are, others by a few cells.  A splat for which there is no room is dropped, the smallest first, and so is one
+ * that equals another.  *file becomes what the list holds.  GSCL_ERROR_BUDGET_TOO_SMALL where not even a packet without splats is within
  * the limit. */
 gscl_result gscl_packets_write(gsf_coded_image *file, const gscl_packet_target *target, uint8_t **list, size_t *size);
 

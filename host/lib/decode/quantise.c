@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/dequantise.h"
 #include "decode/tunables.h"
 #include "decode/ycocg.h"
 #include "runtime/elementary.h"
@@ -17,25 +18,16 @@ static int nearest_code(double x, int min, int max) {
     return (int)rint(fmin(fmax(x, min), max));
 }
 
-/* Step of ln sigma. */
-static double scale_step(const gsf_steps *s) {
-    return (s->scale + 4) / 32.0 * ln2;
-}
-
-static double amplitude_step(const gsf_steps *s) {
-    return 2.0 / (3 * gsf_colour_levels(s->luma));
-}
-
 void gscl_steps_to_floats(const gsf_steps *s, float *f) {
     memset(f, 0, GSCL_STEP_COUNT * sizeof *f);
-    f[GSCL_STEP_SCALE] = (float)scale_step(s);
+    f[GSCL_STEP_SCALE] = (float)gscl_scale_step(s);
     f[GSCL_STEP_POSITION] = (float)(s->position + 2) / 32.0f;
     f[GSCL_STEP_ANGLE] = (float)(s->angle + 2) / 16.0f;
     f[GSCL_STEP_LUMA] = 1.0f / (float)gsf_colour_levels(s->luma);
     f[GSCL_STEP_CHROMA] = 1.0f / (float)gsf_colour_levels(s->chroma);
     f[GSCL_STEP_ALPHA] = 1.0f / (float)gsf_colour_levels(s->alpha);
     f[GSCL_STEP_OPACITY] = (float)(s->opacity + 1);
-    f[GSCL_STEP_AMPLITUDE] = (float)amplitude_step(s);
+    f[GSCL_STEP_AMPLITUDE] = (float)gscl_amplitude_step(s);
     for (int i = 0; i < GSCL_MAX_FINENESS - 1; i++)
         f[GSCL_STEP_FINER + i] = (float)(2 * s->pivot * (s->scale + 4) + gsf_finer_from[i]) - 0.5f;
 }
@@ -70,11 +62,6 @@ gsf_steps gscl_scale_steps(const gsf_steps *s, double factor) {
 uint16_t gscl_quantise_background(const gsf_header *header, float value) {
     float v = value < 0.0f ? 0.0f : value > 1.0f ? 1.0f : value;
     return (uint16_t)(v * (header->high_bit_depth ? 65535.0f : 255.0f) + 0.5f);
-}
-
-float gscl_logit(double opacity) {
-    double o = opacity < 1e-30 ? 1e-30 : opacity > 1 - 1e-7 ? 1 - 1e-7 : opacity;
-    return (float)gscl_ln(o / (1 - o));
 }
 
 /* Colour codes of a splat whose axes' codes have been set. */
@@ -134,7 +121,7 @@ static uint16_t quantise_angle(const gsf_coded_image *p, const float *params, co
 
 static void quantise_texture(const gsf_coded_image *p, const float *params, gsf_texture *t) {
     double x = params[GSCL_WAVE_X], y = params[GSCL_WAVE_Y];
-    double amplitude = rint(params[GSCL_WAVE_AMPLITUDE] / amplitude_step(&p->steps));
+    double amplitude = rint(params[GSCL_WAVE_AMPLITUDE] / gscl_amplitude_step(&p->steps));
     if (!p->header.has_texture || amplitude < 1)
         return;
     t->amplitude = (uint8_t)fmin(amplitude, GSF_AMPLITUDES);
@@ -146,7 +133,7 @@ static void quantise_texture(const gsf_coded_image *p, const float *params, gsf_
 }
 
 void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) {
-    double step = scale_step(&p->steps);
+    double step = gscl_scale_step(&p->steps);
     memset(s, 0, sizeof *s);
     int a = nearest_code((params[GSCL_LOG_S1] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
     int b = nearest_code((params[GSCL_LOG_S2] + ln2) / step, 0, GSF_MAX_SCALE_CODE);
@@ -165,62 +152,6 @@ void gscl_quantise(const gsf_coded_image *p, const float *params, gsf_splat *s) 
     }
 }
 
-static void dequantise_colour(const gsf_coded_image *p, const gsf_splat *s, float *colour) {
-    const unsigned fineness = gsf_colour_fineness(&p->steps, s->major, s->aspect);
-    double y = (double)s->luma / (gsf_colour_levels(p->steps.luma) * fineness);
-    colour[0] = (float)y;
-    if (p->header.has_chroma) {
-        double levels = gsf_colour_levels(p->steps.chroma) * fineness;
-        gscl_ycocg_to_rgb((gscl_ycocg){y, s->co / levels, s->cg / levels}, colour);
-    }
-    if (p->header.has_alpha)
-        colour[p->header.has_chroma ? 3 : 1] = (float)((double)s->alpha / gsf_colour_levels(p->steps.alpha));
-}
-
-/* Positions are multiples of 1/512 pixel, which a float represents exactly. */
-static float scalar_position(uint32_t code, uint32_t step, uint32_t parts) {
-    return (float)((2 * (uint64_t)code + 1) * step / parts) / 512.0f;
-}
-
-static float codebook_position(uint32_t code, unsigned bits, uint32_t dimension) {
-    return (float)((2 * (uint64_t)code + 1) * dimension * 256 >> bits) / 512.0f;
-}
-
-/* The shorter axis counts as at least a certain part of the longer one. */
-static void dequantise_axes(double log_s1, double log_s2, float *params) {
-    params[GSCL_LOG_S1] = (float)fmax(log_s1, log_s2 - GSCL_LOG_LARGEST_ASPECT);
-    params[GSCL_LOG_S2] = (float)fmax(log_s2, log_s1 - GSCL_LOG_LARGEST_ASPECT);
-}
-
-static void dequantise_texture(const gsf_coded_image *p, const gsf_texture *t, float *params) {
-    double frequency = 1 / (double)GSCL_FIRST_WAVELENGTH, cosine = 1, sine = 0;
-    if (t->amplitude > 0) { /* most splats have no wave, and these functions are slow */
-        double direction = t->direction * pi / GSF_DIRECTIONS;
-        frequency *= gscl_exp2(-GSCL_OCTAVES_PER_WAVE * t->wave);
-        cosine = gscl_cos(direction);
-        sine = gscl_sin(direction);
-    }
-    params[GSCL_WAVE_X] = (float)(frequency * cosine);
-    params[GSCL_WAVE_Y] = (float)(frequency * sine);
-    params[GSCL_WAVE_PHASE] = (float)t->phase / GSF_PHASES;
-    params[GSCL_WAVE_AMPLITUDE] = params[GSCL_LOG_S1] > GSCL_LOG_LARGEST_WAVED_AXIS
-                                      ? 0.0f
-                                      : (float)fmin(t->amplitude * amplitude_step(&p->steps), GSCL_LARGEST_AMPLITUDE);
-}
-
-void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params) {
-    const gsf_splat_grid grid = gsf_splat_grid_of(&p->header, &p->steps, s);
-    const double step = scale_step(&p->steps);
-    params[GSCL_X] = scalar_position(s->x, grid.step, grid.parts_x);
-    params[GSCL_Y] = scalar_position(s->y, grid.step, grid.parts_y);
-    dequantise_axes(fmin(s->major * step - ln2, GSCL_LOG_LARGEST_AXIS),
-                    fmin((s->major - s->aspect) * step - ln2, GSCL_LOG_LARGEST_AXIS), params);
-    params[GSCL_THETA] = p->header.has_rotation ? (float)(s->angle * pi / gsf_angle_count(&p->steps, s->aspect)) : 0.0f;
-    params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit((s->opacity + 1.0) / (p->steps.opacity + 1)) : 0.0f;
-    dequantise_colour(p, s, params + GSCL_COLOUR);
-    dequantise_texture(p, &s->texture, params);
-}
-
 /* Squared error of the colour of a circle of the pivot's size after coding, per sample, in (1/255)^2. */
 static double coded_colour_error(const gsf_coded_image *p, const float *colour) {
     gsf_splat splat = {.major = p->steps.pivot};
@@ -228,7 +159,7 @@ static double coded_colour_error(const gsf_coded_image *p, const float *colour) 
     double sum = 0;
     unsigned channels = gsf_channel_count(&p->header);
     quantise_colour(p, colour, &splat);
-    dequantise_colour(p, &splat, coded);
+    gscl_dequantise_colour(p, &splat, coded);
     for (unsigned k = 0; k < channels; k++)
         sum += 255 * 255 * (double)(coded[k] - colour[k]) * (double)(coded[k] - colour[k]);
     return sum / channels;
@@ -254,27 +185,4 @@ void gscl_fit_steps_to_colour(gsf_coded_image *p, const float *colour) {
             }
         }
     p->steps = best;
-}
-
-/* Paper eq. 7: a code between the ends of its range. */
-static double from_range(const gsf_range *range, unsigned code, unsigned bits) {
-    return range->min + (double)code * (range->max - range->min) / ((1u << bits) - 1u);
-}
-
-void gscl_dequantise_indexed(const gsf_coded_image *p, const gsf_indexed_splat *s, float *params) {
-    memset(params, 0, GSCL_PARAMS * sizeof *params);
-    const gsf_codebooks *books = &p->codebooks;
-    const uint16_t *shape = books->shape_words[s->shape], *colour = books->colour_words[s->colour];
-    unsigned channels = gsf_channel_count(&p->header);
-    params[GSCL_X] = codebook_position(s->x, books->position_bits, p->header.width);
-    params[GSCL_Y] = codebook_position(s->y, books->position_bits, p->header.height);
-    dequantise_axes((from_range(&books->shape[0], shape[0], books->shape_bits) / 32 - 4) * ln2,
-                    (from_range(&books->shape[1], shape[1], books->shape_bits) / 32 - 4) * ln2, params);
-    params[GSCL_THETA] = (float)(from_range(&books->shape[2], shape[2], books->shape_bits) * pi / 256);
-    for (unsigned k = 0; k < channels; k++)
-        params[GSCL_COLOUR + k] = (float)(from_range(&books->colour[k], colour[k], books->colour_bits) / 255);
-    params[GSCL_OPACITY] =
-        p->header.has_opacity
-            ? gscl_logit(from_range(&books->colour[channels], colour[channels], books->colour_bits) / 255)
-            : 0.0f;
 }

@@ -1,4 +1,4 @@
-/* Between parameters (floats) and the format's codes (integers). */
+/* From parameters (floats) to the format's codes (integers). */
 #ifndef GSCL_LIB_QUANTISE_H
 #define GSCL_LIB_QUANTISE_H
 
@@ -16,13 +16,8 @@ void gscl_fit_steps_to_colour(gsf_coded_image *coded, const float *colour);
 
 /* The nearest codes for a splat's parameters (GSCL_PARAMS floats); `coded` has the header and the steps. */
 void gscl_quantise(const gsf_coded_image *coded, const float *params, gsf_splat *splat);
-/* The parameters of a splat's codes (FORMAT.md, "Dequantisation"). */
-void gscl_dequantise(const gsf_coded_image *coded, const gsf_splat *splat, float *params);
-/* The same for codebook coding. */
-void gscl_dequantise_indexed(const gsf_coded_image *coded, const gsf_indexed_splat *splat, float *params);
 
-/* A background value 0..1 as its code, and an opacity as a logit. */
+/* A background value 0..1 as its code. */
 uint16_t gscl_quantise_background(const gsf_header *header, float value);
-float gscl_logit(double opacity);
 
 #endif

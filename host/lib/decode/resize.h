@@ -4,9 +4,11 @@
 
 #include <stddef.h>
 
+#include "runtime/real.h"
+
 /* Scales the plane by (sx, sy).  Along an axis that becomes smaller, splats are widened by the variance of a box filter
  * of the size of a new pixel, ((1/s)^2 - 1) / 12 in old pixels, so that small splats do not alias; their
  * waves become weaker likewise. */
-void gscl_resize_splats(float *params, size_t count, double sx, double sy);
+void gscl_resize_splats(float *params, size_t count, gscl_real sx, gscl_real sy);
 
 #endif

@@ -3,12 +3,15 @@
 #ifndef GSCL_LIB_YCOCG_H
 #define GSCL_LIB_YCOCG_H
 
+#include "runtime/real.h"
+
 typedef struct gscl_ycocg {
-    double y, co, cg;
+    gscl_real y, co, cg;
 } gscl_ycocg;
 
 static inline gscl_ycocg gscl_ycocg_from_rgb(const float rgb[3]) {
-    return (gscl_ycocg){(rgb[0] + 2.0 * rgb[1] + rgb[2]) / 4, rgb[0] - rgb[2], rgb[1] - (rgb[0] + rgb[2]) / 2.0};
+    return (gscl_ycocg){(rgb[0] + GSCL_REAL(2) * rgb[1] + rgb[2]) / 4, rgb[0] - rgb[2],
+                        rgb[1] - (rgb[0] + rgb[2]) / GSCL_REAL(2)};
 }
 
 static inline void gscl_ycocg_to_rgb(gscl_ycocg c, float rgb[3]) {

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "decode/coded_size.h"
 #include "decode/blend.h"
 #include "decode/quantise.h"
 #include "encode/repairs.h"

@@ -1,4 +1,5 @@
 #include "measure/accuracy_quantiser.h"
+#include "decode/coded_size.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/coded_size.h"
 #include "decode/coded_image.h"
 #include "decode/quantise.h"
 #include "decode/ycocg.h"

@@ -8,6 +8,7 @@
  *   stages.h: the names of all stages
  *   text.h: texts of fixed size
  *   allocate.h: memory of sizes that 32 bits may not count
+ *   real.h: the type of the numbers that place and shape splats
  *   elementary.h: exp, log, sin and others, with the same bits on every machine
  *   stage_clock.h: times of stages
  *   kernel_options.h, mapping.h: the options that kernels are specialised for, and how they share work

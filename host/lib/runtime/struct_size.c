@@ -10,10 +10,19 @@ static size_t size_of(const void *sized) {
     return size;
 }
 
+bool gscl_struct_fits(const void *caller, size_t oldest, size_t newest) {
+    return size_of(caller) >= oldest && size_of(caller) <= newest;
+}
+
+void gscl_struct_copy(const void *caller, void *own, size_t newest) {
+    memcpy(own, caller, size_of(caller));
+    memcpy(own, &newest, sizeof newest);
+}
+
 gscl_result gscl_struct_check(gscl_context *context, const char *type, const void *caller, size_t oldest,
                               size_t newest) {
     const size_t size = size_of(caller);
-    if (size >= oldest && size <= newest)
+    if (gscl_struct_fits(caller, oldest, newest))
         return GSCL_OK;
     if (!context)
         return GSCL_ERROR_STRUCT_SIZE;
@@ -31,8 +40,7 @@ gscl_result gscl_struct_read(gscl_context *context, const char *type, const void
     if (!caller)
         return GSCL_OK;
     GSCL_TRY(gscl_struct_check(context, type, caller, oldest, newest));
-    memcpy(own, caller, size_of(caller));
-    memcpy(own, &newest, sizeof newest);
+    gscl_struct_copy(caller, own, newest);
     return GSCL_OK;
 }
 

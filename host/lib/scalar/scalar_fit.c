@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/dequantise.h"
 #include "decode/quantise.h"
 #include "fit/density.h"
 #include "runtime/elementary.h"
@@ -274,7 +275,7 @@ static gscl_result project_codes(gscl_scalar_state *s) {
 }
 
 gscl_result gscl_scalar_choose_background(gscl_scalar_state *s) {
-    static const double no_sums[4]; /* of colours, of which a stored background needs none */
+    static const gscl_real no_sums[4]; /* of colours, of which a stored background needs none */
     gsf_coded_image *file = &s->coded->file;
     gscl_renderer *r = &s->fit.renderer;
     float stored[4];
@@ -285,7 +286,7 @@ gscl_result gscl_scalar_choose_background(gscl_scalar_state *s) {
     GSCL_TRY(gscl_fit_render(&s->fit));
     GSCL_TRY(gscl_fit_squared_error(&s->fit, &r->image, &with_mean));
     file->has_mean_background = false;
-    gscl_coded_image_background(s->coded, no_sums, stored);
+    gscl_dequantise_background(&s->coded->file, no_sums, stored);
     GSCL_TRY(gscl_renderer_set_background(r, stored));
     GSCL_TRY(gscl_renderer_draw(r));
     GSCL_TRY(gscl_fit_squared_error(&s->fit, &r->image, &with_stored));

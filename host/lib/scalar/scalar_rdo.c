@@ -1,4 +1,5 @@
 #include "scalar/scalar_rdo.h"
+#include "decode/coded_size.h"
 
 #include <float.h>
 #include <stdlib.h>

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "decode/dequantise.h"
 #include "scalar/scalar_fit.h"
 
 #define CELLS GSCL_SEARCH_CELLS
@@ -98,7 +99,7 @@ static gscl_search_part part_of_member(const gscl_search_member *member, gscl_se
 /* Whether the centre of a splat of the coded image lies in the part. */
 static bool is_inside(const gscl_coded_image *coded, uint32_t splat, const gscl_search_part *part) {
     float params[GSCL_PARAMS];
-    gscl_coded_image_splat(coded, splat, params);
+    gscl_dequantise_splat(&coded->file, splat, params);
     const int x = cell_at((double)params[GSCL_X], coded->file.header.width);
     const int y = cell_at((double)params[GSCL_Y], coded->file.header.height);
     return x >= part->x0 && x < part->x1 && y >= part->y0 && y < part->y1;

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "decode/coded_size.h"
 #include "decode/decode.h"
 #include "image/metrics.h"
 #include "runtime/timing.h"

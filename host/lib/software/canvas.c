@@ -19,21 +19,48 @@
 /* Of numbers of pixels, which are multiples of GSCL_ROW_LANES: tells the compiler so, which then needs no loop for a rest. */
 #define WHOLE_LANES(n) ((n) & -GSCL_ROW_LANES)
 
+static int planes_of(const gscl_kernel_options *options) {
+    return options->colours + options->alpha_channel + 1;
+}
+
+/* A row is drawn up to a multiple of GSCL_ROW_LANES pixels. */
+size_t gscl_canvas_floats(const gscl_kernel_options *options, int columns, int rows) {
+    return 2 * (size_t)planes_of(options) * (size_t)((columns + GSCL_ROW_LANES) * rows);
+}
+
+void gscl_canvas_init(gscl_canvas *c, const gscl_kernel_options *options, int columns, int rows, float *floats) {
+    c->blend = options->blend;
+    c->colours = options->colours;
+    c->channels = planes_of(options) - 1;
+    c->stride = columns + GSCL_ROW_LANES;
+    c->plane = c->stride * rows;
+    c->run = floats;
+    c->total = floats + (c->channels + 1) * c->plane;
+}
+
+static float *plane_of(const gscl_canvas *c, float *planes, int k) {
+    return planes + k * c->plane;
+}
+
 /* The plane behind those of the channels. */
-static float *weights_of(gscl_canvas *c, float planes[][GSCL_CANVAS_PLANE]) {
-    return planes[c->channels];
+static float *weights_of(const gscl_canvas *c, float *planes) {
+    return plane_of(c, planes, c->channels);
+}
+
+static void clear_run(gscl_canvas *c) {
+    memset(c->run, 0, (size_t)(c->channels + 1) * (size_t)c->plane * sizeof *c->run);
+    c->is_dirty = false;
 }
 
 void gscl_canvas_begin(gscl_canvas *c, const float background[4]) {
-    const float factor = c->blend == GSCL_NORMALIZED ? GSCL_EPSILON : c->blend == GSCL_SUM ? 1.0f : 0.0f;
     const float weight = c->blend == GSCL_NORMALIZED ? GSCL_EPSILON : 0.0f;
-    memset(c->run, 0, (size_t)(c->channels + 1) * sizeof c->run[0]);
+    const float factor = c->blend == GSCL_SUM ? 1.0f : weight;
+    clear_run(c);
     for (int k = 0; k <= c->channels; k++) {
         const float value = k < c->channels ? factor * background[k] : weight;
-        for (int i = 0; i < GSCL_CANVAS_PLANE; i++)
-            c->total[k][i] = value;
+        for (int i = 0; i < WHOLE_LANES(c->plane); i++)
+            plane_of(c, c->total, k)[i] = value;
     }
-    c->is_dirty = false;
 }
 
 /* 2^(z - s) for z in 0..s, where s is the exponent on the outline: a polynomial for the 16th root of it, with a relative
@@ -112,38 +139,39 @@ FOR_ALL_VECTORS static void add_scaled(int n, const float *restrict from, float 
 
 /* Any blend, number of channels and splat. */
 static void add_row(gscl_canvas *canvas, const gscl_ellipse *e, const gscl_chord *chord, float t0, int n, int at) {
-    float weights[GSCL_CANVAS_STRIDE], waves[GSCL_CANVAS_STRIDE];
+    float weights[GSCL_MAX_STRIDE], waves[GSCL_MAX_STRIDE];
     weigh_row(chord, t0, e->opacity, n, weights);
     if (canvas->blend == GSCL_ALPHA)
         shade_row(n, weights, weights_of(canvas, canvas->run) + at);
     else if (canvas->blend == GSCL_NORMALIZED)
         add_scaled(n, weights, 1.0f, weights_of(canvas, canvas->run) + at);
     for (int k = 0; k < canvas->channels; k++)
-        add_scaled(n, weights, e->colour[k], canvas->run[k] + at);
+        add_scaled(n, weights, e->colour[k], plane_of(canvas, canvas->run, k) + at);
     if (!(e->wave_amplitude > 0.0f))
         return;
     wave_row(chord, e, t0, n, weights, waves);
     for (int k = 0; k < canvas->colours; k++)
-        add_scaled(n, waves, 1.0f, canvas->run[k] + at);
+        add_scaled(n, waves, 1.0f, plane_of(canvas, canvas->run, k) + at);
 }
 
 static void draw_chord(gscl_canvas *c, const gscl_ellipse *e, const gscl_chord *chord, int row) {
     const int first = chord->first > c->x ? chord->first : c->x;
     const int end = chord->last < c->x + c->width ? chord->last + 1 : c->x + c->width;
-    const int n = (end - first + GSCL_ROW_LANES - 1) & -GSCL_ROW_LANES, at = row * GSCL_CANVAS_STRIDE + first - c->x;
+    const int n = (end - first + GSCL_ROW_LANES - 1) & -GSCL_ROW_LANES, at = row * c->stride + first - c->x;
     const float t0 = (float)(first - chord->column);
+    float *run = c->run + at;
     if (first >= end)
         return;
     c->is_dirty = true;
     if (c->blend == GSCL_NORMALIZED && c->channels == 3 && !(e->wave_amplitude > 0.0f))
-        add_rgb(chord, t0, e->colour, e->opacity, n, c->run[0] + at, c->run[1] + at, c->run[2] + at, c->run[3] + at);
+        add_rgb(chord, t0, e->colour, e->opacity, n, run, run + c->plane, run + 2 * c->plane, run + 3 * c->plane);
     else
         add_row(c, e, chord, t0, n, at);
 }
 
 void gscl_canvas_draw(gscl_canvas *c, const gscl_ellipse *e) {
-    const int first = e->first_row > c->y ? e->first_row - c->y : 0;
-    const int last = e->last_row - c->y < c->height ? e->last_row - c->y : c->height - 1;
+    const int first = e->box.first_row > c->y ? e->box.first_row - c->y : 0;
+    const int last = e->box.last_row - c->y < c->height ? e->box.last_row - c->y : c->height - 1;
     gscl_chord chords[GSCL_BLOCK_ROWS];
     gscl_ellipse_chords(e, c->y + first, last - first + 1, c->image_width, chords);
     for (int row = first; row <= last; row++)
@@ -151,17 +179,18 @@ void gscl_canvas_draw(gscl_canvas *c, const gscl_ellipse *e) {
 }
 
 static void add_planes(gscl_canvas *c) {
-    for (int k = 0; k <= c->channels; k++)
-        for (int i = 0; i < GSCL_CANVAS_PLANE; i++)
-            c->total[k][i] += c->run[k][i];
+    add_scaled((c->channels + 1) * c->plane, c->run, 1.0f, c->total);
 }
 
 /* Blend `alpha`: this run lies behind those before. */
 static void add_behind(gscl_canvas *c) {
     const float *in_front = weights_of(c, c->total);
-    for (int k = 0; k <= c->channels; k++) /* the last plane changes itself */
-        for (int i = 0; i < GSCL_CANVAS_PLANE; i++)
-            c->total[k][i] += (1.0f + in_front[i]) * c->run[k][i];
+    for (int k = 0; k <= c->channels; k++) { /* the last plane changes itself */
+        float *total = plane_of(c, c->total, k);
+        const float *run = plane_of(c, c->run, k);
+        for (int i = 0; i < WHOLE_LANES(c->plane); i++)
+            total[i] += (1.0f + in_front[i]) * run[i];
+    }
 }
 
 void gscl_canvas_end_run(gscl_canvas *c) {
@@ -171,20 +200,18 @@ void gscl_canvas_end_run(gscl_canvas *c) {
         add_behind(c);
     else
         add_planes(c);
-    memset(c->run, 0, (size_t)(c->channels + 1) * sizeof c->run[0]);
-    c->is_dirty = false;
+    clear_run(c);
 }
 
-void gscl_canvas_finish_row(gscl_canvas *c, int row, const float background[4]) {
-    const size_t at = (size_t)row * GSCL_CANVAS_STRIDE;
-    const float *weights = weights_of(c, c->total) + at;
+void gscl_canvas_finish(gscl_canvas *c, const float background[4]) {
+    const float *weights = weights_of(c, c->total);
     for (int k = 0; k < c->channels; k++) {
-        float *values = c->total[k] + at;
+        float *values = plane_of(c, c->total, k);
         if (c->blend == GSCL_NORMALIZED)
-            for (int i = 0; i < GSCL_BLOCK_COLUMNS; i++)
+            for (int i = 0; i < WHOLE_LANES(c->plane); i++)
                 values[i] /= weights[i];
         else if (c->blend == GSCL_ALPHA)
-            for (int i = 0; i < GSCL_BLOCK_COLUMNS; i++)
+            for (int i = 0; i < WHOLE_LANES(c->plane); i++)
                 values[i] += (1.0f + weights[i]) * background[k];
     }
 }

@@ -8,6 +8,11 @@
 #include "cl/constants.h"
 #include "runtime/kernel_options.h"
 
+/* Rows and columns of the drawn image around an outline. */
+typedef struct gscl_box {
+    uint16_t first_row, last_row, first_column, last_column;
+} gscl_box;
+
 /* A splat as it is drawn.  (ux, uy) and (vx, vy) take a place relative to the centre into the splat's own frame (u, v),
  * where the Gaussian is 2^-(u^2 + v^2).  A row at the distance dy from the centre crosses the outline in a chord whose
  * middle lies at x + slope * dy and whose half length is sqrt((2 * GSCL_SUPPORT - curve * dy^2) * width2). */
@@ -17,8 +22,8 @@ typedef struct gscl_ellipse {
     float slope, curve, width2;
     float opacity; /* 0..1 */
     float colour[4];
-    float wave_x, wave_y, wave_phase, wave_amplitude;        /* as the parameters GSCL_WAVE_... */
-    uint16_t first_row, last_row, first_column, last_column; /* a box around the outline inside the image */
+    float wave_x, wave_y, wave_phase, wave_amplitude; /* as the parameters GSCL_WAVE_... */
+    gscl_box box;
 } gscl_ellipse;
 
 /* The part of a row that a splat covers.  At `column` + t the Gaussian is 2^(z - s), with z = (a t + b) t + c and the

@@ -15,7 +15,7 @@ typedef struct gscl_software_view {
 } gscl_software_view;
 
 /* A drawing with room for `count` splats; NULL without memory.  `options` as for kernels; those of the fit and of
- * measurements have no effect. */
+ * measurements have no effect.  The drawing keeps the pointer to them. */
 gscl_software *gscl_software_create(const gscl_kernel_options *options, const gscl_software_view *view, uint32_t count);
 /* Accepts NULL. */
 void gscl_software_free(gscl_software *software);

@@ -10,6 +10,10 @@
 #include "cli/packet_input.h"
 #include "cli/read_file.h"
 
+static bool is_named_packet(const char *name) {
+    return strcmp(name_suffix(name), ".gsclp") == 0;
+}
+
 /* Adds the packets of an input, or takes its bytes as those of a file where it is the only one and holds no packet.  *bytes
  * stays the caller's; it becomes NULL where its packets were added. */
 static bool take_input(const char *name, const gscl_form *form, bool is_only, uint8_t **bytes, size_t *size,
@@ -21,8 +25,8 @@ static bool take_input(const char *name, const gscl_form *form, bool is_only, ui
     const char *error = form->base64 && !is_text ? base64_decode(*bytes, size) : NULL;
     if (error)
         return report_error(label, "%s", error);
-    if (!is_text && is_only && !is_packet_input(*bytes, *size) && strcmp(name_suffix(name), ".gsclp") != 0)
-        return true;
+    if (!is_text && is_only && !is_packet_input(*bytes, *size))
+        return !is_named_packet(name) || report_error(label, "is damaged, or no packet of a picture");
     const bool ok =
         is_text ? packets_collect_text(packets, label, *bytes, *size) : packets_collect(packets, label, *bytes, *size);
     free(*bytes);
@@ -45,19 +49,25 @@ static bool read_input(const char *name, const gscl_form *form, bool is_only, ui
     return false;
 }
 
+/* Reports that no packet of the inputs can be drawn. */
+static bool fail_packets(char *const *names, int count, const packet_collection *packets) {
+    return report_error(input_label(names[0]), "%s%s", count > 1 ? "and the others " : "",
+                        packets->list ? "hold repair packets only, which draw nothing by themselves"
+                                      : "hold no packet of a picture");
+}
+
 bool read_gscl_files(char *const *names, int count, const gscl_form *form, uint8_t **bytes, size_t *size) {
     packet_collection packets = {0};
     bool ok = true;
     *bytes = NULL;
     for (int i = 0; i < count && ok; i++)
         ok = read_input(names[i], form, count == 1, bytes, size, &packets);
+    if (ok && !*bytes)
+        ok = packets_can_draw(&packets) || fail_packets(names, count, &packets);
     packets_end(&packets);
     if (ok && !*bytes) {
         *bytes = packets.list;
         *size = packets.size;
-        ok = packets.list ||
-             report_error(input_label(names[0]),
-                          count == 1 ? "holds no packet of a picture" : "and the others hold no packet of a picture");
     } else {
         gscl_free(packets.list);
     }

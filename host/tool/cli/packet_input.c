@@ -46,18 +46,20 @@ static bool fail_memory(const char *label) {
     return report_error(label, "%s", gscl_result_text(GSCL_ERROR_OUT_OF_MEMORY));
 }
 
-/* Packets that the decoder has taken. */
-static uint32_t count_received(const packet_collection *packets) {
+/* What the decoder has taken. */
+static gscl_decoder_state state_of(const packet_collection *packets) {
     gscl_decoder_state state = {.struct_size = sizeof state};
-    return gscl_decoder_inspect(packets->decoder, &state) == GSCL_OK ? state.received : 0;
+    if (!packets->decoder || gscl_decoder_inspect(packets->decoder, &state) != GSCL_OK)
+        return (gscl_decoder_state){0};
+    return state;
 }
 
 static bool collect_packet(packet_collection *packets, const char *label, const uint8_t *packet, size_t size) {
     if (!packets->decoder && gscl_decoder_create(&packets->decoder, NULL) != GSCL_OK)
         return fail_memory(label);
-    const uint32_t before = count_received(packets);
+    const uint32_t before = state_of(packets).received;
     gscl_result result = gscl_decoder_add_packet(packets->decoder, packet, size);
-    const bool is_repeated = result == GSCL_OK && count_received(packets) == before;
+    const bool is_repeated = result == GSCL_OK && state_of(packets).received == before;
     if (result == GSCL_OK && !is_repeated)
         result = gscl_append_packet(&packets->list, &packets->size, packet, size);
     if (result == GSCL_ERROR_OUT_OF_MEMORY)
@@ -95,6 +97,10 @@ bool packets_collect_text(packet_collection *packets, const char *label, uint8_t
             return false;
     }
     return true;
+}
+
+bool packets_can_draw(const packet_collection *packets) {
+    return state_of(packets).drawn > 0;
 }
 
 void packets_end(packet_collection *packets) {

@@ -27,6 +27,9 @@ bool packets_collect(packet_collection *packets, const char *label, const uint8_
 /* The same for text, which is changed. */
 bool packets_collect_text(packet_collection *packets, const char *label, uint8_t *text, size_t size);
 
+/* Whether there is anything to draw. */
+bool packets_can_draw(const packet_collection *packets);
+
 /* Frees all but the list. */
 void packets_end(packet_collection *packets);
 

@@ -14,10 +14,10 @@
 #define lrint(x) ((long)__builtin_rint(x))
 /* Without NaN, which nothing here passes. */
 static inline double fmin(double a, double b) {
-    return a < b ? a : b;
+    return __builtin_wasm_min_f64(a, b);
 }
 static inline double fmax(double a, double b) {
-    return a > b ? a : b;
+    return __builtin_wasm_max_f64(a, b);
 }
 static inline double fmod(double a, double b) {
     return a - b * __builtin_trunc(a / b);
