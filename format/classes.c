@@ -57,7 +57,7 @@ static uint32_t first_cell(uint32_t packets, uint32_t packet, uint32_t row) {
 
 gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
     gsf_grid grid = whole_grid(image, class_no);
-    const uint32_t packets = image->header.packets;
+    const uint32_t packets = gsf_header_packets(&image->header);
     if (!is_thinned(&grid, packets))
         return grid;
     const bool in_x = is_thinned_in_x(&grid);
@@ -69,7 +69,7 @@ gsf_grid gsf_class_grid(const gsf_coded_image *image, uint32_t class_no) {
 
 gsf_point gsf_class_cell(const gsf_coded_image *image, uint32_t class_no, gsf_point point) {
     const gsf_grid grid = whole_grid(image, class_no);
-    const uint32_t packets = image->header.packets;
+    const uint32_t packets = gsf_header_packets(&image->header);
     if (!is_thinned(&grid, packets))
         return point;
     const bool in_x = is_thinned_in_x(&grid);
@@ -90,7 +90,7 @@ static gsf_point whole_point(const gsf_coded_image *image, uint32_t splat) {
 
 gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat) {
     gsf_point point = whole_point(image, splat);
-    const uint32_t packets = image->header.packets;
+    const uint32_t packets = gsf_header_packets(&image->header);
     if (packets <= 1)
         return point;
     const gsf_grid grid = whole_grid(image, gsf_class_of(image, splat));

@@ -13,7 +13,7 @@
 
 /* The splats of a list of packets are sorted, too. */
 size_t gsf_read_scratch_size(const gsf_header *header) {
-    return header->packets > 0 ? gsf_scratch_size(header) : gsf_workspace_size(header);
+    return gsf_header_packets(header) > 0 ? gsf_scratch_size(header) : gsf_workspace_size(header);
 }
 
 /* Sorting and coding use the memory one after the other. */

@@ -80,7 +80,7 @@ static const uint16_t PACKET_LENGTHS[] = {8, 2, 3, 4, 4, 3, 2, 1, 1}; /* of the 
 
 /* Codes which packet this is.  A reader has set header->packets where it is one. */
 static void code_packet(gsf_coder *coder, gsf_header *header) {
-    if (header->packets == 0)
+    if (gsf_header_packets(header) == 0)
         return;
     header->packets = (uint16_t)(1 + code_number(coder, header->packets - 1u, PACKET_LENGTHS, LENGTH(PACKET_LENGTHS)));
     header->packet = (uint8_t)gsf_code_uniform(coder, header->packet, header->packets);
@@ -110,7 +110,8 @@ static void set_ordinary(gsf_header *h) {
 
 static void code_special(gsf_coder *coder, gsf_header *h) {
     h->blend = (gsf_blend)code_fixed(coder, h->blend, BLENDS, LENGTH(BLENDS));
-    h->coding = h->packets > 0 ? GSF_CODING_SCALAR : (gsf_coding)code_flag(coder, h->coding == GSF_CODING_CODEBOOK, 3);
+    h->coding = gsf_header_packets(h) > 0 ? GSF_CODING_SCALAR
+                                          : (gsf_coding)code_flag(coder, h->coding == GSF_CODING_CODEBOOK, 3);
     h->layout = (gsf_layout)code_fixed(coder, h->layout, LAYOUTS, LENGTH(LAYOUTS));
     h->high_bit_depth = code_flag(coder, h->high_bit_depth, 4);
     h->has_chroma = has_colour(h->layout) && code_flag(coder, h->has_chroma, 12);
@@ -177,7 +178,7 @@ static void code_size(gsf_coder *coder, gsf_header *header) {
 static void code_layers(gsf_coder *coder, gsf_header *header) {
     const uint32_t layers = header->enhancement_layers;
     header->enhancement_layers = 0;
-    if (header->coding == GSF_CODING_SCALAR && header->packets == 0 && header->splat_count > 0 &&
+    if (header->coding == GSF_CODING_SCALAR && gsf_header_packets(header) == 0 && header->splat_count > 0 &&
         code_flag(coder, layers > 0, 1))
         header->enhancement_layers = (uint8_t)(1 + gsf_code_uniform(coder, layers - 1, GSF_MAX_LAYERS - 1));
 }

@@ -51,7 +51,7 @@ size_t gsf_put_packet_frame(uint8_t *packet, size_t size, uint8_t identity) {
 /* ---- Lists ---- */
 
 bool gsf_is_packet_list(const uint8_t *bytes, size_t size) {
-    return size >= sizeof LIST_MAGIC && memcmp(bytes, LIST_MAGIC, sizeof LIST_MAGIC) == 0;
+    return GSF_HAS_PACKETS && size >= sizeof LIST_MAGIC && memcmp(bytes, LIST_MAGIC, sizeof LIST_MAGIC) == 0;
 }
 
 void gsf_put_packet_list_start(uint8_t *list) {

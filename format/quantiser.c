@@ -43,7 +43,8 @@ uint32_t gsf_position_parts(const gsf_steps *steps, unsigned aspect) {
 }
 
 uint64_t gsf_all_splats(const gsf_header *header) {
-    return (uint64_t)header->splat_count * (header->packets > 0 ? header->packets : 1u);
+    const uint32_t packets = gsf_header_packets(header);
+    return (uint64_t)header->splat_count * (packets > 0 ? packets : 1);
 }
 
 unsigned gsf_typical_size(const gsf_header *header, const gsf_steps *steps) {

@@ -55,6 +55,19 @@ typedef struct gsf_header {
     uint8_t packet;   /* of a packet: its number */
 } gsf_header;
 
+/* A program that must be small and reads no packets defines GSF_WITHOUT_PACKETS: it has no code for them, and takes a list of
+ * packets for no gscl file. */
+#ifdef GSF_WITHOUT_PACKETS
+#define GSF_HAS_PACKETS false
+#else
+#define GSF_HAS_PACKETS true
+#endif
+
+/* The field `packets`, as functions that read take it. */
+static inline uint32_t gsf_header_packets(const gsf_header *header) {
+    return GSF_HAS_PACKETS ? header->packets : 0;
+}
+
 /* Quantiser steps of scalar coding, as the indices that are stored (0..15 each).  quantiser.h converts them to pixels
  * and colour levels. */
 typedef struct gsf_steps {

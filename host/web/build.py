@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Builds the decoder for web pages: build.py --out FOLDER --depfile FILE [--include FOLDER...] C_SOURCE... JS_SOURCE...
 
-Writes gscl.wasm, compiled from the C sources, and gscl.js, which joins the JavaScript sources, into the folder, and
-compile_commands.json for clang-tidy and editors.  It needs clang and wasm-ld of the same version, wasm-opt and esbuild.
+Writes gscl.wasm and gscl-packets.wasm, compiled from the C sources without and with the code for packets, and gscl.js, which
+joins the JavaScript sources, into the folder, and compile_commands.json for clang-tidy and editors.  It needs clang and
+wasm-ld of the same version, wasm-opt and esbuild.
 """
 import argparse
 import json
@@ -15,6 +16,8 @@ from concurrent.futures import ThreadPoolExecutor
 COMPILE = """clang --target=wasm32 -std=c99 -flto -DNDEBUG -DGSF_SMALL_READER -ffp-contract=off -fno-math-errno
     -fvisibility=hidden -ffunction-sections -fdata-sections -fno-slp-vectorize
     -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -nostdlibinc""".split()
+# Modules and the arguments that only they are compiled with.
+MODULES = {"gscl.wasm": ["-DGSF_WITHOUT_PACKETS"], "gscl-packets.wasm": []}
 # Of LLVM, in compiling and in linking: only what makes code smaller is inlined, and equal ends of branches are not joined.
 PASSES = "-mllvm -inline-threshold=0 -mllvm -simplifycfg-sink-common=0".split()
 # Only the loops of the canvas, which take most of the time, are worth more than the smallest code.
@@ -23,8 +26,9 @@ FAST = {"canvas.c"}
 LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split() + PASSES
 # The lowest 1024 bytes hold nothing, where wasm-ld begins the data.  The order of the passes was found by trying.
 OPTIMISE = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
-    --low-memory-unused -Oz --flatten --rereloop --remove-unused-brs --merge-blocks --precompute-propagate --reorder-functions
-    --rse --coalesce-locals --simplify-locals-nonesting --dae-optimizing -Oz --flatten -Oz""".split()
+    --low-memory-unused --optimize-added-constants-propagate -Oz --flatten --rereloop --remove-unused-brs --reorder-functions
+    --precompute-propagate --simplify-globals-optimizing --merge-blocks --rse --coalesce-locals --dae-optimizing -Oz --precompute
+    --ssa-nomerge --flatten --rse -Oz""".split()
 
 
 def run(command):
@@ -40,9 +44,9 @@ def compiler(source, includes):
     return [*COMPILE, *PASSES, VECTORS if source.name in FAST else SIZE, *(f"-I{include}" for include in includes), "-c", str(source)]
 
 
-def compile_source(source, includes, folder):
+def compile_source(source, includes, own, folder):
     target = folder / (str(source).strip("/").replace("/", "_") + ".o")
-    run([*compiler(source, includes), "-MD", "-MF", f"{target}.d", "-o", str(target)])
+    run([*compiler(source, includes), *own, "-MD", "-MF", f"{target}.d", "-o", str(target)])
     return target
 
 
@@ -59,10 +63,11 @@ def headers(objects):
 
 
 def build_module(sources, includes, target):
+    """Returns the headers that the module was made of."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         with ThreadPoolExecutor(2) as pool:
-            objects = list(pool.map(lambda source: compile_source(source, includes, folder), sources))
+            objects = list(pool.map(lambda source: compile_source(source, includes, MODULES[target.name], folder), sources))
         run([*LINK, *map(str, objects), "-o", str(folder / "linked.wasm")])
         run([*OPTIMISE, str(folder / "linked.wasm"), "-o", str(target)])
         return headers(objects)
@@ -81,10 +86,10 @@ def main():
     parser.add_argument("sources", nargs="+", type=pathlib.Path)
     options = parser.parse_args()
     c_sources = [path for path in options.sources if path.suffix == ".c"]
-    included = build_module(c_sources, options.include, options.out / "gscl.wasm")
+    included = {header for name in MODULES for header in build_module(c_sources, options.include, options.out / name)}
     write_commands(c_sources, options.include, options.out / "compile_commands.json")
     build_script([path for path in options.sources if path.suffix == ".js"], options.out / "gscl.js")
-    options.depfile.write_text(f"gscl.wasm gscl.js: {' '.join(included)}\n")
+    options.depfile.write_text(f"{' '.join(MODULES)} gscl.js: {' '.join(sorted(included))}\n")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@
 #include "decode/dequantise.h"
 #include "decode/frame.h"
 #include "format/format.h"
+#include "format/packet.h"
 #include "software/software.h"
 
 #define EXPORT(name) __attribute__((export_name(name)))
@@ -29,14 +30,29 @@ void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y
 EXPORT("work") double web_work(void);
 EXPORT("draw") const void *web_draw(void);
 
-/* Makes room for a file; NULL without memory. */
+/* Makes room for a file, or a list of packets; NULL without memory. */
 uint8_t *web_file(size_t file_size, bool bare) {
     size = file_size;
     coded.file.bare = bare;
     return bytes = malloc(size);
 }
 
+/* Computes the packets that a list lacks, where it has repair packets for them. */
+static gsf_result repair(void) {
+    uint8_t *repaired;
+    size_t repaired_size;
+    if (gscl_repair_list(bytes, size, &repaired, &repaired_size) != GSCL_OK)
+        return GSF_NO_SPACE;
+    if (repaired) {
+        bytes = repaired;
+        size = repaired_size;
+    }
+    return GSF_OK;
+}
+
 gsf_result web_header(void) {
+    if (!coded.file.bare && gsf_is_packet_list(bytes, size) && repair() != GSF_OK)
+        return GSF_NO_SPACE;
     return gsf_read_header(bytes, size, coded.file.bare, &coded.file.header);
 }
 

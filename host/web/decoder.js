@@ -16,7 +16,6 @@ const failuresOf = bytes => [
   ['out of memory', 'out-of-memory'],
 ];
 const MAX_DIMENSION = 16384;
-const MAX_ZOOMED = 2 ** 24; /* where a float still has whole pixels */
 
 export class GsclError extends Error {
   name = 'GsclError';
@@ -34,10 +33,12 @@ const fetchFile = async (url, code, options) => {
 };
 
 const compile = async source => (source = await source) instanceof WebAssembly.Module ? source : WebAssembly.compile(source);
-const fetchModule = async () => (await fetchFile(new URL('gscl.wasm', import.meta.url), 'failed')).arrayBuffer();
 let given, fetched; /* promises of the module */
+let name = 'gscl.wasm'; /* of the file that is fetched */
+export const useFile = it => (name = it, fetched = 0);
 export const load = source => given = compile(source);
-const moduleOf = () => given || (fetched ||= compile(fetchModule()).catch(error => {
+const fetchModule = () => compile(fetchFile(new URL(name, import.meta.url), 'failed').then(answer => answer.arrayBuffer()));
+const moduleOf = () => given || (fetched ||= fetchModule().catch(error => {
   fetched = 0; /* the next call tries again */
   throw error;
 }));
@@ -77,7 +78,7 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   refuse(![width, height, x, y, cropWidth, cropHeight].every(number => number >= 0 && number % 1 == 0), 'width, height and crop must be whole numbers');
   refuse(!width != !height, 'give both width and height, or neither');
   limitSize(w, h, MAX_DIMENSION);
-  limitSize(fullWidth, fullHeight, MAX_ZOOMED);
+  limitSize(fullWidth, fullHeight, 2 ** 24); /* where a float still has whole pixels */
   refuse(w <= 0 || h <= 0 || x + w > fullWidth || y + h > fullHeight,
     `crop ${x},${y},${cropWidth},${cropHeight} is not inside ${fullWidth}x${fullHeight}`);
   refuse(w * h > maxPixels, `the image has ${w}x${h} pixels; max_pixels is ${maxPixels}`, 'limit');

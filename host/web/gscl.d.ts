@@ -1,4 +1,5 @@
-/** Decoder of gscl pictures. In Node all of it is exported by "gscl"; in browsers `splats` is in "gscl/splats". */
+/** Decoder of gscl pictures. In Node all of it is exported by "gscl"; in browsers `splats` is in "gscl/splats", and `decode`,
+ * `info` and `splats` of packets are in "gscl/packets". */
 
 export interface ReadOptions {
   /** Whether the file is of the bare form, which its bytes do not tell. Default false. */
@@ -63,7 +64,7 @@ export interface Splat {
 export type GsclErrorCode =
   | 'not-a-gscl-file' | 'newer-version' | 'truncated' | 'damaged' | 'corrupt' | 'unknown-block'
   | 'invalid-argument' | 'image-size' | 'limit' | 'out-of-memory'
-  /** gscl.wasm was not found, the engine lacks SIMD, or the decoder stopped at a fault of its own. */
+  /** The module was not found, the engine lacks SIMD, or the decoder stopped at a fault of its own. */
   | 'failed'
   /** (gscl-image) the answer of the server was no file. */
   | 'not-found';
@@ -73,15 +74,21 @@ export class GsclError extends Error {
 }
 
 export type Bytes = ArrayBuffer | ArrayBufferView;
+/** A file; with "gscl/packets" and in Node also packets: a list of them, as `gscl encode --packets` writes it, or an array, in
+ * any order. Those that have come are drawn, and those that repair packets replace, without those that are damaged, repeated or
+ * of another picture than the first good one. The error is "truncated" where none has come, "damaged" where none is good. */
+export type Source = Bytes | readonly Bytes[];
 
-/** Decodes a file. The result has 4 bytes a pixel, R, G, B and alpha, not premultiplied. In Node, which has no ImageData, it
- * is an object with the same fields. Rejects with a GsclError. */
-export function decode(file: Bytes, options?: DecodeOptions): Promise<ImageData>;
-/** Reads the header of a file. Succeeds where only the check at the end does not match. Rejects with a GsclError. */
-export function info(file: Bytes, options?: ReadOptions): Promise<Info>;
+/** Decodes a file or packets. The result has 4 bytes a pixel, R, G, B and alpha, not premultiplied. In Node, which has no
+ * ImageData, it is an object with the same fields. Rejects with a GsclError. */
+export function decode(source: Source, options?: DecodeOptions): Promise<ImageData>;
+/** Reads the header of a file. Succeeds where only the check at the end does not match. Of packets `splats` is an upper bound.
+ * Rejects with a GsclError. */
+export function info(source: Source, options?: ReadOptions): Promise<Info>;
 /** Lists the splats in drawing order. Rejects with a GsclError. */
-export function splats(file: Bytes, options?: PartialOptions): Promise<Splat[]>;
-/** Takes gscl.wasm from elsewhere than beside the script: its bytes, or the compiled module, or a promise of them. */
+export function splats(source: Source, options?: PartialOptions): Promise<Splat[]>;
+/** Takes the module from elsewhere than beside the script: the bytes of gscl.wasm, or of gscl-packets.wasm, which also reads
+ * packets; or the compiled module; or a promise of them. */
 export function load(source: BufferSource | WebAssembly.Module | PromiseLike<BufferSource | WebAssembly.Module>): Promise<WebAssembly.Module>;
 
 /** <gscl-image src="picture.gscl" alt="..." width="300" height="200">

@@ -25,6 +25,7 @@ execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/photo
 encode('scene.gscl', '--bytes', '3000');
 encode('progressive.gscl', '--bytes', '3000', '--progressive');
 encode('bare.gscl', '--bytes', '150', '--bare');
+encode('scene.gsclp', '--bytes', '3000', '--packets', '400', '--packet-loss', '0.1');
 execFileSync(gscl, ['decode', '--device', 'host', join(conformance, 'files/photograph.gscl'), '--size', '160x40', '-o', join(made, 'wide.png')]);
 execFileSync(gscl, ['encode', join(made, 'wide.png'), '-o', join(made, 'wide.gscl'), '--effort', '0', '--quiet', '--bytes', '1000']);
 copyFileSync(join(conformance, 'files/damaged-bit.gscl'), join(made, 'damaged.gscl'));
@@ -37,22 +38,28 @@ const decodeBy = (name, ...options) => {
   return readPng(fileOf('out.png'));
 };
 
-let hasModule = true; /* whether gscl.wasm is found */
+let hasModule = true; /* whether modules are found */
+const asked = new Set; /* modules that were asked for */
+const module = name => (_, response) => {
+  asked.add(name);
+  return hasModule ? response.writeHead(200).end(readFileSync(join(folder, name))) : response.writeHead(503).end();
+};
 let slow; /* the answer to /slow.gscl, which the tests write to */
-const page = body => `<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script>
+const page = ({body, script}) => `<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script>
   delete String.prototype.at, delete Element.prototype.role, delete Element.prototype.ariaLabel; /* which older browsers lack */
   window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message, event.message]), true);
-  </script><script type="module" src="/web/gscl.js"></script>${body}`;
+  </script><script type="module" src="/web/${script}"></script>${body}`;
 const pages = {};
 const site = await serve({'/web/demo/samples/': join(made, 'build/host/web/demo/samples'), '/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
   '/slow.gscl': (_, response) => slow = response,
-  '/web/gscl.wasm': (_, response) => hasModule ? response.writeHead(200).end(readFileSync(join(folder, 'gscl.wasm'))) : response.writeHead(503).end(),
+  '/web/gscl.wasm': module('gscl.wasm'),
+  '/web/gscl-packets.wasm': module('gscl-packets.wasm'),
   '/page': (request, response) => response.writeHead(200, {'content-type': 'text/html'}).end(page(pages[new URL(request.url, 'http://host').searchParams.get('name')])),
 });
 const browser = await Chromium.start();
 let count = 0;
-const show = async body => {
-  pages[++count] = body;
+const show = async (body, script = 'gscl.js') => {
+  pages[++count] = {body, script};
   await browser.open(`${site.url}/page?name=${count}`);
 };
 /* Waits until /slow.gscl was asked for; the limit of the whole program ends it. */
@@ -361,6 +368,36 @@ test('a call loads the module again after a failure', async () => {
     hasModule = true;
   }
   assert.equal(await browser.evaluate(call), 320);
+});
+
+test('packets', async () => {
+  const list = '(await (await fetch("/files/scene.gsclp")).arrayBuffer())', call = (source, ...steps) => `(async () => {
+    const {decode} = await import('/web/packets.js'), list = new Uint8Array${list};
+    ${steps.join(';')}
+    const image = await decode(${source}, {width: 200, height: 150});
+    return [image.constructor.name, image.width, image.height, Array.from(image.data).join()];
+  })().catch(({code, message}) => [code, message])`;
+  asked.clear();
+  await show('<gscl-image id="a" src="/files/scene.gscl"></gscl-image>');
+  await loaded('a');
+  assert.deepEqual([...asked], ['gscl.wasm']);
+  asked.clear();
+  await show('<gscl-image id="a" src="/files/scene.gsclp"></gscl-image><gscl-image id="b" src="/files/scene.gscl"></gscl-image>', 'packets.js');
+  await loaded('a'), await loaded('b');
+  assert.deepEqual([...asked], ['gscl-packets.wasm']);
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gsclp'), 'element');
+  assertPicture(await browser.pixels(canvasOf('b')), decodeBy('scene.gscl'), 'a file beside packets');
+  const taken = `const packets = []; for (let at = 4, size; at < list.length; packets.push(list.subarray(at, at += size)))
+    (size = list[at++]) > 127 && (size += 128 * (list[at++] - 1))`;
+  await show('', 'packets.js');
+  hasModule = false;
+  assert.deepEqual(await browser.evaluate(call('list')), ['failed', `${site.url}/web/gscl-packets.wasm: status 503`]);
+  hasModule = true;
+  for (const source of ['list', 'packets.reverse()', 'packets.slice(1)']) { /* with repair packets */
+    const [kind, width, height, text] = await browser.evaluate(call(source, taken));
+    assert.equal(kind, 'ImageData', width);
+    assertPicture({width, height, data: text.split(',').map(Number)}, decodeBy('scene.gsclp', '--size', '200x150'), source);
+  }
 });
 
 /* ---- The demonstration page ---- */

@@ -1,8 +1,8 @@
 /* The decoder for web pages in Node: the conformance set, prefixes, changed bytes, arguments and limits.
  *
- *     node test_node.mjs FOLDER    FOLDER: host/web of the build folder
+ *     node test_node.mjs FOLDER MODULE    FOLDER: host/web of the build folder; MODULE: gscl.wasm or gscl-packets.wasm
  *
- * GSCL names the tool, with which pictures at other sizes are compared. */
+ * GSCL names the tool, with which pictures at other sizes are compared, and which writes packets. */
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
@@ -15,13 +15,18 @@ import {assertPicture, assertPixel, rgbaOf} from './compare.mjs';
 import {readPng} from './png.mjs';
 import {runTests, test} from './tap.mjs';
 
-const folder = resolve(process.argv[2]), gscl = process.env.GSCL;
+const folder = resolve(process.argv[2]), module = process.argv[3], gscl = process.env.GSCL;
+const hasPackets = module == 'gscl-packets.wasm';
 const {decode, info, splats, load, GsclError} = await import(pathToFileURL(join(folder, 'node.js')));
 const set = fileURLToPath(new URL('../conformance/', import.meta.url));
-const index = JSON.parse(readFileSync(join(set, 'index.json'))).filter(entry => !entry.packets); /* it reads files only */
-const fileOf = name => readFileSync(join(set, 'files', `${name}.gscl`));
+const index = JSON.parse(readFileSync(join(set, 'index.json'))).filter(entry => hasPackets || !entry.packets);
+const lists = new Set(index.filter(entry => entry.packets).map(entry => entry.file));
+const fileOf = name => readFileSync(join(set, 'files', name + (lists.has(name) ? '.gsclp' : '.gscl')));
+const loadModule = () => load(readFileSync(join(folder, module)));
+await loadModule();
 
 const MAX_GZIPPED = 15000; /* bytes of the module and its script */
+const MAX_PACKETS_GZIPPED = 19500; /* the same with packets */
 
 const codeOf = promise => promise.then(() => 'valid', error => {
   assert(error instanceof GsclError && error instanceof Error, String(error));
@@ -29,10 +34,11 @@ const codeOf = promise => promise.then(() => 'valid', error => {
   return error.code;
 });
 
-test('the module and its script are at most 15 kB gzipped', () => {
-  const sizes = ['gscl.wasm', 'gscl.js'].map(name => gzipSync(readFileSync(join(folder, name)), {level: 9}).length);
+test('the module and its scripts are small gzipped', () => {
+  const scripts = hasPackets ? ['gscl.js', 'splats.js', 'packets.js'] : ['gscl.js'];
+  const sizes = [module, ...scripts].map(name => gzipSync(readFileSync(join(folder, name)), {level: 9}).length);
   console.log(`# ${sizes.join(' + ')} bytes`);
-  assert(sizes[0] + sizes[1] <= MAX_GZIPPED, `${sizes.join(' + ')} bytes`);
+  assert(sizes.reduce((sum, size) => sum + size) <= (hasPackets ? MAX_PACKETS_GZIPPED : MAX_GZIPPED), `${sizes.join(' + ')} bytes`);
 });
 
 test('the package has the version of the library', () => {
@@ -192,10 +198,10 @@ if (gscl)
 
 test('a trap is an ordinary error, and the next call works', async () => {
   /* A module whose functions have an unreachable instruction. */
-  const module = Uint8Array.of(0, 97, 115, 109, 1, 0, 0, 0, 1, 7, 1, 96, 2, 127, 127, 1, 127, 3, 2, 1, 0, 7, 8, 1, 4, 102, 105, 108, 101, 0, 0, 10, 5, 1, 3, 0, 0, 11);
-  await load(module);
+  const trap = Uint8Array.of(0, 97, 115, 109, 1, 0, 0, 0, 1, 7, 1, 96, 2, 127, 127, 1, 127, 3, 2, 1, 0, 7, 8, 1, 4, 102, 105, 108, 101, 0, 0, 10, 5, 1, 3, 0, 0, 11);
+  await load(trap);
   await assert.rejects(decode(fileOf('example')), {code: 'failed', message: /^the decoder failed: unreachable/});
-  await load(readFileSync(join(folder, 'gscl.wasm')));
+  await loadModule();
   assert.equal((await decode(fileOf('example'))).width, 12);
 });
 
@@ -208,5 +214,105 @@ test('many calls do not add up memory', async () => {
   const grown = process.memoryUsage().rss - before;
   assert(grown < 200e6, `${grown} bytes more`); /* 60 pictures of 4 MB and their memory would be 600 MB */
 });
+
+/* ---- Packets ---- */
+
+/* Takes a list apart. */
+const packetsOf = list => {
+  const packets = [];
+  for (let at = 4; at < list.length;) {
+    let size = list[at] & 127;
+    for (let shift = 7; list[at++] > 127; shift += 7)
+      size |= (list[at] & 127) << shift;
+    packets.push(list.subarray(at, at += size));
+  }
+  return packets;
+};
+
+/* Calls use(encode, draw) with functions that write a list of packets of a picture, and its packets, with the tool, and that
+ * draw a list with it. */
+const withTool = async use => {
+  const made = mkdtempSync(join(tmpdir(), 'gscl-web-')), path = name => join(made, name);
+  const decodeBy = (file, ...options) => execFileSync(gscl, ['decode', '--device', 'host', '-o', path('out.png'), path(file), ...options]);
+  const encode = (...options) => {
+    execFileSync(gscl, ['encode', '--device', 'host', '--effort', '0', '--quiet', '--packets', '150', '-o', path('out.gsclp'), path('scene.png'), ...options]);
+    return packetsOf(readFileSync(path('out.gsclp')));
+  };
+  try {
+    writeFileSync(path('scene.gscl'), fileOf('photograph'));
+    execFileSync(gscl, ['decode', '--device', 'host', '--size', '160x120', '-o', path('scene.png'), path('scene.gscl')]);
+    await use(encode, list => {
+      writeFileSync(path('in.gsclp'), list);
+      decodeBy('in.gsclp');
+      return readPng(readFileSync(path('out.png')));
+    });
+  } finally {
+    rmSync(made, {recursive: true});
+  }
+};
+const sizeField = size => size > 127 ? Buffer.of(size & 127 | 128, size >> 7) : Buffer.of(size);
+const listOf = packets => Buffer.concat([Buffer.from('\u00c7gsp', 'latin1'), ...packets.flatMap(packet => [sizeField(packet.length), packet])]);
+
+if (gscl && hasPackets) {
+  test('packets draw the picture of the tool, whole or not', () => withTool(async (encode, draw) => {
+    const packets = encode('--packet-count', '6'), list = listOf(packets), whole = await decode(packets);
+    assert.equal(packets.length, 6);
+    assertPicture(whole, draw(list), 'all');
+    assert.deepEqual((await decode(list)).data, whole.data);
+    assert.deepEqual((await decode(packets.map(packet => Uint8Array.from(packet).buffer).reverse())).data, whole.data);
+    for (const some of [[0], [5], [1, 4], [5, 0, 2]]) {
+      const part = some.map(i => packets[i]);
+      assertPicture(await decode(part), draw(listOf(part)), some.join());
+    }
+    const small = await decode(packets, {width: 80, height: 60, crop: {x: 8, y: 4, width: 30, height: 20}});
+    assert.deepEqual([small.width, small.height], [30, 20]);
+    const {width, height, splats: most} = await info(packets), {length} = await splats(packets);
+    assert.deepEqual([width, height], [160, 120]);
+    assert(0 < length && length <= most);
+    assert((await splats(packets.slice(2))).length < length);
+  }));
+
+  test('packets that are damaged, repeated or of another picture are left out', () => withTool(async encode => {
+    const packets = encode('--packet-count', '4', '--packet-identity', '7'), others = encode('--packet-count', '4', '--packet-identity', '8');
+    const {data} = await decode(packets), damaged = Uint8Array.from(packets[2]);
+    damaged[9] ^= 4;
+    const mixed = [damaged, packets[1], others[3], packets[0], new Uint8Array, packets[1], new Uint8Array(2 ** 21), packets[3], others[0], packets[2]];
+    assert.deepEqual((await decode(mixed)).data, data);
+    assert.equal(await codeOf(decode([])), 'truncated');
+    assert.equal(await codeOf(decode([damaged])), 'damaged');
+    assert.equal(await codeOf(decode([fileOf('example')])), 'damaged');
+    assert.equal(await codeOf(decode(packets, {maxWork: 10})), 'limit');
+    const list = listOf(packets);
+    assert.equal(await codeOf(decode(list.subarray(0, list.length - 1))), 'valid'); /* without the last packet */
+    assert.equal(await codeOf(decode(list.subarray(0, packets[0].length))), 'truncated');
+  }));
+
+  test('repair packets replace those that are lost', () => withTool(async encode => {
+    const packets = encode('--packet-count', '12', '--packet-loss', '0.1'), {data} = await decode(packets), all = (await splats(packets)).length;
+    let repairs = 0;
+    while (repairs < packets.length && (await codeOf(decode(packets.slice(packets.length - repairs - 1)))) == 'damaged')
+      repairs++; /* they come last, and draw nothing */
+    assert(repairs > 1 && repairs < 6, `${repairs} repair packets`);
+    assert.deepEqual((await decode(packets.slice(repairs))).data, data);
+    assert.deepEqual((await decode([...packets.slice(repairs)].reverse())).data, data);
+    assert((await splats(packets.slice(repairs + 1))).length < all);
+  }));
+
+  test('changed bytes in packets neither trap nor hang', () => withTool(async encode => {
+    const packets = encode('--packet-count', '5', '--packet-loss', '0.2'), list = listOf(packets), codes = new Set;
+    for (let i = 0; i < 400; i++) {
+      const bytes = Uint8Array.from(list.subarray(0, i % 3 ? list.length : list.length * (i % 100) / 100));
+      bytes[4 + i * 7919 % (bytes.length - 4)] ^= 1 + i % 255;
+      codes.add(await codeOf(decode(bytes, {maxWork: 1e8})));
+      codes.add(await codeOf(decode([bytes.subarray(i % 50, i % 50 + 100), packets[i % packets.length]], {maxWork: 1e8})));
+    }
+    assert(!codes.has('failed') && codes.has('valid'), [...codes].join(' '));
+  }));
+}
+
+if (!hasPackets)
+  test('a module without packets takes a list for no file', async () => {
+    assert.equal(await codeOf(decode(listOf([new Uint8Array(50)]))), 'not-a-gscl-file');
+  });
 
 process.exitCode = await runTests() ? 0 : 1;

@@ -475,8 +475,8 @@ GSCL_API GSCL_CHECKED gscl_result gscl_append_packet(uint8_t **list, size_t *siz
  * size, becomes the list with them, of *repaired_size bytes.  Nothing is allocated.  Errors: GSCL_ERROR_INVALID_ARGUMENT, also
  * where nothing can be computed; GSCL_ERROR_OUT_OF_MEMORY where the memory is too small. */
 GSCL_API size_t gscl_repair_memory(const uint8_t *list, size_t size);
-GSCL_API GSCL_CHECKED gscl_result gscl_repair_packets(const uint8_t *list, size_t size, void *memory, size_t memory_size,
-                                                      size_t *repaired_size);
+GSCL_API GSCL_CHECKED gscl_result gscl_repair_packets(const uint8_t *list, size_t size, void *memory,
+                                                      size_t memory_size, size_t *repaired_size);
 
 /* Which packet this is, from its bytes alone. */
 typedef struct gscl_packet_info {

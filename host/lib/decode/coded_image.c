@@ -67,8 +67,7 @@ static gscl_result read_file(gscl_coded_image *p, const uint8_t *bytes, size_t s
     return result;
 }
 
-/* Adds the packets that a list lacks and that its repair packets replace.  *repaired is NULL where there are none. */
-static gscl_result repair_list(const uint8_t *list, size_t size, uint8_t **repaired, size_t *repaired_size) {
+gscl_result gscl_repair_list(const uint8_t *list, size_t size, uint8_t **repaired, size_t *repaired_size) {
     const size_t needed = gscl_repair_memory(list, size);
     *repaired = NULL;
     if (needed == 0)
@@ -81,11 +80,11 @@ static gscl_result repair_list(const uint8_t *list, size_t size, uint8_t **repai
 static gscl_result read_list(gscl_coded_image *p, const uint8_t *list, size_t size, uint64_t *stream_bits256) {
     uint8_t *repaired;
     size_t repaired_size;
-    GSCL_TRY(repair_list(list, size, &repaired, &repaired_size));
+    GSCL_TRY(gscl_repair_list(list, size, &repaired, &repaired_size));
     const gscl_result result = repaired ? read_file(p, repaired, repaired_size, false, stream_bits256)
                                         : read_file(p, list, size, false, stream_bits256);
     if (result == GSCL_OK && repaired && stream_bits256) /* what was computed is not in the list */
-        stream_bits256[GSF_STREAM_CONTAINER] -= (uint64_t)(repaired_size - size) * 8 * 256;
+        stream_bits256[GSF_STREAM_CONTAINER] -= ((uint64_t)repaired_size - size) * 8 * 256;
     free(repaired);
     return result;
 }

@@ -29,6 +29,9 @@ gscl_result gscl_coded_image_read_counted(gscl_coded_image *coded, const uint8_t
 /* Reads the splats that the first bytes of a file hold; *total is the number of splats of the whole file. */
 gscl_result gscl_coded_image_read_prefix(gscl_coded_image *coded, const uint8_t *bytes, size_t size, bool bare,
                                          uint32_t *total);
+/* Adds the packets that a list lacks and that its repair packets replace: in a new buffer, or *repaired is NULL where there
+ * are none.  The functions above do it themselves. */
+gscl_result gscl_repair_list(const uint8_t *list, size_t size, uint8_t **repaired, size_t *repaired_size);
 /* Writes the file into a new buffer (gscl_free); sorts the splats into the stored order. */
 gscl_result gscl_coded_image_write(gscl_coded_image *coded, uint8_t **bytes, size_t *size);
 /* Sorts the splats into the stored order.  `order` is NULL or receives their old places: place i then holds the splat

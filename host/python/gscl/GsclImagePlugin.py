@@ -17,7 +17,7 @@ MAX_WORK: int | None = 2 * 10**10
 """Largest number of evaluations of a splat at a pixel for a picture; None for no limit.  A core does about 5e8 a second.
 Beside Image.MAX_IMAGE_PIXELS it protects from files of strangers: load raises Image.DecompressionBombError."""
 
-MAGIC = b"\xc7gsc"
+MAGIC = b"\xc7gsc", b"\xc7gsp"  # of a file, and of a list of packets
 
 # A tuple in Pillow 10, with names later.
 _tile: Any = getattr(ImageFile, "_Tile", lambda *fields: fields)
@@ -110,5 +110,5 @@ def _save(im: Image.Image, fp: IO[bytes], filename: str | bytes) -> None:
 
 Image.register_open(GsclImageFile.format, GsclImageFile, _accept)
 Image.register_save(GsclImageFile.format, _save)
-Image.register_extension(GsclImageFile.format, ".gscl")
+Image.register_extensions(GsclImageFile.format, [".gscl", ".gsclp"])
 Image.register_mime(GsclImageFile.format, "image/x-gscl")

@@ -11,8 +11,9 @@ from gscl import GsclImagePlugin as GsclImagePlugin
 from gscl._binding import ffi as _ffi
 from gscl._binding import lib as _lib
 from gscl._decode import Comparison, compare, decode
+from gscl._decoder import Decoder
 from gscl._devices import HOST, Device, devices, release_devices
-from gscl._encode import EffectDecision, Encoded, EncodeReport, Stage, TracePoint, encode
+from gscl._encode import EffectDecision, Encoded, EncodedPackets, EncodeReport, Stage, TracePoint, encode
 from gscl._errors import (
     AmbiguousDeviceError,
     BudgetTooSmallError,
@@ -34,6 +35,7 @@ from gscl._errors import (
     NoEncoderError,
     NoPlatformError,
     NotGsclError,
+    OtherPictureError,
     OutOfMemoryError,
     StructSizeError,
     TargetUnreachableError,
@@ -57,6 +59,7 @@ __all__ = [
     "CorruptError",
     "DamagedError",
     "decode",
+    "Decoder",
     "Device",
     "DeviceError",
     "DeviceFailedError",
@@ -65,6 +68,7 @@ __all__ = [
     "EffectDecision",
     "encode",
     "Encoded",
+    "EncodedPackets",
     "EncodeReport",
     "Error",
     "FileError",
@@ -82,6 +86,7 @@ __all__ = [
     "NoEncoderError",
     "NoPlatformError",
     "NotGsclError",
+    "OtherPictureError",
     "OutOfMemoryError",
     "Progress",
     "release_devices",

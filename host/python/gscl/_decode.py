@@ -39,7 +39,8 @@ def decode(
     """Decodes a file to an array of shape (height, width) if it is grey, else (height, width, channels): grey and alpha,
     RGB or RGBA.
 
-    file: the bytes of a gscl file, its path, or an open file.
+    file: the bytes of a gscl file, its path, or an open file; also a list of packets, or a list or tuple of the bytes of packets,
+        of which those are drawn that have come, and those that repair packets replace.
     size: width and height at which the whole picture is drawn; None for the encoded size.
     crop: x, y, width and height of the rectangle of the drawn picture to return.
     dtype: uint8, uint16 or float32 (0..1); None for uint8 or uint16, as the source was.
@@ -68,7 +69,7 @@ def decode(
         if limit is not None:
             _assign_all(settings, name, (limit,), (name,), positive=(0,))
     settings.premultiplied, settings.partial, settings.bare = premultiplied, partial, bare
-    content = read(file)
+    content = read(file, bare)
     if device is None and _pixels(content, settings) <= HOST_PIXELS:
         device = HOST
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import builtins
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple, Union, overload
 
 from gscl._binding import ffi, lib
 from gscl._devices import context_on
@@ -14,6 +14,7 @@ from gscl._images import Picture, Source, load, to_struct
 from gscl._names import BLENDS, BLOCKS, LOSSES, PROFILES, TUNES
 from gscl._names import Blend, Effect, Loss, Profile, Tune
 from gscl._names import bits_of, effects_of, number_of, word_of
+from gscl._packets import join, split
 from gscl._progress import ProgressCallback, call, interruptible
 
 
@@ -75,8 +76,80 @@ class Encoded(NamedTuple):
     report: EncodeReport
 
 
+class EncodedPackets(NamedTuple):
+    """What encode returns with the argument `packets`: `packets, report = encode(..., packets=...)`."""
+
+    packets: list[bytes]
+    report: EncodeReport
+
+    @property
+    def data(self) -> bytes:
+        """The packets as a list, as a file has it."""
+        return join(self.packets)
+
+
 Metadata = Union[bytes, bool, None]
 """Bytes to store; True for those that the picture came with; None or False for none."""
+
+
+@overload
+def encode(
+    picture: Picture,
+    *,
+    bytes: int | None = None,
+    bpp: float | None = None,
+    psnr: float | None = None,
+    ssimulacra2: float | None = None,
+    splats: int | None = None,
+    effort: int = 5,
+    tune: Tune = "auto",
+    profile: Profile = "default",
+    blend: Blend = "auto",
+    loss: Loss = "auto",
+    codebook_size: int = 0,
+    effects_on: Iterable[Effect] = (),
+    effects_off: Iterable[Effect] = (),
+    step_factor: float = 0.0,
+    seed: int = 1,
+    premultiplied: bool = False,
+    progressive: bool = False,
+    bare: bool = False,
+    packets: None = None,
+    icc_profile: Metadata = None,
+    exif: Metadata = None,
+    xmp: Metadata = None,
+    cicp: tuple[int, int] | None = None,
+    trace: bool = False,
+    progress: ProgressCallback | None = None,
+    device: str | None = None,
+    threads: int = 0,
+) -> Encoded: ...
+
+
+@overload
+def encode(
+    picture: Picture,
+    *,
+    packets: int,
+    packet_count: int = 0,
+    packet_loss: float = 0.0,
+    packet_identity: int = 0,
+    bytes: int | None = None,
+    bpp: float | None = None,
+    effort: int = 5,
+    tune: Tune = "auto",
+    blend: Blend = "auto",
+    loss: Loss = "auto",
+    effects_on: Iterable[Effect] = (),
+    effects_off: Iterable[Effect] = (),
+    step_factor: float = 0.0,
+    seed: int = 1,
+    premultiplied: bool = False,
+    trace: bool = False,
+    progress: ProgressCallback | None = None,
+    device: str | None = None,
+    threads: int = 0,
+) -> EncodedPackets: ...
 
 
 def encode(
@@ -100,6 +173,10 @@ def encode(
     premultiplied: bool = False,
     progressive: bool = False,
     bare: bool = False,
+    packets: int | None = None,
+    packet_count: int = 0,
+    packet_loss: float = 0.0,
+    packet_identity: int = 0,
     icc_profile: Metadata = None,
     exif: Metadata = None,
     xmp: Metadata = None,
@@ -108,7 +185,7 @@ def encode(
     progress: ProgressCallback | None = None,
     device: str | None = None,
     threads: int = 0,
-) -> Encoded:
+) -> Encoded | EncodedPackets:
     """Encodes a picture.
 
     picture: a path to a file that Pillow reads, an image of Pillow, or an array of shape (height, width) or (height,
@@ -126,6 +203,12 @@ def encode(
     premultiplied: whether colours of the picture are multiplied by alpha.
     progressive: whether to write layers, so that the first part of the file draws a better picture.
     bare: whether to write the picture alone, without magic bytes, version, metadata and check.
+    packets: writes packets of at most so many bytes, 40 to 1400, in place of a file: parts of the picture of which each draws by
+        itself.  Targets are `bytes` or `bpp` of all of them together, or their number.
+    packet_count: 1 to 256 packets; 0 for as many as the target needs.
+    packet_loss: share of packets that are expected to be lost, 0 to 0.9: some become repair packets, of which each replaces any
+        other that is lost.
+    packet_identity: number of the picture in its packets, 1 to 255 without 199; 0 for one that follows from the picture.
     icc_profile, exif, xmp: metadata to store: bytes, or True for those of the picture.  With a profile, colours are not
         converted.
     cicp: code points of primaries and transfer function (ITU-T H.273) to store.  Colours are not converted.
@@ -156,9 +239,14 @@ def encode(
     settings.effects_on = bits_of("effects_on", effects_on)
     settings.effects_off = bits_of("effects_off", effects_off)
     settings.step_factor = step_factor
+    settings.packet_loss = packet_loss
     settings.progressive, settings.bare, settings.trace = progressive, bare, trace
-    for name, value in {"effort": effort, "codebook_size": codebook_size, "seed": seed}.items():
+    numbers = {"effort": effort, "codebook_size": codebook_size, "seed": seed}
+    numbers |= {"packet_count": packet_count, "packet_identity": packet_identity}
+    for name, value in numbers.items():
         assign(settings, name, value)
+    if packets is not None:
+        _set_packet_size(settings, packets)
 
     given = cicp is not None or isinstance(icc_profile, builtins.bytes)
     source = load(picture, "given" if given else "own" if icc_profile else "none")
@@ -175,7 +263,8 @@ def encode(
         _keep(owner, blocks)  # which the library read until here
         return encoded
 
-    return interruptible(work, progress)
+    encoded = interruptible(work, progress)
+    return encoded if packets is None else EncodedPackets(split(encoded.data), encoded.report)
 
 
 def _keep(*owners: Any) -> None:
@@ -189,6 +278,13 @@ def _set_target(settings: Any, targets: dict[int, tuple[str, float | None]]) -> 
     for number, _, value in chosen:
         settings.target = number
         settings.target_value = value
+
+
+def _set_packet_size(settings: Any, size: int) -> None:
+    """The default of the library, 0, is a file."""
+    if size < lib.GSCL_MIN_PACKET_SIZE:
+        raise InvalidArgumentError(f"packets: {size} bytes: expected at least {lib.GSCL_MIN_PACKET_SIZE}")
+    assign(settings, "packet_size", size, "packets")
 
 
 def _blocks(source: Source, wanted: dict[str, Metadata], cicp: tuple[int, int] | None) -> list[tuple[Any, Any]]:

@@ -130,6 +130,12 @@ class UnknownBlockError(FileError):
     code = 26
 
 
+class OtherPictureError(FileError):
+    """A packet of another picture than those before it."""
+
+    code = 27
+
+
 class ImageSizeError(Error, ValueError):
     """A picture without pixels, or with more than 16384 on a side."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, BinaryIO, NamedTuple, Union
 
@@ -12,9 +13,11 @@ from numpy.typing import NDArray
 from gscl._binding import ffi, lib
 from gscl._errors import check
 from gscl._names import BLENDS, BLOCKS, PROFILES, SAMPLES, effects_of, word_of
+from gscl._packets import Buffer, is_packet, join
 
-File = Union[bytes, bytearray, memoryview, str, "os.PathLike[str]", BinaryIO]
-"""The bytes of a gscl file, its path, or an open file."""
+File = Union[Buffer, str, "os.PathLike[str]", BinaryIO, Sequence[Buffer]]
+"""The bytes of a gscl file, its path, or an open file.  The file may be a list of packets, or one packet; and packets may come
+as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the first one are left out."""
 
 SPLAT_DTYPE = numpy.dtype(
     [
@@ -42,16 +45,32 @@ class Content(NamedTuple):
         return len(self.buffer)
 
 
-def read(file: File) -> Content:
-    """Reads a file."""
+def read(file: File, bare: bool = False) -> Content:
+    """Reads a file.  Packets become a list of them."""
+    data, name = _read_bytes(file)
+    if not bare and is_packet(data):
+        data = join([data])
+    return Content(ffi.from_buffer("uint8_t[]", data), name)
+
+
+def _read_bytes(file: File) -> tuple[Buffer, str]:
     if isinstance(file, (str, os.PathLike)):
         with open(file, "rb") as opened:
-            return Content(ffi.from_buffer("uint8_t[]", opened.read()), os.fspath(file))
+            return opened.read(), os.fspath(file)
     if isinstance(file, (bytes, bytearray, memoryview)):
-        return Content(ffi.from_buffer("uint8_t[]", file), "")
+        return file, ""
+    if isinstance(file, (list, tuple)):
+        return _joined(file), ""
     if hasattr(file, "read"):
-        return Content(ffi.from_buffer("uint8_t[]", file.read()), str(getattr(file, "name", "")))
-    raise TypeError(f"expected bytes, a path or an open file, not {type(file).__name__}")
+        return file.read(), str(getattr(file, "name", ""))
+    raise TypeError(f"expected bytes, a path or an open file, or packets, not {type(file).__name__}")
+
+
+def _joined(packets: Sequence[Buffer]) -> bytes:
+    joined = join(packets)
+    if not joined:
+        check(lib.GSCL_ERROR_DAMAGED if packets else lib.GSCL_ERROR_TRUNCATED)
+    return joined
 
 
 @dataclass(frozen=True)
@@ -70,6 +89,8 @@ class Info:
     splats: int
     layers: int
     """Of a progressive file; else 1."""
+    packets: int
+    """Of a list of packets, how many were read; 0 for a file and for header_only."""
     effects: tuple[str, ...]
     shape_words: int
     colour_words: int
@@ -104,7 +125,7 @@ def info(file: File, *, bare: bool = False, header_only: bool = False) -> Info:
 
     Raises a subclass of FileError, or OSError.
     """
-    found = inspect(lib.gscl_probe if header_only else lib.gscl_inspect, read(file), bare)
+    found = inspect(lib.gscl_probe if header_only else lib.gscl_inspect, read(file, bare), bare)
     rows = [found.streams[i] for i in range(found.stream_count)]
     return Info(
         format_version=found.format_version,
@@ -116,6 +137,7 @@ def info(file: File, *, bare: bool = False, header_only: bool = False) -> Info:
         blend=word_of(BLENDS, found.blend),
         splats=found.splats,
         layers=found.layers,
+        packets=found.packets,
         effects=effects_of(found.effects),
         shape_words=found.shape_words,
         colour_words=found.colour_words,
@@ -143,7 +165,7 @@ def metadata(file: File) -> dict[str, Any]:
 
 def splats(file: File, *, bare: bool = False) -> NDArray[numpy.void]:
     """Reads all splats in drawing order, as a structured array: SPLAT_DTYPE.  Raises a subclass of FileError, or OSError."""
-    content = read(file)
+    content = read(file, bare)
     rows, count = ffi.new("gscl_splat **"), ffi.new("size_t *")
     result = lib.gscl_read_splats(content.buffer, content.size, read_settings(bare), rows, count)
     check(result, subject=content.name)
@@ -154,7 +176,7 @@ def splats(file: File, *, bare: bool = False) -> NDArray[numpy.void]:
 def certain_splats(file: File, *, bare: bool = False) -> tuple[int, int]:
     """Counts the splats that the first bytes of a file hold, and those of the whole file.  decode with `partial` draws
     them.  Raises a subclass of FileError, or OSError."""
-    content = read(file)
+    content = read(file, bare)
     certain, total = ffi.new("uint32_t *"), ffi.new("uint32_t *")
     result = lib.gscl_certain_splats(content.buffer, content.size, read_settings(bare), certain, total)
     check(result, subject=content.name)

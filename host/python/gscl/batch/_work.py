@@ -72,7 +72,8 @@ def encode_file(picture: bytes, *, device: str | None, threads: int = 1, **setti
     except UnidentifiedImageError:
         raise UnidentifiedImageError("not an image that Pillow reads") from None
     with image:
-        return encode(image, device=device, threads=threads, **settings)
+        encoded = encode(image, device=device, threads=threads, **settings)
+    return Encoded(encoded.data, encoded.report)
 
 
 def do_task(job: Job, task: str, lines: str) -> dict[str, int]:
