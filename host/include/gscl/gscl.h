@@ -580,7 +580,8 @@ GSCL_API GSCL_CHECKED gscl_result gscl_decoder_draw(gscl_decoder *decoder, gscl_
 typedef bool (*gscl_rows_callback)(void *opaque, uint32_t y, const gscl_image *strip);
 
 /* Returns the least memory, in bytes, with which gscl_decode_rows decodes a file.  It needs the start of the file up to the
- * 32nd byte of the picture, which comes after 5 bytes and the blocks before it, or the whole file where that is shorter.
+ * 32nd byte of the picture, which comes after 5 bytes and the blocks before it, or the whole file where that is shorter; of
+ * packets it needs the whole list.
  * `settings` and `strip_rows` as for gscl_decode_rows.  `image`: NULL, or receives width, height, channels, sample and
  * premultiplied of the whole decoded image, without pixels.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file,
  * GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE, _IMAGE_SIZE; GSCL_ERROR_OUT_OF_MEMORY where a size_t does not hold the number. */
