@@ -150,8 +150,8 @@ static void test_decode_memory(void **state) {
     (void)state;
     sweep_decodes(first_opencl_device(), FAULT_MEMORY, false, false, 4);
     sweep_decodes(first_opencl_device(), FAULT_MEMORY, true, false, 4);
-    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, false, false, 4);
-    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, true, false, 4);
+    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, false, false, 3);
+    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, true, false, 3);
 }
 
 /* ---- Encoding ---------------------------------------------------------------------------------- */
