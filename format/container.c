@@ -5,7 +5,6 @@
 #include "format/range_coder.h"
 
 #define FIXED_SIZE 5u /* magic and version */
-#define CHECK_SIZE 2u
 /* Zeros between the picture and blocks after it: a reader that does not know yet where the picture ends reads the bytes
  * that its decoder implies. */
 #define GAP_SIZE GSF_IMPLIED_BYTES
@@ -37,6 +36,17 @@ uint16_t gsf_crc16(const uint8_t *bytes, size_t size) {
         crc = (uint16_t)(crc << 4 ^ REMAINDERS[crc >> 12]);
     }
     return crc ^ 0xFFFF;
+}
+
+void gsf_put_check(uint8_t *bytes, size_t size, uint16_t mask) {
+    const uint16_t check = gsf_crc16(bytes, size) ^ mask;
+    bytes[size] = (uint8_t)(check >> 8);
+    bytes[size + 1] = (uint8_t)check;
+}
+
+bool gsf_has_check(const uint8_t *bytes, size_t size, uint16_t mask) {
+    const uint8_t *check = bytes + size - GSF_CHECK_SIZE;
+    return (gsf_crc16(bytes, size - GSF_CHECK_SIZE) ^ mask) == (check[0] << 8 | check[1]);
 }
 
 /* ---- Reading ---- */
@@ -137,7 +147,7 @@ static gsf_result check_magic(const uint8_t *bytes, size_t size) {
         return GSF_NOT_GSCL;
     if (size > sizeof MAGIC && (bytes[4] & VERSION_MASK) != GSF_VERSION)
         return (bytes[4] & VERSION_MASK) > GSF_VERSION ? GSF_NEWER_VERSION : GSF_NOT_GSCL;
-    return size < FIXED_SIZE + CHECK_SIZE ? GSF_TRUNCATED : GSF_OK;
+    return size < FIXED_SIZE + GSF_CHECK_SIZE ? GSF_TRUNCATED : GSF_OK;
 }
 
 gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *container) {
@@ -145,9 +155,8 @@ gsf_result gsf_open_container(const uint8_t *bytes, size_t size, gsf_container *
     const gsf_result magic = check_magic(bytes, size);
     if (magic != GSF_OK)
         return magic;
-    const uint8_t *check = bytes + size - CHECK_SIZE;
-    container->is_intact = gsf_crc16(bytes, size - CHECK_SIZE) == (check[0] << 8 | check[1]);
-    cursor c = {bytes + FIXED_SIZE, check};
+    container->is_intact = gsf_has_check(bytes, size, 0);
+    cursor c = {bytes + FIXED_SIZE, bytes + size - GSF_CHECK_SIZE};
     const gsf_result result = get_parts(&c, bytes[4], container);
     if (result == GSF_OK)
         return GSF_OK;
@@ -189,7 +198,7 @@ size_t gsf_container_start_size(const gsf_bytes *blocks) {
 
 size_t gsf_container_end_size(const gsf_bytes *blocks) {
     const size_t after = after_size(blocks);
-    return after + (after > 0 ? GAP_SIZE + LENGTH_SIZE : 0) + CHECK_SIZE;
+    return after + (after > 0 ? GAP_SIZE + LENGTH_SIZE : 0) + GSF_CHECK_SIZE;
 }
 
 bool gsf_blocks_are_valid(const gsf_bytes *blocks) {
@@ -238,7 +247,5 @@ void gsf_put_container_end(uint8_t *bytes, size_t size, const gsf_bytes *blocks)
     at = put_list(at, blocks, GSF_BLOCK_EXIF, GSF_BLOCK_COUNT);
     for (unsigned i = 0; after > 0 && i < LENGTH_SIZE; i++)
         *at++ = (uint8_t)(after >> (8 * i));
-    const uint16_t crc = gsf_crc16(bytes, (size_t)(at - bytes));
-    *at++ = (uint8_t)(crc >> 8);
-    *at = (uint8_t)crc;
+    gsf_put_check(bytes, (size_t)(at - bytes), 0);
 }

@@ -37,4 +37,12 @@ size_t gsf_get_varint(const uint8_t *bytes, size_t size, uint32_t *value);
 /* The check of these bytes: CRC-16/GENIBUS. */
 uint16_t gsf_crc16(const uint8_t *bytes, size_t size);
 
+#define GSF_CHECK_SIZE 2u /* bytes, the most significant first */
+/* What is added by XOR to the check of repair packets, so that nothing else is taken for one; that of all else is 0. */
+#define GSF_REPAIR_MASK 0xFFFFu
+/* Writes the check of bytes[0..size) behind them. */
+void gsf_put_check(uint8_t *bytes, size_t size, uint16_t mask);
+/* Whether the last of these bytes, at least GSF_CHECK_SIZE, are the check of those before them. */
+bool gsf_has_check(const uint8_t *bytes, size_t size, uint16_t mask);
+
 #endif

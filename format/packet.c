@@ -9,8 +9,6 @@
 #include "format/payload.h"
 #include "format/picture.h"
 
-#define CHECK_SIZE 2u
-
 static const uint8_t LIST_MAGIC[GSF_PACKET_LIST_START] = {0xC7, 'g', 's', 'p'};
 
 /* ---- One packet ---- */
@@ -18,10 +16,9 @@ static const uint8_t LIST_MAGIC[GSF_PACKET_LIST_START] = {0xC7, 'g', 's', 'p'};
 gsf_result gsf_open_packet(gsf_bytes packet, uint8_t *identity, gsf_bytes *picture) {
     if (packet.size <= GSF_PACKET_FRAME)
         return GSF_TRUNCATED;
-    const uint8_t *check = packet.data + packet.size - CHECK_SIZE;
     if (packet.data[0] == GSF_NO_IDENTITY)
         return GSF_NOT_GSCL;
-    if (gsf_crc16(packet.data, packet.size - CHECK_SIZE) != (check[0] << 8 | check[1]))
+    if (!gsf_has_check(packet.data, packet.size, 0))
         return GSF_DAMAGED;
     *identity = packet.data[0];
     *picture = (gsf_bytes){packet.data + 1, packet.size - GSF_PACKET_FRAME};
@@ -42,9 +39,7 @@ gsf_result gsf_read_packet_header(gsf_bytes packet, uint8_t *identity, gsf_heade
 
 size_t gsf_put_packet_frame(uint8_t *packet, size_t size, uint8_t identity) {
     packet[0] = identity;
-    const uint16_t crc = gsf_crc16(packet, 1 + size);
-    packet[1 + size] = (uint8_t)(crc >> 8);
-    packet[2 + size] = (uint8_t)crc;
+    gsf_put_check(packet, 1 + size, 0);
     return size + GSF_PACKET_FRAME;
 }
 

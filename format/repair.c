@@ -5,8 +5,6 @@
 #include "format/container.h"
 #include "format/packet.h"
 
-#define CHECK_SIZE 2u
-
 /* ---- The field with 256 elements ---- */
 
 static uint8_t multiply(uint8_t a, uint8_t b) {
@@ -51,9 +49,7 @@ void gsf_write_repair(const gsf_bytes *packets, uint32_t count, size_t longest, 
     memset(repair + 2, 0, content);
     for (uint32_t i = 0; i < count; i++)
         add_multiple(repair + 2, packets[i].data + 1, packets[i].size - 1, coefficient(number, i));
-    const uint16_t check = gsf_crc16(repair, 2 + content) ^ 0xFFFF;
-    repair[2 + content] = (uint8_t)(check >> 8);
-    repair[3 + content] = (uint8_t)check;
+    gsf_put_check(repair, 2 + content, GSF_REPAIR_MASK);
 }
 
 /* ---- Reading ---- */
@@ -61,10 +57,9 @@ void gsf_write_repair(const gsf_bytes *packets, uint32_t count, size_t longest, 
 bool gsf_open_repair(gsf_bytes packet, uint8_t *identity, uint32_t *number) {
     if (packet.size <= GSF_REPAIR_FRAME || packet.data[0] == GSF_NO_IDENTITY)
         return false;
-    const uint8_t *check = packet.data + packet.size - CHECK_SIZE;
     *identity = packet.data[0];
     *number = packet.data[1];
-    return (gsf_crc16(packet.data, packet.size - CHECK_SIZE) ^ 0xFFFF) == (check[0] << 8 | check[1]);
+    return gsf_has_check(packet.data, packet.size, GSF_REPAIR_MASK);
 }
 
 /* The packets of a list's picture and what could replace those that it lacks. */

@@ -3,6 +3,7 @@
 
 #include "coded_memory.h"
 #include "format/coder.h"
+#include "format/container.h"
 #include "format/packet.h"
 #include "format/payload.h"
 #include "format/repair.h"
@@ -94,10 +95,9 @@ static void change_picture(packet_copy *packet) {
 
 /* Changes a repair packet, whose check then matches. */
 static void change_repair(packet_copy *packet) {
-    packet->size = LLVMFuzzerMutate(packet->bytes, packet->size - 2, ROOM - 2) + 2;
-    const uint16_t check = gsf_crc16(packet->bytes, packet->size - 2) ^ 0xFFFF;
-    packet->bytes[packet->size - 2] = (uint8_t)(check >> 8);
-    packet->bytes[packet->size - 1] = (uint8_t)check;
+    const size_t size = LLVMFuzzerMutate(packet->bytes, packet->size - GSF_CHECK_SIZE, ROOM - GSF_CHECK_SIZE);
+    gsf_put_check(packet->bytes, size, GSF_REPAIR_MASK);
+    packet->size = size + GSF_CHECK_SIZE;
 }
 
 static void change_packet(packet_copy *packet) {

@@ -7,8 +7,7 @@
 #include "format/coder.h"
 #include "format/payload.h"
 
-#define FIXED_SIZE 5u /* magic and version */
-#define CHECK_SIZE 2u
+#define FIXED_SIZE 5u   /* magic and version */
 #define ROOM (1u << 16) /* bytes of a picture or of a list of blocks that is put together here */
 
 static const uint8_t START[FIXED_SIZE] = {0xC7, 'g', 's', 'c', GSF_VERSION};
@@ -24,14 +23,12 @@ static uint32_t pick(uint32_t n) {
 }
 
 static bool is_whole(const uint8_t *data, size_t size) {
-    return size >= FIXED_SIZE + CHECK_SIZE && memcmp(data, START, 4) == 0;
+    return size >= FIXED_SIZE + GSF_CHECK_SIZE && memcmp(data, START, 4) == 0;
 }
 
 /* Makes the check match. */
 static void seal(uint8_t *data, size_t size) {
-    const uint16_t crc = gsf_crc16(data, size - CHECK_SIZE);
-    data[size - 2] = (uint8_t)(crc >> 8);
-    data[size - 1] = (uint8_t)crc;
+    gsf_put_check(data, size - GSF_CHECK_SIZE, 0);
 }
 
 /* The size of the picture that a decoder of these bytes reads, if it is smaller. */
@@ -151,7 +148,7 @@ static size_t change_form(uint8_t *data, size_t size, size_t max_size) {
         for (unsigned i = 0; i < 4; i++)
             file[at++] = (uint8_t)(list >> (8 * i));
     }
-    at += bare ? 0 : CHECK_SIZE;
+    at += bare ? 0 : GSF_CHECK_SIZE;
     if (at > max_size)
         return size;
     memcpy(data, file, at);
