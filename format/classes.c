@@ -99,13 +99,27 @@ gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat) {
     return point;
 }
 
-bool gsf_packet_may_hold(const gsf_coded_image *image, uint32_t splat, uint32_t packets, uint32_t packet) {
+gsf_packet_choice gsf_packet_choice_of(const gsf_coded_image *image, uint32_t splat, uint32_t packets) {
     const gsf_grid grid = whole_grid(image, gsf_class_of(image, splat));
     if (!is_thinned(&grid, packets))
-        return true;
+        return (gsf_packet_choice){.packets = 0};
     const gsf_point point = whole_point(image, splat);
     const bool in_x = is_thinned_in_x(&grid);
     const uint32_t cell = in_x ? point.x : point.y, last = (in_x ? grid.cells_x : grid.cells_y) - 1;
-    const uint32_t first = first_cell(packets, packet, in_x ? point.y : point.x);
-    return cell % packets == first || (cell == last && first > last % packets);
+    return (gsf_packet_choice){.packets = packets,
+                               .shift = first_cell(packets, 0, in_x ? point.y : point.x),
+                               .cell = cell % packets,
+                               .is_last = cell == last};
+}
+
+bool gsf_packet_is_allowed(const gsf_packet_choice *choice, uint32_t packet) {
+    if (choice->packets == 0)
+        return true;
+    const uint32_t first = (packet + choice->shift) % choice->packets;
+    return first == choice->cell || (choice->is_last && first > choice->cell);
+}
+
+bool gsf_packet_may_hold(const gsf_coded_image *image, uint32_t splat, uint32_t packets, uint32_t packet) {
+    const gsf_packet_choice choice = gsf_packet_choice_of(image, splat, packets);
+    return gsf_packet_is_allowed(&choice, packet);
 }

@@ -19,7 +19,18 @@ gsf_point gsf_class_point(const gsf_coded_image *image, uint32_t splat);
 /* The cell of the whole picture's grid of the class for a cell of gsf_class_grid. */
 gsf_point gsf_class_cell(const gsf_coded_image *image, uint32_t class_no, gsf_point point);
 
-/* Whether a splat may be in this one of `packets` packets.  A splat that all may hold may be in several. */
+/* What decides which of a number of packets may hold a splat. */
+typedef struct gsf_packet_choice {
+    uint32_t packets; /* 0: any may, and the splat may be in several */
+    uint32_t shift;   /* packet k has the cells k + shift and on, each time `packets` further, up to the last one */
+    uint32_t cell;    /* of the splat, less multiples of `packets` */
+    bool is_last;
+} gsf_packet_choice;
+
+gsf_packet_choice gsf_packet_choice_of(const gsf_coded_image *image, uint32_t splat, uint32_t packets);
+/* Whether this packet may. */
+bool gsf_packet_is_allowed(const gsf_packet_choice *choice, uint32_t packet);
+/* The same for one packet alone. */
 bool gsf_packet_may_hold(const gsf_coded_image *image, uint32_t splat, uint32_t packets, uint32_t packet);
 
 #endif

@@ -24,24 +24,42 @@ static bool has_room(const gscl_packet_split *s, uint32_t packet) {
     return s->sizes[packet] + MIN_ROOM_BYTES <= s->target.limit;
 }
 
-/* The emptiest of the packets that may hold the splat; s->packets: none has room. */
+/* The emptiest of the packets that may hold the splat; s->target.count: none has room. */
 static uint32_t emptiest_for(const gscl_packet_split *s, uint32_t splat) {
-    uint32_t best = s->packets;
-    for (uint32_t i = 0; i < s->packets; i++)
-        if (has_room(s, i) && (best == s->packets || s->sizes[i] < s->sizes[best]) &&
-            gsf_packet_may_hold(s->file, splat, s->packets, i))
+    const uint32_t none = s->target.count;
+    const gsf_packet_choice choice = gsf_packet_choice_of(s->file, splat, none);
+    uint32_t best = none;
+    for (uint32_t i = 0; i < none; i++)
+        if (has_room(s, i) && (best == none || s->sizes[i] < s->sizes[best]) && gsf_packet_is_allowed(&choice, i))
             best = i;
     return best;
 }
 
+/* A splat before it is moved. */
+typedef struct splat_frame {
+    double x, y;          /* centre, pixels */
+    double s1, s2, c, sn; /* axes, pixels, and the direction of the first one */
+    double slope;
+} splat_frame;
+
+static splat_frame frame_of(const gsf_coded_image *file, const gsf_splat *splat) {
+    float params[GSCL_PARAMS];
+    gscl_dequantise(file, splat, params);
+    return (splat_frame){.x = params[GSCL_X],
+                         .y = params[GSCL_Y],
+                         .s1 = gscl_exp(params[GSCL_LOG_S1]),
+                         .s2 = gscl_exp(params[GSCL_LOG_S2]),
+                         .c = gscl_cos(params[GSCL_THETA]),
+                         .sn = gscl_sin(params[GSCL_THETA]),
+                         .slope = gscl_tan(params[GSCL_THETA])};
+}
+
 /* The squared difference of a Gaussian and the same at another place, over all pixels: 1 - exp(-d^2 / 4) times their areas,
  * with d the distance in units of the axes. */
-static double moving_cost(const float *from, const float *to) {
-    const double dx = (double)to[GSCL_X] - from[GSCL_X], dy = (double)to[GSCL_Y] - from[GSCL_Y];
-    const double c = gscl_cos(from[GSCL_THETA]), sn = gscl_sin(from[GSCL_THETA]);
-    const double s1 = gscl_exp(from[GSCL_LOG_S1]), s2 = gscl_exp(from[GSCL_LOG_S2]);
-    const double u = (dx * c + dy * sn) / s1, v = (dy * c - dx * sn) / s2;
-    return s1 * s2 * (1 - gscl_exp(-(u * u + v * v) / 4));
+static double moving_cost(const splat_frame *from, const float *to) {
+    const double dx = to[GSCL_X] - from->x, dy = to[GSCL_Y] - from->y;
+    const double u = (dx * from->c + dy * from->sn) / from->s1, v = (dy * from->c - dx * from->sn) / from->s2;
+    return from->s1 * from->s2 * (1 - gscl_exp(-(u * u + v * v) / 4));
 }
 
 /* The part of a cell, `cells` cells away, on the line along the major axis, or the nearest to it: place `at` is moved. */
@@ -51,39 +69,45 @@ static int64_t part_near(uint32_t at, uint32_t parts, int cells, double line) {
 }
 
 /* Moves a splat by some cells of its class, as much along its major axis as these allow.  False beyond the image. */
-static bool shift_splat(const gsf_coded_image *file, gsf_splat *splat, double theta, int dx, int dy) {
-    const gsf_splat_grid grid = gsf_splat_grid_of(&file->header, &file->steps, splat);
-    const bool is_steep = grid.parts_x > 1;
-    const double slope = gscl_tan(theta);
-    const int64_t x = part_near(splat->x, grid.parts_x, dx, is_steep ? dy / slope : dx);
-    const int64_t y = part_near(splat->y, grid.parts_y, dy, is_steep ? dy : dx * slope);
+static bool shift_splat(const gsf_splat_grid *grid, gsf_splat *splat, double slope, int dx, int dy) {
+    const bool is_steep = grid->parts_x > 1;
+    const int64_t x = part_near(splat->x, grid->parts_x, dx, is_steep ? dy / slope : dx);
+    const int64_t y = part_near(splat->y, grid->parts_y, dy, is_steep ? dy : dx * slope);
     splat->x = (uint32_t)x;
     splat->y = (uint32_t)y;
-    return x >= 0 && y >= 0 && x < grid.cells_x && y < grid.cells_y;
+    return x >= 0 && y >= 0 && x < grid->cells_x && y < grid->cells_y;
 }
 
-/* Looks for the packet of the splat at a place that is some cells away, and keeps the move where it is the best so far. */
-static void consider_place(const gscl_packet_split *s, uint32_t splat, int dx, int dy, packet_move *best) {
+/* Looks for the packet of the splat, which is moved now, and keeps the move where it is the best so far. */
+static void consider_place(const gscl_packet_split *s, uint32_t splat, const splat_frame *from, packet_move *best) {
+    const gsf_splat *moved = &s->file->splats[splat];
+    float to[GSCL_PARAMS];
+    gscl_dequantise(s->file, moved, to);
+    const double cost = moving_cost(from, to);
+    const uint32_t packet = cost < best->cost ? emptiest_for(s, splat) : s->target.count;
+    if (packet < s->target.count)
+        *best = (packet_move){splat, packet, moved->x, moved->y, cost};
+}
+
+/* Tries all places of a splat. */
+static void consider_splat(const gscl_packet_split *s, uint32_t splat, packet_move *best) {
     gsf_splat *at = &s->file->splats[splat];
     const gsf_splat before = *at;
-    float from[GSCL_PARAMS], to[GSCL_PARAMS];
-    gscl_dequantise(s->file, at, from);
-    if (shift_splat(s->file, at, from[GSCL_THETA], dx, dy)) {
-        gscl_dequantise(s->file, at, to);
-        const double cost = moving_cost(from, to);
-        const uint32_t packet = cost < best->cost ? emptiest_for(s, splat) : s->packets;
-        if (packet < s->packets)
-            *best = (packet_move){splat, packet, at->x, at->y, cost};
-    }
-    *at = before;
+    const splat_frame from = frame_of(s->file, at);
+    const gsf_splat_grid grid = gsf_splat_grid_of(&s->file->header, &s->file->steps, at);
+    for (int dy = -MAX_SHIFT; dy <= MAX_SHIFT; dy++)
+        for (int dx = -MAX_SHIFT; dx <= MAX_SHIFT; dx++) {
+            if (shift_splat(&grid, at, from.slope, dx, dy))
+                consider_place(s, splat, &from, best);
+            *at = before;
+        }
 }
 
 static packet_move find_move(const gscl_packet_split *s, uint32_t from) {
     packet_move best = {.cost = INFINITY};
     for (uint32_t i = 0; i < s->file->header.splat_count; i++)
-        for (int dy = -MAX_SHIFT; s->packet_of[i] == from && dy <= MAX_SHIFT; dy++)
-            for (int dx = -MAX_SHIFT; dx <= MAX_SHIFT; dx++)
-                consider_place(s, i, dx, dy, &best);
+        if (s->packet_of[i] == from)
+            consider_splat(s, i, &best);
     return best;
 }
 

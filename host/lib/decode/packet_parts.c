@@ -13,33 +13,27 @@ void gscl_packet_split_free(gscl_packet_split *s) {
     free(s->scratch);
 }
 
-/* The first packet that may hold a splat; *all: whether every one may. */
-static uint32_t first_for(const gscl_packet_split *s, uint32_t splat, bool *all) {
-    uint32_t first = s->packets, count = 0;
-    for (uint32_t i = 0; i < s->packets; i++) {
-        if (!gsf_packet_may_hold(s->file, splat, s->packets, i))
-            continue;
-        first = count++ == 0 ? i : first;
-    }
-    *all = count == s->packets;
-    return first;
+/* The first packet that may hold a splat. */
+static uint32_t first_for(const gsf_packet_choice *choice) {
+    uint32_t packet = 0;
+    while (!gsf_packet_is_allowed(choice, packet))
+        packet++;
+    return packet;
 }
 
-void gscl_packet_split_assign(gscl_packet_split *s) {
+static void assign(gscl_packet_split *s) {
     uint32_t next = 0;
-    bool all;
     for (uint32_t i = 0; i < s->file->header.splat_count; i++) {
-        const uint32_t packet = first_for(s, i, &all);
-        s->packet_of[i] = (uint16_t)(all ? next++ % s->packets : packet);
+        const gsf_packet_choice choice = gsf_packet_choice_of(s->file, i, s->target.count);
+        s->packet_of[i] = (uint16_t)(choice.packets == 0 ? next++ % s->target.count : first_for(&choice));
     }
 }
 
-gscl_result gscl_packet_split_begin(gscl_packet_split *s, const gsf_coded_image *file) {
-    const size_t count = file->header.splat_count;
-    gsf_header largest = file->header;
+gscl_result gscl_packet_split_begin(gscl_packet_split *s) {
+    const size_t count = s->file->header.splat_count;
     s->packet_of = malloc((count + 1) * sizeof *s->packet_of);
     s->part.splats = malloc((count + 1) * sizeof *s->part.splats);
-    s->scratch = malloc(gsf_scratch_size(&largest) + 8);
+    s->scratch = malloc(gsf_scratch_size(&s->file->header) + 8);
     return s->packet_of && s->part.splats && s->scratch ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
 }
 
@@ -54,7 +48,7 @@ void gscl_packet_split_take(gscl_packet_split *s, uint32_t packet) {
     s->part.stream_bits256 = NULL;
     s->part.blocks = NULL;
     s->part.header.splat_count = count;
-    s->part.header.packets = (uint16_t)s->packets;
+    s->part.header.packets = (uint16_t)s->target.count;
     s->part.header.packet = (uint8_t)packet;
     s->part.identity = s->target.identity;
     gsf_sort(&s->part, s->scratch);
@@ -65,16 +59,17 @@ gscl_result gscl_packet_split_measure(gscl_packet_split *s, uint32_t packet) {
     return gscl_result_of_format(gsf_size(&s->part, &s->sizes[packet], s->scratch));
 }
 
-gscl_result gscl_packet_split_measure_all(gscl_packet_split *s) {
+gscl_result gscl_packet_split_divide(gscl_packet_split *s) {
     gscl_result result = GSCL_OK;
-    for (uint32_t i = 0; i < s->packets && result == GSCL_OK; i++)
+    assign(s);
+    for (uint32_t i = 0; i < s->target.count && result == GSCL_OK; i++)
         result = gscl_packet_split_measure(s, i);
     return result;
 }
 
 uint32_t gscl_packet_split_fullest(const gscl_packet_split *s) {
     uint32_t best = 0;
-    for (uint32_t i = 1; i < s->packets; i++)
+    for (uint32_t i = 1; i < s->target.count; i++)
         best = s->sizes[i] > s->sizes[best] ? i : best;
     return best;
 }

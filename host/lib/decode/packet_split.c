@@ -26,7 +26,7 @@ static uint8_t *append_room(packet_list *list, size_t size) {
 
 static gsf_result append_packets(gscl_packet_split *s, packet_list *list) {
     gsf_result result = GSF_OK;
-    for (uint32_t i = 0; i < s->packets && result == GSF_OK; i++) {
+    for (uint32_t i = 0; i < s->target.count && result == GSF_OK; i++) {
         size_t written;
         uint8_t *packet = append_room(list, s->sizes[i]);
         gscl_packet_split_take(s, i);
@@ -47,14 +47,14 @@ static void set_identity(packet_list *list, uint32_t packets) {
 static void append_repairs(const gscl_packet_split *s, packet_list *list) {
     const size_t longest = s->sizes[gscl_packet_split_fullest(s)];
     for (uint32_t i = 0; i < s->target.repairs; i++)
-        gsf_write_repair(list->packets, s->packets, longest, s->packets + i,
+        gsf_write_repair(list->packets, s->target.count, longest, s->target.count + i,
                          append_room(list, longest - 1 + GSF_REPAIR_FRAME));
 }
 
 static gscl_result write_list(gscl_packet_split *s, uint8_t **bytes, size_t *size) {
     const size_t repair = s->sizes[gscl_packet_split_fullest(s)] - 1 + GSF_REPAIR_FRAME;
     size_t all = GSF_PACKET_LIST_START + s->target.repairs * (gsf_packet_size_field(repair) + repair);
-    for (uint32_t i = 0; i < s->packets; i++)
+    for (uint32_t i = 0; i < s->target.count; i++)
         all += gsf_packet_size_field(s->sizes[i]) + s->sizes[i];
     packet_list list = {.bytes = malloc(all), .size = GSF_PACKET_LIST_START};
     if (!list.bytes)
@@ -66,7 +66,7 @@ static gscl_result write_list(gscl_packet_split *s, uint8_t **bytes, size_t *siz
         return gscl_result_of_format(result);
     }
     if (s->target.identity == 0)
-        set_identity(&list, s->packets);
+        set_identity(&list, s->target.count);
     append_repairs(s, &list);
     *bytes = list.bytes;
     *size = list.size;
@@ -82,12 +82,10 @@ size_t gscl_packets_bytes(const uint8_t *list, size_t size) {
 
 gscl_result gscl_packets_size(const gsf_coded_image *file, uint32_t packets, size_t *size) {
     gsf_coded_image copy = *file; /* whose splats stay as they are */
-    gscl_packet_split s = {.file = &copy, .packets = packets};
-    gscl_result result = gscl_packet_split_begin(&s, file);
-    if (result == GSCL_OK) {
-        gscl_packet_split_assign(&s);
-        result = gscl_packet_split_measure_all(&s);
-    }
+    gscl_packet_split s = {.file = &copy, .target = {.count = packets}};
+    gscl_result result = gscl_packet_split_begin(&s);
+    if (result == GSCL_OK)
+        result = gscl_packet_split_divide(&s);
     *size = 0;
     for (uint32_t i = 0; i < packets && result == GSCL_OK; i++)
         *size += s.sizes[i];
@@ -96,12 +94,11 @@ gscl_result gscl_packets_size(const gsf_coded_image *file, uint32_t packets, siz
 }
 
 gscl_result gscl_packets_write(gsf_coded_image *file, const gscl_packet_target *target, uint8_t **list, size_t *size) {
-    gscl_packet_split s = {.file = file, .packets = target->count, .target = *target};
-    gscl_result result = gscl_packet_split_begin(&s, s.file);
+    gscl_packet_split s = {.file = file, .target = *target};
+    gscl_result result = gscl_packet_split_begin(&s);
     if (result == GSCL_OK) {
         gsf_remove_repeated(file);
-        gscl_packet_split_assign(&s);
-        result = gscl_packet_split_measure_all(&s);
+        result = gscl_packet_split_divide(&s);
     }
     if (result == GSCL_OK)
         result = gscl_packet_balance(&s);
