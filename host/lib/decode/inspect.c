@@ -7,8 +7,8 @@
 #include "decode/blend.h"
 #include "decode/coded_image.h"
 #include "decode/format_result.h"
-#include "format/packet.h"
 #include "decode/frame.h"
+#include "format/packet.h"
 #include "runtime/elementary.h"
 #include "runtime/struct_size.h"
 

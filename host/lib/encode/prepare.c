@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "decode/coded_size.h"
 #include "decode/blend.h"
+#include "decode/coded_size.h"
 #include "decode/quantise.h"
 #include "encode/repairs.h"
 #include "encode/tunables.h"

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "cl/constants.h"
-#include "decode/coded_size.h"
 #include "decode/coded_image.h"
+#include "decode/coded_size.h"
 #include "decode/quantise.h"
 #include "decode/ycocg.h"
 #include "session/encoder.h"

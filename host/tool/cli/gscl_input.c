@@ -14,39 +14,33 @@ static bool is_named_packet(const char *name) {
     return strcmp(name_suffix(name), ".gsclp") == 0;
 }
 
-/* Adds the packets of an input, or takes its bytes as those of a file where it is the only one and holds no packet.  *bytes
- * stays the caller's; it becomes NULL where its packets were added. */
-static bool take_input(const char *name, const gscl_form *form, bool is_only, uint8_t **bytes, size_t *size,
-                       packet_collection *packets) {
+/* Takes what was read of an input; *bytes stay those of a file, where the only input is one.  Otherwise its packets are added,
+ * and *has_packets is set.  Reports errors. */
+static bool take_input(const char *name, const gscl_form *form, bool is_only, uint8_t *bytes, size_t *size,
+                       packet_collection *packets, bool *has_packets) {
     const char *label = input_label(name);
-    if (form->bare)
-        return true;
-    const bool is_text = form->base64 && is_packet_text(*bytes, *size);
-    const char *error = form->base64 && !is_text ? base64_decode(*bytes, size) : NULL;
+    const bool is_text = form->base64 && !form->bare && is_packet_text(bytes, *size);
+    const char *error = form->base64 && !is_text ? base64_decode(bytes, size) : NULL;
+    *has_packets = is_text || (!form->bare && (!is_only || is_packet_input(bytes, *size)));
     if (error)
         return report_error(label, "%s", error);
-    if (!is_text && is_only && !is_packet_input(*bytes, *size))
-        return !is_named_packet(name) || report_error(label, "is damaged, or no packet of a picture");
-    const bool ok =
-        is_text ? packets_collect_text(packets, label, *bytes, *size) : packets_collect(packets, label, *bytes, *size);
-    free(*bytes);
-    *bytes = NULL;
-    return ok;
+    if (!*has_packets)
+        return form->bare || !is_named_packet(name) || report_error(label, "is damaged, or no packet of a picture");
+    return is_text ? packets_collect_text(packets, label, bytes, *size) : packets_collect(packets, label, bytes, *size);
 }
 
 /* Reads an input; *bytes is NULL afterwards where it had packets. */
 static bool read_input(const char *name, const gscl_form *form, bool is_only, uint8_t **bytes, size_t *size,
                        packet_collection *packets) {
+    bool has_packets;
     if (!read_file(name, MAX_GSCL_FILE, bytes, size))
         return false;
-    const char *error = form->bare && form->base64 ? base64_decode(*bytes, size) : NULL;
-    if (error)
-        report_error(input_label(name), "%s", error);
-    if (!error && take_input(name, form, is_only, bytes, size, packets))
+    const bool ok = take_input(name, form, is_only, *bytes, size, packets, &has_packets);
+    if (ok && !has_packets)
         return true;
     free(*bytes);
     *bytes = NULL;
-    return false;
+    return ok;
 }
 
 /* Reports that no packet of the inputs can be drawn. */

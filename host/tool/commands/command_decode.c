@@ -186,13 +186,6 @@ static int decode_file(const decode_options *options) {
     return status;
 }
 
-static decode_options with_inputs(decode_options decode, char *const *inputs, int count) {
-    decode.input = inputs[0];
-    decode.inputs = inputs;
-    decode.input_count = count;
-    return decode;
-}
-
 static option_outcome parse_decode(decode_options *decode, int argc, char **argv) {
     const option_spec options[] = {
         {.name = "output",
@@ -269,8 +262,11 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
     };
     int first;
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
-    if (outcome == OPTIONS_RUN)
-        *decode = with_inputs(*decode, argv + first, argc - first);
+    if (outcome == OPTIONS_RUN) {
+        decode->inputs = argv + first;
+        decode->input_count = argc - first;
+        decode->input = argv[first];
+    }
     return outcome;
 }
 
