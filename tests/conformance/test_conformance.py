@@ -2,6 +2,7 @@
 
 CODES is the program of codes.c, which may have been built for another machine (codes.py), or that of decode_single.c.
 """
+import functools
 import json
 import pathlib
 import random
@@ -154,40 +155,30 @@ class Both(unittest.TestCase):
                     data = path(entry).read_bytes()
                     self.assertEqual(lines, [prefix_line(data[:size], bare) for size in range(len(data) + 1)])
 
-    def test_mutations(self):
-        """Both readers agree on pictures of which a byte was changed, as to the result and the codes."""
-        pick = random.Random(1)
+    def check_changed(self, make, bare, results, with_codes=True):
+        """Both readers agree on the files that make(folder) writes, as to the result and the codes; `results`: those that occur."""
         with tempfile.TemporaryDirectory() as folder:
-            files = list(mutations(pathlib.Path(folder), pick))
-            results = set()
-            for file, (result, text) in zip(files, CODES.read(True, files), strict=True):
+            files = list(make(pathlib.Path(folder)))
+            found = set()
+            for file, read in zip(files, CODES.read(bare, files), strict=True):
                 with self.subTest(file=file.name):
-                    results.add(result)
-                    self.assertEqual((result, text), by_decoder(file.read_bytes(), True))
-            self.assertEqual(results, {"valid", "corrupt", "truncated"})
+                    found.add(read[0])
+                    expected = by_decoder(file.read_bytes(), bare)
+                    self.assertEqual(*((tuple(read), expected) if with_codes else (read[0], expected[0])))
+            self.assertEqual(found, results)
+
+    def test_mutations(self):
+        """Pictures of which a byte was changed."""
+        self.check_changed(functools.partial(mutations, pick=random.Random(1)), True, {"valid", "corrupt", "truncated"})
 
     def test_changed_blocks(self):
-        """Both readers agree on complete files of which a byte was changed, with and without a check that matches."""
-        with tempfile.TemporaryDirectory() as folder:
-            files = list(changed_files(pathlib.Path(folder)))
-            results = set()
-            for file, (result, _) in zip(files, CODES.read(False, files), strict=True):
-                with self.subTest(file=file.name):
-                    results.add(result)
-                    self.assertEqual(result, by_decoder(file.read_bytes(), False)[0])
-            self.assertEqual(results, {result.replace(" ", "-") for result in RESULTS})
+        """Complete files of which a byte was changed, with and without a check that matches."""
+        self.check_changed(changed_files, False, {result.replace(" ", "-") for result in RESULTS}, with_codes=False)
 
     def test_changed_lists(self):
-        """Both readers agree on lists of packets of which a byte was changed, with and without a check that matches."""
-        pick = random.Random(1)
-        with tempfile.TemporaryDirectory() as folder:
-            files = list(changed_lists(pathlib.Path(folder), pick))
-            results = set()
-            for file, (result, text) in zip(files, CODES.read(False, files), strict=True):
-                with self.subTest(file=file.name):
-                    results.add(result)
-                    self.assertEqual((result, text), by_decoder(file.read_bytes(), False))
-            self.assertEqual(results, {"valid", "not-a-gscl-file", "truncated", "damaged"})
+        """Lists of packets of which a byte was changed, with and without a check that matches."""
+        self.check_changed(functools.partial(changed_lists, pick=random.Random(1)), False,
+                           {"valid", "not-a-gscl-file", "truncated", "damaged"})
 
     def test_writes(self):
         """make.py makes the set that is here."""

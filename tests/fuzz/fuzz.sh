@@ -33,13 +33,13 @@ more=
 kept=tests/fuzz/corpus/$target
 case $target in
 reader)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c $format"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/reader_mutator.c $format"
     options="-max_len=64 -entropic=0"
     kept="$kept tests/conformance/files"
     measured=format
     ;;
 rows)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/reader_mutator.c $format $rows"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/reader_mutator.c $format $rows"
     options="-max_len=64 -entropic=0"
     kept="tests/fuzz/corpus/reader tests/conformance/files"
     more="-Ihost/lib -ffp-contract=off -lm"
@@ -51,13 +51,13 @@ writer)
     measured=format
     ;;
 packets)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_mutator.c $format"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c $format"
     options="-max_len=512 -entropic=0"
     kept="$kept tests/conformance/files"
     measured="format/packet.c format/repair.c format/classes.c"
     ;;
 decoder)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/packet_mutator.c host/lib/decode/decoder.c"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c host/lib/decode/decoder.c"
     options="-max_len=512 -entropic=0"
     more="-Ihost/lib -fsanitize=address,undefined,fuzzer-no-link $folder/decoder/libgscl.a -lm"
     kept="$kept tests/fuzz/corpus/packets tests/conformance/files"

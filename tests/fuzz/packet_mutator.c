@@ -20,16 +20,6 @@ typedef struct packet_copy {
 static packet_copy packets[MAX_PACKETS + 1];
 static uint32_t count;
 
-static uint32_t random_state;
-
-/* xorshift, below n. */
-static uint32_t pick(uint32_t n) {
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state % n;
-}
-
 /* Takes a list apart. */
 static void take(const uint8_t *data, size_t size) {
     gsf_bytes packet;
@@ -64,33 +54,13 @@ static bool is_repair(const packet_copy *packet) {
     return gsf_open_repair((gsf_bytes){packet->bytes, packet->size}, &identity, &number);
 }
 
-/* The size of the picture that a decoder of these bytes reads, if it is smaller. */
-static size_t picture_end(const uint8_t *picture, size_t size) {
-    static fuzz_memory memory;
-    gsf_header header = {.packets = 1};
-    gsf_coded_image image;
-    gsf_coder coder;
-    gsf_coder_read_from(&coder, picture, size, NULL);
-    gsf_code_fields(&coder, &header);
-    if (!fuzz_create(&image, &memory, &header))
-        return size;
-    image.header.packets = 1;
-    gsf_coder_read_from(&coder, picture, size, NULL);
-    gsf_code_header(&coder, &image);
-    if (!gsf_code_payload(&coder, &image, gsf_workspace_in(&image.header, fuzz_scratch(&image.header))) ||
-        coder.decoder.position < GSF_IMPLIED_BYTES)
-        return size;
-    const size_t end = coder.decoder.position - GSF_IMPLIED_BYTES;
-    return end < size ? end : size;
-}
-
 /* Changes the picture of a packet, whose check then matches. */
 static void change_picture(packet_copy *packet) {
     if (packet->size <= GSF_PACKET_FRAME)
         return;
     uint8_t *picture = packet->bytes + 1;
     const size_t size = LLVMFuzzerMutate(picture, packet->size - GSF_PACKET_FRAME, ROOM - GSF_PACKET_FRAME);
-    packet->size = gsf_put_packet_frame(packet->bytes, picture_end(picture, size), packet->bytes[0]);
+    packet->size = gsf_put_packet_frame(packet->bytes, fuzz_picture_end(picture, size, true), packet->bytes[0]);
 }
 
 /* Changes a repair packet, whose check then matches. */
@@ -101,7 +71,7 @@ static void change_repair(packet_copy *packet) {
 }
 
 static void change_packet(packet_copy *packet) {
-    if (pick(12) == 0)
+    if (fuzz_pick(12) == 0)
         packet->size = LLVMFuzzerMutate(packet->bytes, packet->size, ROOM);
     else if (is_repair(packet))
         change_repair(packet);
@@ -114,13 +84,13 @@ static void change_identity(packet_copy *packet) {
     gsf_header header;
     uint8_t identity;
     if (gsf_read_packet_header((gsf_bytes){packet->bytes, packet->size}, &identity, &header) == GSF_OK)
-        packet->size = gsf_put_packet_frame(packet->bytes, packet->size - GSF_PACKET_FRAME, (uint8_t)pick(3));
+        packet->size = gsf_put_packet_frame(packet->bytes, packet->size - GSF_PACKET_FRAME, (uint8_t)fuzz_pick(3));
 }
 
 static void move_packets(void) {
-    const uint32_t i = pick(count), j = pick(count);
+    const uint32_t i = fuzz_pick(count), j = fuzz_pick(count);
     packets[MAX_PACKETS] = packets[i];
-    switch (pick(3)) {
+    switch (fuzz_pick(3)) {
     case 0: /* two change places */
         packets[i] = packets[j];
         packets[j] = packets[MAX_PACKETS];
@@ -148,7 +118,7 @@ static void append_repair(uint8_t *data, size_t max_size) {
     }
     if (!complete || longest + GSF_REPAIR_FRAME > ROOM)
         return;
-    gsf_write_repair(sorted, all, longest, all + pick(GSF_MAX_PACKETS - all), packets[count].bytes);
+    gsf_write_repair(sorted, all, longest, all + fuzz_pick(GSF_MAX_PACKETS - all), packets[count].bytes);
     packets[count++].size = longest - 1 + GSF_REPAIR_FRAME;
 }
 
@@ -156,11 +126,11 @@ static size_t mutate_list(uint8_t *data, size_t size, size_t max_size) {
     take(data, size);
     if (count == 0)
         return LLVMFuzzerMutate(data, size, max_size);
-    const uint32_t kind = pick(8);
+    const uint32_t kind = fuzz_pick(8);
     if (kind < 4)
-        change_packet(&packets[pick(count)]);
+        change_packet(&packets[fuzz_pick(count)]);
     else if (kind == 4)
-        change_identity(&packets[pick(count)]);
+        change_identity(&packets[fuzz_pick(count)]);
     else if (kind == 5)
         append_repair(data, max_size);
     else
@@ -169,8 +139,8 @@ static size_t mutate_list(uint8_t *data, size_t size, size_t max_size) {
 }
 
 size_t fuzz_mutate_packets(uint8_t *data, size_t size, size_t max_size, unsigned seed) {
-    random_state = seed | 1;
-    if (gsf_is_packet_list(data, size) && pick(16) > 0)
+    fuzz_begin_picks(seed);
+    if (gsf_is_packet_list(data, size) && fuzz_pick(16) > 0)
         return mutate_list(data, size, max_size);
     return LLVMFuzzerMutate(data, size, max_size);
 }

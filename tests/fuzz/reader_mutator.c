@@ -12,16 +12,6 @@
 
 static const uint8_t START[FIXED_SIZE] = {0xC7, 'g', 's', 'c', GSF_VERSION};
 
-static uint32_t random_state;
-
-/* xorshift, below n. */
-static uint32_t pick(uint32_t n) {
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state % n;
-}
-
 static bool is_whole(const uint8_t *data, size_t size) {
     return size >= FIXED_SIZE + GSF_CHECK_SIZE && memcmp(data, START, 4) == 0;
 }
@@ -31,25 +21,8 @@ static void seal(uint8_t *data, size_t size) {
     gsf_put_check(data, size - GSF_CHECK_SIZE, 0);
 }
 
-/* The size of the picture that a decoder of these bytes reads, if it is smaller. */
-static size_t picture_end(const uint8_t *picture, size_t size) {
-    static fuzz_memory memory;
-    gsf_header header;
-    gsf_coded_image image;
-    gsf_coder coder;
-    if (gsf_read_header(picture, size, true, &header) != GSF_OK || !fuzz_create(&image, &memory, &header))
-        return size;
-    gsf_workspace *workspace = gsf_workspace_in(&header, fuzz_scratch(&header));
-    gsf_coder_read_from(&coder, picture, size, NULL);
-    gsf_code_header(&coder, &image);
-    if (!gsf_code_payload(&coder, &image, workspace) || coder.decoder.position < GSF_IMPLIED_BYTES)
-        return size;
-    const size_t end = coder.decoder.position - GSF_IMPLIED_BYTES;
-    return end < size ? end : size;
-}
-
 static size_t mutate_picture(uint8_t *picture, size_t size, size_t max_size) {
-    return picture_end(picture, LLVMFuzzerMutate(picture, size, max_size));
+    return fuzz_picture_end(picture, LLVMFuzzerMutate(picture, size, max_size), false);
 }
 
 /* Changes the picture of a whole file, whose blocks stay. */
@@ -72,13 +45,13 @@ static size_t mutate_inside(uint8_t *data, size_t size, size_t max_size) {
 
 /* Changes one code of one splat a little. */
 static void change_splat(gsf_coded_image *image) {
-    const uint32_t i = pick(image->header.splat_count);
-    const int step = (int)pick(9) - 4;
+    const uint32_t i = fuzz_pick(image->header.splat_count);
+    const int step = (int)fuzz_pick(9) - 4;
     gsf_splat *s = &image->splats[i];
     uint16_t *codes[] = {&s->major,          &s->aspect,           &s->angle,
                          &s->opacity,        (uint16_t *)&s->luma, (uint16_t *)&s->co,
                          (uint16_t *)&s->cg, (uint16_t *)&s->alpha};
-    const uint32_t which = pick(10);
+    const uint32_t which = fuzz_pick(10);
     if (image->header.coding == GSF_CODING_CODEBOOK)
         image->indexed[i].x = (uint16_t)(image->indexed[i].x + step);
     else if (which < 8)
@@ -86,7 +59,8 @@ static void change_splat(gsf_coded_image *image) {
     else if (which == 8)
         s->x += (uint32_t)step;
     else
-        s->texture = (gsf_texture){(uint8_t)pick(16), (uint8_t)pick(16), (uint8_t)pick(8), (uint8_t)pick(17)};
+        s->texture = (gsf_texture){(uint8_t)fuzz_pick(16), (uint8_t)fuzz_pick(16), (uint8_t)fuzz_pick(8),
+                                   (uint8_t)fuzz_pick(17)};
 }
 
 /* Changes codes and writes them again. */
@@ -112,20 +86,20 @@ static size_t mutate_codes(uint8_t *data, size_t size, size_t max_size) {
 
 /* Writes a block with some bytes of content. */
 static size_t put_block(uint8_t *at, unsigned type, bool last) {
-    const uint32_t size = type == 0 && pick(8) > 0 ? 2 : pick(20);
-    *at++ = (uint8_t)(type | (pick(8) == 0 ? 0x40 : 0) | (last ? 0x80 : 0));
+    const uint32_t size = type == 0 && fuzz_pick(8) > 0 ? 2 : fuzz_pick(20);
+    *at++ = (uint8_t)(type | (fuzz_pick(8) == 0 ? 0x40 : 0) | (last ? 0x80 : 0));
     *at++ = (uint8_t)size;
     for (uint32_t i = 0; i < size; i++)
-        *at++ = (uint8_t)pick(256);
+        *at++ = (uint8_t)fuzz_pick(256);
     return size + 2;
 }
 
 static size_t put_blocks(uint8_t *at, unsigned first) {
     size_t size = 0;
-    const bool two = pick(2);
+    const bool two = fuzz_pick(2);
     if (two)
-        size = put_block(at, first + pick(2), false);
-    return size + put_block(at + size, first + 1 + pick(pick(4) == 0 ? 30 : 2), true);
+        size = put_block(at, first + fuzz_pick(2), false);
+    return size + put_block(at + size, first + 1 + fuzz_pick(fuzz_pick(4) == 0 ? 30 : 2), true);
 }
 
 /* Puts new blocks around the picture, or takes all away; sometimes the container, too. */
@@ -134,7 +108,7 @@ static size_t change_form(uint8_t *data, size_t size, size_t max_size) {
     gsf_container container = {.picture = {data, size}};
     if (size > ROOM || (is_whole(data, size) && gsf_open_container(data, size, &container) != GSF_OK))
         return size;
-    const bool before = pick(2), after = pick(2), bare = pick(8) == 0;
+    const bool before = fuzz_pick(2), after = fuzz_pick(2), bare = fuzz_pick(8) == 0;
     size_t at = bare ? 0 : FIXED_SIZE, list = 0;
     memcpy(file, START, FIXED_SIZE);
     file[4] = (uint8_t)(file[4] | (before ? 0x10 : 0) | (after ? 0x20 : 0));
@@ -156,7 +130,7 @@ static size_t change_form(uint8_t *data, size_t size, size_t max_size) {
 }
 
 static size_t mutate(uint8_t *data, size_t size, size_t max_size) {
-    const uint32_t kind = pick(8);
+    const uint32_t kind = fuzz_pick(8);
     if (kind < 3)
         return LLVMFuzzerMutate(data, size, max_size);
     if (kind < 6)
@@ -165,9 +139,9 @@ static size_t mutate(uint8_t *data, size_t size, size_t max_size) {
 }
 
 size_t fuzz_mutate_file(uint8_t *data, size_t size, size_t max_size, unsigned seed) {
-    random_state = seed | 1;
+    fuzz_begin_picks(seed);
     size = mutate(data, size, max_size);
-    if (is_whole(data, size) && pick(16) > 0)
+    if (is_whole(data, size) && fuzz_pick(16) > 0)
         seal(data, size);
     return size;
 }

@@ -196,3 +196,28 @@ void synthetic_codebooks(gsf_coded_image *image, int32_t longest) {
         splat->y = (uint16_t)synthetic_random(1u << books->position_bits);
     }
 }
+
+gsf_result synthetic_file_of_kind(const synthetic_kind *kind, int number, uint8_t **bytes, size_t *size) {
+    gsf_header header = synthetic_header(number, kind->coding);
+    header.width = kind->width;
+    header.height = kind->height;
+    header.splat_count = kind->splats;
+    header.has_texture = kind->coding == GSF_CODING_SCALAR && number % 2;
+    *bytes = NULL;
+    synthetic_scene *scene = synthetic_scene_new(&header);
+    if (!scene)
+        return GSF_NO_SPACE;
+    gsf_coded_image *image = &scene->image;
+    synthetic_background(image);
+    synthetic_steps(image);
+    image->steps.scale = 4;
+    image->bare = kind->bare;
+    if (kind->coding == GSF_CODING_CODEBOOK)
+        synthetic_codebooks(image, 280);
+    for (uint32_t i = 0; kind->coding == GSF_CODING_SCALAR && i < kind->splats; i++)
+        synthetic_splat(image, &image->splats[i], 2 + synthetic_random(10),
+                        header.has_anisotropy ? synthetic_random(10) : 0);
+    const gsf_result result = synthetic_scene_write(scene, bytes, size);
+    synthetic_scene_free(scene);
+    return result;
+}

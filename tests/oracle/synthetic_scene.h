@@ -36,6 +36,14 @@ void synthetic_place_splat(const gsf_coded_image *image, gsf_splat *splat, doubl
 /* Writes a file of the most frequent kind, RGB in scalar coding, with splats of some pixels each, into a new buffer, which the
  * caller frees.  Returns false when memory runs out. */
 bool synthetic_file(uint32_t width, uint32_t height, uint32_t splats, uint8_t **bytes, size_t *size);
+/* A file of a random kind, of which twelve numbers have all blends and layouts, with splats of some pixels each. */
+typedef struct {
+    uint32_t width, height, splats;
+    gsf_coding coding;
+    bool bare;
+} synthetic_kind;
+/* Writes it into a new buffer, which the caller frees, also after an error. */
+gsf_result synthetic_file_of_kind(const synthetic_kind *kind, int number, uint8_t **bytes, size_t *size);
 /* Random codebooks with axes up to `longest` 32nds of an octave above 1/16 pixel, and random splats that use them. */
 void synthetic_codebooks(gsf_coded_image *image, int32_t longest);
 

@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L /* posix_memalign */
 #include "faults.h"
+#include "wrapped_allocations.h"
 
 #include <errno.h>
 #include <malloc.h>
@@ -68,13 +69,7 @@ bool fault_fails(fault_kind kind, const char *call) {
 
 /* ---- Memory ------------------------------------------------------------------------------------ */
 
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
 void __real_free(void *memory);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
 void __wrap_free(void *memory);
 int __real_posix_memalign(void **memory, size_t alignment, size_t size);
 int __wrap_posix_memalign(void **memory, size_t alignment, size_t size);

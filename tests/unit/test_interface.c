@@ -19,6 +19,7 @@
 #include "one_context.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
+#include "wrapped_allocations.h"
 
 #define POISON 0xA5
 
@@ -47,13 +48,6 @@ static void assert_poisoned(const void *sized, size_t from, size_t to) {
 /* ---- Allocations of the library (meson.build redirects its calls to these) ---- */
 
 static size_t allocated_bytes; /* since a test set it to 0 */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
 
 void *__wrap_malloc(size_t size) {
     allocated_bytes += size;

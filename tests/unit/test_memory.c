@@ -14,6 +14,7 @@
 #include "devices.h"
 #include "joined_tests.h"
 #include "synthetic_scene.h"
+#include "wrapped_allocations.h"
 
 #define WIDTH 40
 #define HEIGHT 24
@@ -21,13 +22,6 @@
 #define MAX_FAILURES 60 /* encodes of one test with a failing allocation; later allocations repeat earlier ones */
 
 static int allocations, failing; /* since the last reset; the number of the one that fails, 0: none */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
 
 static bool fails(void) {
     return ++allocations == failing;

@@ -15,6 +15,7 @@
 #include "devices.h"
 #include "synthetic_image.h"
 #include "synthetic_scene.h"
+#include "wrapped_allocations.h"
 
 enum { KINDS = 12, WIDTH = 530, HEIGHT = 50, SPLATS = 250, MANY_SPLATS = 6000, SOFTWARE_PIXELS = 65536, GUARD = 64 };
 #define POISON 0xA7
@@ -35,13 +36,6 @@ static int close_host(void **state) {
 /* ---- Allocations of the library (meson.build redirects its calls to these) ---- */
 
 static int allocations; /* since a test set it to 0 */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
 
 void *__wrap_malloc(size_t size) {
     allocations++;
@@ -67,27 +61,10 @@ typedef struct file {
 
 /* A file of a random kind; twelve numbers have all blends and layouts. */
 static file file_of(int number, gsf_coding coding, uint32_t splats, bool bare) {
+    const synthetic_kind kind = {WIDTH, HEIGHT, splats, coding, bare};
     file f = {NULL, 0};
     synthetic_random_state = 57 + (uint32_t)number;
-    gsf_header header = synthetic_header(number, coding);
-    header.width = WIDTH;
-    header.height = HEIGHT;
-    header.splat_count = splats;
-    header.has_texture = coding == GSF_CODING_SCALAR && number % 2;
-    synthetic_scene *scene = synthetic_scene_new(&header);
-    assert_non_null(scene);
-    gsf_coded_image *image = &scene->image;
-    synthetic_background(image);
-    synthetic_steps(image);
-    image->steps.scale = 4;
-    image->bare = bare;
-    if (coding == GSF_CODING_CODEBOOK)
-        synthetic_codebooks(image, 280);
-    for (uint32_t i = 0; coding == GSF_CODING_SCALAR && i < splats; i++)
-        synthetic_splat(image, &image->splats[i], 2 + synthetic_random(10),
-                        header.has_anisotropy ? synthetic_random(10) : 0);
-    assert_int_equal(synthetic_scene_write(scene, &f.bytes, &f.size), GSF_OK);
-    synthetic_scene_free(scene);
+    assert_int_equal(synthetic_file_of_kind(&kind, number, &f.bytes, &f.size), GSF_OK);
     return f;
 }
 

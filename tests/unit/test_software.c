@@ -28,27 +28,10 @@ typedef struct {
 
 /* A file of a random kind; twelve numbers have all blends and layouts. */
 static file file_of(int number, gsf_coding coding, uint32_t splats, bool bare) {
+    const synthetic_kind kind = {WIDTH, HEIGHT, splats, coding, bare};
     file f = {NULL, 0};
     synthetic_random_state = 31 + (uint32_t)number;
-    gsf_header header = synthetic_header(number, coding);
-    header.width = WIDTH;
-    header.height = HEIGHT;
-    header.splat_count = splats;
-    header.has_texture = coding == GSF_CODING_SCALAR && number % 2;
-    synthetic_scene *scene = synthetic_scene_new(&header);
-    assert_non_null(scene);
-    synthetic_background(&scene->image);
-    synthetic_steps(&scene->image);
-    scene->image.steps.scale = 4;
-    scene->image.bare = bare;
-    if (coding == GSF_CODING_CODEBOOK)
-        synthetic_codebooks(&scene->image, 280);
-    else
-        for (uint32_t i = 0; i < splats; i++)
-            synthetic_splat(&scene->image, &scene->image.splats[i], 2 + synthetic_random(10),
-                            header.has_anisotropy ? synthetic_random(10) : 0);
-    assert_int_equal(synthetic_scene_write(scene, &f.bytes, &f.size), GSF_OK);
-    synthetic_scene_free(scene);
+    assert_int_equal(synthetic_file_of_kind(&kind, number, &f.bytes, &f.size), GSF_OK);
     return f;
 }
 
