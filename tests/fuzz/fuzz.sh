@@ -5,7 +5,7 @@
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader, rows, writer, packets, decoder, image or options; README.md says what each does.  FOLDER: holds the program,
+# TARGET: reader, rows, writer, packets, division, decoder, image or options; README.md says what each does.  FOLDER: holds the program,
 # and in FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, packets and the
 # decoder, the conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
 #
@@ -33,7 +33,7 @@ more=
 kept=tests/fuzz/corpus/$target
 case $target in
 reader)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/reader_mutator.c $format"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/reader_mutator.c tests/fuzz/sample.c $format"
     options="-max_len=64 -entropic=0"
     kept="$kept tests/conformance/files"
     measured=format
@@ -51,14 +51,21 @@ writer)
     measured=format
     ;;
 packets)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c $format"
-    options="-max_len=512 -entropic=0"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/packet_list.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c
+        tests/fuzz/sample.c $format"
+    options="-max_len=256 -entropic=0"
     kept="$kept tests/conformance/files"
+    measured="format/packet.c format/repair.c"
+    ;;
+division)
+    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_list.c $format"
+    options="-max_len=512 -entropic=0"
     measured="format/packet.c format/repair.c format/classes.c"
     ;;
 decoder)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c host/lib/decode/decoder.c"
-    options="-max_len=512 -entropic=0"
+    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c tests/fuzz/sample.c
+        host/lib/decode/decoder.c"
+    options="-max_len=256 -entropic=0"
     more="-Ihost/lib -fsanitize=address,undefined,fuzzer-no-link $folder/decoder/libgscl.a -lm"
     kept="$kept tests/fuzz/corpus/packets tests/conformance/files"
     measured=host/lib/decode/decoder.c
@@ -103,7 +110,7 @@ fi
 
 traced=
 case $target in
-reader | writer | packets | decoder) traced=-fno-sanitize-coverage=trace-cmp ;;
+reader | writer | packets | division | decoder) traced=-fno-sanitize-coverage=trace-cmp ;;
 esac
 $compile -O2 -DFUZZ_SAMPLE -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined $traced \
     tests/fuzz/fuzz_$target.c $sources $more -o "$folder/fuzz-$target"

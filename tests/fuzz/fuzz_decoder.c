@@ -7,13 +7,20 @@
 #include <gscl/gscl.h>
 
 #include "mutator.h"
+#include "sample.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-#define MAX_PIXELS 3000u /* that are drawn: keeps the time of an input short */
+/* What is drawn: most of what takes long is left to a sample of the inputs. */
+#define USUAL_PIXELS 200u
+#define USUAL_WORK 20000u
+#define USUAL_SPLATS 40u
+#define MAX_PIXELS 3000u
 #define MAX_WORK 200000u
+#define MAX_SPLATS 3000u
 
 static gscl_context *context;
+static bool is_sampled; /* this input */
 
 static void require(bool condition, const char *message) {
     if (!condition) {
@@ -33,10 +40,14 @@ static void open_context(void) {
 static gscl_decode_settings limited(void) {
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
-    settings.max_pixels = MAX_PIXELS;
-    settings.max_work = MAX_WORK;
+    settings.max_pixels = is_sampled ? MAX_PIXELS : USUAL_PIXELS;
+    settings.max_work = is_sampled ? MAX_WORK : USUAL_WORK;
     settings.partial = true;
     return settings;
+}
+
+static uint32_t max_splats(void) {
+    return is_sampled ? MAX_SPLATS : USUAL_SPLATS;
 }
 
 static gscl_decoder *new_decoder(void) {
@@ -73,7 +84,7 @@ static void add_packets(const uint8_t *list, size_t size) {
     while (gscl_next_packet(list, size, &position, &packet, &packet_size)) {
         gscl_packet_info info = {.struct_size = sizeof info};
         const gscl_result probed = gscl_packet_probe(packet, packet_size, &info);
-        const gscl_result result = probed == GSCL_OK && info.splats > MAX_PIXELS
+        const gscl_result result = probed == GSCL_OK && info.splats > max_splats()
                                        ? GSCL_ERROR_CORRUPT
                                        : gscl_decoder_add_packet(decoder, packet, packet_size);
         require(probed == GSCL_OK || result == probed, "a packet is taken whose header cannot be read");
@@ -113,8 +124,10 @@ static void add_bytes(const uint8_t *bytes, size_t size) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     gscl_info info = {.struct_size = sizeof info};
     open_context();
+    is_sampled = fuzz_is_sampled(data, size, 32);
     add_packets(data, size);
-    if (size > 1 && (gscl_probe(data, size, NULL, &info) != GSCL_OK || info.splats <= MAX_PIXELS))
+    if (size > 1 && fuzz_is_sampled(data, size, 8) &&
+        (gscl_probe(data, size, NULL, &info) != GSCL_OK || info.splats <= max_splats()))
         add_bytes(data, size);
     return 0;
 }

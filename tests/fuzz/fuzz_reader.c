@@ -5,6 +5,7 @@
 
 #include "coded_memory.h"
 #include "mutator.h"
+#include "sample.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -12,15 +13,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static fuzz_memory memory, memory_again;
 static uint8_t written[FUZZ_MAX_FILE], written_again[FUZZ_MAX_FILE];
-
-/* Whether a check that takes long is made of this input: of all in replay.c, of one in `share` when fuzzing. */
-static bool is_sampled(const uint8_t *bytes, size_t size, unsigned share) {
-#ifdef FUZZ_SAMPLE
-    return size > 0 && bytes[size - 1] % share == 0;
-#else
-    return size > 0 && share > 0 && bytes != NULL;
-#endif
-}
 
 /* Writes an image that was read. */
 static size_t write_image(gsf_coded_image *image, uint8_t *bytes) {
@@ -72,19 +64,19 @@ static gsf_result read_and_rewrite(const uint8_t *bytes, size_t size, bool bare)
     gsf_result result = gsf_read_header(bytes, size, bare, &header);
     if (result != GSF_OK || !fuzz_create(&image, &memory, &header))
         return result;
-    if (header.splat_count > USUAL_SPLATS && !is_sampled(bytes, size, 16))
+    if (header.splat_count > USUAL_SPLATS && !fuzz_is_sampled(bytes, size, 16))
         return result;
     image.bare = bare;
     image.stream_bits256 = NULL; /* rewriting counts them */
     result = gsf_read(bytes, size, &image, fuzz_scratch(&header));
-    if (result == GSF_OK && is_sampled(bytes, size, 4)) {
+    if (result == GSF_OK && fuzz_is_sampled(bytes, size, 4)) {
         if (!bare && gsf_open_container(bytes, size, &container) == GSF_OK) {
             check_parts(&container);
             image.blocks = container.blocks;
         }
         check_rewriting(&image);
     }
-    if (is_sampled(bytes, size, 8))
+    if (fuzz_is_sampled(bytes, size, 8))
         read_prefix(bytes, size / 2, &header, bare);
     return result;
 }

@@ -80,7 +80,6 @@ def reader_seeds(gscl):
 
 
 def packets_seeds(gscl):
-    """Lists of packets; other inputs of this target, of which each byte is a choice, are found by fuzzing."""
     target = "--packets=60", "--packet-identity=1"
     return {f"{name}.packets": encoded(gscl, scene(40, 30, 3, 8), *options, target=target) for name, options in PACKETS.items()}
 
