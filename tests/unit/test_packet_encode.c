@@ -10,6 +10,7 @@
 #include <gscl/gscl.h>
 #include <gscl/measure.h>
 
+#include "encode/repairs.h"
 #include "one_context.h"
 #include "synthetic_image.h"
 
@@ -142,6 +143,22 @@ static void test_largest_numbers(void **state) {
     synthetic_image_free(&image);
 }
 
+/* Ten packets arrive whole in at least 94 of 100 cases, and more loss never takes fewer repair packets. */
+static void test_repairs_follow_the_loss(void **state) {
+    (void)state;
+    assert_int_equal(gscl_choose_repairs(10, 0), 0);
+    assert_int_equal(gscl_choose_repairs(10, 0.05), 3);
+    assert_int_equal(gscl_choose_repairs(10, 0.1), 3);
+    assert_int_equal(gscl_choose_repairs(10, 0.2), 5);
+    assert_int_equal(gscl_choose_repairs(10, 0.4), 6);
+    for (uint32_t all = 1; all <= GSCL_MAX_PACKETS; all += 9)
+        for (int percent = 0, before = 0; percent <= 90; percent++) {
+            const int repairs = (int)gscl_choose_repairs(all, percent / 100.0);
+            assert_in_range(repairs, before, (int)all - 1);
+            before = repairs;
+        }
+}
+
 /* A target in bytes is that of all packets, repair packets included. */
 static void test_targets(void **state) {
     (void)state;
@@ -254,6 +271,7 @@ static void test_conflicts(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_repairs_follow_the_loss),
         cmocka_unit_test(test_numbers_of_packets),
         cmocka_unit_test(test_layouts),
         cmocka_unit_test(test_flat_pictures),

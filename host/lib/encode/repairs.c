@@ -20,12 +20,12 @@ static double expected_loss(uint32_t all, uint32_t repairs, double loss) {
 }
 
 uint32_t gscl_choose_repairs(uint32_t all, double loss) {
-    uint32_t best = 0;
+    uint32_t most = 0;
     double least = INFINITY;
-    for (uint32_t repairs = 0; loss > 0 && repairs < all; repairs++) {
-        const double expected = expected_loss(all, repairs, loss);
-        best = expected < least ? repairs : best;
-        least = fmin(expected, least);
-    }
-    return best;
+    for (uint32_t repairs = 0; loss > 0 && repairs < all; repairs++)
+        least = fmin(expected_loss(all, repairs, loss), least);
+    for (uint32_t repairs = 0; loss > 0 && repairs < all; repairs++)
+        if (expected_loss(all, repairs, loss) <= least + gscl_encode_tunables.packet_reserve)
+            most = repairs;
+    return most;
 }

@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-/* The number of repair packets, of `all` packets, that gives the best expected quality where each packet is lost with the
- * probability `loss`, 0..1, independently of the others.  0 for a loss of 0. */
+/* The number of repair packets, of `all` packets, where each packet is lost with the probability `loss`, 0..1, independently of the
+ * others: the largest whose expected quality is within the tunable packet_reserve of the best.  0 for a loss of 0. */
 uint32_t gscl_choose_repairs(uint32_t all, double loss);
 
 #endif
