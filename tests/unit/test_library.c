@@ -262,7 +262,7 @@ static void test_bad_settings(void **state) {
     bad[2].profile = (gscl_profile)2;
     bad[3].blend = (gscl_blend)4;
     bad[4].loss = (gscl_loss)4;
-    bad[5].target = (gscl_target)(GSCL_TARGET_SSIMULACRA2 + 1);
+    bad[5].target = (gscl_target)(GSCL_TARGET_QUALITY + 1);
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;
@@ -494,6 +494,43 @@ static void test_refused_ssimulacra2(void **state) {
     settings.target_value = 10;
     refuse_encode(&image, &settings, GSCL_ERROR_TARGET_UNREACHABLE);
     assert_non_null(strstr(gscl_context_message(context), "7x40"));
+    synthetic_image_free(&image);
+}
+
+/* A quality stands for a score, or for a PSNR where an image is too small for one; the best file is the result where it cannot be
+ * reached. */
+static void test_quality(void **state) {
+    (void)state;
+    const struct {
+        synthetic_image_kind kind;
+        uint32_t width, height;
+        double quality, least; /* least: score, or PSNR of small images */
+    } cases[] = {{SYNTHETIC_TEXTURE, 160, 90, 40, 40}, {SYNTHETIC_TEXTURE, 160, 90, 21, 6},
+                 {SYNTHETIC_TEXTURE, 160, 90, 0, -50}, {SYNTHETIC_NOISE, 16, 16, 100, 60},
+                 {SYNTHETIC_TEXTURE, 7, 40, 20, 25},   {SYNTHETIC_FLAT, 7, 40, 100, 45}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        gscl_image image = synthetic_image(cases[i].kind, cases[i].width, cases[i].height, 3, GSCL_SAMPLE_U8);
+        const gscl_encode_settings settings = quick(GSCL_TARGET_QUALITY, cases[i].quality);
+        gscl_encode_report report = {.struct_size = sizeof report};
+        file f = {NULL, 0};
+        assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
+        const double found = cases[i].width < 8 ? report.psnr : report.ssimulacra2;
+        if (!(found >= cases[i].least) || (i < 3 && found > cases[i].least + 8))
+            fail_msg("quality %g has %g, %g expected", cases[i].quality, found, cases[i].least);
+        gscl_free(f.bytes);
+        synthetic_image_free(&image);
+    }
+}
+
+static void test_refused_quality(void **state) {
+    (void)state;
+    const double invalid[] = {NAN, INFINITY, -1, 100.5};
+    gscl_image image = synthetic_image(SYNTHETIC_NOISE, 16, 16, 3, GSCL_SAMPLE_U8);
+    gscl_encode_settings settings = quick(GSCL_TARGET_QUALITY, 0);
+    for (size_t i = 0; i < sizeof invalid / sizeof *invalid; i++) {
+        settings.target_value = invalid[i];
+        refuse_encode(&image, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+    }
     synthetic_image_free(&image);
 }
 
@@ -989,6 +1026,8 @@ int main(void) {
         cmocka_unit_test(test_psnr),
         cmocka_unit_test(test_ssimulacra2),
         cmocka_unit_test(test_refused_ssimulacra2),
+        cmocka_unit_test(test_quality),
+        cmocka_unit_test(test_refused_quality),
         cmocka_unit_test(test_ssimulacra2_of_flat_images),
         cmocka_unit_test(test_default_target),
         cmocka_unit_test(test_background_of_textures),

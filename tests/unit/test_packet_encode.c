@@ -250,7 +250,7 @@ static void test_conflicts(void **state) {
     ASSERT_REFUSED(bare, true, GSCL_ERROR_CONFLICT);
     ASSERT_REFUSED(progressive, true, GSCL_ERROR_CONFLICT);
     ASSERT_REFUSED(blocks, &block, GSCL_ERROR_CONFLICT);
-    for (gscl_target target = GSCL_TARGET_BYTES; target <= GSCL_TARGET_SSIMULACRA2; target++) {
+    for (gscl_target target = GSCL_TARGET_BYTES; target <= GSCL_TARGET_QUALITY; target++) {
         gscl_encode_settings settings = settings_of(0, 0);
         settings.target = target;
         settings.target_value = target == GSCL_TARGET_BYTES ? 1e6 : 20; /* more than 256 packets */

@@ -53,8 +53,8 @@ static void add_file(outcome *o, const curve *c) {
     assert_true(bytes >= 1 && bytes <= o->search.max_bytes && bytes == floor(bytes));
     if (o->search.is_probe) {
         assert_int_equal(o->search.trials, 0);
-        assert_false(gscl_quality_search_add(&o->search, probe_quality(c, bytes)));
-    } else if (gscl_quality_search_add(&o->search, quality)) {
+        assert_false(gscl_quality_search_add(&o->search, probe_quality(c, bytes), bytes));
+    } else if (gscl_quality_search_add(&o->search, quality, bytes)) {
         assert_true(quality >= o->search.target);
         assert_true(o->best_bytes == 0 || bytes < o->best_bytes);
         o->best_bytes = bytes;
@@ -146,7 +146,7 @@ static void test_no_size_is_tried_twice(void **state) {
         while (!s.done) {
             assert_true(s.bytes != before);
             before = s.bytes;
-            gscl_quality_search_add(&s, s.bytes >= needed ? 40 : 19.9);
+            gscl_quality_search_add(&s, s.bytes >= needed ? 40 : 19.9, s.bytes);
         }
         if (!(s.high.bytes >= needed && s.high.bytes <= fmax(1.2 * needed, needed + 6)))
             fail_msg("%g bytes of %g after %d trials", s.high.bytes, needed, s.trials);
@@ -163,6 +163,15 @@ static void test_unreachable_target_ends_at_the_largest_size(void **state) {
     assert_in_range(o.search.trials, 1, 8); /* the largest size is tried once */
 }
 
+/* An image that has no use for more than 30000 bytes: larger budgets are not searched. */
+static void test_files_may_be_smaller_than_their_budget(void **state) {
+    (void)state;
+    gscl_quality_search s = gscl_quality_search_begin(ssimulacra2, 90, PIXELS, false);
+    s.bytes = s.max_bytes;
+    assert_true(gscl_quality_search_add(&s, 91.5, 30000));
+    assert_true(s.high.bytes == 30000 && s.bytes < 30000);
+}
+
 /* Equal images have an infinite PSNR and the highest SSIMULACRA 2: sizes between them and others are tried all the same. */
 static void test_equal_images_have_a_place_on_the_scale(void **state) {
     (void)state;
@@ -174,7 +183,7 @@ static void test_equal_images_have_a_place_on_the_scale(void **state) {
         gscl_quality_search s = gscl_quality_search_begin(cases[i].measure, cases[i].target, PIXELS, false);
         while (!s.done) {
             assert_true(isfinite(s.bytes));
-            gscl_quality_search_add(&s, s.bytes >= 20000 ? cases[i].equal : cases[i].poor);
+            gscl_quality_search_add(&s, s.bytes >= 20000 ? cases[i].equal : cases[i].poor, s.bytes);
         }
         assert_true(s.high.bytes >= 20000 && s.high.bytes < 24000);
     }
@@ -189,6 +198,7 @@ int main(void) {
         cmocka_unit_test(test_ripples_end_the_search),
         cmocka_unit_test(test_no_size_is_tried_twice),
         cmocka_unit_test(test_unreachable_target_ends_at_the_largest_size),
+        cmocka_unit_test(test_files_may_be_smaller_than_their_budget),
         cmocka_unit_test(test_equal_images_have_a_place_on_the_scale),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

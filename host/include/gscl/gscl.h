@@ -306,7 +306,7 @@ typedef enum gscl_loss { GSCL_LOSS_AUTO = 0, GSCL_LOSS_L1 = 1, GSCL_LOSS_L1_SSIM
 /* The measure of quality that the encoder maximises. */
 typedef enum gscl_tune {
     /* PSNR where that is the target, for pictures of less than 600 bytes (without the container) unless the target is
-     * SSIMULACRA2, for images with transparent parts or more than GSCL_MAX_VISUAL_PIXELS, in the paper profile, and with
+     * SSIMULACRA2 or QUALITY, for images with transparent parts or more than GSCL_MAX_VISUAL_PIXELS, in the paper profile, and with
      * another loss than L2; else VISUAL */
     GSCL_TUNE_AUTO = 0,
     GSCL_TUNE_PSNR = 1, /* squared error with equal weights */
@@ -333,7 +333,11 @@ typedef enum gscl_target {
      * Samples are taken as sRGB and at their own depth; grey as RGB; with alpha the lower score of those in front of a
      * dark and a bright background counts.  Images with a side below 8 pixels have none: GSCL_ERROR_TARGET_UNREACHABLE.
      * Measuring takes 84 bytes of memory for each pixel of an RGB image */
-    GSCL_TARGET_SSIMULACRA2 = 5
+    GSCL_TARGET_SSIMULACRA2 = 5,
+    /* Quality as of JPEG, 0..100: a SSIMULACRA 2 of target_value from 30 on, and of 30 - 8/3 (30 - target_value) below, down to
+     * -50.  Where it cannot be reached, the best file that was found is the result.  For images with a side below 8 pixels it is a
+     * PSNR of 20 + target_value / 4 dB */
+    GSCL_TARGET_QUALITY = 6
 } gscl_target;
 #define GSCL_MIN_SSIMULACRA2 (-100) /* smallest target; such a picture is a blur */
 
@@ -433,7 +437,8 @@ typedef struct gscl_encode_report {
     gscl_stage_time stages[GSCL_MAX_STAGES]; /* in the order of stages; their seconds add up to nearly the total */
     uint32_t trace_count;                    /* rows of `trace`; 0 unless the settings request the trace */
     gscl_trace_point trace[GSCL_MAX_TRACE_POINTS]; /* of the last fit */
-    double ssimulacra2; /* of the decoded file against the image, where the target is SSIMULACRA2; else NaN */
+    double
+        ssimulacra2; /* of the decoded file against the image, where the target is SSIMULACRA2 or QUALITY; else NaN */
 } gscl_encode_report;
 
 /* Encodes `image` into a new buffer *bytes of *size bytes, which the caller releases with gscl_free: a file or, with

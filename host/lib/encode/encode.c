@@ -63,22 +63,38 @@ static gscl_result encode_at(gscl_encoder *e, const gscl_quality_search *search)
     return result;
 }
 
+/* Whether a file is better than those that were kept before it: it reaches the target or, as long as none does, has the highest
+ * quality of all trials, which is of use where any quality is accepted. */
+static bool is_best(const gscl_encoder *e, const gscl_quality_search *search, bool reached, double quality) {
+    const bool is_highest = search->trials > 0 && search->high.bytes == 0 && quality >= search->best_quality;
+    return reached || (e->accepts_less && is_highest);
+}
+
+/* Takes the file encoder->coded of search->bytes into the search, and into *best where it is better. */
+static void take_trial(gscl_encoder *e, gscl_quality_search *search, double quality, encoded_file *file,
+                       encoded_file *best) {
+    const double bytes = search->bytes;
+    const bool is_probe = search->is_probe, reached = gscl_quality_search_add(search, quality, (double)file->size);
+    gscl_log(e->context, GSCL_LOG_INFO, "%s %d: %.0f bytes, quality %.3f", is_probe ? "probe" : "trial",
+             is_probe ? search->probes : search->trials, bytes, quality);
+    if (is_probe || !is_best(e, search, reached, quality))
+        return;
+    free(best->bytes);
+    *best = *file;
+    *file = (encoded_file){0};
+    e->quality = quality;
+}
+
 /* One file of the search.  `best`: the smallest one that reaches the target. */
 static gscl_result try_size(gscl_encoder *e, const gscl_image *image, gscl_quality_search *search, encoded_file *best) {
-    const double bytes = search->bytes;
-    const bool is_probe = search->is_probe;
+    encoded_file file;
     double quality;
     GSCL_TRY(encode_at(e, search));
     GSCL_TRY(gscl_encoder_quality(e, image, e->settings.target, &quality));
-    const bool reached = gscl_quality_search_add(search, quality);
-    gscl_log(e->context, GSCL_LOG_INFO, "%s %d: %.0f bytes, quality %.3f", is_probe ? "probe" : "trial",
-             is_probe ? search->probes : search->trials, bytes, quality);
-    if (!reached)
-        return GSCL_OK;
-    free(best->bytes);
-    *best = (encoded_file){0};
-    e->quality = quality;
-    return gscl_coded_image_write(&e->coded, &best->bytes, &best->size);
+    GSCL_TRY(gscl_coded_image_write(&e->coded, &file.bytes, &file.size));
+    take_trial(e, search, quality, &file, best);
+    free(file.bytes);
+    return GSCL_OK;
 }
 
 static gscl_result fail_target(gscl_encoder *e, double best_quality) {
@@ -157,7 +173,7 @@ static gscl_result keep_background(gscl_encoder *e, const gscl_image *image) {
     if (!gscl_target_is_quality(e->settings.target))
         return GSCL_OK;
     GSCL_TRY(gscl_encoder_quality(e, image, e->settings.target, &e->quality));
-    return e->quality >= e->settings.target_value ? GSCL_OK : fail_target(e, e->quality);
+    return e->accepts_less || e->quality >= e->settings.target_value ? GSCL_OK : fail_target(e, e->quality);
 }
 
 /* Encodes for the target of the settings: encoder->coded. */

@@ -92,9 +92,29 @@ static gscl_result set_budget(gscl_encoder *e, double budget) {
 }
 
 /* Smaller images have no SSIMULACRA 2. */
+static bool has_ssimulacra2(const gsf_header *header) {
+    return header->width >= GSCL_SSIMULACRA2_MIN_SIDE && header->height >= GSCL_SSIMULACRA2_MIN_SIDE;
+}
+
+/* Replaces the target QUALITY by the measure that it stands for. */
+static void resolve_quality(gscl_encoder *e) {
+    gscl_encode_settings *s = &e->settings;
+    const double quality = s->target_value;
+    if (s->target != GSCL_TARGET_QUALITY)
+        return;
+    e->accepts_less = true;
+    if (has_ssimulacra2(&e->header)) {
+        s->target = GSCL_TARGET_SSIMULACRA2;
+        s->target_value = quality - fmax(30 - quality, 0) * 5 / 3;
+    } else {
+        s->target = GSCL_TARGET_PSNR;
+        s->target_value = 20 + quality / 4;
+    }
+}
+
 static gscl_result check_measurable(const gscl_encoder *e) {
     const uint32_t width = e->header.width, height = e->header.height;
-    if (width >= GSCL_SSIMULACRA2_MIN_SIDE && height >= GSCL_SSIMULACRA2_MIN_SIDE)
+    if (has_ssimulacra2(&e->header))
         return GSCL_OK;
     return gscl_fail(e->context, GSCL_ERROR_TARGET_UNREACHABLE,
                      "SSIMULACRA 2 cannot be measured of %ux%u pixels, only from %dx%d on; choose another target",
@@ -123,6 +143,7 @@ static gscl_result set_packets(gscl_encoder *e, double *budget) {
 
 gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
+    resolve_quality(e);
     const double pixels = (double)e->header.width * e->header.height, value = e->settings.target_value;
     double budget = 0;
     size_t blocks;
@@ -132,6 +153,7 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
     case GSCL_TARGET_SPLATS:
         e->target.splats = (size_t)value;
         return GSCL_OK;
+    case GSCL_TARGET_QUALITY:
     case GSCL_TARGET_SSIMULACRA2:
     case GSCL_TARGET_PSNR:
         e->target.bytes = (size_t)(t->auto_bpp / 8 * e->header.width * e->header.height);

@@ -113,9 +113,10 @@ static bool is_met(const gscl_quality_search *s) {
                                  s->high.bytes - s->low.bytes <= fmax(gscl_encode_tunables.narrow_bytes, narrow));
 }
 
-static bool add_trial(gscl_quality_search *s, double quality) {
+static bool add_trial(gscl_quality_search *s, double quality, double size) {
     const bool reached = quality >= s->target;
-    const gscl_quality_point trial = {s->bytes, quality, scale_of(s->tunables, quality)};
+    const gscl_quality_point trial = {reached ? fmin(size, s->bytes) : s->bytes, quality,
+                                      scale_of(s->tunables, quality)};
     gscl_quality_point *side = reached ? &s->high : &s->low;
     learn_slope(s, *side, trial);
     s->repeats = s->trials > 0 && reached == s->was_reached ? s->repeats + 1 : 0;
@@ -129,9 +130,9 @@ static bool add_trial(gscl_quality_search *s, double quality) {
     return reached;
 }
 
-bool gscl_quality_search_add(gscl_quality_search *s, double quality) {
+bool gscl_quality_search_add(gscl_quality_search *s, double quality, double size) {
     if (!s->is_probe)
-        return add_trial(s, quality);
+        return add_trial(s, quality, size);
     add_probe(s, quality);
     return false;
 }

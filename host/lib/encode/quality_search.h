@@ -36,8 +36,8 @@ typedef struct gscl_quality_search {
 /* `pixels`: of the image.  `has_probes`: without them the first trial has the size that an image needs in the mean. */
 gscl_quality_search gscl_quality_search_begin(const gscl_quality_tunables *tunables, double target, double pixels,
                                               bool has_probes);
-/* Takes the quality of a file of search->bytes.  Returns whether it is a trial that reaches the target: then it is the best so
- * far. */
-bool gscl_quality_search_add(gscl_quality_search *search, double quality);
+/* Takes the quality of a file that was encoded for search->bytes and has `size` bytes: fewer where the image has no use for more.
+ * Returns whether it is a trial that reaches the target: then it is the best so far. */
+bool gscl_quality_search_add(gscl_quality_search *search, double quality, double size);
 
 #endif

@@ -22,13 +22,15 @@ static gscl_result check_packets(gscl_context *context, const gscl_encode_settin
 
 static gscl_result check_ranges(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
-        s->tune > GSCL_TUNE_VISUAL || s->target > GSCL_TARGET_SSIMULACRA2)
+        s->tune > GSCL_TUNE_VISUAL || s->target > GSCL_TARGET_QUALITY)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
     if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
     if (s->target == GSCL_TARGET_SSIMULACRA2 && !(s->target_value >= GSCL_MIN_SSIMULACRA2 && s->target_value <= 100))
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target SSIMULACRA 2 %g is not in %d..100",
                          s->target_value, GSCL_MIN_SSIMULACRA2);
+    if (s->target == GSCL_TARGET_QUALITY && !(s->target_value >= 0 && s->target_value <= 100))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the quality %g is not in 0..100", s->target_value);
     if (s->target != GSCL_TARGET_AUTO && s->target != GSCL_TARGET_SSIMULACRA2 &&
         (!(s->target_value >= 0) || !isfinite(s->target_value)))
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %g is not a positive number",

@@ -48,6 +48,7 @@ typedef struct gscl_encoder {
 
     /* Stage "resolve target": of the first fit; where the target is a quality, a guess. */
     gscl_size_target target;
+    bool accepts_less; /* the best file is the result where the target, a quality, cannot be reached */
     gscl_packet_target packets;
 
     /* Stage "decide effects". */
