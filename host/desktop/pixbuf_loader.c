@@ -261,13 +261,14 @@ static gboolean stop_load(gpointer context, GError **error) {
 typedef struct target_option {
     const char *key;
     gscl_target target;
-    double least; /* value */
+    double least, most; /* value */
 } target_option;
 
-static const target_option targets[] = {{"bytes", GSCL_TARGET_BYTES, 0},
-                                        {"bpp", GSCL_TARGET_BPP, 0},
-                                        {"psnr", GSCL_TARGET_PSNR, 0},
-                                        {"ssimulacra2", GSCL_TARGET_SSIMULACRA2, GSCL_MIN_SSIMULACRA2}};
+static const target_option targets[] = {{"quality", GSCL_TARGET_QUALITY, 0, 100},
+                                        {"bytes", GSCL_TARGET_BYTES, 0, HUGE_VAL},
+                                        {"bpp", GSCL_TARGET_BPP, 0, HUGE_VAL},
+                                        {"psnr", GSCL_TARGET_PSNR, 0, HUGE_VAL},
+                                        {"ssimulacra2", GSCL_TARGET_SSIMULACRA2, GSCL_MIN_SSIMULACRA2, 100}};
 
 /* NULL: the key is none of a target. */
 static const target_option *target_of(const char *key) {
@@ -293,10 +294,12 @@ static gboolean take_profile(const char *text, save_options *options) {
 }
 
 static gboolean bad_option(GError **error, const char *key, const char *value) {
-    g_set_error(error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
-                "gscl: the option %s cannot be '%.40s'; there are bytes, bpp, psnr, ssimulacra2 (-100 to 100), effort "
-                "(0 to 9), tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
-                key, value, GSCL_MAX_BLOCK_SIZE);
+    g_set_error(
+        error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
+        "gscl: the option %s cannot be '%.40s'; there are quality (0 to 100), bytes, bpp, psnr, ssimulacra2 (-100 to "
+        "100), effort "
+        "(0 to 9), tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
+        key, value, GSCL_MAX_BLOCK_SIZE);
     return FALSE;
 }
 
@@ -320,7 +323,7 @@ static gboolean take_option(const char *key, const char *value, save_options *op
     if (target) {
         settings->target = target->target;
         settings->target_value = number;
-        return is_number && number >= target->least;
+        return is_number && number >= target->least && number <= target->most;
     }
     if (strcmp(key, "effort") == 0) {
         if (!is_number || number < 0 || number > GSCL_MAX_EFFORT || number != floor(number))

@@ -22,13 +22,6 @@ namespace {
 using OIIO::Strutil::iequals;
 namespace fs = std::filesystem;
 
-// Bits per pixel for the quality of programs that have one slider for all formats: 0.125, the default, at 50; doubled every
-// 12.5.
-double bpp_of_quality(int quality) {
-    return 0.125 * std::exp2((std::clamp(quality, 1, 100) - 50) / 12.5);
-}
-constexpr double min_quality_bytes = 256; // of the picture, at any quality
-
 constexpr float srgb_gamma = 2.2f; // by which programs approximate the curve of sRGB
 
 // Red, green, blue and white of sRGB, and how far others may be from them.
@@ -200,12 +193,11 @@ bool GsclOutput::choose_quality() {
     const bool is_given = colon != std::string::npos || m_spec.find_attribute("CompressionQuality");
     if (settings_.target != GSCL_TARGET_AUTO || !is_given)
         return true;
-    const int quality = OIIO::Strutil::string_is_int(given) ? OIIO::Strutil::stoi(given) : 0;
-    if (quality < 1 || quality > 100)
-        return fail("a compression quality cannot be '{}'; it takes 1 to 100", given);
-    const double pixels = double(m_spec.width) * m_spec.height;
-    settings_.target = GSCL_TARGET_BPP;
-    settings_.target_value = std::max(bpp_of_quality(quality), 8.0 * min_quality_bytes / pixels);
+    const int quality = OIIO::Strutil::string_is_int(given) ? OIIO::Strutil::stoi(given) : -1;
+    if (quality < 0 || quality > 100)
+        return fail("a compression quality cannot be '{}'; it takes 0 to 100", given);
+    settings_.target = GSCL_TARGET_QUALITY;
+    settings_.target_value = quality;
     return true;
 }
 

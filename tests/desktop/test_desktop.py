@@ -121,7 +121,7 @@ class Loader(DesktopTest):
 
     def test_profile(self):
         self.write("in.png", png_bytes(scene(40, 30), [png_icc(icc_rgb(ADOBE, 1.7))]))
-        self.gscl("encode", "in.png", "-o", "in.gscl", *FAST, "-q", "--keep-profile")
+        self.gscl("encode", "in.png", "-o", "in.gscl", *FAST, "--quiet", "--keep-profile")
         (_, (_, _, profile), outcome), = self.load("in.gscl")
         self.assertEqual(outcome, "ok")
         self.assertGreater(profile, 500)
@@ -130,7 +130,7 @@ class Loader(DesktopTest):
         """gdk-pixbuf knows profiles only.  HDR has none."""
         for points, least, most in ((b"\x0c\x0d", 500, 3000), (b"\x09\x10", 0, 0)):
             self.write("in.png", png_bytes(scene(40, 30), [(b"cICP", points + b"\0\1")]))
-            self.gscl("encode", "in.png", "-o", "in.gscl", *FAST, "-q", "--keep-profile")
+            self.gscl("encode", "in.png", "-o", "in.gscl", *FAST, "--quiet", "--keep-profile")
             (_, (_, _, profile), outcome), = self.load("in.gscl")
             self.assertEqual(outcome, "ok")
             self.assertTrue(least <= profile <= most, profile)
@@ -159,7 +159,7 @@ class Loader(DesktopTest):
         self.assertEqual(read_png(self.path("out.png").read_bytes()).samples[:3], [0x30, 0x60, 0xC0])
         self.assertRegex(save("bytes=2"), "gscl: a budget of 2 bytes is too small")
         for option in ("bytes=many", "bytes=inf", "effort=10", "effort=1e300", "effort=inf", "effort=nan", "effort=2.5",
-                       "effort=-1", "tune=best", "quality=3"):
+                       "effort=-1", "tune=best", "quality=101", "qualities=3"):
             key, value = option.split("=")
             self.assertRegex(save(option), f"gscl: the option {key} cannot be '{value}'; there are")
 
