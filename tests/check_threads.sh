@@ -33,7 +33,7 @@ for i in range(12):
 END
 for device in host 0.0; do
     out=$folder/out-$device report=$folder/report-$device code=0
-    "$build/gscl" encode "$folder"/*.png --out-dir "$out" --jsonl "$report" --device $device --jobs 4 --effort 0 --bytes 100 -q ||
+    "$build/gscl" encode "$folder"/*.png --out-dir "$out" --jsonl "$report" --device $device --jobs 4 --effort 0 --bytes 100 --quiet ||
         code=$?
     # 3: some of the images failed, as three of them must.
     [ "$code" = 3 ] && [ "$(ls "$out" | wc -l)" = 9 ] && [ "$(wc -l <"$report")" = 12 ] ||

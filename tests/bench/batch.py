@@ -100,7 +100,7 @@ def main():
         folder = pathlib.Path(name)
         good, bad = make_images(folder, options.images, rng)
         command = [options.gscl, "encode", "--files-from", "list", "--out-dir", "out", "--keep-tree", "--skip-existing", "--jsonl",
-                   "report", "--jobs", options.jobs, "--effort", "0", "--bytes", "120", "-q"]
+                   "report", "--jobs", options.jobs, "--effort", "0", "--bytes", "120", "--quiet"]
         seconds, kills, times = 0, 0, {}
         for _ in range(options.kills):
             part, killed = run_until_killed(command, folder, rng.randrange(1, 2 * options.images // (options.kills + 2)))

@@ -65,7 +65,7 @@ def compare(gscl, a, b):
 def measure(gscl, image, rate, options, work):
     """Encodes one image at `rate` bits per pixel; returns bpp, psnr, ssim, ms_ssim, ssimulacra2 and seconds."""
     coded, decoded = work / "image.gscl", work / "image.png"
-    encode_s, _ = run(gscl, "encode", image, "-o", coded, "--bpp", rate, "-q", "--json", *options)
+    encode_s, _ = run(gscl, "encode", image, "-o", coded, "--bpp", rate, "--quiet", "--json", *options)
     decode_s, _ = run(gscl, "decode", coded, "-o", decoded)
     quality = compare(gscl, image, decoded)
     _, header = run(gscl, "info", coded, "--json")
@@ -99,7 +99,7 @@ def code_variant(gscl, variant, image, budget, work):
     """Encodes and decodes one image within a number of bytes; returns the bytes and the decoded file."""
     coded, decoded = work / "image.gscl", work / "image.png"
     options = shlex.split(variant)
-    run(gscl, "encode", image, "-o", coded, "--bytes", budget, "-q", *options)
+    run(gscl, "encode", image, "-o", coded, "--bytes", budget, "--quiet", *options)
     run(gscl, "decode", coded, "-o", decoded, *(["--bare"] if "--bare" in options else []))
     size = coded.stat().st_size
     if size > budget:

@@ -35,7 +35,7 @@ FIXED = {
 def encode(arguments, image, effects, seed, work):
     """Encodes once; returns the report."""
     options = ["--effects", effects] if effects else []
-    report = codec.run(arguments.gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", arguments.bpp, "-q", "--json",
+    report = codec.run(arguments.gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", arguments.bpp, "--quiet", "--json",
                        *codec.TUNE_PSNR, "--seed", seed, *options)[1]
     report["psnr"] = 99.0 if report["psnr"] is None else report["psnr"]
     return report

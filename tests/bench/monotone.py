@@ -69,7 +69,7 @@ def budgets(count):
 def psnr_of(arguments, image, budget, effort, work):
     """Bytes and PSNR of a file."""
     coded = work / "image.gscl"
-    _, report = codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", budget, "--effort", effort, "--json", "-q",
+    _, report = codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", budget, "--effort", effort, "--json", "--quiet",
                           *arguments.options)
     return coded.stat().st_size, report["psnr"]
 

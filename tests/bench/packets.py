@@ -72,7 +72,7 @@ def packets(scene, size, count, loss):
     for old in scene.work.glob("*.gsclp"):
         old.unlink()
     codec.run(scene.gscl, "encode", scene.path, "--out-dir", scene.work, "--packets", size, "--packet-count", count,
-              "--packet-loss", loss / 100, "-q", "--device", "host", *scene.options)
+              "--packet-loss", loss / 100, "--quiet", "--device", "host", *scene.options)
     contents = [file.read_bytes() for file in sorted(scene.work.glob("*.gsclp"))]
     assert len(contents) == count and max(map(len, contents)) <= size
 
@@ -91,7 +91,7 @@ def packets(scene, size, count, loss):
 
 def gscl_file(scene, size, count):
     file = scene.work / "file.gscl"
-    codec.run(scene.gscl, "encode", scene.path, "-o", file, "--bytes", size * count, "--bare", "-q", "--device", "host",
+    codec.run(scene.gscl, "encode", scene.path, "-o", file, "--bytes", size * count, "--bare", "--quiet", "--device", "host",
               *scene.options)
     data = file.read_bytes()
 

@@ -15,7 +15,7 @@ HEAD = ("bytes", "part", "whole file of that size", "default", "difference", "`-
 def encode(arguments, image, size, work, *options):
     """The bytes of a file of at most `size` bytes."""
     coded = work / "image.gscl"
-    codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", size, *codec.TUNE_PSNR, "-q", *options)
+    codec.run(arguments.gscl, "encode", image, "-o", coded, "--bytes", size, *codec.TUNE_PSNR, "--quiet", *options)
     return coded.read_bytes()
 
 

@@ -116,12 +116,12 @@ def process_row(gscl, images, rate, work):
     encodes, decodes = [], []
     for image in images:
         coded = work / f"{image.stem}.gscl"
-        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, *codec.TUNE_PSNR, "-q"))
+        encodes.append(Run(gscl, "encode", image, "-o", coded, "--bpp", rate, *codec.TUNE_PSNR, "--quiet"))
         Run(gscl, "decode", coded, "-o", work / "decoded.png")
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     with tempfile.TemporaryDirectory() as cache:
         empty = {"POCL_CACHE_DIR": cache, "XDG_CACHE_HOME": cache}
-        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, *codec.TUNE_PSNR, "-q", env=empty)
+        cold = Run(gscl, "encode", images[0], "-o", coded, "--bpp", rate, *codec.TUNE_PSNR, "--quiet", env=empty)
     return [rate, f"{mean(encodes, 'wall_s'):.2f}", f"{mean(encodes, 'cpu_s') / mean(encodes, 'wall_s'):.2f}",
             f"{cold.wall_s:.2f}", f"{mean(decodes, 'wall_s'):.3f}"]
 
@@ -149,7 +149,7 @@ def growth_row(gscl, images, side, work):
     encodes, decodes = [], []
     for first in range(len(images) if side == 1 else 1):  # a mosaic is a mean over images; a single image is not
         megapixels = write_mosaic(images[first:], side, path)
-        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, *codec.TUNE_PSNR, "-q"))
+        encodes.append(Run(gscl, "encode", path, "-o", coded, "--bpp", GROWTH_RATE, *codec.TUNE_PSNR, "--quiet"))
         decodes.append(Run(gscl, "decode", coded, "-o", work / "decoded.png"))
     encode_s, decode_s = mean(encodes, "wall_s"), mean(decodes, "wall_s")
     return [f"{megapixels:.1f}", f"{encode_s:.2f}", f"{encode_s / megapixels:.2f}", f"{encodes[0].memory_mib:.0f}",
@@ -165,7 +165,7 @@ def batch_line(gscl, images, work):
     copies = [work / f"copy{i}.png" for i in range(BATCH_SIZE)]
     for i, copy in enumerate(copies):
         copy.write_bytes(images[i % len(images)].read_bytes())
-    options = ("-q", "--bpp", RATES[0], *codec.TUNE_PSNR)
+    options = ("--quiet", "--bpp", RATES[0], *codec.TUNE_PSNR)
     single_s = sum(Run(gscl, "encode", copy, *options).wall_s for copy in copies)
     batch = Run(gscl, "encode", *copies, *options)
     return (f"{BATCH_SIZE} images at {RATES[0]} bits per pixel: {batch.wall_s:.1f} s in one call, with "

@@ -95,7 +95,7 @@ def measure(gscl, images, rate, options, seed, work):
         psnrs = []
         for image in group:
             done = encode([gscl, "encode", image, "-o", work / "coded.gscl", "--bpp", rate, "--seed", seed,
-                           *codec.TUNE_PSNR, "-q", "--json", *options])
+                           *codec.TUNE_PSNR, "--quiet", "--json", *options])
             if done is None:
                 return None
             psnrs.append(done[0]["psnr"] if done[0]["psnr"] is not None else 99.0)

@@ -27,7 +27,7 @@ class Images(ToolTest):
     def test_missing_and_folder(self):
         self.refused("missing.png", "cannot be opened: No such file", "encode", "missing.png")
         os.mkdir(self.path("folder.png"))
-        self.refused("folder.png", "cannot be read: Is a directory", "encode", "folder.png")
+        self.refused("folder.png", "is a folder; name its files, as folder.png/\\*", "encode", "folder.png")
 
     def test_empty_name(self):
         self.refused("''", "cannot be opened: No such file", "encode", "", "-o", "out.gscl")
@@ -321,7 +321,7 @@ class Usage(ToolTest):
         self.wrong("too many inputs", "info", "a.gscl", "b.gscl")
         self.wrong("a bare file is decoded alone", "decode", "a.gscl", "b.gscl", "--bare", "-o", "out.png")
         self.wrong("too many inputs", "devices", "0.0")
-        self.wrong("-o is missing", "decode", "a.gscl")
+        self.wrong("the output is missing", "decode", "a.gscl")
         self.wrong("-o is missing", "draw", "a.gscl")
 
     def test_values(self):
@@ -343,22 +343,24 @@ class Usage(ToolTest):
                            f"--{option}", value)
 
     def test_sizes_and_areas(self):
-        for option, value in (("size", "0x5"), ("size", "5"), ("size", "5x"), ("size", "5x16385"), ("size", "5x5x5"),
+        for option, value in (("size", "0x5"), ("size", "x0"), ("size", "5x"), ("size", "5x16385"), ("size", "5x5x5"),
                               ("crop", "1,2,3"), ("crop", "1,2,0,4"), ("crop", "1,2,3,4,5"), ("crop", "-1,2,3,4"),
                               ("scale", "0"), ("scale", "-1"), ("depth", "12")):
             with self.subTest(option=option, value=value):
                 self.wrong(f"--{option} cannot be '{value}'", "decode", "in.gscl", "-o", "out.png", f"--{option}", value)
 
     def test_contradictions(self):
-        targets = (("--bytes", "9"), ("--bpp", "1"), ("--psnr", "30"), ("--ssimulacra2", "30"), ("--splats", "9"))
+        targets = (("--bytes", "9"), ("--bpp", "1"), ("--psnr", "30"), ("--ssimulacra2", "30"), ("-q", "30"),
+                   ("--splats", "9"))
         for a in targets:
             for b in targets:
                 if a != b:
-                    self.wrong("--bytes, --bpp, --psnr, --ssimulacra2 and --splats exclude", "encode", "in.png", *a, *b)
+                    self.wrong("--bytes, --bpp, --psnr, --ssimulacra2, --quality and --splats exclude", "encode", "in.png",
+                               *a, *b)
         self.wrong("-o and --out-dir exclude", "encode", "in.png", "-o", "a", "--out-dir", "b")
         self.wrong("-o names one file but there are 2 inputs", "encode", "a.png", "b.png", "-o", "a.gscl")
         self.wrong("--codebook .* --profile paper", "encode", "in.png", "--codebook", "16")
-        self.wrong("-q and -v exclude", "encode", "in.png", "-q", "-v")
+        self.wrong("--quiet and -v exclude", "encode", "in.png", "--quiet", "-v")
         self.wrong("both write to standard output", "encode", "in.png", "--json", "-o", "-")
         self.wrong("--trace is part of the JSON report", "encode", "in.png", "--trace")
         self.wrong("with standard input, give -o", "encode", "-")

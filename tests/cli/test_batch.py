@@ -11,7 +11,7 @@ from images import scene
 from tool import FAST, GSCL, TIMEOUT, ToolTest, main, read_json_lines, restore_signals
 
 SOME_FAILED = 3
-RUN = ("--out-dir", "out", "-q", *FAST)
+RUN = ("--out-dir", "out", "--quiet", *FAST)
 
 
 class BatchTest(ToolTest):
@@ -123,7 +123,7 @@ class Reports(BatchTest):
     def test_summary(self):
         self.write_list("x/0.png", "x/bad.png")
         self.write_png("x/1.png", scene(16, 16))
-        self.gscl("encode", "x/1.png", "--out-dir", "out", "-q", *FAST)
+        self.gscl("encode", "x/1.png", "--out-dir", "out", "--quiet", *FAST)
         done = self.start("encode", "--files-from", "list", "x/1.png", "--skip-existing", "--out-dir", "out", *FAST)
         last = (done.stdout + done.stderr).decode().splitlines()
         self.assertTrue(any("1 encoded" in line and "1 skipped" in line and "1 failed" in line for line in last), last)
@@ -200,7 +200,7 @@ class Reports(BatchTest):
         """As many as host has threads; each has opened its output."""
         for i in range(4):
             self.write_png(f"{i}.png", scene(320, 240))
-        process = subprocess.Popen([GSCL, "encode", *(f"{i}.png" for i in range(4)), "--effort", "9", "--bpp", "1", "-q",
+        process = subprocess.Popen([GSCL, "encode", *(f"{i}.png" for i in range(4)), "--effort", "9", "--bpp", "1", "--quiet",
                                     "--threads", "3"], cwd=self.folder, preexec_fn=restore_signals)
         self.addCleanup(process.kill)
         most, deadline = 0, time.monotonic() + TIMEOUT
@@ -228,14 +228,14 @@ class Chains(BatchTest):
         os.remove(self.path("x/bad.png"))
         self.write_png("x/new\nline.png", scene(8, 8))
         self.write_png(os.fsdecode(b"y/bad\xff.png"), scene(8, 8))
-        self.shell("find x y -name '*.png' -print0 | $G encode -0 --files-from - --keep-tree --jsonl report --out-dir out -q --effort 0")
+        self.shell("find x y -name '*.png' -print0 | $G encode -0 --files-from - --keep-tree --jsonl report --out-dir out --quiet --effort 0")
         names = [name[:-4] + ".gscl" for name in self.names]
         self.assertEqual(sorted(self.outputs()), sorted([*names, "x/new\nline.gscl", os.fsdecode(b"y/bad\xff.gscl")]))
         self.assertEqual({line["status"] for line in self.report()}, {"ok"})
 
     @unittest.skipUnless(shutil.which("jq"), "needs jq")
     def test_report_read_by_jq(self):
-        run = "--out-dir out -q --effort 0"
+        run = "--out-dir out --quiet --effort 0"
         self.write_list("x/0.png", "x/bad.png", "x/1.png")
         self.shell(f"$G encode --files-from list --jsonl report {run} || [ $? = 3 ]")
         self.assertEqual(self.shell("jq -r 'select(.status == \"failed\").input' report"), "x/bad.png\n")
@@ -248,7 +248,7 @@ class Chains(BatchTest):
     def test_joined_reports_of_shards(self):
         """are a report of the whole, with which nothing is encoded again."""
         self.write_list(*self.names)
-        run = "$G encode --files-from list --keep-tree --out-dir out -q --effort 0 --skip-existing"
+        run = "$G encode --files-from list --keep-tree --out-dir out --quiet --effort 0 --skip-existing"
         self.shell(f"for i in 1 2 3; do {run} --shard $i/3 --jsonl report.$i; done; cat report.[123] > report")
         before = self.path("report").read_bytes()
         self.assertEqual(self.states(), {name: "ok" for name in self.names})
@@ -258,7 +258,7 @@ class Chains(BatchTest):
         self.assertEqual({name: os.stat(self.path("out") / name).st_mtime_ns for name in self.outputs()}, times)
 
     def test_lines_of_text(self):
-        sizes = self.shell("$G encode x/0.png x/1.png x/2.png -q --effort 0 --base64 --bare --splats 9 | while read -r line; do "
+        sizes = self.shell("$G encode x/0.png x/1.png x/2.png --quiet --effort 0 --base64 --bare --splats 9 | while read -r line; do "
                            "printf %s \"$line\" | $G info - --bare --base64; done")
         self.assertEqual([line for line in sizes.splitlines() if line.startswith("standard input: ")],
                          [f"standard input: {24 + i} x 16 RGB, 8 bits, format version 2" for i in range(3)])

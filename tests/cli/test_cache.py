@@ -47,7 +47,7 @@ class PoclCache(ToolTest):
                                             subject=subject, env=variables, prefix=prefix)
 
     def test_host_needs_no_folder(self):
-        done = self.start("encode", "in.png", "-o", "out.gscl", "-q", *FAST, env={"POCL_CACHE_DIR": "file/x"})
+        done = self.start("encode", "in.png", "-o", "out.gscl", "--quiet", *FAST, env={"POCL_CACHE_DIR": "file/x"})
         self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_devices_says_so(self):
@@ -122,7 +122,7 @@ class BuildNotice(ToolTest):
         self.assertRegex(self.errors(*OPENCL), rb"\A%sout.gscl: [^\n]*\n\Z" % BUILD_NOTICE)
 
     def test_not_when_quiet(self):
-        self.assertEqual(self.errors("-q", *OPENCL), b"")
+        self.assertEqual(self.errors("--quiet", *OPENCL), b"")
 
     def test_host_builds_nothing(self):
         self.assertRegex(self.errors(), rb"\Aout.gscl: [^\n]*\n\Z")

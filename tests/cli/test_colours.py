@@ -122,7 +122,7 @@ class Profiles(ColourTest):
     def test_quiet(self):
         self.write("in.png", png_bytes(scene(24, 16), [png_icc(P3)]))
         self.write("bad.png", png_bytes(scene(24, 16), [png_icc(P3[:300])]))
-        done = self.start("encode", "in.png", "bad.png", *FAST, "-q")
+        done = self.start("encode", "in.png", "bad.png", *FAST, "--quiet")
         self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_both_images_are_converted(self):

@@ -41,6 +41,19 @@ class Areas(ToolTest):
         middles = [large.row(3 * y + 1)[3 * (3 * x + 1) + c] for y in range(43) for x in range(61) for c in range(3)]
         self.assertGreater(psnr(self.whole, Image(61, 43, 3, 8, middles)), 30)
 
+    def test_one_side_keeps_the_aspect(self):
+        for size, expected in (("122", (122, 86)), ("x86", (122, 86)), ("31", (31, 22)), ("x1", (1, 1))):
+            with self.subTest(size=size):
+                self.assertEqual(self.decode("--size", size).kind()[:2], expected)
+        for size in ("0", "x0", "x", "61x", "x16385"):
+            self.refused("decode", f"--size cannot be '{size}'; it takes WIDTHxHEIGHT, WIDTH or xHEIGHT", "decode",
+                         "in.gscl", "-o", "out.ppm", "--size", size, code=2)
+
+    def test_the_last_operand_is_the_output(self):
+        self.gscl("decode", "in.gscl", "out.ppm")
+        self.gscl("decode", "in.gscl", "-o", "named.ppm")
+        self.assertEqual(self.path("out.ppm").read_bytes(), self.path("named.ppm").read_bytes())
+
     def test_other_aspect(self):
         self.assertEqual(self.decode("--size", "10x200").kind(), (10, 200, 3, 8))
 
@@ -193,7 +206,7 @@ class Host(ToolTest):
         self.gscl("encode", "in.png", "-o", "with.gscl", *FAST)
         for variables in ((), ("HOME=/nonexistent", "OCL_ICD_VENDORS=/nonexistent"), ("HOME=relative",)):
             with self.subTest(variables):
-                done = self.start("encode", "in.png", "-o", "in.gscl", "-q", *FAST, prefix=("env", "-i", *variables))
+                done = self.start("encode", "in.png", "-o", "in.gscl", "--quiet", *FAST, prefix=("env", "-i", *variables))
                 self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"", b""))
                 self.assertEqual(self.path("in.gscl").read_bytes(), self.path("with.gscl").read_bytes())
                 self.gscl("decode", "in.gscl", "-o", "out.png", prefix=("env", "-i", *variables))

@@ -42,13 +42,13 @@ class AllDevices(ToolTest):
                     self.assertEqual(self.path(f"all/{name}").read_bytes(), self.path(f"{device}/{name}").read_bytes())
 
     def test_text_is_in_the_order_of_inputs(self):
-        lines = self.gscl("encode", *self.names, "--base64", "--device", "all", *FAST, "-q", env=TWO).split()
+        lines = self.gscl("encode", *self.names, "--base64", "--device", "all", *FAST, "--quiet", env=TWO).split()
         self.encode_all("0.0", "--base64", env=TWO)
         self.assertEqual(lines, [text.strip() for text in self.bytes_of("0.0")])
 
     def test_device_without_context_is_left_out(self):
         self.path("all").mkdir()
-        done = self.start("encode", *self.names, "--out-dir", "all", "--device", "all", *FAST, "-q",
+        done = self.start("encode", *self.names, "--out-dir", "all", "--device", "all", *FAST, "--quiet",
                           env={**TWO, **odd_opencl("refuse")})
         self.assertEqual(done.returncode, 0)
         self.assertRegex(done.stderr.decode(), r"\Agscl: 0.1: warning: this device is left out: clCreateContext on [^\n]*"
@@ -60,7 +60,7 @@ class AllDevices(ToolTest):
         self.write("bad.png", b"no image")
         self.path("all").mkdir()
         self.path("all/3.gscl").mkdir()
-        done = self.start("encode", "bad.png", *self.names, "--out-dir", "all", "--device", "all", *FAST, "-q", env=TWO)
+        done = self.start("encode", "bad.png", *self.names, "--out-dir", "all", "--device", "all", *FAST, "--quiet", env=TWO)
         self.assertEqual(done.returncode, 3)
         self.assertRegex(done.stderr.decode(), r"\Agscl: bad.png: [^\n]*\ngscl: all/3.gscl: cannot be written: [^\n]*\n\Z")
         self.assertEqual(len(self.files()), 4 + 1 + 1 + 4)
@@ -77,7 +77,7 @@ class AllDevices(ToolTest):
                 self.path("all").rmdir()
 
     def test_other_commands_know_no_all(self):
-        self.gscl("encode", "0.png", "-q", *FAST)
+        self.gscl("encode", "0.png", "--quiet", *FAST)
         self.refused("all", 'no device matches "all"', "decode", "0.gscl", "-o", "out.png", "--device", "all")
 
 
@@ -101,7 +101,7 @@ class WithoutLoader(ToolTest):
 
     def test_host_encodes_and_decodes(self):
         self.write_png("0.png", textured(24, 16))
-        self.gscl("encode", "0.png", "-q", *FAST)
+        self.gscl("encode", "0.png", "--quiet", *FAST)
         self.gscl("decode", "0.gscl", "-o", "with.png", "--device", "host")
         for name in "missing", "old":
             loader = {"LD_LIBRARY_PATH": self.path(name)}

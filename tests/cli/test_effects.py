@@ -100,7 +100,7 @@ class Automatic(ToolTest):
         options = ",".join(("+" if decision["on"] else "-") + decision["name"] for decision in automatic["effects"]
                          if decision["reason"] == "trial")
         self.assertTrue(options)
-        self.gscl("encode", "dots.png", "-o", "b.gscl", "--bytes", "900", "--effort", "1", "-q", "--effects", options)
+        self.gscl("encode", "dots.png", "-o", "b.gscl", "--bytes", "900", "--effort", "1", "--quiet", "--effects", options)
         self.assertEqual(self.path("a.gscl").read_bytes(), self.path("b.gscl").read_bytes())
 
 
@@ -153,7 +153,7 @@ class Options(ToolTest):
 class Costs(ToolTest):
     def test_bits_and_gains(self):
         self.write_png("in.png", scene(96, 64, 4))
-        self.gscl("encode", "in.png", "-o", "in.gscl", "--bytes", "700", "-q", *FAST)
+        self.gscl("encode", "in.png", "-o", "in.gscl", "--bytes", "700", "--quiet", *FAST)
         without = self.gscl_json("info", "in.gscl")
         with_image = self.gscl_json("info", "in.gscl", "--reference", "in.png")
         self.assertEqual([use["name"] for use in without["effect_uses"]], without["effects"])

@@ -81,6 +81,24 @@ class Targets(ToolTest):
         self.assertEqual(sizes, sorted(sizes))
         self.assertLess(1.5 * sizes[0], sizes[2])
 
+    def test_quality_is_a_score(self):
+        self.write_png("in.png", textured(96, 64))
+        coded = []
+        for quality, score in (("0", -50), ("21", 6), ("45", 45)):
+            report = self.gscl_json("encode", "in.png", "-q", quality, *FAST)
+            self.assertGreaterEqual(report["ssimulacra2"], score)
+            self.assertLess(report["ssimulacra2"], score + (8 if score > 0 else 25))  # blurs of few splats differ by more
+            coded.append(report["bytes"])
+        self.assertEqual(coded, sorted(coded))
+        self.assertEqual(self.encode(textured(96, 64), "--quality", "45", *FAST),
+                         self.encode(textured(96, 64), "--ssimulacra2", "45", *FAST))
+
+    def test_quality_out_of_reach_gives_the_best_file(self):
+        self.write_png("in.png", textured(16, 16))
+        best = self.gscl_json("encode", "in.png", "-q", "100", *FAST)["ssimulacra2"]
+        self.assertIn(f"the best found is {best:.2f}",
+                      self.start("encode", "in.png", "--ssimulacra2", "100", *FAST).stderr.decode())
+
     def test_probes_precede_complete_encodes(self):
         self.write_png("in.png", textured(96, 64))
         for effort, has_probes in (("2", False), ("3", True)):
@@ -319,8 +337,16 @@ class Names(ToolTest):
                              (".hidden", ".hidden.gscl")):
             with self.subTest(name=name):
                 self.write_png(name, scene(16, 16))
-                self.gscl("encode", name, "-q", *FAST)
+                self.gscl("encode", name, "--quiet", *FAST)
                 self.assertTrue(self.path(expected).is_file())
+
+    def test_the_second_operand_is_the_output(self):
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", "out.gscl", *FAST)
+        self.gscl("encode", "in.png", "-o", "named.gscl", *FAST)
+        self.assertEqual(self.path("out.gscl").read_bytes(), self.path("named.gscl").read_bytes())
+        self.refused("encode", "out.gscl exists; name it with -o to replace it", "encode", "in.png", "out.gscl", *FAST,
+                     code=2)
 
     def test_existing_output_is_replaced_with_its_permissions(self):
         self.write("out.gscl", b"old")
@@ -385,13 +411,18 @@ class Batch(ToolTest):
 
     def test_continues_after_a_bad_input(self):
         self.write("b.png", b"no image")
-        done = self.start("encode", "a.png", "b.png", "missing.png", "c.png", "--out-dir", "out", "-q", *FAST)
+        done = self.start("encode", "a.png", "b.png", "missing.png", "c.png", "--out-dir", "out", "--quiet", *FAST)
         self.assertEqual(done.returncode, 3)
         errors = done.stderr.decode().splitlines()
         self.assertEqual(len(errors), 2)
         self.assertRegex(errors[0], "^gscl: b.png: is not an image")
         self.assertRegex(errors[1], "^gscl: missing.png: cannot be opened: No such file")
         self.assertEqual([name for name in self.files() if name.startswith("out/")], ["out/a.gscl", "out/c.gscl"])
+
+    def test_the_last_line_counts_the_files(self):
+        self.write("b.png", b"no image")
+        lines = self.start("encode", "a.png", "b.png", "c.png", "--out-dir", "out", *FAST).stderr.decode().splitlines()
+        self.assertEqual(lines[-1], "2 encoded, 1 failed")
 
     def test_two_inputs_with_the_same_output(self):
         os.mkdir(self.path("more"))
@@ -444,14 +475,14 @@ class Reports(ToolTest):
         done = self.start("encode", "in.png", *FAST)
         self.assertEqual(done.stdout, b"")
         self.assertRegex(done.stderr.decode(), r"\Ain.gscl: \d+ bytes, [\d.]+ bpp, \d+ splats, [\d.]+ dB, [\d.]+ s\n\Z")
-        done = self.start("encode", "in.png", "-q", *FAST)
+        done = self.start("encode", "in.png", "--quiet", *FAST)
         self.assertEqual((done.stdout, done.stderr), (b"", b""))
 
     def test_compiling_kernels_prints_nothing(self):
         self.write_png("in.png", scene(16, 16))
         self.path("cache").mkdir()
         for profile in "default", "paper":
-            done = self.start("encode", "in.png", "-q", "--profile", profile, *FAST, *OPENCL,
+            done = self.start("encode", "in.png", "--quiet", "--profile", profile, *FAST, *OPENCL,
                               env={"POCL_CACHE_DIR": str(self.path("cache"))})
             self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"", b""))
 
@@ -486,7 +517,7 @@ class Reports(ToolTest):
         self.assertRegex(text, r"[\d.]+ dB")
         last = re.split(r"\r\x1b\[K", text)[-1]
         self.assertTrue(last.startswith("in.gscl: "), last)
-        self.assertEqual(self.run_on_terminal("encode", "in.png", "-q", *FAST), "")
+        self.assertEqual(self.run_on_terminal("encode", "in.png", "--quiet", *FAST), "")
 
 
 class Pipes(ToolTest):

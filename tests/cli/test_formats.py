@@ -267,7 +267,7 @@ class Losses(ToolTest):
         at = data.index(b"\xff\xda") + 14 + 300
         damaged = data[:at] + b"\xff\xd3" + data[at + 2:]
         self.assertRegex(self.warning("in.jpg", damaged), "^gscl: in.jpg: warning: is damaged, and so may be .*: .")
-        self.assertEqual(self.warning("in.jpg", damaged, "-q"), "")
+        self.assertEqual(self.warning("in.jpg", damaged, "--quiet"), "")
 
     def test_further_images(self):
         message = "holds more than one image; only the first is read"
@@ -275,7 +275,7 @@ class Losses(ToolTest):
         for name, data in (("in.tif", two_pages()), ("in.gif", gif_bytes(3)), ("in.png", animated)):
             with self.subTest(name=name):
                 self.assertEqual(self.warning(name, data), f"gscl: {name}: warning: {message}")
-                self.assertEqual(self.warning(name, data, "-q"), "")
+                self.assertEqual(self.warning(name, data, "--quiet"), "")
 
     def test_single_images(self):
         still = png_bytes(scene(20, 20), [(b"acTL", struct.pack(">II", 1, 0))])

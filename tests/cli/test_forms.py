@@ -45,7 +45,7 @@ class Forms(ToolTest):
 
     def test_base64(self):
         expected = base64.urlsafe_b64encode(self.file).rstrip(b"=") + b"\n"
-        options = ("-q", "--base64", *SPLATS, *FAST)
+        options = ("--quiet", "--base64", *SPLATS, *FAST)
         self.assertEqual(self.gscl("encode", "in.image", *options), expected)
         self.gscl("encode", "in.image", "-o", "text.gscl", *options)
         self.assertEqual(self.path("text.gscl").read_bytes(), expected)
@@ -62,7 +62,7 @@ class Forms(ToolTest):
 
     def test_lines_of_several_images(self):
         self.write("other.image", self.path("in.image").read_bytes())
-        lines = self.gscl("encode", "in.image", "other.image", "-q", "--base64", "--bare", *SPLATS, *FAST).splitlines()
+        lines = self.gscl("encode", "in.image", "other.image", "--quiet", "--base64", "--bare", *SPLATS, *FAST).splitlines()
         self.assertEqual(len(lines), 2)
         self.assertEqual(lines[0], lines[1])
         self.assertEqual(base64.urlsafe_b64decode(lines[0] + b"=="), self.file[5:-2])

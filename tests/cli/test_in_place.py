@@ -27,7 +27,7 @@ class InPlace(ToolTest):
 
     def shell(self, script, code=0):
         """The output of a script, in which the tool is $G, E encodes in.png, and W writes self.data, the quickest output."""
-        functions = 'E() { "$G" encode in.png -q --effort 0 "$@"; }\nW() { "$G" export in.gscl --csv "$@"; }\n'
+        functions = 'E() { "$G" encode in.png --quiet --effort 0 "$@"; }\nW() { "$G" export in.gscl --csv "$@"; }\n'
         done = subprocess.run(["bash", "-c", functions + script], cwd=self.folder, env={**os.environ, "G": GSCL},
                               capture_output=True, timeout=TIMEOUT)
         self.assertEqual(done.returncode, code, done.stderr.decode())
@@ -140,7 +140,7 @@ class Reports(InPlace):
         self.assertEqual((first, line["status"], last), ({}, "ok", []))
 
     def test_full_disk(self):
-        done = self.start("encode", "in.png", "-q", "--out-dir", "out", "--jsonl", "/dev/full", *FAST)
+        done = self.start("encode", "in.png", "--quiet", "--out-dir", "out", "--jsonl", "/dev/full", *FAST)
         self.assertEqual(done.returncode, 1)
         self.assertIn(b"gscl: /dev/full: cannot be written: No space left on device", done.stderr)
 

@@ -90,7 +90,7 @@ class Interrupt(ToolTest):
 
     def test_long_decode_shows_progress_and_can_be_stopped(self):
         """The line of progress comes after a second of a decode that takes many."""
-        self.gscl("encode", "in.png", "-o", "in.gscl", "-q", "--effort", "0")
+        self.gscl("encode", "in.png", "-o", "in.gscl", "--quiet", "--effort", "0")
         for device in ("host", "0.0"):
             with self.subTest(device=device):
                 process, terminal = self.start_decoding("--size", "16384x16384", "--max-pixels", "999999999", "--device",
@@ -117,7 +117,7 @@ class Interrupt(ToolTest):
     def test_ignored_signal_stays_ignored(self):
         """nohup and background jobs of shells rely on it."""
         self.write_png("in.png", scene(64, 48))
-        process = subprocess.Popen([GSCL, "encode", "in.png", "-q", "--effort", "9"], cwd=self.folder,
+        process = subprocess.Popen([GSCL, "encode", "in.png", "--quiet", "--effort", "9"], cwd=self.folder,
                                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
         time.sleep(0.3)
         process.send_signal(signal.SIGHUP)

@@ -262,7 +262,7 @@ class Kept(MetadataTest):
         self.write("in.png", png_bytes(scene(24, 16), [(b"eXIf", exif)]))
         self.refused("in.png", "budget of 900 bytes is too small: blocks.*take 10\\d\\d bytes", "encode", "in.png", "-o",
                      "x.gscl", "--metadata", "exif", "--bytes", "900", *FAST)
-        self.gscl("encode", "in.png", "-o", "out.gscl", "--metadata", "exif", "--bytes", "1200", "-q", *FAST)
+        self.gscl("encode", "in.png", "-o", "out.gscl", "--metadata", "exif", "--bytes", "1200", "--quiet", *FAST)
         self.assertIn(self.path("out.gscl").stat().st_size, range(1150, 1201))
 
     def test_bare(self):

@@ -32,7 +32,7 @@ class Packets(ToolTest):
         return [f"in.{number:03}.gsclp" for number in range(count)]
 
     def make(self, *options):
-        self.gscl("encode", "in.png", *PACKETS, "-q", *options)
+        self.gscl("encode", "in.png", *PACKETS, "--quiet", *options)
 
     def psnr(self, *names, options=()):
         """PSNR of what the packets draw."""
@@ -68,9 +68,9 @@ class Packets(ToolTest):
         self.assertEqual(packets_of(self.path("list.gsclp").read_bytes()), expected)
         self.assertEqual(self.pixels("list.gsclp"), whole)
         self.assertEqual(self.gscl_json("info", "list.gsclp")["packets"], COUNT)
-        listed = self.gscl("encode", "in.png", *PACKETS, "--packet-count", str(COUNT), "-q", "-o", "-")
+        listed = self.gscl("encode", "in.png", *PACKETS, "--packet-count", str(COUNT), "--quiet", "-o", "-")
         self.assertEqual(listed, self.path("list.gsclp").read_bytes())
-        text = self.gscl("encode", "in.png", *PACKETS, "--packet-count", str(COUNT), "-q", "--base64")
+        text = self.gscl("encode", "in.png", *PACKETS, "--packet-count", str(COUNT), "--quiet", "--base64")
         lines = text.splitlines()
         self.assertEqual(lines, [base64.urlsafe_b64encode(packet).rstrip(b"=") for packet in expected])
         self.write("text", text)
@@ -79,7 +79,7 @@ class Packets(ToolTest):
         self.assertEqual(self.pixels("text", options=("--base64",)), self.pixels(*self.names()[1:3]))
 
     def test_number_follows_from_bytes(self):
-        report = self.gscl_json("encode", "in.png", *PACKETS, "-q", "--bytes", "500")
+        report = self.gscl_json("encode", "in.png", *PACKETS, "--quiet", "--bytes", "500")
         sizes = [self.path(name).stat().st_size for name in self.names(5)]
         self.assertEqual(report["bytes"], sum(sizes))
         self.assertLessEqual(sum(sizes), 500)
@@ -105,7 +105,7 @@ class Packets(ToolTest):
         self.write("damaged.gsclp", bytes(damaged))
         self.write("short.gsclp", self.path("in.004.gsclp").read_bytes()[:50])
         self.write("no.gsclp", b"no packet")
-        self.gscl("encode", "in.png", *PACKETS, "-q", "--packet-count", str(COUNT), "--packet-identity", "8", "-o", "other.gsclp")
+        self.gscl("encode", "in.png", *PACKETS, "--quiet", "--packet-count", str(COUNT), "--packet-identity", "8", "-o", "other.gsclp")
         for name, word in (("damaged.gsclp", b"damaged"), ("short.gsclp", b"damaged"), ("no.gsclp", b"damaged"),
                            ("other.gsclp", b"of another picture"), ("in.000.gsclp", b"has come before")):
             with self.subTest(name=name):
@@ -135,7 +135,7 @@ class Packets(ToolTest):
                         ("--packets", "152", "--profile", "paper"), ("--packets", "40", "--bytes", "20000"),
                         ("--packets", "152", "--packet-identity", "199"), ("--packets", "152", "--packet-loss", "0.95")):
             with self.subTest(options=options):
-                done = self.start("encode", "in.png", "-q", "--device", "host", *FAST, *options)
+                done = self.start("encode", "in.png", "--quiet", "--device", "host", *FAST, *options)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
                 self.assertFalse(self.path("in.000.gsclp").exists())

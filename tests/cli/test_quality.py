@@ -42,7 +42,7 @@ class Quality(ToolTest):
     def measure(self, budget, effort):
         """Bytes and PSNR of in.png as a file."""
         report = self.gscl_json("encode", "in.png", "-o", "in.gscl", "--bytes", str(budget), "--effort", str(effort),
-                                "--device", "host", "-q")
+                                "--device", "host", "--quiet")
         return report["bytes"], 99 if report["psnr"] is None else report["psnr"]
 
     def check_grows(self, what, points):

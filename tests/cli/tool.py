@@ -124,7 +124,7 @@ class ToolTest(unittest.TestCase):
         """Encodes an image, given as an Image or as the bytes of a file, and returns the bytes of the gscl file."""
         data = image if isinstance(image, bytes) else png_bytes(image)
         self.write(f"{name}.image", data)
-        self.gscl("encode", f"{name}.image", "-o", f"{name}.gscl", "-q", *FAST, *on_device(arguments))
+        self.gscl("encode", f"{name}.image", "-o", f"{name}.gscl", "--quiet", *FAST, *on_device(arguments))
         return self.path(f"{name}.gscl").read_bytes()
 
     def decode(self, *arguments, name="in"):

@@ -42,13 +42,13 @@ def encoded(gscl, image, *options, target=("--splats=12",)):
     with tempfile.TemporaryDirectory() as folder:
         source, output = pathlib.Path(folder, "in.png"), pathlib.Path(folder, "out.gscl")
         source.write_bytes(png_bytes(image))
-        subprocess.run([gscl, "encode", "-q", source, "-o", output, "--effort=1", *target, *options], check=True)
+        subprocess.run([gscl, "encode", "--quiet", source, "-o", output, "--effort=1", *target, *options], check=True)
         return output.read_bytes()
 
 
 # Command lines, one word a line; the first names the command.
 COMMAND_LINES = {
-    "encode": "encode a.png -o a.gscl --bytes 2000 --effort=9 -q --effects=+texture,-chroma --seed 18446744073709551615",
+    "encode": "encode a.png -o a.gscl --bytes 2000 --effort=9 --quiet --effects=+texture,-chroma --seed 18446744073709551615",
     "encode_batch": "encode --files-from - --out-dir out --keep-tree --jobs 2 --shard 3/7 --jsonl - --skip-existing -0",
     "encode_rate": "encode a.png --bpp 0.125 --psnr 30.5 --blend alpha --tune visual --profile paper --codebook 32",
     "decode": "decode a.gscl -o a.png --size 640x480 --crop 1,2,30,40 --scale 2.5 --partial --base64 --max-pixels 9",

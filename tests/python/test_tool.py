@@ -39,7 +39,7 @@ def encoded(tool, tmp_path):
 
     def encode(picture, *options, name="in", form=()):
         Image.fromarray(picture).save(tmp_path / f"{name}.png")
-        tool("encode", f"{name}.png", "-o", f"{name}.gscl", "-q", "--effort", "0", "--bytes", "600", *options, *form)
+        tool("encode", f"{name}.png", "-o", f"{name}.gscl", "--quiet", "--effort", "0", "--bytes", "600", *options, *form)
         tool("decode", f"{name}.gscl", "-o", f"{name}.decoded.png", "--device", "host", *form)
         with Image.open(tmp_path / f"{name}.decoded.png") as image:
             return (tmp_path / f"{name}.gscl").read_bytes(), numpy.asarray(image)
@@ -69,7 +69,7 @@ def test_bare_files_and_text(tool, encoded, picture):
     bare, shown = encoded(picture, form=("--bare",))
     assert numpy.array_equal(gscl.decode(bare, bare=True, device="host"), shown)
     data, shown = encoded(picture)
-    text = tool("encode", "in.png", "-q", "--effort", "0", "--bytes", "600", "--base64").decode()
+    text = tool("encode", "in.png", "--quiet", "--effort", "0", "--bytes", "600", "--base64").decode()
     assert base64.urlsafe_b64decode(text.strip() + "==") == data
     for made in (base64.b64encode(data), base64.urlsafe_b64encode(data), base64.encodebytes(data)):
         assert json.loads(tool("info", "-", "--base64", "--json", input=made))["bytes"] == len(data)
@@ -102,7 +102,7 @@ def test_metadata_of_the_tool(tool, picture, tmp_path):
     exif, xmp = metadata()
     profile = icc_rgb(ADOBE_RGB, ADOBE_RGB_GAMMA)
     Image.fromarray(picture).save(tmp_path / "in.jpg", exif=exif, xmp=xmp, icc_profile=profile)
-    tool("encode", "in.jpg", "-o", "in.gscl", "-q", "--effort", "0", "--metadata", "all", "--keep-profile")
+    tool("encode", "in.jpg", "-o", "in.gscl", "--quiet", "--effort", "0", "--metadata", "all", "--keep-profile")
     assert gscl.metadata((tmp_path / "in.gscl").read_bytes()) == {"exif": exif[6:], "xmp": xmp, "icc_profile": profile}
     with Image.open(tmp_path / "in.gscl") as image:
         assert image.getexif()[0x010F] == "maker"
@@ -136,7 +136,7 @@ def test_files_of_the_package(tool, channels, tmp_path):
 
 def test_the_same_file_and_report(tool, picture, tmp_path):
     Image.fromarray(picture).save(tmp_path / "in.png")
-    report = json.loads(tool("encode", "in.png", "-o", "in.gscl", "-q", "--json", "--bytes", "500", "--effort", "1"))
+    report = json.loads(tool("encode", "in.png", "-o", "in.gscl", "--quiet", "--json", "--bytes", "500", "--effort", "1"))
     data, own = gscl.encode(tmp_path / "in.png", bytes=500, effort=1)
     assert (tmp_path / "in.gscl").read_bytes() == data
     assert (report["bytes"], report["splats"], report["psnr"]) == (len(data), own.splats, pytest.approx(own.psnr))
@@ -182,7 +182,7 @@ def test_outputs_of_a_batch(tool, tmp_path):
 def test_report_of_a_run(tool, tmp_path):
     for i in range(3):
         Image.fromarray(make_picture(40 + i, 32)).save(tmp_path / f"{i}.png")
-    tool("encode", "0.png", "1.png", "2.png", "--out-dir", "out", "--jsonl", "report", "-q", "--effort", "0")
+    tool("encode", "0.png", "1.png", "2.png", "--out-dir", "out", "--jsonl", "report", "--quiet", "--effort", "0")
     rows = [json.loads(line) for line in (tmp_path / "report").read_text().splitlines()]
     for row in rows:
         found = gscl.info(tmp_path / row["output"])

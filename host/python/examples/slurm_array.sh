@@ -15,4 +15,4 @@ mkdir -p "$report"
 # Exit code 3: some images failed, and the report names them.
 "${GSCL:-gscl}" encode --files-from "$list" --out-dir "$out" --keep-tree --skip-existing \
     --shard "$SLURM_ARRAY_TASK_ID/${SHARDS:-$SLURM_ARRAY_TASK_COUNT}" \
-    --jsonl "$report/$SLURM_ARRAY_TASK_ID.jsonl" --threads "${SLURM_CPUS_PER_TASK:-1}" -q "$@"
+    --jsonl "$report/$SLURM_ARRAY_TASK_ID.jsonl" --threads "${SLURM_CPUS_PER_TASK:-1}" --quiet "$@"

@@ -66,12 +66,15 @@ static bool parse_list(const char *text, char separator, uint64_t max, uint32_t 
     return true;
 }
 
+/* One side that is left out is 0. */
 static bool parse_size(const option_spec *spec, const char *text, option_size *size) {
-    uint32_t values[2];
-    if (!parse_list(text, 'x', spec->max_integer, values, 2) || values[0] == 0 || values[1] == 0)
+    uint32_t values[2] = {0, 0};
+    const bool has_both = parse_list(text, 'x', spec->max_integer, values, 2);
+    if (!has_both && !parse_list(text, '\0', spec->max_integer, &values[0], 1) &&
+        !(*text == 'x' && parse_list(text + 1, '\0', spec->max_integer, &values[1], 1)))
         return false;
     *size = (option_size){values[0], values[1]};
-    return true;
+    return has_both ? values[0] > 0 && values[1] > 0 : values[0] > 0 || values[1] > 0;
 }
 
 static bool parse_rectangle(const option_spec *spec, const char *text, option_rectangle *rectangle) {
@@ -171,7 +174,7 @@ static int report_wrong_value(const char *command, const option_spec *spec, cons
         [OPTION_INTEGER] = "a whole number from ",
         [OPTION_REAL] = "a number from ",
         [OPTION_WORD] = "one of ",
-        [OPTION_SIZE] = "WIDTHxHEIGHT from ",
+        [OPTION_SIZE] = "WIDTHxHEIGHT, WIDTH or xHEIGHT from ",
         [OPTION_RECTANGLE] = "X,Y,WIDTH,HEIGHT in ",
         [OPTION_SHARE] = "I/N with I up to N, from ",
         [OPTION_COLOUR] = "",

@@ -29,7 +29,7 @@ typedef enum option_kind {
     OPTION_INTEGER,   /* uint64_t in min_integer..max_integer */
     OPTION_REAL,      /* double in min_real..max_real */
     OPTION_WORD,      /* int, an index into `words` */
-    OPTION_SIZE,      /* option_size, WIDTHxHEIGHT, each 1..max_integer */
+    OPTION_SIZE,      /* option_size, WIDTHxHEIGHT, WIDTH or xHEIGHT, each 1..max_integer; 0: left out */
     OPTION_RECTANGLE, /* option_rectangle, X,Y,WIDTH,HEIGHT, each at most max_integer */
     OPTION_SHARE,     /* option_share, I/N, N at most max_integer */
     OPTION_COLOUR     /* option_colour, as colour_name.h says */

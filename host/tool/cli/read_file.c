@@ -32,6 +32,11 @@ static bool grow_buffer(uint8_t **bytes, size_t *capacity, uint64_t limit) {
     return true;
 }
 
+static bool report_unreadable(const char *label, int error) {
+    return error == EISDIR ? report_error(label, "is a folder; name its files, as %s/*", label)
+                           : report_error(label, "cannot be read: %s", strerror(error));
+}
+
 static bool read_stream(FILE *stream, const char *label, uint64_t limit, uint8_t **bytes, size_t *size) {
     size_t capacity = 0;
     do {
@@ -42,7 +47,7 @@ static bool read_stream(FILE *stream, const char *label, uint64_t limit, uint8_t
             return report_error(label, "is larger than %llu MiB, the limit for this kind of file",
                                 (unsigned long long)(limit >> 20));
         if (ferror(stream))
-            return report_error(label, "cannot be read: %s", strerror(errno));
+            return report_unreadable(label, errno);
     } while (!feof(stream));
     return true;
 }
@@ -71,5 +76,5 @@ bool read_file_start(const char *name, uint8_t *bytes, size_t capacity, size_t *
     *count = fread(bytes, 1, capacity, stream);
     const int error = ferror(stream) ? errno : 0;
     fclose(stream);
-    return error == 0 || report_error(name, "cannot be read: %s", strerror(error));
+    return error == 0 || report_unreadable(name, error);
 }

@@ -41,14 +41,23 @@ static uint32_t scaled(uint32_t length, double scale) {
     return value < 1.0 ? 1 : value > GSCL_MAX_DIMENSION ? GSCL_MAX_DIMENSION + 1 : (uint32_t)value;
 }
 
+/* A side that --size leaves out keeps the aspect ratio. */
+static void choose_size(const decode_options *options, const gscl_info *info, gscl_decode_settings *settings) {
+    const option_size size = options->size;
+    const double scale = !options->has_size ? options->scale
+                         : size.width > 0   ? (double)size.width / info->width
+                                            : (double)size.height / info->height;
+    settings->width = size.width > 0 ? size.width : scaled(info->width, scale);
+    settings->height = size.height > 0 ? size.height : scaled(info->height, scale);
+}
+
 /* Chooses the size to draw at and the crop.  Reports errors. */
 static bool choose_area(const decode_options *options, const gscl_info *info, gscl_decode_settings *settings) {
-    settings->width = options->has_size ? options->size.width : scaled(info->width, options->scale);
-    settings->height = options->has_size ? options->size.height : scaled(info->height, options->scale);
+    choose_size(options, info, settings);
     if (settings->width > GSCL_MAX_DIMENSION || settings->height > GSCL_MAX_DIMENSION)
         return report_error(
             input_label(options->input),
-            "would be wider or higher than %d pixels at this scale; its size is %u x %u, choose a smaller scale",
+            "would be wider or higher than %d pixels; its size is %u x %u, choose a smaller scale or size",
             GSCL_MAX_DIMENSION, info->width, info->height);
     if (!options->has_crop)
         return true;
@@ -186,6 +195,15 @@ static int decode_file(const decode_options *options) {
     return status;
 }
 
+/* Without -o the last operand is the output, where its name is that of an image. */
+static void take_output(decode_options *decode) {
+    const char *last = decode->inputs[decode->input_count - 1];
+    if (decode->output || decode->input_count < 2 || !image_format_has_suffix(last))
+        return;
+    decode->output = last;
+    decode->input_count--;
+}
+
 static option_outcome parse_decode(decode_options *decode, int argc, char **argv) {
     const option_spec options[] = {
         {.name = "output",
@@ -193,8 +211,9 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .kind = OPTION_TEXT,
          .value = &decode->output,
          .argument = "FILE",
-         .help =
-             "image to write, in the format of its suffix, PNG where a pipe has none; - is standard output (required)"},
+         .help = "image to write, in the format of its suffix, PNG where a pipe has none; - is standard output "
+                 "(default: the "
+                 "last operand, where it has the suffix of an image)"},
         {.name = "scale",
          .kind = OPTION_REAL,
          .value = &decode->scale,
@@ -209,7 +228,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .given = &decode->has_size,
          .argument = "WxH",
          .max_integer = GSCL_MAX_DIMENSION,
-         .help = "draw at this size (default: as encoded)"},
+         .help = "draw at this size; W or xH alone keeps the aspect ratio (default: as encoded)"},
         {.name = "crop",
          .kind = OPTION_RECTANGLE,
          .value = &decode->crop,
@@ -245,7 +264,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
     };
     const option_command command = {
         .name = "decode",
-        .usage = "IN... -o OUT.png [options]",
+        .usage = "IN... [-o] OUT.png [options]",
         .about =
             "Decodes a gscl file, or packets of 'gscl encode --packets' in any order and with any of them missing, to "
             "an image, with the colour profile, EXIF and XMP that the file has, where the "
@@ -266,6 +285,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
         decode->inputs = argv + first;
         decode->input_count = argc - first;
         decode->input = argv[first];
+        take_output(decode);
     }
     return outcome;
 }
@@ -276,7 +296,7 @@ int command_decode(int argc, char **argv) {
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
     if (!options.output)
-        return report_usage("decode", "-o is missing; it names the image to write, or - for standard output");
+        return report_usage("decode", "the output is missing; give the name of an image, or -o - for standard output");
     if (options.has_scale && options.has_size)
         return report_usage("decode", "--scale and --size exclude each other; give one of them");
     if (options.input_count > 1 && options.form.bare)

@@ -1,6 +1,8 @@
 /* gscl encode: encodes images as gscl files. */
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
 #include <gscl/gscl.h>
 
@@ -8,6 +10,7 @@
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
+#include "cli/output_file.h"
 #include "commands/batch_devices.h"
 #include "commands/command.h"
 #include "commands/effect_list.h"
@@ -16,12 +19,12 @@
 typedef struct encode_options {
     encode_batch batch;
     uint64_t bytes, splats, effort, codebook, seed, packet_size, packet_count, packet_identity;
-    double bpp, psnr, ssimulacra2;
+    double bpp, psnr, ssimulacra2, quality;
     const char *effects;
     uint32_t effects_on, effects_off;
     int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
     int metadata;                   /* index into metadata_words */
-    bool has_bytes, has_bpp, has_psnr, has_ssimulacra2, has_splats, has_codebook;
+    bool has_bytes, has_bpp, has_psnr, has_ssimulacra2, has_quality, has_splats, has_codebook;
 } encode_options;
 
 enum { METADATA_NONE, METADATA_EXIF, METADATA_ALL };
@@ -64,6 +67,21 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
 #define MAX_CODEBOOK 1024
 #define MAX_SHARDS 1000000
 
+/* Whether the second of two operands names a coded picture: without -o it is the output, which must not exist. */
+static bool has_output_operand(const encode_batch *batch) {
+    if (batch->count != 2 || batch->output || batch->out_dir || batch->files_from)
+        return false;
+    const char *suffix = name_suffix(batch->inputs[1]);
+    return strcasecmp(suffix, ".gscl") == 0 || strcasecmp(suffix, ".gsclp") == 0;
+}
+
+static void take_output(encode_batch *batch) {
+    if (!has_output_operand(batch) || access(batch->inputs[1], F_OK) == 0)
+        return;
+    batch->output = batch->inputs[1];
+    batch->count = 1;
+}
+
 static option_outcome parse_encode(encode_options *encode, int argc, char **argv) {
     encode_batch *batch = &encode->batch;
     const option_spec options[] = {
@@ -72,7 +90,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .kind = OPTION_TEXT,
          .value = &batch->output,
          .argument = "FILE",
-         .help = "file to write; - is standard output (default: IN with its suffix replaced by .gscl)"},
+         .help =
+             "file to write; - is standard output (default: the second of two operands, where it ends with .gscl and "
+             "does not exist; else IN with its suffix replaced by .gscl)"},
         {.name = "out-dir",
          .kind = OPTION_TEXT,
          .value = &batch->out_dir,
@@ -151,6 +171,17 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .help =
              "SSIMULACRA 2 to reach, what people see: 70 is good, 50 fair, 10 poor; mostly exceeded by less than 1, by "
              "at most 2, or by what 5 % of the bytes bring; for images from 8x8 pixels on"},
+        {.name = "quality",
+         .letter = 'q',
+         .kind = OPTION_REAL,
+         .value = &encode->quality,
+         .given = &encode->has_quality,
+         .argument = "Q",
+         .min_real = 0,
+         .max_real = 100,
+         .help = "quality as of JPEG: a --ssimulacra2 of Q from 30 on, and down to -50 for 0; the best file where it "
+                 "cannot be "
+                 "reached"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
@@ -190,7 +221,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .words = tune_words,
          .argument = "T",
          .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for what people see (default: auto: "
-                 "psnr for files below 600 bytes without --ssimulacra2, with --psnr, and for images with transparent "
+                 "psnr for files below 600 bytes without -q and --ssimulacra2, with --psnr, and for images with "
+                 "transparent "
                  "parts or above 16 megapixels; else visual)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
@@ -278,7 +310,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .kind = OPTION_FLAG,
          .value = &batch->settings.trace,
          .help = "add the convergence trace to the JSON report: PSNR over time during the fit; takes a little longer"},
-        {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .value = &batch->quiet, .help = "print errors only"},
+        {.name = "quiet", .kind = OPTION_FLAG, .value = &batch->quiet, .help = "print errors only"},
         {.name = "verbose",
          .letter = 'v',
          .kind = OPTION_FLAG,
@@ -287,7 +319,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     };
     const option_command command = {
         .name = "encode",
-        .usage = "IN... [--files-from FILE] [-o OUT.gscl | --out-dir DIR] [--bytes N | --bpp R | --psnr DB | "
+        .usage = "IN... [--files-from FILE] [[-o] OUT.gscl | --out-dir DIR] [-q Q | --bytes N | --bpp R | --psnr DB | "
                  "--ssimulacra2 X | --splats N] [options]",
         .about = "Encodes images as gscl files.  Reads PNG, JPEG, WebP, AVIF, HEIC, JPEG 2000, GIF, TIFF, OpenEXR, "
                  "HDR, BMP, ICO,\n"
@@ -304,6 +336,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     batch->inputs = argv + first;
     batch->count = argc - first;
+    if (outcome == OPTIONS_RUN)
+        take_output(batch);
     return outcome;
 }
 
@@ -344,13 +378,18 @@ static int check_options(encode_options *encode) {
     const encode_batch *batch = &encode->batch;
     if (!effect_list_parse(encode->effects, &encode->effects_on, &encode->effects_off))
         return EXIT_USAGE;
-    if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_ssimulacra2 + encode->has_splats > 1)
-        return report_usage("encode", "--bytes, --bpp, --psnr, --ssimulacra2 and --splats exclude each other; give one "
-                                      "of them");
+    if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_ssimulacra2 + encode->has_quality +
+            encode->has_splats >
+        1)
+        return report_usage("encode",
+                            "--bytes, --bpp, --psnr, --ssimulacra2, --quality and --splats exclude each other; "
+                            "give one of them");
     if (encode->has_codebook && encode->profile != GSCL_PROFILE_PAPER)
         return report_usage("encode", "--codebook applies to the paper profile only; add --profile paper");
     if (batch->output && batch->out_dir)
         return report_usage("encode", "-o and --out-dir exclude each other; give one of them");
+    if (has_output_operand(batch))
+        return report_usage("encode", "%s exists; name it with -o to replace it", batch->inputs[1]);
     if (batch->output && batch->count > 1)
         return report_usage("encode", "-o names one file but there are %d inputs; use --out-dir", batch->count);
     if (!batch->output && !batch->base64 && reads_standard_input(batch))
@@ -358,7 +397,7 @@ static int check_options(encode_options *encode) {
     if (batch->settings.bare && (batch->reading.keep_profile || encode->metadata != METADATA_NONE))
         return report_usage("encode", "a bare file has no room for --keep-profile and --metadata; leave out --bare");
     if (batch->quiet && batch->choice.verbose)
-        return report_usage("encode", "-q and -v exclude each other; give one of them");
+        return report_usage("encode", "--quiet and -v exclude each other; give one of them");
     if (batch->settings.trace && !batch->json)
         return report_usage("encode", "--trace is part of the JSON report; add --json");
     if (batch->json && batch->output && encode_batch_is_piped(batch))
@@ -397,6 +436,9 @@ static void fill_settings(encode_options *encode) {
     } else if (encode->has_ssimulacra2) {
         settings->target = GSCL_TARGET_SSIMULACRA2;
         settings->target_value = encode->ssimulacra2;
+    } else if (encode->has_quality) {
+        settings->target = GSCL_TARGET_QUALITY;
+        settings->target_value = encode->quality;
     } else if (encode->has_splats) {
         settings->target = GSCL_TARGET_SPLATS;
         settings->target_value = (double)encode->splats;

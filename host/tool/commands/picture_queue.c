@@ -225,9 +225,11 @@ bool picture_queue_record(picture_queue *queue, const encode_job *job) {
 static void print_summary(const picture_queue *queue, int stopped) {
     if (queue->batch->quiet && queue->failed == 0 && stopped == EXIT_SUCCESS)
         return;
-    report_note("%llu encoded, %llu skipped, %llu failed%s", (unsigned long long)queue->encoded,
-                (unsigned long long)queue->skipped, (unsigned long long)queue->failed,
-                stopped == EXIT_SUCCESS ? "" : "; stopped before the end");
+    char skipped[40] = "";
+    if (queue->is_run)
+        snprintf(skipped, sizeof skipped, ", %llu skipped", (unsigned long long)queue->skipped);
+    report_note("%llu encoded%s, %llu failed%s", (unsigned long long)queue->encoded, skipped,
+                (unsigned long long)queue->failed, stopped == EXIT_SUCCESS ? "" : "; stopped before the end");
 }
 
 /* Waits until the outputs are stored, once in a run, so that its summary holds after a loss of power. */
@@ -247,6 +249,8 @@ int picture_queue_close(picture_queue *queue, int stopped) {
         status = is_single || queue->status == EXIT_USAGE ? queue->status : EXIT_SOME;
     if (queue->names)
         output_names_free(queue->names, queue->batch->count);
+    if (!queue->is_run && queue->encoded + queue->failed > 1 && !queue->batch->quiet)
+        print_summary(queue, stopped);
     if (!queue->is_run)
         return status;
     input_list_close(&queue->list);

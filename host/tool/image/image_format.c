@@ -16,18 +16,29 @@ static const image_format formats[] = {
     {".tga", true, true, true, false, 8},
 };
 
-const image_format *image_format_of(const char *command, const char *name) {
-    const char *suffix = name_suffix(name);
-    if (!*suffix && output_is_in_place(name))
-        suffix = IMAGE_PIPE_SUFFIX;
+static const image_format *format_of_suffix(const char *suffix) {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         if (strcasecmp(suffix, formats[i].suffix) == 0)
             return &formats[i];
     }
-    report_usage(command,
-                 "%s: no image format has the suffix '%s'; choose one of .png .jpg .tif .exr .pgm .ppm .pnm .bmp .tga",
-                 name, suffix);
     return NULL;
+}
+
+bool image_format_has_suffix(const char *name) {
+    return format_of_suffix(name_suffix(name)) != NULL;
+}
+
+const image_format *image_format_of(const char *command, const char *name) {
+    const char *suffix = name_suffix(name);
+    if (!*suffix && output_is_in_place(name))
+        suffix = IMAGE_PIPE_SUFFIX;
+    const image_format *format = format_of_suffix(suffix);
+    if (!format)
+        report_usage(
+            command,
+            "%s: no image format has the suffix '%s'; choose one of .png .jpg .tif .exr .pgm .ppm .pnm .bmp .tga", name,
+            suffix);
+    return format;
 }
 
 bool image_format_holds(const image_format *format, const char *name, unsigned channels, gscl_sample sample) {

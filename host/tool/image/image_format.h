@@ -16,6 +16,9 @@ typedef struct image_format {
 /* What pipes and devices without a suffix take, "-" and /dev/stdout among them. */
 #define IMAGE_PIPE_SUFFIX ".png"
 
+/* Whether the suffix of a file name is that of a format. */
+bool image_format_has_suffix(const char *name);
+
 /* The format of the suffix of a file name, or of IMAGE_PIPE_SUFFIX.  NULL after reporting a usage error of `command`
  * for an unknown suffix. */
 const image_format *image_format_of(const char *command, const char *name);
