@@ -36,7 +36,7 @@ def others(picture):
 @pytest.fixture(scope="module")
 def repaired(picture):
     """Packets and, behind them, repair packets: how many have splats, and all of them."""
-    found = encode(picture, packet_count=10, packet_loss=0.2)
+    found = encode(picture, packet_count=10, packet_loss=0.1)
     return gscl.info(found).packets, found
 
 
