@@ -38,7 +38,7 @@ def picture():
 @pytest.fixture(scope="session")
 def data(picture):
     """The picture in a file of at most 400 bytes."""
-    return gscl.encode(picture, bytes=400, effort=0).data
+    return gscl.encode(picture, bytes=400, effort=0)
 
 
 def psnr(a, b):

@@ -133,7 +133,7 @@ def test_same_files_as_alone(client, tmp_path):
     gscl.batch.run(f"{pictures}/*/*.png", str(tmp_path / "out"), str(tmp_path / "report"), client=client, **FAST)
     for path in pictures.rglob("*.png"):
         output = tmp_path / "out" / path.relative_to(pictures).with_suffix(".gscl")
-        assert output.read_bytes() == gscl.encode(path, **FAST).data
+        assert output.read_bytes() == gscl.encode(path, **FAST)
 
 
 def test_picture_that_kills_its_worker(tmp_path):
@@ -302,11 +302,11 @@ def test_resume(run, memory, encoder, encoded):
     for i in range(6):
         memory.pipe_file(f"/in/{i}.png", b"%d" % i)
     memory.pipe_file("/in/5.png", b"bad")
-    memory.pipe_file("/out/0.gscl", encoded.data)
-    memory.pipe_file("/out/1.gscl", encoded.data[:-1])
+    memory.pipe_file("/out/0.gscl", encoded)
+    memory.pipe_file("/out/1.gscl", encoded[:-1])
     first = run("memory://in/[0125].png")
     assert (first.ok, first.exists, first.skipped, first.failed) == (2, 1, 0, 1)
-    assert memory.cat_file("/out/1.gscl") == encoded.data
+    assert memory.cat_file("/out/1.gscl") == encoded
     memory.pipe_file("/in/5.png", b"5")
     second = run("memory://in/*.png")
     assert (second.ok, second.exists, second.skipped, second.failed) == (3, 0, 3, 0)
@@ -323,7 +323,7 @@ def test_task_that_ran_already(thread, memory, encoder):
     job = gscl.batch._work.Job("0001-0", "memory:///out", "memory:///report", encoder=encoder)
     line = '["memory:///in/a", "memory:///out/a.gscl", ""]\n'
     counts = [thread.submit(gscl.batch._work.do_task, job, "0", line, pure=False).result() for _ in "12"]
-    assert counts[0] == counts[1] == {"ok": 1, "exists": 0, "failed": 0, "bytes": len(encoder.encoded.data)}
+    assert counts[0] == counts[1] == {"ok": 1, "exists": 0, "failed": 0, "bytes": len(encoder.encoded)}
     assert encoder.calls[b"a"] == 1
 
 

@@ -73,7 +73,7 @@ def test_types(data, dtype, peak):
 
 
 def test_premultiplied():
-    data = gscl.encode(make_picture(40, 32, 4), effort=0, bytes=400).data
+    data = gscl.encode(make_picture(40, 32, 4), effort=0, bytes=400)
     plain, product = gscl.decode(data, dtype="float32"), gscl.decode(data, dtype="float32", premultiplied=True)
     assert numpy.abs(plain[:, :, :3] * plain[:, :, 3:] - product[:, :, :3]).max() < 0.01
 

@@ -1,6 +1,8 @@
 """gscl.encode: pictures, targets, settings, metadata, report."""
 
+import copy
 import math
+import pickle
 
 import numpy
 import pytest
@@ -21,30 +23,30 @@ def test_bytes(picture, data):
 
 
 def test_bpp(picture):
-    data, report = gscl.encode(picture, bpp=0.4, effort=0)
-    assert len(data) == report.bytes <= 0.4 * 96 * 64 / 8
+    encoded = gscl.encode(picture, bpp=0.4, effort=0)
+    assert len(encoded) == encoded.report.bytes <= 0.4 * 96 * 64 / 8
 
 
 def test_psnr(picture):
-    data, report = gscl.encode(picture, psnr=30, effort=0)
-    assert report.psnr >= 30
-    assert psnr(picture, gscl.decode(data)) == pytest.approx(report.psnr, abs=0.01)
+    encoded = gscl.encode(picture, psnr=30, effort=0)
+    assert encoded.report.psnr >= 30
+    assert psnr(picture, gscl.decode(encoded)) == pytest.approx(encoded.report.psnr, abs=0.01)
 
 
 def test_ssimulacra2(picture):
-    data, report = gscl.encode(picture, ssimulacra2=20, effort=0)
-    assert 20 <= report.ssimulacra2 < 40 and report.tune == "visual"
-    assert gscl.compare(picture, gscl.decode(data)).ssimulacra2 == pytest.approx(report.ssimulacra2, abs=0.01)
+    encoded = gscl.encode(picture, ssimulacra2=20, effort=0)
+    assert 20 <= encoded.report.ssimulacra2 < 40 and encoded.report.tune == "visual"
+    assert gscl.compare(picture, gscl.decode(encoded)).ssimulacra2 == pytest.approx(encoded.report.ssimulacra2, abs=0.01)
     assert math.isnan(gscl.encode(picture, psnr=25, effort=0).report.ssimulacra2)
 
 
 def test_splats(picture):
-    data, report = gscl.encode(picture, splats=20, effort=0)
-    assert report.splats <= 20 and gscl.info(data).splats == report.splats
+    encoded = gscl.encode(picture, splats=20, effort=0)
+    assert encoded.report.splats <= 20 and gscl.info(encoded).splats == encoded.report.splats
 
 
 def test_default_target(picture):
-    assert len(gscl.encode(picture, effort=0).data) <= 256
+    assert len(gscl.encode(picture, effort=0)) <= 256
 
 
 def test_report(picture):
@@ -57,19 +59,74 @@ def test_report(picture):
     assert report.seconds > 0 and report.trials >= 1
 
 
+def test_encoded_is_the_file(data, tmp_path):
+    """Whatever takes the bytes of a file takes what encode returned."""
+    path = tmp_path / "picture.gscl"
+    assert path.write_bytes(data) == len(data) == data.report.bytes
+    assert path.read_bytes() == data and type(data[:10]) is bytes
+    assert numpy.array_equal(gscl.decode(data), gscl.decode(path))
+    assert gscl.info(data) == gscl.info(path) and gscl.certain_splats(data) == gscl.certain_splats(path)
+    assert numpy.array_equal(gscl.splats(data), gscl.splats(path)) and gscl.metadata(data) == {}
+    decoder = gscl.Decoder()
+    decoder.add_bytes(data)
+    assert decoder.splats == data.report.splats
+
+
+COPIES = [copy.copy, copy.deepcopy, *(lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in range(pickle.HIGHEST_PROTOCOL + 1))]
+
+
+@pytest.mark.parametrize("options", [{}, {"packets": 120}], ids=["file", "packets"])
+@pytest.mark.parametrize("make_copy", COPIES)
+def test_copies_keep_the_report(picture, make_copy, options):
+    encoded = encode(picture, trace=True, **options)
+    found = make_copy(encoded)
+    assert type(found) is type(encoded) and found == encoded
+    assert found.report == encoded.report and hash(found.report) == hash(encoded.report)
+    assert found.report.trace and found.report.trace == encoded.report.trace
+    assert not options or found.packets == encoded.packets
+
+
+@pytest.mark.parametrize("make_copy", COPIES)
+def test_copies_of_reports_are_equal(picture, data, make_copy):
+    """NaN, an unknown figure, does not make them differ."""
+    tiny = gscl.compare(picture[:4, :4], 255 - picture[:4, :4])
+    assert math.isnan(data.report.ssimulacra2) and any(math.isnan(row.gain_db) for row in data.report.effects) and math.isnan(tiny.ssimulacra2)
+    for record in data.report, *data.report.effects, *data.report.stages, gscl.info(data), tiny:
+        found = make_copy(record)
+        assert found == record and hash(found) == hash(record) and not found != record
+
+
+def test_reports_differ(picture, data):
+    other = encode(picture, seed=2)
+    assert other.report != data.report and other != data
+    assert gscl.info(other) != gscl.info(data) and gscl.info(data) != data.report and data.report != 7
+    assert len({gscl.info(data), gscl.info(bytes(data)), gscl.info(other)}) == 2
+
+
+def test_texts_are_short(data, picture):
+    """One line each: without rows, without figures that are unknown, and without the bytes."""
+    report = data.report
+    expected = f"EncodeReport(bytes={len(data)}, splats={report.splats}, psnr={report.psnr:.6g}, seconds={report.seconds:.6g}, "
+    assert repr(report) == expected + f"trials={report.trials}, blend='normalized', tune='psnr')"
+    assert repr(data) == str(data) == f"{data}" == f"<Encoded of {len(data)} bytes, {report!r}>"
+    assert repr(encode(picture, packets=120)).startswith("<EncodedPackets of ")
+    assert repr(gscl.info(data)).startswith("Info(width=96, height=64, channels=3, dtype='uint8', ") and len(repr(gscl.info(data))) < 250
+    assert repr(gscl.compare(picture, picture)).startswith("Comparison(mse=0, psnr=inf, ssim=1, ")
+
+
 def test_repeats(picture, data):
-    assert encode(picture).data == data
+    assert encode(picture) == data
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
 def test_threads(picture, data, threads):
-    assert encode(picture, device="host", threads=threads).data == data
+    assert encode(picture, device="host", threads=threads) == data
 
 
 def test_devices(picture):
     """Files of different devices differ, and are of the same quality in the mean of seeds, which differ by up to 2.7 dB."""
     host, opencl = (
-        sum(psnr(picture, gscl.decode(encode(picture, seed=seed, device=device).data)) for seed in range(1, 17)) / 16
+        sum(psnr(picture, gscl.decode(encode(picture, seed=seed, device=device))) for seed in range(1, 17)) / 16
         for device in ("host", "0.0")
     )
     assert opencl == pytest.approx(host, abs=0.7)
@@ -89,18 +146,18 @@ def test_devices(picture):
     ids=str,
 )
 def test_settings_matter(picture, data, options):
-    other = encode(picture, **options).data
+    other = encode(picture, **options)
     assert len(other) <= 400 and other != data
     assert psnr(picture, gscl.decode(other)) > 20
 
 
 def test_effects(picture):
-    info = gscl.info(encode(picture, effects_off={"rotation", "anisotropy"}, effects_on="opacity").data)
+    info = gscl.info(encode(picture, effects_off={"rotation", "anisotropy"}, effects_on="opacity"))
     assert "opacity" in info.effects and "rotation" not in info.effects
 
 
 def test_bare(picture, data):
-    bare = encode(picture, bare=True, bytes=150).data
+    bare = encode(picture, bare=True, bytes=150)
     with pytest.raises(gscl.Error):
         gscl.decode(bare)
     assert gscl.decode(bare, bare=True).shape == picture.shape
@@ -115,7 +172,7 @@ def test_bare(picture, data):
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
 def test_kinds_of_arrays(channels, dtype):
     picture = make_picture(40, 32, channels, dtype)
-    decoded = gscl.decode(encode(picture).data)
+    decoded = gscl.decode(encode(picture))
     assert decoded.shape == picture.shape
     assert decoded.dtype == (numpy.uint8 if dtype == "uint8" else numpy.uint16)
     assert psnr(picture, decoded) > 25
@@ -130,19 +187,19 @@ def test_other_layouts_of_memory(picture, data):
     for same in wide[:, :, ::2], upside_down[::-1], numpy.asfortranarray(picture), readonly, picture.tolist():
         if isinstance(same, list):
             same = numpy.array(same, dtype=numpy.uint8)
-        assert encode(same).data == data
+        assert encode(same) == data
 
 
 def test_other_floats_and_byte_orders():
     half = make_picture(40, 32, 3, numpy.float32).astype(numpy.float16)
-    assert encode(half).data == encode(half.astype(numpy.float64)).data == encode(half.astype(numpy.float32)).data
+    assert encode(half) == encode(half.astype(numpy.float64)) == encode(half.astype(numpy.float32))
     words = make_picture(40, 32, 3, numpy.uint16)
-    assert encode(words.astype(">u2")).data == encode(words.astype("<u2")).data
+    assert encode(words.astype(">u2")) == encode(words.astype("<u2"))
 
 
 def test_one_channel_axis():
     grey = make_picture(40, 32, 1)
-    assert encode(grey[:, :, None]).data == encode(grey).data
+    assert encode(grey[:, :, None]) == encode(grey)
 
 
 @pytest.mark.parametrize("shape", [(8,), (8, 8, 5), (8, 8, 0), (2, 8, 8, 3)])
@@ -168,7 +225,7 @@ def test_bytes_are_no_picture(data):
 def test_paths(picture, data, tmp_path):
     path = tmp_path / "picture.png"
     Image.fromarray(picture).save(path)
-    assert encode(path).data == encode(str(path)).data == encode(Image.fromarray(picture)).data == data
+    assert encode(path) == encode(str(path)) == encode(Image.fromarray(picture)) == data
 
 
 def test_missing_file(tmp_path):
@@ -213,7 +270,7 @@ def test_modes_of_pillow(mode, shape):
         image = colours.convert("RGBA").convert("RGBa")
     else:
         image = colours.convert(mode)
-    decoded = gscl.decode(encode(image).data)
+    decoded = gscl.decode(encode(image))
     assert decoded.shape in ((32, 40) + shape, (32, 40) + (() if shape == (2,) else (3,) if shape == (4,) else shape))
     assert decoded.dtype == (numpy.uint16 if mode in ("I;16", "I", "F") else numpy.uint8)
 
@@ -258,7 +315,7 @@ def test_formats_that_are_not_read(tmp_path):
 def test_transparent_palette():
     image = Image.fromarray(make_picture(40, 32)).quantize(16)
     image.info["transparency"] = 0
-    assert gscl.decode(encode(image).data).shape == (32, 40, 4)
+    assert gscl.decode(encode(image)).shape == (32, 40, 4)
 
 
 def test_orientation(tmp_path):
@@ -268,7 +325,7 @@ def test_orientation(tmp_path):
     exif[0x010E] = "a disc"
     path = tmp_path / "turned.jpg"
     Image.fromarray(picture).save(path, exif=exif, quality=95)
-    data = encode(path, exif=True, bytes=600).data
+    data = encode(path, exif=True, bytes=600)
     decoded = gscl.decode(data)
     assert decoded.shape == (48, 32, 3)
     assert psnr(numpy.rot90(picture, -1), decoded) > 25
@@ -288,16 +345,16 @@ def test_colours_become_srgb():
         [[[255 * value for value in srgb_of(pixel / 255, DISPLAY_P3)] for pixel in row] for row in picture]
     )
     expected = numpy.rint(expected).astype(numpy.uint8)
-    converted = gscl.decode(encode(image, bytes=800).data)
+    converted = gscl.decode(encode(image, bytes=800))
     assert psnr(expected, converted) > psnr(picture, converted) + 3
-    assert "icc_profile" not in gscl.metadata(encode(image).data)
+    assert "icc_profile" not in gscl.metadata(encode(image))
 
 
 def test_alpha_survives_conversion():
     picture = make_picture(40, 32, 4)
     image = Image.fromarray(picture)
     image.info["icc_profile"] = icc_rgb(DISPLAY_P3)
-    decoded = gscl.decode(encode(image, bytes=800).data)
+    decoded = gscl.decode(encode(image, bytes=800))
     assert abs(decoded[:, :, 3].astype(int) - picture[:, :, 3]).mean() < 10
 
 
@@ -306,7 +363,7 @@ def test_profile_is_kept(picture):
     image.info["icc_profile"] = icc_rgb(DISPLAY_P3)
     budget = 400 + len(image.info["icc_profile"]) + 16
     for choice in True, image.info["icc_profile"]:
-        data = encode(image, icc_profile=choice, bytes=budget).data
+        data = encode(image, icc_profile=choice, bytes=budget)
         assert gscl.metadata(data)["icc_profile"] == image.info["icc_profile"]
         assert psnr(picture, gscl.decode(data)) > 25
 
@@ -327,10 +384,10 @@ def test_code_points_of_files(tmp_path, picture):
     with Image.open(tmp_path / "a.png") as image:
         image.load()
     for source in (tmp_path / "a.png", image):
-        data = encode(source, bytes=800).data
+        data = encode(source, bytes=800)
         assert gscl.metadata(data) == {}
         assert psnr(expected, gscl.decode(data)) > psnr(picture, gscl.decode(data)) + 3
-        kept = encode(source, bytes=800, icc_profile=True).data
+        kept = encode(source, bytes=800, icc_profile=True)
         assert gscl.metadata(kept) == {"cicp": (12, 13)}
         assert psnr(picture, gscl.decode(kept)) > psnr(expected, gscl.decode(kept)) + 3
 
@@ -339,28 +396,28 @@ def test_hdr_is_refused(tmp_path, picture):
     png_with_code_points(tmp_path / "a.png", picture, 9, 16)
     with pytest.raises(gscl.InvalidArgumentError, match=r"HDR colours \(PQ\).*cicp=\(9, 16\)"):
         encode(tmp_path / "a.png")
-    assert gscl.metadata(encode(tmp_path / "a.png", cicp=(9, 16)).data) == {"cicp": (9, 16)}
-    assert gscl.metadata(encode(tmp_path / "a.png", icc_profile=True).data) == {"cicp": (9, 16)}
+    assert gscl.metadata(encode(tmp_path / "a.png", cicp=(9, 16))) == {"cicp": (9, 16)}
+    assert gscl.metadata(encode(tmp_path / "a.png", icc_profile=True)) == {"cicp": (9, 16)}
 
 
 def test_colours_that_a_file_cannot_name_are_converted(picture):
     image = Image.fromarray(picture)
     image.info["gamma"] = 1.0
-    linear = encode(image, bytes=800).data
-    assert encode(image, bytes=800, icc_profile=True).data == linear
+    linear = encode(image, bytes=800)
+    assert encode(image, bytes=800, icc_profile=True) == linear
     grey = image.convert("L")
     grey.info["icc_profile"] = icc_rgb(DISPLAY_P3)
-    assert gscl.metadata(encode(grey, icc_profile=True, bytes=1500).data) == {}
+    assert gscl.metadata(encode(grey, icc_profile=True, bytes=1500)) == {}
 
 
 def test_useless_profile_warns(picture, data):
     image = Image.fromarray(picture)
     image.info["icc_profile"] = b"no profile"
     with pytest.warns(UserWarning, match="colour profile cannot be used"):
-        assert encode(image).data == data
+        assert encode(image) == data
 
 
 def test_metadata(picture):
-    data = encode(picture, exif=b"Exif\0\0II*\0\x08\0\0\0\0\0\0\0", xmp=b"<x/>", cicp=(12, 13)).data
+    data = encode(picture, exif=b"Exif\0\0II*\0\x08\0\0\0\0\0\0\0", xmp=b"<x/>", cicp=(12, 13))
     assert gscl.metadata(data) == {"exif": b"II*\0\x08\0\0\0\0\0\0\0", "xmp": b"<x/>", "cicp": (12, 13)}
-    assert gscl.metadata(encode(picture).data) == {}
+    assert gscl.metadata(encode(picture)) == {}

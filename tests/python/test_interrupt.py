@@ -102,7 +102,7 @@ def test_cancel(picture, data, run):
         return len(calls)
 
     assert run(encode) == 3
-    assert gscl.encode(picture, effort=0, bytes=400).data == data
+    assert gscl.encode(picture, effort=0, bytes=400) == data
 
 
 @pytest.mark.parametrize("device", ["host", None], ids=["host", "default"])
@@ -137,9 +137,9 @@ def test_encode_within_progress(picture, data):
 
     def encode(state):
         if not inner:
-            inner.append(gscl.encode(picture, effort=0, bytes=400).data)
+            inner.append(gscl.encode(picture, effort=0, bytes=400))
 
-    assert gscl.encode(picture, effort=0, bytes=400, progress=encode).data == data
+    assert gscl.encode(picture, effort=0, bytes=400, progress=encode) == data
     assert inner == [data]
 
 
@@ -148,7 +148,7 @@ def test_several_threads(picture, data):
 
     def work():
         for _ in range(2):
-            encoded = gscl.encode(picture, effort=0, bytes=400).data
+            encoded = gscl.encode(picture, effort=0, bytes=400)
             results.append((encoded, gscl.decode(encoded).tobytes()))
 
     threads = [threading.Thread(target=work) for _ in range(3)]
@@ -187,7 +187,7 @@ def say_when_working():
 
 picture = numpy.load(sys.argv[1])
 progress = print if sys.argv[3] == "progress" else None
-expected = gscl.encode(picture, effort=0, bytes=400).data
+expected = gscl.encode(picture, effort=0, bytes=400)
 record(_decode, "_draw")
 record(_encode, "_run")
 threading.Thread(target=say_when_working, daemon=True).start()
@@ -203,7 +203,7 @@ for thread in threading.enumerate():
     if thread is not threading.current_thread():
         thread.join()
 assert outcomes == [gscl.CancelledError], outcomes
-assert gscl.encode(picture, effort=0, bytes=400).data == expected
+assert gscl.encode(picture, effort=0, bytes=400) == expected
 assert gscl.decode(expected).any()
 print("undamaged", flush=True)
 """

@@ -45,8 +45,10 @@ def damaged(packet):
 
 
 def test_encode(picture):
-    packets, report = gscl.encode(picture, packets=120, packet_count=6, packet_identity=7, effort=0)
-    assert len(packets) == 6 and all(isinstance(packet, bytes) and 40 < len(packet) <= 120 for packet in packets)
+    encoded = gscl.encode(picture, packets=120, packet_count=6, packet_identity=7, effort=0)
+    packets, report = encoded.packets, encoded.report
+    assert len(packets) == 6 and all(type(packet) is bytes and 40 < len(packet) <= 120 for packet in packets)
+    assert sum(map(len, packets)) == report.bytes < len(encoded) and numpy.array_equal(gscl.decode(encoded), gscl.decode(packets))
     assert {packet[0] for packet in packets} == {7}
     assert psnr(picture, gscl.decode(packets)) == pytest.approx(report.psnr, abs=0.01) and report.psnr > 30
     assert len(gscl.encode(picture, packets=120, bytes=500, effort=0).packets) == 5
@@ -78,7 +80,7 @@ def test_arguments_out_of_range(picture, kind, options):
 
 def test_sources(packets, picture, tmp_path):
     """All ways to name packets, of a list and of one."""
-    data = gscl.encode(picture, packets=120, packet_count=6, packet_identity=7, effort=0).data
+    data = gscl.encode(picture, packets=120, packet_count=6, packet_identity=7, effort=0)
     path, single = tmp_path / "picture.gsclp", tmp_path / "picture.000.gsclp"
     path.write_bytes(data)
     single.write_bytes(packets[0])
@@ -191,7 +193,7 @@ def test_decoder_repairs(repaired):
 
 @pytest.mark.parametrize("bare", [False, True])
 def test_decoder_of_bytes(picture, bare):
-    data = gscl.encode(picture, bytes=600, effort=0, progressive=True, bare=bare).data
+    data = gscl.encode(picture, bytes=600, effort=0, progressive=True, bare=bare)
     decoder = gscl.Decoder(bare=bare)
     qualities = []
     for start in range(0, len(data), 100):

@@ -111,7 +111,7 @@ def test_metadata_of_the_tool(tool, picture, tmp_path):
 
 def test_metadata_of_the_package(tool, picture, tmp_path):
     exif, xmp = metadata()
-    data = gscl.encode(picture, bytes=900, effort=0, exif=exif, xmp=xmp, cicp=(12, 13)).data
+    data = gscl.encode(picture, bytes=900, effort=0, exif=exif, xmp=xmp, cicp=(12, 13))
     (tmp_path / "out.gscl").write_bytes(data)
     blocks = json.loads(tool("info", "out.gscl", "--json"))["blocks"]
     assert {block["name"]: block["bytes"] for block in blocks} == {"colour-space": 2, "exif": len(exif) - 6, "xmp": len(xmp)}
@@ -127,7 +127,7 @@ def test_metadata_of_the_package(tool, picture, tmp_path):
 def test_files_of_the_package(tool, channels, tmp_path):
     picture = make_picture(40, 32, channels)
     for form in ({}, {"bare": True}, {"progressive": True}):
-        data = gscl.encode(picture, bytes=400, effort=0, **form).data
+        data = gscl.encode(picture, bytes=400, effort=0, **form)
         (tmp_path / "out.gscl").write_bytes(data)
         tool("decode", "out.gscl", "-o", "out.png", "--device", "host", *(["--bare"] if "bare" in form else []))
         with Image.open(tmp_path / "out.png") as image:
@@ -137,9 +137,9 @@ def test_files_of_the_package(tool, channels, tmp_path):
 def test_the_same_file_and_report(tool, picture, tmp_path):
     Image.fromarray(picture).save(tmp_path / "in.png")
     report = json.loads(tool("encode", "in.png", "-o", "in.gscl", "--quiet", "--json", "--bytes", "500", "--effort", "1"))
-    data, own = gscl.encode(tmp_path / "in.png", bytes=500, effort=1)
+    data = gscl.encode(tmp_path / "in.png", bytes=500, effort=1)
     assert (tmp_path / "in.gscl").read_bytes() == data
-    assert (report["bytes"], report["splats"], report["psnr"]) == (len(data), own.splats, pytest.approx(own.psnr))
+    assert (report["bytes"], report["splats"], report["psnr"]) == (len(data), data.report.splats, pytest.approx(data.report.psnr))
     info, found = json.loads(tool("info", "in.gscl", "--json")), gscl.info(data)
     assert [info[name] for name in ("width", "height", "splats", "blend", "work")] == [
         found.width, found.height, found.splats, found.blend, found.work]  # fmt: skip

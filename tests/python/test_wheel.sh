@@ -35,7 +35,8 @@ import gscl
 assert device.id == "host", device
 y, x = numpy.mgrid[0:32, 0:48]
 picture = numpy.stack([4 * x, 6 * y, 255 - 2 * x - 2 * y], axis=-1).astype(numpy.uint8)
-data, report = gscl.encode(picture, bytes=200, effort=0, device="host")
+data = gscl.encode(picture, bytes=200, effort=0, device="host")
+report = data.report
 drawn = gscl.decode(data)
 assert len(data) <= 200 and report.psnr > 35 and gscl.compare(picture, drawn).psnr > 35, report
 assert gscl.decode(data, size=(480, 320)).shape == (320, 480, 3)

@@ -16,13 +16,13 @@ def show(state: gscl.Progress) -> bool:
 
 def main(path: pathlib.Path) -> None:
     picture: NDArray[numpy.uint8] = numpy.zeros((32, 48, 3), numpy.uint8)
-    data, report = gscl.encode(picture, bytes=300, effort=0, tune="psnr", effects_off=["texture"], progress=show)
-    encoded: bytes = gscl.encode(Image.open(path), bpp=0.1, icc_profile=True).data
-    packets, whole = gscl.encode(picture, packets=152, packet_count=10, packet_loss=0.2, effort=0)
+    data = gscl.encode(picture, bytes=300, effort=0, tune="psnr", effects_off=["texture"], progress=show)
+    encoded: bytes = gscl.encode(Image.open(path), bpp=0.1, icc_profile=True)
+    whole = gscl.encode(picture, packets=152, packet_count=10, packet_loss=0.2, effort=0)
     decoder = gscl.Decoder()
-    new: list[bool] = [decoder.add(packet) for packet in packets]
-    print(new, whole.psnr, decoder.received, decoder.size, decoder.image(size=(96, 64)).shape, gscl.decode(packets[2:]).shape)
-    rate: float = 8 * report.bytes / picture[:, :, 0].size
+    new: list[bool] = [decoder.add(packet) for packet in whole.packets]
+    print(new, whole.report.psnr, decoder.received, decoder.size, decoder.image(size=(96, 64)).shape, gscl.decode(whole.packets[2:]).shape)
+    rate: float = 8 * data.report.bytes / picture[:, :, 0].size
     drawn = gscl.decode(data, size=(96, 64), crop=(0, 0, 10, 10), dtype=numpy.float32, device="host", threads=2)
     ellipses = gscl.splats(encoded)
     print(rate, drawn.shape, ellipses["x"].mean(), gscl.info(path).streams["position"], gscl.compare(picture, drawn).psnr)

@@ -39,7 +39,7 @@ def show_rates(axes, picture, effort):
     """PSNR of the decoded file at several rates."""
     pixels = picture.width * picture.height
     files = [gscl.encode(picture, bpp=rate, effort=effort) for rate in RATES]
-    rates = [8 * len(file.data) / pixels for file in files]
+    rates = [8 * len(file) / pixels for file in files]
     axes.plot(rates, [file.report.psnr for file in files], "o-")
     axes.set(xlabel="bits per pixel", ylabel="PSNR, dB", title="quality against rate")
     axes.grid(alpha=0.3)
@@ -55,7 +55,8 @@ def main():
 
     with Image.open(arguments.picture) as image:
         picture = image.convert("RGB")
-    data, report = gscl.encode(picture, bytes=arguments.bytes, effort=arguments.effort)
+    data = gscl.encode(picture, bytes=arguments.bytes, effort=arguments.effort)
+    report = data.report
     print(f"{len(data)} bytes, {report.psnr:.2f} dB, {report.splats} splats, {report.seconds:.1f} s")
 
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(15, 4), width_ratios=(3, 3, 2), layout="constrained")

@@ -56,9 +56,10 @@ def main():
 
     with Image.open(arguments.picture) as image:
         picture = image.convert("RGB")
-    packets, report = gscl.encode(
+    encoded = gscl.encode(
         picture, packets=arguments.size, packet_count=arguments.count, packet_loss=arguments.expected, effort=arguments.effort
     )
+    packets, report = encoded.packets, encoded.report
     print(f"{len(packets)} packets, {report.bytes} bytes, {report.psnr:.2f} dB with all of them")
     arguments.folder.mkdir(parents=True, exist_ok=True)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:

@@ -105,7 +105,7 @@ def _save(im: Image.Image, fp: IO[bytes], filename: str | bytes) -> None:
     arguments = {name: value for name, value in im.encoderinfo.items() if name in _ARGUMENTS}
     if isinstance(arguments.get("exif"), Image.Exif):
         arguments["exif"] = arguments["exif"].tobytes()
-    fp.write(encode(im, **arguments).data)
+    fp.write(encode(im, **arguments))
 
 
 Image.register_open(GsclImageFile.format, GsclImageFile, _accept)

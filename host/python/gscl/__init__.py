@@ -1,8 +1,8 @@
 """gscl: an image codec that stores an image as a set of 2D Gaussians ("splats").
 
     import gscl
-    data, report = gscl.encode("photo.jpg", bytes=2000)
-    array = gscl.decode(data, size=(1536, 1024))
+    encoded = gscl.encode("photo.jpg", bytes=2000)  # the bytes of a file, and encoded.report
+    array = gscl.decode(encoded, size=(1536, 1024))
 
 Importing it also registers a plugin of Pillow: PIL.Image.open("photo.gscl"), image.save("photo.gscl", bytes=2000).
 """

@@ -15,6 +15,7 @@ from gscl._images import Picture, from_struct, load, to_struct
 from gscl._inspect import Content, File, inspect, read
 from gscl._names import SAMPLES, number_of
 from gscl._progress import ProgressCallback, call, interruptible
+from gscl._records import Record
 
 # Pixels up to which a decode takes the device "host" where the default device is another one.  A GPU draws large pictures
 # sooner, but its kernels must be compiled once, and a small picture is drawn before they are found in a cache.
@@ -119,8 +120,8 @@ def _draw(
     return from_struct(image)
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Record):
     """How far two pictures differ."""
 
     mse: float

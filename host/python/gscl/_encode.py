@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import builtins
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any, NamedTuple, Union, overload
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Union, overload
 
 from gscl._binding import ffi, lib
 from gscl._devices import context_on
@@ -14,11 +14,16 @@ from gscl._images import Picture, Source, load, to_struct
 from gscl._names import BLENDS, BLOCKS, LOSSES, PROFILES, TUNES
 from gscl._names import Blend, Effect, Loss, Profile, Tune
 from gscl._names import bits_of, effects_of, number_of, word_of
-from gscl._packets import join, split
+from gscl._packets import Buffer, split
 from gscl._progress import ProgressCallback, call, interruptible
+from gscl._records import Record
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
-class EffectDecision(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class EffectDecision(Record):
     """The encoder's decision on an effect."""
 
     effect: str
@@ -29,8 +34,8 @@ class EffectDecision(NamedTuple):
     """For "trial": PSNR with the effect less PSNR without it; else NaN."""
 
 
-@dataclass(frozen=True)
-class Stage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stage(Record):
     """Time of one stage of an encode."""
 
     name: str
@@ -38,7 +43,8 @@ class Stage:
     seconds: float
 
 
-class TracePoint(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class TracePoint(Record):
     """State of the fit at one moment of an encode."""
 
     stage: str
@@ -48,11 +54,12 @@ class TracePoint(NamedTuple):
     psnr: float
 
 
-@dataclass(frozen=True)
-class EncodeReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class EncodeReport(Record):
     """Results of an encode."""
 
     bytes: int
+    """Of the file; of packets their sum, without what a list adds."""
     splats: int
     psnr: float
     """dB of the decoded file against the picture."""
@@ -63,29 +70,40 @@ class EncodeReport:
     """Complete fits until the target was met."""
     blend: str
     tune: str
-    effects: tuple[EffectDecision, ...]
-    stages: tuple[Stage, ...]
-    trace: tuple[TracePoint, ...]
+    effects: tuple[EffectDecision, ...] = field(repr=False)
+    stages: tuple[Stage, ...] = field(repr=False)
+    trace: tuple[TracePoint, ...] = field(repr=False)
     """Empty unless the argument `trace` asks for it."""
 
 
-class Encoded(NamedTuple):
-    """What encode returns: `data, report = encode(...)`."""
+class Encoded(bytes):
+    """What encode returns: the bytes of the file, with a report."""
 
-    data: bytes
     report: EncodeReport
 
+    def __new__(cls, data: Buffer, report: EncodeReport) -> Self:
+        encoded = super().__new__(cls, data)
+        encoded.report = report
+        return encoded
 
-class EncodedPackets(NamedTuple):
-    """What encode returns with the argument `packets`: `packets, report = encode(..., packets=...)`."""
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (bytes(self), self.report)
 
-    packets: list[bytes]
-    report: EncodeReport
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self)} bytes, {self.report!r}>"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+
+class EncodedPackets(Encoded):
+    """What encode returns with the argument `packets`: the bytes of a list of packets, as a .gsclp file has it, with a
+    report."""
 
     @property
-    def data(self) -> bytes:
-        """The packets as a list, as a file has it."""
-        return join(self.packets)
+    def packets(self) -> list[bytes]:
+        """The packets, to send one by one."""
+        return split(self)
 
 
 Metadata = Union[bytes, bool, None]
@@ -186,7 +204,7 @@ def encode(
     device: str | None = None,
     threads: int = 0,
 ) -> Encoded | EncodedPackets:
-    """Encodes a picture.
+    """Encodes a picture, and returns the bytes of a gscl file with a report: `encoded.report.psnr`.
 
     picture: a path to a file that Pillow reads, an image of Pillow, or an array of shape (height, width) or (height,
         width, channels): grey, grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.
@@ -264,7 +282,7 @@ def encode(
         return encoded
 
     encoded = interruptible(work, progress)
-    return encoded if packets is None else EncodedPackets(split(encoded.data), encoded.report)
+    return encoded if packets is None else EncodedPackets(encoded, encoded.report)
 
 
 def _keep(*owners: Any) -> None:
@@ -313,7 +331,7 @@ def _run(context: Any, image: Any, settings: Any, progress: ProgressCallback | N
     data, size = ffi.new("uint8_t **"), ffi.new("size_t *")
     try:
         check(call(settings, progress, lambda: lib.gscl_encode(context, image, settings, data, size, report)), context)
-        return Encoded(bytes(ffi.buffer(data[0], size[0])), _report(report))
+        return Encoded(ffi.buffer(data[0], size[0]), _report(report))
     finally:
         lib.gscl_free(data[0])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, BinaryIO, NamedTuple, Union
 
 import numpy
@@ -15,6 +15,7 @@ from gscl._errors import check
 from gscl._names import BLENDS, BLOCKS, PROFILES, SAMPLES, effects_of, word_of
 from gscl._packets import Buffer, is_packet, join
 
+from gscl._records import Record
 File = Union[Buffer, str, "os.PathLike[str]", BinaryIO, Sequence[Buffer]]
 """The bytes of a gscl file, its path, or an open file.  The file may be a list of packets, or one packet; and packets may come
 as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the first one are left out."""
@@ -73,11 +74,11 @@ def _joined(packets: Sequence[Buffer]) -> bytes:
     return joined
 
 
-@dataclass(frozen=True)
-class Info:
+@dataclass(frozen=True, eq=False, repr=False)
+class Info(Record):
     """What a file says about itself."""
 
-    format_version: int
+    format_version: int = field(repr=False)
     width: int
     height: int
     channels: int
@@ -92,14 +93,14 @@ class Info:
     packets: int
     """Of a list of packets, how many were read; 0 for a file and for header_only."""
     effects: tuple[str, ...]
-    shape_words: int
-    colour_words: int
+    shape_words: int = field(repr=False)
+    colour_words: int = field(repr=False)
     bytes: int
-    streams: dict[str, float]
+    streams: dict[str, float] = field(repr=False, hash=False)
     """Bits of each stream in use; empty for header_only."""
-    pixels: int
+    pixels: int = field(repr=False)
     """What max_pixels limits in a decode at the encoded size."""
-    work: int
+    work: int = field(repr=False)
     """What max_work limits in such a decode; an upper bound for header_only."""
 
 

@@ -106,7 +106,7 @@ def run(
     overwrite: whether to encode pictures again whose outputs exist or whose rows say that they are done.
     task_pictures: the most pictures in a task, and rows in a file of the report.
     encoder: replaces gscl.encode; called with the bytes of a picture's file and, by name, `device` and the settings;
-        returns what gscl.encode returns.
+        returns what gscl.encode returns, or gscl.Encoded(data, report).
     progress: called about once a second, in the calling thread.  An exception in it ends the run.
     settings: arguments of gscl.encode.
 

@@ -72,8 +72,8 @@ def encode_file(picture: bytes, *, device: str | None, threads: int = 1, **setti
     except UnidentifiedImageError:
         raise UnidentifiedImageError("not an image that Pillow reads") from None
     with image:
-        encoded = encode(image, device=device, threads=threads, **settings)
-    return Encoded(encoded.data, encoded.report)
+        encoded: Encoded = encode(image, device=device, threads=threads, **settings)
+        return encoded
 
 
 def do_task(job: Job, task: str, lines: str) -> dict[str, int]:
@@ -195,15 +195,15 @@ def _encode(row: Row, job: Job, source: str, output: str, device: str | None) ->
     row["source_bytes"], row["device"] = len(picture), device or "default"
     try:
         if job.encoder:
-            data, report = job.encoder(picture, device=device, **job.settings)
+            encoded = job.encoder(picture, device=device, **job.settings)
         else:
-            data, report = encode_file(picture, device=device, threads=job.threads, **job.settings)
+            encoded = encode_file(picture, device=device, threads=job.threads, **job.settings)
     except _OF_THE_MACHINE:
         raise
     except (DeviceError, MemoryError) as error:
         raise TransientError from error
-    found = info(data, bare=bool(job.settings.get("bare")), header_only=True)
-    _stored(lambda: _storage.write_whole(output, data, _storage.temporary_folder(job.out, job.run)))
-    row["status"], row["bytes"], row["splats"], row["psnr"] = OK, len(data), report.splats, report.psnr
+    found, report = info(encoded, bare=bool(job.settings.get("bare")), header_only=True), encoded.report
+    _stored(lambda: _storage.write_whole(output, encoded, _storage.temporary_folder(job.out, job.run)))
+    row["status"], row["bytes"], row["splats"], row["psnr"] = OK, len(encoded), report.splats, report.psnr
     row["ssimulacra2"] = None if math.isnan(report.ssimulacra2) else report.ssimulacra2
     row["width"], row["height"] = found.width, found.height

@@ -1,0 +1,45 @@
+"""Records that calls return: what they have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import Field, dataclass, fields
+from typing import Any
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record:
+    """Base of frozen dataclasses.
+
+    Two records are equal if all their values are, where NaN, which stands for an unknown figure, equals NaN: a record equals
+    its copies.  The text has numbers with six digits, and leaves out NaN and fields with repr=False; hash leaves out
+    those with hash=False.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return [_comparable(value) for _, value in self._values()] == [_comparable(value) for _, value in other._values()]
+
+    def __hash__(self) -> int:
+        return hash(tuple(_comparable(value) for field, value in self._values() if field.hash is not False))
+
+    def __repr__(self) -> str:
+        shown = [f"{field.name}={_text(value)}" for field, value in self._values() if field.repr and not _is_nan(value)]
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def _values(self) -> Iterator[tuple[Field[Any], Any]]:
+        return ((field, getattr(self, field.name)) for field in fields(self))
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def _comparable(value: Any) -> Any:
+    return None if _is_nan(value) else value
+
+
+def _text(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else repr(value)
