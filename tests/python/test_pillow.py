@@ -36,6 +36,17 @@ def test_save(picture, data, tmp_path):
     assert memory.getvalue() == data
 
 
+def test_unknown_options_warn(picture, data, tmp_path):
+    path = tmp_path / "picture.gscl"
+    with pytest.warns(UserWarning) as warned:
+        Image.fromarray(picture).save(path, bytes=400, effort=0, optimize=True, effrot=9)
+    assert [str(warning.message).split(",")[0] for warning in warned] == [
+        "'optimize' is not an option of gscl files", "'effrot' is not an option of gscl files"]  # fmt: skip
+    assert all(f" {name}" in str(warned[0].message) for name in ("bytes", "effort", "icc_profile", "tune"))
+    assert {warning.filename for warning in warned} == {__file__}
+    assert path.read_bytes() == data
+
+
 @pytest.mark.parametrize("channels, mode", [(1, "L"), (2, "LA"), (3, "RGB"), (4, "RGBA")])
 def test_modes(channels, mode):
     picture = make_picture(40, 32, channels)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
+from collections.abc import Iterable
 from typing import IO, Any
 
 from PIL import Image, ImageFile, UnidentifiedImageError
@@ -24,8 +26,8 @@ _tile: Any = getattr(ImageFile, "_Tile", lambda *fields: fields)
 
 _MODES = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA"}
 
-# Arguments of gscl.encode that Image.save takes.
-_ARGUMENTS = frozenset(encode.__kwdefaults__ or ())
+# Options of Image.save: the arguments of gscl.encode.
+_OPTIONS = tuple(sorted(encode.__kwdefaults__ or ()))
 
 
 def _accept(prefix: bytes) -> bool:
@@ -102,10 +104,18 @@ class GsclImageFile(ImageFile.ImageFile):
 
 
 def _save(im: Image.Image, fp: IO[bytes], filename: str | bytes) -> None:
-    arguments = {name: value for name, value in im.encoderinfo.items() if name in _ARGUMENTS}
+    arguments = {name: value for name, value in im.encoderinfo.items() if name in _OPTIONS}
+    _warn_of_unknown(name for name in im.encoderinfo if name not in _OPTIONS)
     if isinstance(arguments.get("exif"), Image.Exif):
         arguments["exif"] = arguments["exif"].tobytes()
     fp.write(encode(im, **arguments))
+
+
+def _warn_of_unknown(names: Iterable[str]) -> None:
+    """In the line that calls Image.save."""
+    for name in names:
+        text = f"{name!r} is not an option of gscl files, and has no effect; those are {', '.join(_OPTIONS)}"
+        warnings.warn(text, stacklevel=4)
 
 
 Image.register_open(GsclImageFile.format, GsclImageFile, _accept)
