@@ -72,6 +72,81 @@ def test_types(data, dtype, peak):
     assert numpy.abs(decoded / peak - gscl.decode(data) / 255).max() <= 1.01 / 255
 
 
+@pytest.mark.parametrize("dtype", [float, "float16", "float64", ">f4"])
+def test_floating_point(data, dtype):
+    """All come from the samples of float32, which are not rounded to integers."""
+    decoded, samples = gscl.decode(data, dtype=dtype), gscl.decode(data, dtype="float32")
+    assert decoded.dtype == dtype and numpy.array_equal(decoded, samples.astype(dtype))
+    assert numpy.abs(samples - gscl.decode(data, dtype="uint16") / 65535).max() < 0.51 / 65535
+    assert 0 <= samples.min() and samples.max() <= 1 and (samples * 65535 % 1 != 0).any()
+
+
+def test_byte_order(data):
+    swapped = gscl.decode(data, dtype=">u2")
+    assert swapped.dtype == ">u2" and numpy.array_equal(swapped, gscl.decode(data, dtype="uint16"))
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float16", "float32", "float64", ">u2"])
+def test_out(data, dtype):
+    out = numpy.zeros((64, 96, 3), dtype)
+    assert gscl.decode(data, out=out) is out and gscl.decode(data, out=out, dtype=dtype) is out
+    assert numpy.array_equal(out, gscl.decode(data, dtype=dtype))
+    assert out.max() > 0
+
+
+def test_out_with_strides(data):
+    """Parts and views of larger arrays."""
+    batch, planes = numpy.zeros((2, 40, 60, 3), numpy.uint8), numpy.zeros((3, 64, 96), numpy.float32)
+    gscl.decode(data, size=(96, 64), crop=(10, 5, 30, 20), out=batch[1, ::2, ::-2])
+    assert numpy.array_equal(batch[1, ::2, ::-2], gscl.decode(data)[5:25, 10:40]) and not batch[0].any() and not batch[1, 1::2].any()
+    gscl.decode(data, out=planes.transpose(1, 2, 0))
+    assert numpy.array_equal(planes[2], gscl.decode(data, dtype="float32")[:, :, 2])
+
+
+def test_out_of_grey_and_of_pieces():
+    data = gscl.encode(make_picture(40, 32, 1), effort=0, bytes=200)
+    out = numpy.zeros((32, 40), numpy.uint8)
+    assert gscl.decode(data, out=out) is out and numpy.array_equal(out, gscl.decode(data))
+    decoder = gscl.Decoder()
+    decoder.add_bytes(data)
+    small = numpy.zeros((16, 20), numpy.float32)
+    assert decoder.image(size=(20, 16), out=small) is small and small.any()
+
+
+def read_only(array):
+    array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize(
+    "kind, message, out, options",
+    [
+        (gscl.InvalidArgumentError, r"shape \(64, 96\): expected \(64, 96, 3\)", numpy.zeros((64, 96), numpy.uint8), {}),
+        (gscl.InvalidArgumentError, r"expected \(64, 96, 3\)", numpy.zeros((1, 64, 96, 3), numpy.uint8), {}),
+        (gscl.InvalidArgumentError, r"expected \(32, 48, 3\)", numpy.zeros((64, 96, 3), numpy.uint8), {"size": (48, 32)}),
+        (gscl.InvalidArgumentError, r"expected \(8, 9, 3\)", numpy.zeros((64, 96, 3), numpy.uint8), {"crop": (0, 0, 9, 8)}),
+        (gscl.InvalidArgumentError, "out: int32: expected uint8, uint16 or a floating", numpy.zeros((64, 96, 3), numpy.int32), {}),
+        (gscl.InvalidArgumentError, "out: the array is read-only", read_only(numpy.zeros((64, 96, 3), numpy.uint8)), {}),
+        (gscl.ConflictError, "dtype is uint16, and out is an array of uint8", numpy.zeros((64, 96, 3), numpy.uint8), {"dtype": "uint16"}),
+        (TypeError, "out: expected an array of NumPy, not bytearray", bytearray(64 * 96 * 3), {}),
+        (gscl.LimitError, "6144", numpy.zeros((64, 96, 3), numpy.uint8), {"max_pixels": 6143}),
+    ],
+)
+def test_out_that_does_not_fit(data, kind, message, out, options):
+    with pytest.raises(kind, match=message):
+        gscl.decode(data, out=out, **options)
+    assert not numpy.any(out)
+
+
+def test_out_and_damage(data):
+    out = numpy.zeros((64, 96, 3), numpy.uint8)
+    with pytest.raises(gscl.DamagedError):
+        gscl.decode(data[:-1] + bytes([data[-1] ^ 1]), out=out)
+    with pytest.raises(gscl.NotGsclError):
+        gscl.decode(b"no file", out=out)
+    assert not out.any()
+
+
 def test_premultiplied():
     data = gscl.encode(make_picture(40, 32, 4), effort=0, bytes=400)
     plain, product = gscl.decode(data, dtype="float32"), gscl.decode(data, dtype="float32", premultiplied=True)

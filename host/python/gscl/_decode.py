@@ -10,10 +10,10 @@ from numpy.typing import DTypeLike, NDArray
 
 from gscl._binding import ffi, lib
 from gscl._devices import HOST, context_on
-from gscl._errors import Error, InvalidArgumentError, NoPlatformError, assign, check
+from gscl._errors import ConflictError, Error, InvalidArgumentError, NoPlatformError, assign, check
 from gscl._images import Picture, from_struct, load, to_struct
 from gscl._inspect import Content, File, inspect, read
-from gscl._names import SAMPLES, number_of
+from gscl._names import SAMPLES
 from gscl._progress import ProgressCallback, call, interruptible
 from gscl._records import Record
 
@@ -28,6 +28,7 @@ def decode(
     size: tuple[int, int] | None = None,
     crop: tuple[int, int, int, int] | None = None,
     dtype: DTypeLike | None = None,
+    out: NDArray[Any] | None = None,
     premultiplied: bool = False,
     partial: bool = False,
     bare: bool = False,
@@ -40,11 +41,14 @@ def decode(
     """Decodes a file to an array of shape (height, width) if it is grey, else (height, width, channels): grey and alpha,
     RGB or RGBA.
 
-    file: the bytes of a gscl file, its path, or an open file; also a list of packets, or a list or tuple of the bytes of packets,
-        of which those are drawn that have come, and those that repair packets replace.
+    file: the bytes of a gscl file, as encode returns them, its path, or an open binary file; also a list of packets, or a list or
+        tuple of the bytes of packets, of which those are drawn that have come, and those that repair packets replace.
     size: width and height at which the whole picture is drawn; None for the encoded size.
     crop: x, y, width and height of the rectangle of the drawn picture to return.
-    dtype: uint8, uint16 or float32 (0..1); None for uint8 or uint16, as the source was.
+    dtype: uint8; uint16; or a floating-point type for samples in 0..1, which are computed as float32 and not rounded to
+        integers.  None for that of `out`, else for uint8 or uint16, as the source was.
+    out: an array to write the pixels into, and to return: of the shape of the result, of a type that `dtype` can be, with any
+        strides.  It is not touched where there is an error.
     premultiplied: whether to multiply colours by alpha.
     partial: whether the file may be cut off: draws the splats that its bytes hold.
     bare: whether the file was encoded with `bare`, which its bytes do not tell.
@@ -64,13 +68,16 @@ def decode(
         _assign_all(settings, "size", size, ("width", "height"), positive=(0, 1))
     if crop is not None:
         _assign_all(settings, "crop", crop, ("crop_x", "crop_y", "crop_width", "crop_height"), positive=(2, 3))
-    if dtype is not None:
-        settings.sample = number_of("dtype", SAMPLES, numpy.dtype(dtype).name)
+    kind = _sample_type(dtype, out)
+    if kind is not None:
+        settings.sample = SAMPLES["float32" if kind.kind == "f" else kind.name]
     for name, limit in {"max_pixels": max_pixels, "max_work": max_work}.items():
         if limit is not None:
             _assign_all(settings, name, (limit,), (name,), positive=(0,))
     settings.premultiplied, settings.partial, settings.bare = premultiplied, partial, bare
     content = read(file, bare)
+    if out is not None:
+        _require_shape(out, _shape(content, settings))
     if device is None and _pixels(content, settings) <= HOST_PIXELS:
         device = HOST
 
@@ -82,7 +89,44 @@ def decode(
                 raise
             return _draw(content, settings, HOST, threads, progress)
 
-    return interruptible(work, progress)
+    pixels = interruptible(work, progress)
+    if out is not None:
+        numpy.copyto(out, pixels)
+        return out
+    return pixels if kind is None else pixels.astype(kind, copy=False)
+
+
+def _sample_type(dtype: DTypeLike | None, out: NDArray[Any] | None) -> numpy.dtype[Any] | None:
+    """The type of the samples to return; None for that of the source."""
+    kind = None if dtype is None else _supported("dtype", numpy.dtype(dtype))
+    if out is None:
+        return kind
+    if not isinstance(out, numpy.ndarray):
+        raise TypeError(f"out: expected an array of NumPy, not {type(out).__name__}")
+    if not out.flags.writeable:
+        raise InvalidArgumentError("out: the array is read-only: expected one that can be written")
+    if kind is not None and kind != out.dtype:
+        raise ConflictError(f"dtype is {kind}, and out is an array of {out.dtype}; leave dtype out, or give the same")
+    return _supported("out", out.dtype)
+
+
+def _supported(argument: str, kind: numpy.dtype[Any]) -> numpy.dtype[Any]:
+    if kind.kind != "f" and kind.name not in SAMPLES:
+        raise InvalidArgumentError(f"{argument}: {kind}: expected uint8, uint16 or a floating-point type")
+    return kind
+
+
+def _require_shape(out: NDArray[Any], shape: tuple[int, ...]) -> None:
+    if out.shape != shape:
+        raise InvalidArgumentError(f"out: an array of shape {out.shape}: expected {shape} for this picture")
+
+
+def _shape(content: Content, settings: Any) -> tuple[int, ...]:
+    """Of the result."""
+    info = inspect(lib.gscl_probe, content, settings.bare)
+    height = settings.crop_height or settings.height or info.height
+    width = settings.crop_width or settings.width or info.width
+    return (height, width) if info.channels == 1 else (height, width, info.channels)
 
 
 def _assign_all(
