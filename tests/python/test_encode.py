@@ -1,8 +1,10 @@
 """gscl.encode: pictures, targets, settings, metadata, report."""
 
 import copy
+import io
 import math
 import pickle
+import subprocess
 
 import numpy
 import pytest
@@ -226,6 +228,38 @@ def test_paths(picture, data, tmp_path):
     path = tmp_path / "picture.png"
     Image.fromarray(picture).save(path)
     assert encode(path) == encode(str(path)) == encode(Image.fromarray(picture)) == data
+
+
+class Reader:
+    """A file that can only be read, such as the answer of a server."""
+
+    def __init__(self, data):
+        self.read = (io.StringIO if isinstance(data, str) else io.BytesIO)(data).read
+
+
+def test_open_files(picture, data, tmp_path):
+    path = tmp_path / "picture.png"
+    Image.fromarray(picture).save(path)
+    with open(path, "rb") as file:
+        assert encode(file) == data and not file.closed
+    written = io.BytesIO()
+    Image.fromarray(picture).save(written, "PNG")  # and stays at its end
+    assert encode(written) == encode(Reader(path.read_bytes())) == data
+    with subprocess.Popen(["cat", path], stdout=subprocess.PIPE, bufsize=0) as process:
+        assert encode(process.stdout) == data
+    with open(path, "rb") as file:
+        assert gscl.compare(file, path).psnr == math.inf
+
+
+def test_text_files(data, tmp_path):
+    path = tmp_path / "picture.gscl"
+    path.write_bytes(data)
+    for use in gscl.encode, gscl.decode:
+        with open(path, encoding="utf-8") as file, pytest.raises(TypeError, match="picture.gscl: a file that is open as text; open it in binary mode"):
+            use(file)
+        for file in io.StringIO("text"), Reader("text"):
+            with pytest.raises(TypeError, match="^a file that is open as text"):
+                use(file)
 
 
 def test_missing_file(tmp_path):

@@ -206,9 +206,10 @@ def encode(
 ) -> Encoded | EncodedPackets:
     """Encodes a picture, and returns the bytes of a gscl file with a report: `encoded.report.psnr`.
 
-    picture: a path to a file that Pillow reads, an image of Pillow, or an array of shape (height, width) or (height,
-        width, channels): grey, grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.
-        Files and images are turned upright and converted to sRGB by their profile.
+    picture: a path to a file that Pillow reads; such a file that is open in binary mode, read from its start, or from where it
+        stands if it cannot seek; an image of Pillow; or an array of shape (height, width) or (height, width, channels): grey,
+        grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.  Files and images are turned
+        upright and converted to sRGB by their profile.
     bytes, bpp, psnr, ssimulacra2, splats: the target, at most one: bytes or bits per pixel of the whole file, never
         exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, mostly exceeded by less than 1, for pictures with
         sides of at least 8 pixels; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.

@@ -14,12 +14,13 @@ from PIL import Image
 from gscl._binding import ffi, lib
 from gscl._colours import Colours, can_be_stored, colours_of, inks_to_srgb, require_conversion, to_srgb
 from gscl._errors import InvalidArgumentError
+from gscl._files import BinaryFile, is_file, with_seek
 from gscl._formats import checked
 from gscl._metadata import read_metadata, turned_upright
 from gscl._names import SAMPLES
 
-Picture = Union[str, "os.PathLike[str]", Image.Image, NDArray[Any]]
-"""A path, an image of Pillow, or an array of shape (height, width) or (height, width, channels)."""
+Picture = Union[str, "os.PathLike[str]", BinaryFile, Image.Image, NDArray[Any]]
+"""A path, an open binary file, an image of Pillow, or an array of shape (height, width) or (height, width, channels)."""
 
 # Modes of Pillow that are encoded as they are; others are converted.
 _ARRAY_MODES = ("L", "LA", "RGB", "RGBA")
@@ -43,13 +44,13 @@ because the caller says what they are."""
 
 def load(picture: Picture, keep: Keep = "none") -> Source:
     """Reads a picture."""
-    if isinstance(picture, (str, os.PathLike)):
-        with Image.open(picture) as image:
-            return _load_image(image, keep)
     if isinstance(picture, Image.Image):
         return _load_image(picture, keep)
-    if isinstance(picture, (bytes, bytearray)):
-        raise TypeError("expected a path, an image or an array, not bytes: open them with PIL.Image.open(io.BytesIO(data))")
+    if isinstance(picture, (str, os.PathLike)) or is_file(picture):
+        with Image.open(picture if isinstance(picture, (str, os.PathLike)) else with_seek(picture)) as image:
+            return _load_image(image, keep)
+    if isinstance(picture, (bytes, bytearray, memoryview)):
+        raise TypeError("expected a path, an open file, an image or an array, not bytes: pass io.BytesIO(data)")
     return Source(_samples(numpy.asarray(picture)))
 
 

@@ -5,19 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, BinaryIO, NamedTuple, Union
+from typing import Any, NamedTuple, Union
 
 import numpy
 from numpy.typing import NDArray
 
 from gscl._binding import ffi, lib
 from gscl._errors import check
+from gscl._files import BinaryFile, is_file, name_of, read_all
 from gscl._names import BLENDS, BLOCKS, PROFILES, SAMPLES, effects_of, word_of
 from gscl._packets import Buffer, is_packet, join
-
 from gscl._records import Record
-File = Union[Buffer, str, "os.PathLike[str]", BinaryIO, Sequence[Buffer]]
-"""The bytes of a gscl file, its path, or an open file.  The file may be a list of packets, or one packet; and packets may come
+
+File = Union[Buffer, str, "os.PathLike[str]", BinaryFile, Sequence[Buffer]]
+"""The bytes of a gscl file, its path, or an open binary file, from where it stands.  The file may be a list of packets, or one packet; and packets may come
 as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the first one are left out."""
 
 SPLAT_DTYPE = numpy.dtype(
@@ -62,8 +63,8 @@ def _read_bytes(file: File) -> tuple[Buffer, str]:
         return file, ""
     if isinstance(file, (list, tuple)):
         return _joined(file), ""
-    if hasattr(file, "read"):
-        return file.read(), str(getattr(file, "name", ""))
+    if is_file(file):
+        return read_all(file), name_of(file)
     raise TypeError(f"expected bytes, a path or an open file, or packets, not {type(file).__name__}")
 
 
