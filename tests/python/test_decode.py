@@ -178,6 +178,10 @@ def test_devices(data):
         assert numpy.abs(gscl.decode(data, device=device.id).astype(int) - host).max() <= 1
     assert sum(device.is_default for device in gscl.devices()) == 1
     assert [device.id for device in gscl.devices()].count("host") == 1 and len(gscl.devices()) > 1
+    assert gscl.devices().missing == ""
+    lines = repr(gscl.devices()).splitlines()
+    assert len(lines) == len(gscl.devices()) and lines[-1].startswith("host: ")
+    assert all(("; the default: " + device.why_default in line) == device.is_default for line, device in zip(lines, gscl.devices()))
     gscl.release_devices()
     assert numpy.array_equal(gscl.decode(data, device="host"), host)
 

@@ -93,9 +93,12 @@ def test_copies_of_reports_are_equal(picture, data, make_copy):
     """NaN, an unknown figure, does not make them differ."""
     tiny = gscl.compare(picture[:4, :4], 255 - picture[:4, :4])
     assert math.isnan(data.report.ssimulacra2) and any(math.isnan(row.gain_db) for row in data.report.effects) and math.isnan(tiny.ssimulacra2)
-    for record in data.report, *data.report.effects, *data.report.stages, gscl.info(data), tiny:
+    (device, *_) = gscl.devices()
+    for record in data.report, *data.report.effects, *data.report.stages, gscl.info(data), tiny, device:
         found = make_copy(record)
         assert found == record and hash(found) == hash(record) and not found != record
+    devices = make_copy(gscl.devices())
+    assert devices == gscl.devices() and devices.missing == gscl.devices().missing
 
 
 def test_reports_differ(picture, data):

@@ -122,8 +122,12 @@ def test_threads_and_libraries(data, tmp_path):
 HOST_ALONE = """
 import sys
 import gscl
-(device,) = gscl.devices()
+devices = gscl.devices()
+(device,) = devices
 assert device.id == "host" and device.is_default and device.compute_units > 0
+assert "no OpenCL device was found" in devices.missing and "nvidia-opencl-icd" in devices.missing
+first, second = str(devices).splitlines()
+assert first.startswith("host: ") and first.endswith(device.why_default) and second == devices.missing
 assert gscl.decode(sys.argv[1], size=(2400, 1600)).shape == (1600, 2400, 3)
 assert gscl.encode(gscl.decode(sys.argv[1]), effort=0, bytes=400).report.psnr > 30
 """
@@ -143,7 +147,8 @@ for use in gscl.devices, lambda: gscl.encode(gscl.decode(sys.argv[1])):
         use()
         sys.exit("there is a device")
     except gscl.NoPlatformError as error:
-        pass
+        assert "no OpenCL device was found" in str(error) and "install" in str(error)
+        assert use is not gscl.devices or "no kernels for the processor" in str(error)
 import gscl.batch
 try:
     gscl.batch.run([], "memory://out", "memory://report", tune="x")

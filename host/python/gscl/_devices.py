@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +28,8 @@ class Device:
     version: str
     is_gpu: bool
     is_default: bool
+    why_default: str
+    """One phrase; empty unless is_default."""
     compute_units: int
     """As OpenCL counts them; of "host" the threads that the process may run."""
     memory_bytes: int
@@ -37,9 +39,56 @@ def _text(array: Any) -> str:
     return str(ffi.string(array).decode("utf-8", "replace"))
 
 
-def devices() -> list[Device]:
-    """Lists all devices that encode: those of OpenCL, then "host".  Raises NoPlatformError where there is none: the library has
-    no kernels for this processor, and no OpenCL device was found."""
+class Devices(list[Device]):
+    """What devices returns: a list, whose text has a line for each device, and says what is missing."""
+
+    missing: str
+    """Why there is no OpenCL device, and what to install for one; empty where there is one."""
+
+    def __init__(self, found: Iterable[Device] = (), missing: str = "") -> None:
+        super().__init__(found)
+        self.missing = missing
+
+    def __repr__(self) -> str:
+        lines = [_line(device) for device in self]
+        return "\n".join([*lines, self.missing] if self.missing else lines)
+
+
+def _line(device: Device) -> str:
+    units = "threads" if device.id == HOST else "compute units"
+    text = f"{device.id}: {device.name}, {device.compute_units} {units}, {device.memory_bytes / 2**30:.1f} GiB"
+    return f"{text}; the default: {device.why_default}" if device.is_default else text
+
+
+def devices() -> Devices:
+    """Lists all devices that encode: those of OpenCL, then "host", this processor.
+
+    Where there is no OpenCL device, `missing` says why, and what to install.  Raises NoPlatformError, which says the same, where
+    there is no device at all, because the library has no kernels for this processor either: then "host" only decodes.
+    """
+    try:
+        found = _list()
+    except NoPlatformError:
+        raise NoPlatformError(
+            'no device encodes: this build of gscl has no kernels for the processor, so that "host" only decodes (installing '
+            f"gscl again with clang at hand adds them), and {_missing()}"
+        ) from None
+    return Devices(found, "" if any(device.id != HOST for device in found) else f"{_GPU}: {_missing()}")
+
+
+_GPU = "a GPU is a device where its OpenCL driver is installed, such as nvidia-opencl-icd, intel-opencl-icd or mesa-opencl-icd"
+
+
+def _missing() -> str:
+    """Why there is no OpenCL device: what the library says when the first one is asked for."""
+    try:
+        _close(_open("0.0", 0))
+    except DeviceError as error:
+        return str(error)
+    return ""
+
+
+def _list() -> list[Device]:
     first = ffi.new("gscl_device_info **")
     check(lib.gscl_list_devices(first))
     found = []
@@ -53,6 +102,7 @@ def devices() -> list[Device]:
                 _text(row.device_version),
                 row.is_gpu,
                 row.is_default,
+                _text(row.why_default),
                 row.compute_units,
                 row.memory_bytes,
             )
@@ -93,7 +143,7 @@ class _Pool:
         """The device, or the id of the default one; None where there is none.  Lists devices before OpenCL is used."""
         if device != HOST and self.default is None:
             try:
-                devices()
+                _list()
             except NoPlatformError:
                 pass  # opening tells more
         return self.default if device is None else device
