@@ -6,6 +6,7 @@ import io
 import json
 import os
 import subprocess
+import sys
 
 import numpy
 import pytest
@@ -16,6 +17,7 @@ import gscl
 import gscl.batch
 from conftest import make_picture, psnr
 from profiles import ADOBE_RGB, ADOBE_RGB_GAMMA, icc_rgb
+from test_package import run
 
 GSCL = os.environ.get("GSCL", "")
 COLUMNS = ["x", "y", "sigma1", "sigma2", "theta", "opacity"]
@@ -189,3 +191,29 @@ def test_report_of_a_run(tool, tmp_path):
         assert [row[name] for name in ("bytes", "width", "height", "splats")] == [
             found.bytes, found.width, found.height, found.splats]  # fmt: skip
     assert len(rows) == 3
+
+
+@pytest.mark.parametrize("options", [["--bytes", "500", "--seed", "3"], ["--psnr", "25", "--tune", "ssim"], ["--bpp", "0.5", "--progressive", "--bare"]])
+def test_commands_of_the_package(tool, picture, options, tmp_path):
+    """python -m gscl has options of the tool, and makes the same of them."""
+    Image.fromarray(picture).save(tmp_path / "in.png")
+
+    def both(*arguments):
+        tool(*arguments)
+        made = (tmp_path / "out").read_bytes()
+        subprocess.run([sys.executable, "-m", "gscl", *arguments], cwd=tmp_path, check=True)
+        return made, (tmp_path / "out").read_bytes()
+
+    encode = ["encode", "in.png", "-o", "out", "-q", "--effort", "0", "--device", "host", "--threads", "1", *options]
+    files = both(*encode)
+    assert files[0] == files[1]
+    (tmp_path / "in.gscl").write_bytes(files[0])
+    form = ["--bare"] if "--bare" in options else []
+    for decode in [["--size", "48x32", "--crop", "3,4,20,10"], ["--max-pixels", "10000", "--max-work", "100000000", "--partial"]]:
+        arguments = ["decode", "in.gscl", "--device", "host", *decode, *form, "-o"]
+        tool(*arguments, "tool.png")
+        subprocess.run([sys.executable, "-m", "gscl", *arguments, "package.png"], cwd=tmp_path, check=True)
+        shown = [numpy.asarray(Image.open(tmp_path / name)) for name in ("tool.png", "package.png")]
+        assert numpy.array_equal(*shown) and shown[0].any()
+    found = [json.loads(tool("info", "in.gscl", "--json", *form)), json.loads(run(sys.executable, "-m", "gscl", "info", tmp_path / "in.gscl", "--json", *form))]
+    assert all(found[0][name] == found[1][name] for name in ("bytes", "width", "height", "splats", "blend", "profile", "work"))

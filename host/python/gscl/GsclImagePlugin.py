@@ -12,8 +12,8 @@ from PIL import Image, ImageFile, UnidentifiedImageError
 
 from gscl._decode import decode
 from gscl._encode import encode
-from gscl._errors import DamagedError, FileError, LimitError, NotGsclError, TruncatedError
-from gscl._inspect import info, metadata
+from gscl._errors import FileError, LimitError, NotGsclError
+from gscl._inspect import info, readable_metadata
 
 MAX_WORK: int | None = 2 * 10**10
 """Largest number of evaluations of a splat at a pixel for a picture; None for no limit.  A core does about 5e8 a second.
@@ -34,14 +34,6 @@ def _accept(prefix: bytes) -> bool:
     return prefix.startswith(MAGIC)
 
 
-def _metadata(data: bytes) -> dict[str, Any]:
-    """Nothing where the file is damaged or cut off, which load reports."""
-    try:
-        return metadata(data)
-    except (DamagedError, TruncatedError):
-        return {}
-
-
 class GsclImageFile(ImageFile.ImageFile):
     format = "GSCL"
     format_description = "gscl, an image as 2D Gaussians"
@@ -53,7 +45,7 @@ class GsclImageFile(ImageFile.ImageFile):
         self._data = self.fp.read()
         try:
             header = info(self._data, header_only=True)
-            blocks = _metadata(self._data)
+            blocks = readable_metadata(self._data)  # load reports damage
         except NotGsclError as error:
             raise SyntaxError(str(error)) from error
         except FileError as error:

@@ -73,18 +73,15 @@ def devices() -> Devices:
             'no device encodes: this build of gscl has no kernels for the processor, so that "host" only decodes (installing '
             f"gscl again with clang at hand adds them), and {_missing()}"
         ) from None
-    return Devices(found, "" if any(device.id != HOST for device in found) else f"{_GPU}: {_missing()}")
-
-
-_GPU = "a GPU is a device where its OpenCL driver is installed, such as nvidia-opencl-icd, intel-opencl-icd or mesa-opencl-icd"
+    return Devices(found, "" if any(device.id != HOST for device in found) else _missing())
 
 
 def _missing() -> str:
-    """Why there is no OpenCL device: what the library says when the first one is asked for."""
+    """Why there is no OpenCL device: what the library says when the first one is asked for; and what GPUs need."""
     try:
         _close(_open("0.0", 0))
     except DeviceError as error:
-        return str(error)
+        return f"{error}; a GPU needs the OpenCL of its driver: nvidia-opencl-icd, intel-opencl-icd, mesa-opencl-icd or others"
     return ""
 
 

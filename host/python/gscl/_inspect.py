@@ -11,7 +11,7 @@ import numpy
 from numpy.typing import NDArray
 
 from gscl._binding import ffi, lib
-from gscl._errors import check
+from gscl._errors import DamagedError, TruncatedError, check
 from gscl._files import BinaryFile, is_file, name_of, read_all
 from gscl._names import BLENDS, BLOCKS, PROFILES, SAMPLES, effects_of, word_of
 from gscl._packets import Buffer, is_packet, join
@@ -163,6 +163,14 @@ def metadata(file: File) -> dict[str, Any]:
     if "cicp" in found:
         found["cicp"] = tuple(found["cicp"])
     return found
+
+
+def readable_metadata(data: bytes) -> dict[str, Any]:
+    """The metadata of a file; none where it is damaged or cut off."""
+    try:
+        return metadata(data)
+    except (DamagedError, TruncatedError):
+        return {}
 
 
 def splats(file: File, *, bare: bool = False) -> NDArray[numpy.void]:
