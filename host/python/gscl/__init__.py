@@ -12,7 +12,7 @@ from gscl._binding import ffi as _ffi
 from gscl._binding import lib as _lib
 from gscl._decode import Comparison, compare, decode
 from gscl._decoder import Decoder
-from gscl._devices import HOST, Device, devices, release_devices
+from gscl._devices import HOST, Device, Devices, devices, release_devices
 from gscl._encode import EffectDecision, Encoded, EncodedPackets, EncodeReport, Stage, TracePoint, encode
 from gscl._errors import (
     AmbiguousDeviceError,
@@ -64,6 +64,7 @@ __all__ = [
     "DeviceError",
     "DeviceFailedError",
     "DeviceMemoryError",
+    "Devices",
     "devices",
     "EffectDecision",
     "encode",
