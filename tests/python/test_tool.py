@@ -193,27 +193,27 @@ def test_report_of_a_run(tool, tmp_path):
     assert len(rows) == 3
 
 
-@pytest.mark.parametrize("options", [["--bytes", "500", "--seed", "3"], ["--psnr", "25", "--tune", "ssim"], ["--bpp", "0.5", "--progressive", "--bare"]])
+@pytest.mark.parametrize(
+    "options",
+    [["--bytes", "500", "--seed", "3"], ["--psnr", "25", "--tune", "ssim"], ["--bpp", "0.5", "--progressive", "--bare"]],
+)
 def test_commands_of_the_package(tool, picture, options, tmp_path):
     """python -m gscl has options of the tool, and makes the same of them."""
     Image.fromarray(picture).save(tmp_path / "in.png")
 
-    def both(*arguments):
-        tool(*arguments)
-        made = (tmp_path / "out").read_bytes()
-        subprocess.run([sys.executable, "-m", "gscl", *arguments], cwd=tmp_path, check=True)
-        return made, (tmp_path / "out").read_bytes()
+    def package(*arguments):
+        return run(sys.executable, "-m", "gscl", *arguments, cwd=tmp_path)
 
-    encode = ["encode", "in.png", "-o", "out", "-q", "--effort", "0", "--device", "host", "--threads", "1", *options]
-    files = both(*encode)
-    assert files[0] == files[1]
-    (tmp_path / "in.gscl").write_bytes(files[0])
+    encode = ["encode", "in.png", "-q", "--effort", "0", "--device", "host", "--threads", "1", *options, "-o"]
+    tool(*encode, "in.gscl")
+    package(*encode, "out.gscl")
+    assert (tmp_path / "in.gscl").read_bytes() == (tmp_path / "out.gscl").read_bytes()
     form = ["--bare"] if "--bare" in options else []
     for decode in [["--size", "48x32", "--crop", "3,4,20,10"], ["--max-pixels", "10000", "--max-work", "100000000", "--partial"]]:
         arguments = ["decode", "in.gscl", "--device", "host", *decode, *form, "-o"]
         tool(*arguments, "tool.png")
-        subprocess.run([sys.executable, "-m", "gscl", *arguments, "package.png"], cwd=tmp_path, check=True)
+        package(*arguments, "package.png")
         shown = [numpy.asarray(Image.open(tmp_path / name)) for name in ("tool.png", "package.png")]
         assert numpy.array_equal(*shown) and shown[0].any()
-    found = [json.loads(tool("info", "in.gscl", "--json", *form)), json.loads(run(sys.executable, "-m", "gscl", "info", tmp_path / "in.gscl", "--json", *form))]
+    found = [json.loads(program("info", "in.gscl", "--json", *form)) for program in (tool, package)]
     assert all(found[0][name] == found[1][name] for name in ("bytes", "width", "height", "splats", "blend", "profile", "work"))

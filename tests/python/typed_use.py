@@ -22,11 +22,13 @@ def main(path: pathlib.Path) -> None:
     whole = gscl.encode(picture, packets=152, packet_count=10, packet_loss=0.2, effort=0)
     decoder = gscl.Decoder()
     new: list[bool] = [decoder.add(packet) for packet in whole.packets]
-    print(new, whole.report.psnr, decoder.received, decoder.size, decoder.image(size=(96, 64)).shape, gscl.decode(whole.packets[2:]).shape)
+    print(new, whole.report.psnr, decoder.received, decoder.size, decoder.image(size=(96, 64)).shape)
+    print(gscl.decode(whole.packets[2:]).shape)
     path.write_bytes(whole)
     with path.open("rb") as file:
         again: gscl.Encoded = gscl.encode(file, bytes=300)
-    print(len(again), again.report, gscl.encode(io.BytesIO(again), psnr=25).report, gscl.devices().missing, gscl.devices()[0].why_default)
+    print(len(again), again.report, gscl.encode(io.BytesIO(again), psnr=25).report)
+    print(gscl.devices().missing, gscl.devices()[0].why_default)
     rate: float = 8 * data.report.bytes / picture[:, :, 0].size
     drawn = gscl.decode(data, size=(96, 64), crop=(0, 0, 10, 10), dtype=numpy.float32, device="host", threads=2)
     drawn = gscl.decode(io.BytesIO(data), dtype=float, out=decoder.image(dtype=float, out=drawn))

@@ -18,8 +18,9 @@ from gscl._packets import Buffer, is_packet, join
 from gscl._records import Record
 
 File = Union[Buffer, str, "os.PathLike[str]", BinaryFile, Sequence[Buffer]]
-"""The bytes of a gscl file, its path, or an open binary file, from where it stands.  The file may be a list of packets, or one packet; and packets may come
-as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the first one are left out."""
+"""The bytes of a gscl file, its path, or an open binary file, from where it stands.  The file may be a list of packets, or one
+packet; and packets may come as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the
+first one are left out."""
 
 SPLAT_DTYPE = numpy.dtype(
     [
