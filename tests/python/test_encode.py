@@ -35,6 +35,14 @@ def test_psnr(picture):
     assert psnr(picture, gscl.decode(encoded)) == pytest.approx(encoded.report.psnr, abs=0.01)
 
 
+def test_quality(picture):
+    report = gscl.encode(picture, quality=21, effort=0).report
+    assert 6 <= report.ssimulacra2 < 20 and report.tune == "visual"
+    assert gscl.encode(picture, quality=40, effort=0) == gscl.encode(picture, ssimulacra2=40, effort=0)
+    with pytest.raises(gscl.InvalidArgumentError, match="quality 101 is not in 0..100"):
+        gscl.encode(picture, quality=101)
+
+
 def test_ssimulacra2(picture):
     encoded = gscl.encode(picture, ssimulacra2=20, effort=0)
     assert 20 <= encoded.report.ssimulacra2 < 40 and encoded.report.tune == "visual"

@@ -52,7 +52,7 @@ def test_encode(run, folder, data):
     report = data.report
     assert (folder / "out.gscl").read_bytes() == data and (status, output) == (0, "")
     assert line.startswith(f"out.gscl: {report.bytes} bytes, {report.splats} splats, {report.psnr:.2f} dB, ")
-    assert run("encode", "in.png", "-o", "out.gscl", "-q", "--bpp", 0.3, "--effort", 0, "--bare", "--tune", "ssim", "--threads", 2) == (0, "", "")
+    assert run("encode", "in.png", "-o", "out.gscl", "--quiet", "--bpp", 0.3, "--effort", 0, "--bare", "--tune", "ssim", "--threads", 2) == (0, "", "")
     assert (folder / "out.gscl").read_bytes() == gscl.encode("in.png", bpp=0.3, effort=0, bare=True, tune="ssim")
     assert "SSIMULACRA 2 2" in run("encode", "in.png", "-o", "out.gscl", "--ssimulacra2", 20, "--effort", 0)[2]
 
@@ -152,7 +152,7 @@ def test_errors(run, folder, status, message, arguments):
 def test_warnings_are_lines(run, folder, picture):
     image = Image.fromarray(picture)
     image.save("a.png", icc_profile=b"no profile")
-    text = subprocess.run([sys.executable, "-m", "gscl", "encode", "a.png", "-o", "-", "-q", "--effort", "0"], capture_output=True).stderr
+    text = subprocess.run([sys.executable, "-m", "gscl", "encode", "a.png", "-o", "-", "--quiet", "--effort", "0"], capture_output=True).stderr
     assert text.startswith(b"gscl: the colour profile cannot be used") and text.count(b"\n") == 1
 
 
@@ -162,6 +162,6 @@ def test_output_is_written_whole(run, folder, data):
     (folder / "link.png").symlink_to("real.png")
     assert run("decode", "in.gscl", "-o", "link.png")[0] == 0
     assert (folder / "link.png").is_symlink() and numpy.array_equal(Image.open("real.png"), gscl.decode(data))
-    command = [sys.executable, "-m", "gscl", "encode", "in.png", "-o", "/dev/stdout", "-q", "--bytes", "400", "--effort", "0"]
+    command = [sys.executable, "-m", "gscl", "encode", "in.png", "-o", "/dev/stdout", "--quiet", "--bytes", "400", "--effort", "0"]
     done = subprocess.run(command, stdout=subprocess.PIPE)
     assert done.stdout == data

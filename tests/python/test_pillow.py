@@ -34,6 +34,8 @@ def test_save(picture, data, tmp_path):
     memory = io.BytesIO()
     Image.fromarray(picture).save(memory, "GSCL", bytes=400, effort=0)
     assert memory.getvalue() == data
+    Image.fromarray(picture).save(path, quality=30, effort=0)
+    assert path.read_bytes() == gscl.encode(picture, quality=30, effort=0)
 
 
 def test_unknown_options_warn(picture, data, tmp_path):

@@ -204,7 +204,7 @@ def test_commands_of_the_package(tool, picture, options, tmp_path):
     def package(*arguments):
         return run(sys.executable, "-m", "gscl", *arguments, cwd=tmp_path)
 
-    encode = ["encode", "in.png", "-q", "--effort", "0", "--device", "host", "--threads", "1", *options, "-o"]
+    encode = ["encode", "in.png", "--quiet", "--effort", "0", "--device", "host", "--threads", "1", *options, "-o"]
     tool(*encode, "in.gscl")
     package(*encode, "out.gscl")
     assert (tmp_path / "in.gscl").read_bytes() == (tmp_path / "out.gscl").read_bytes()

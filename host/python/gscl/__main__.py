@@ -52,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 def _add_encode(parser: argparse.ArgumentParser) -> None:
     _add_places(parser, "OUT.gscl")
     target = parser.add_mutually_exclusive_group()
+    target.add_argument("-q", "--quality", metavar="Q", type=float, help="quality as of JPEG, 0 to 100")
     target.add_argument("--bytes", metavar="N", type=int, help="the most bytes of the file")
     target.add_argument("--bpp", metavar="R", type=float, help="the most bits per pixel (default: 0.125, at least 256 bytes)")
     target.add_argument("--psnr", metavar="DB", type=float, help="PSNR to reach in dB")
@@ -62,7 +63,7 @@ def _add_encode(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="S", type=int, default=1, help="of the random numbers (default 1)")
     parser.add_argument("--progressive", action="store_true", help="write layers")
     parser.add_argument("--bare", action="store_true", help="write the picture alone; readers must be told")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
     parser.set_defaults(run=_encode)
 
 
@@ -99,7 +100,7 @@ def _numbers(form: str, separator: str) -> Callable[[str], tuple[int, ...]]:
 
 def _encode(options: argparse.Namespace) -> None:
     _require_folder(options.output)
-    names = "bytes", "bpp", "psnr", "ssimulacra2", "splats", "effort", "tune", "seed", "progressive", "bare", "device", "threads"
+    names = "bytes", "bpp", "psnr", "ssimulacra2", "quality", "splats", "effort", "tune", "seed", "progressive", "bare", "device", "threads"
     encoded = gscl.encode(_opened(options.input), **{name: getattr(options, name) for name in names})
     _write(options.output, encoded)
     if not options.quiet:

@@ -118,6 +118,7 @@ def encode(
     bpp: float | None = None,
     psnr: float | None = None,
     ssimulacra2: float | None = None,
+    quality: float | None = None,
     splats: int | None = None,
     effort: int = 5,
     tune: Tune = "auto",
@@ -177,6 +178,7 @@ def encode(
     bpp: float | None = None,
     psnr: float | None = None,
     ssimulacra2: float | None = None,
+    quality: float | None = None,
     splats: int | None = None,
     effort: int = 5,
     tune: Tune = "auto",
@@ -210,12 +212,13 @@ def encode(
         stands if it cannot seek; an image of Pillow; or an array of shape (height, width) or (height, width, channels): grey,
         grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.  Files and images are turned
         upright and converted to sRGB by their profile.
-    bytes, bpp, psnr, ssimulacra2, splats: the target, at most one: bytes or bits per pixel of the whole file, never
+    bytes, bpp, psnr, ssimulacra2, quality, splats: the target, at most one: bytes or bits per pixel of the whole file, never
         exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, mostly exceeded by less than 1, for pictures with
-        sides of at least 8 pixels; number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
+        sides of at least 8 pixels; quality as of JPEG, 0 to 100, which is a SSIMULACRA 2 (the best file where it cannot be
+        reached); number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
     effort: 0 (fastest) to 9 (best).
     tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).  "auto" is "psnr" for files below 600
-        bytes unless `ssimulacra2` is the target, where `psnr` is the target, and for pictures with transparent parts or
+        bytes unless `ssimulacra2` or `quality` is the target, where `psnr` is the target, and for pictures with transparent parts or
         above 16 megapixels, else "visual".
     profile, blend, loss, codebook_size, effects_on, effects_off, step_factor, seed: gscl_encode_settings in gscl/gscl.h
         explains them.
@@ -248,6 +251,7 @@ def encode(
         lib.GSCL_TARGET_BPP: ("bpp", bpp),
         lib.GSCL_TARGET_PSNR: ("psnr", psnr),
         lib.GSCL_TARGET_SSIMULACRA2: ("ssimulacra2", ssimulacra2),
+        lib.GSCL_TARGET_QUALITY: ("quality", quality),
         lib.GSCL_TARGET_SPLATS: ("splats", splats),
     }
     _set_target(settings, targets)

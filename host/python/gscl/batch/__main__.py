@@ -100,6 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     target.add_argument("--bpp", metavar="X", type=float, help="the most bits per pixel")
     target.add_argument("--psnr", metavar="DB", type=float, help="the least PSNR")
     target.add_argument("--ssimulacra2", metavar="X", type=float, help="the least SSIMULACRA 2")
+    target.add_argument("-q", "--quality", metavar="Q", type=float, help="quality as of JPEG, 0 to 100")
     target.add_argument("--splats", metavar="N", type=int, help="the most splats")
     settings.add_argument("--effort", metavar="0..9", type=int, help="default: 5")
     settings.add_argument("--tune", choices=["auto", "psnr", "ssim", "visual"])
@@ -116,6 +117,7 @@ _SETTINGS = (
     "bpp",
     "psnr",
     "ssimulacra2",
+    "quality",
     "splats",
     "effort",
     "tune",
