@@ -36,15 +36,26 @@ class PoclCache(ToolTest):
                    "work without; set the variable POCL_CACHE_DIR to another folder\n")
         self.refused(subject, f": {message}", *arguments, **options)
 
-    def test_folder_that_cannot_be_made(self):
-        for variables, folder in (({"POCL_CACHE_DIR": "file/x/y"}, "file/x/y"),
-                                  ({"XDG_CACHE_HOME": "/dev/null"}, "/dev/null/pocl/kcache"),
+    def test_folder_that_is_named_but_cannot_be_made(self):
+        for arguments, subject in (OPENCL, "0.0"), (("--mapping", "gpu"), "OpenCL"):
+            self.refused_for_folder("file/x/y", "Not a directory", "encode", "in.png", "-o", "out.gscl", *arguments,
+                                    subject=subject, env={"POCL_CACHE_DIR": "file/x/y"})
+
+    def without_folder(self, *arguments, **variables):
+        """Encodes where PoCL cannot make the folder that follows from the variables; returns what is printed on standard error."""
+        done = self.start("encode", "in.png", "-o", "out.gscl", *OPENCL, *FAST, *arguments,
+                          env={"TMPDIR": str(self.folder), **variables}, prefix=("env", "-u", "POCL_CACHE_DIR"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.files(), ["file", "in.png", "out.gscl"])
+        return done.stderr.decode()
+
+    def test_temporary_folder(self):
+        for variables, folder in (({"XDG_CACHE_HOME": "/dev/null"}, "/dev/null/pocl/kcache"),
                                   ({"HOME": "/dev/null", "XDG_CACHE_HOME": ""}, "/dev/null/.cache/pocl/kcache")):
             with self.subTest(**variables):
-                prefix = () if "POCL_CACHE_DIR" in variables else ("env", "-u", "POCL_CACHE_DIR")
-                for arguments, subject in (OPENCL, "0.0"), (("--mapping", "gpu"), "OpenCL"):
-                    self.refused_for_folder(folder, "Not a directory", "encode", "in.png", "-o", "out.gscl", *arguments,
-                                            subject=subject, env=variables, prefix=prefix)
+                self.assertRegex(self.without_folder(**variables), rf"\APoCL cannot write to {folder} \(Not a directory\); its "
+                                 r"kernels are built in a temporary folder, anew each time\nout.gscl: [^\n]*\n\Z")
+        self.assertEqual(self.without_folder("--quiet", XDG_CACHE_HOME="/dev/null"), "")
 
     def test_host_needs_no_folder(self):
         done = self.start("encode", "in.png", "-o", "out.gscl", "--quiet", *FAST, env={"POCL_CACHE_DIR": "file/x"})

@@ -95,6 +95,8 @@ gscl_result create_context(const device_choice *choice, gscl_context **context) 
     settings.mapping = (gscl_mapping)choice->mapping;
     settings.timing = choice->timing;
     settings.threads = (int)choice->threads;
+    if (choice->device ? !is_host_device(choice->device) : choice->mapping != GSCL_MAPPING_AUTO)
+        pocl_cache_prepare(choice->quiet);
     if (!choice->no_cache) {
         cache_folder(folder);
         settings.cache_folder = folder;

@@ -16,6 +16,7 @@
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* guards all variables below */
 static sigset_t handled_signals;
 static char guarded_paths[MAX_GUARDED_FILES][PATH_MAX]; /* empty: none */
+static void (*cleanup_program)(void);                   /* NULL: nothing */
 static bool is_deferring;
 static int pending_signal; /* 0: none */
 
@@ -23,6 +24,9 @@ static void end_program(int number) {
     for (int i = 0; i < MAX_GUARDED_FILES; i++)
         if (guarded_paths[i][0])
             unlink(guarded_paths[i]);
+    if (cleanup_program &&
+        number != SIGPIPE) /* which is handled wherever a thread is, and not in the thread for signals */
+        cleanup_program();
     _exit(EXIT_SIGNAL + number);
 }
 
@@ -60,6 +64,12 @@ void interrupt_install(void) {
         pthread_sigmask(SIG_UNBLOCK, &handled_signals, NULL);
     signal(SIGPIPE, end_program); /* raised by a write of the thread itself, so never while the lock is held */
     signal(SIGXFSZ, SIG_IGN);
+}
+
+void interrupt_set_cleanup(void (*cleanup)(void)) {
+    pthread_mutex_lock(&lock);
+    cleanup_program = cleanup;
+    pthread_mutex_unlock(&lock);
 }
 
 int interrupt_make_guarded(char *pattern, int (*make)(char *pattern)) {

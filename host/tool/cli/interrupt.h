@@ -9,6 +9,9 @@
  * the write.  Must be called before any other thread starts. */
 void interrupt_install(void);
 
+/* Sets what a signal does besides, before it ends the program; SIGPIPE does not. */
+void interrupt_set_cleanup(void (*cleanup)(void));
+
 /* Makes and opens a temporary file with `make`, which is mkstemp() or takes and returns the same.  A signal removes the
  * file from then on.  At most 256 at a time. */
 #define MAX_GUARDED_FILES 256

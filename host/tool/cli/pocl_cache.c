@@ -1,12 +1,16 @@
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 /* nftw, mkdtemp */
 #include "cli/pocl_cache.h"
 
 #include <errno.h>
+#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "cli/interrupt.h"
+#include "cli/message.h"
 
 #define POCL_CACHE_MAX_PATH 1024 /* bytes, the NUL included */
 
@@ -84,6 +88,37 @@ static bool may_be_installed(void) {
         return access(vendors, R_OK) == 0;
     snprintf(name, sizeof name, "%s/pocl.icd", vendors ? vendors : "/etc/OpenCL/vendors");
     return access(name, R_OK) == 0;
+}
+
+static char temporary[POCL_CACHE_MAX_PATH]; /* the folder of this process; empty: none */
+
+static int remove_entry(const char *name, const struct stat *status, int kind, struct FTW *place) {
+    (void)status, (void)kind, (void)place;
+    (void)remove(name);
+    return 0;
+}
+
+static void remove_temporary(void) {
+    nftw(temporary, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+void pocl_cache_prepare(bool quiet) {
+    char folder[POCL_CACHE_MAX_PATH];
+    const char *parent = getenv("TMPDIR");
+    const int error = *temporary || getenv("POCL_CACHE_DIR") || !may_be_installed() ? 0 : pocl_cache_error(folder);
+    if (error == 0)
+        return;
+    const int length =
+        snprintf(temporary, sizeof temporary, "%s/gscl-kernels-XXXXXX", parent && *parent ? parent : "/tmp");
+    if (length >= (int)sizeof temporary || !mkdtemp(temporary) || setenv("POCL_CACHE_DIR", temporary, 1) != 0) {
+        *temporary = '\0';
+        return; /* pocl_cache_explain says why PoCL fails */
+    }
+    atexit(remove_temporary);
+    interrupt_set_cleanup(remove_temporary);
+    if (!quiet)
+        report_note("PoCL cannot write to %s (%s); its kernels are built in a temporary folder, anew each time", folder,
+                    strerror(error));
 }
 
 bool pocl_cache_explain(char *text, size_t size) {
