@@ -63,6 +63,11 @@ class Documents(ToolTest):
                 for option in self.options(command):
                     self.assertIn(f"--{option}", plain)
 
+    def test_examples_can_be_pasted(self):
+        """Debian's man prints ' as it is, others as a typographic one unless it is written so."""
+        page = (DOCUMENTS / "gscl-encode.1").read_text()
+        self.assertIn(r"find photos \-name \(aq*.jpg\(aq \-print0 |", page)
+
     def test_unknown_form(self):
         self.refused("encode", "--help cannot be 'text'; it takes man or options", "encode", "--help=text", code=2)
 

@@ -204,20 +204,38 @@ static void print_help(const option_command *command) {
 
 /* ---- Other forms of the help text -------------------------------------------------------------- */
 
+/* How a character is written that manual pages would otherwise print as a typographic one, which shells do not take; NULL: as it is. */
+static const char *roff_escape(char character) {
+    switch (character) {
+    case '-':
+        return "\\-";
+    case '\\':
+        return "\\e";
+    case '\'':
+        return "\\(aq";
+    case '`':
+        return "\\(ga";
+    case '^':
+        return "\\(ha";
+    case '~':
+        return "\\(ti";
+    default:
+        return NULL;
+    }
+}
+
 void print_roff(const char *text) {
     bool starts_line = true;
     for (; *text; text++) {
-        if (starts_line && (*text == '.' || *text == '\''))
+        const char *escape = roff_escape(*text);
+        if (starts_line && *text == '.')
             fputs("\\&", stdout);
         starts_line = *text == '\n';
         if (text[0] == '\n' && text[1] == '\n') {
-            fputs("\n.PP", stdout);
+            fputs("\n.PP\n", stdout);
             text++;
-            putchar('\n');
-        } else if (*text == '-')
-            fputs("\\-", stdout);
-        else if (*text == '\\')
-            fputs("\\e", stdout);
+        } else if (escape)
+            fputs(escape, stdout);
         else
             putchar(*text);
     }
