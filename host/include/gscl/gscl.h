@@ -454,7 +454,7 @@ GSCL_API GSCL_CHECKED gscl_result gscl_encode(gscl_context *context, const gscl_
 
 /* A picture may be divided into packets for radio and other links that lose some of them.  Each can be drawn by itself, any
  * number of them together, and the order in which they come does not matter.  Repair packets besides (setting packet_loss)
- * draw nothing; any of them replaces any other that is lost.
+ * draw nothing; any of them replaces any other that is lost, where at least one with splats has come.
  *
  * gscl_encode writes a list of packets, which gscl_next_packet takes apart.  Functions that read files read lists, too:
  * of the packets that the first one has the picture of, those that are neither damaged nor repeated.  A receiver that gets
