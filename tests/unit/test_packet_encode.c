@@ -147,7 +147,7 @@ static void test_largest_numbers(void **state) {
 static void test_repairs_follow_the_loss(void **state) {
     (void)state;
     assert_int_equal(gscl_choose_repairs(10, 0), 0);
-    assert_int_equal(gscl_choose_repairs(10, 0.05), 3);
+    assert_int_equal(gscl_choose_repairs(10, 0.05), 2);
     assert_int_equal(gscl_choose_repairs(10, 0.1), 3);
     assert_int_equal(gscl_choose_repairs(10, 0.2), 5);
     assert_int_equal(gscl_choose_repairs(10, 0.4), 6);

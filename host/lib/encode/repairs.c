@@ -5,27 +5,40 @@
 #include "encode/tunables.h"
 #include "runtime/elementary.h"
 
-/* Decibels that are lost on average, against packets of which all hold splats and none is lost: by the bytes that repair
- * packets take, and by losses that are more than they are. */
-static double expected_loss(uint32_t all, uint32_t repairs, double loss) {
+/* What repair packets are expected to give. */
+typedef struct outlook {
+    double cost;    /* dB that are lost on average, against packets of which all hold splats and none is lost: by the
+                       bytes that repair packets take, and by losses of more packets than they are */
+    double failure; /* 0..1, the probability of such losses */
+} outlook;
+
+static outlook look_out(uint32_t all, uint32_t repairs, double loss) {
     const struct gscl_encode_tunables *t = &gscl_encode_tunables;
-    double sum = t->packet_doubling * gscl_log2((double)all / (all - repairs));
+    outlook found = {t->packet_doubling * gscl_log2((double)all / (all - repairs)), 0};
     double probability = gscl_pow(1 - loss, all); /* that `lost` packets are */
-    for (uint32_t lost = 0; lost < all; lost++) {
-        if (lost > repairs)
-            sum += probability * t->packet_all_lost * sqrt((double)lost / all);
+    for (uint32_t lost = 0; lost <= all; lost++) {
+        if (lost > repairs) {
+            found.cost += probability * t->packet_all_lost * sqrt((double)lost / all);
+            found.failure += probability;
+        }
         probability *= loss / (1 - loss) * (all - lost) / (lost + 1);
     }
-    return sum + probability * t->packet_all_lost;
+    return found;
+}
+
+static uint32_t cheapest(uint32_t all, double loss) {
+    uint32_t best = 0;
+    for (uint32_t repairs = 1; repairs < all; repairs++)
+        best = look_out(all, repairs, loss).cost < look_out(all, best, loss).cost ? repairs : best;
+    return best;
 }
 
 uint32_t gscl_choose_repairs(uint32_t all, double loss) {
-    uint32_t most = 0;
-    double least = INFINITY;
-    for (uint32_t repairs = 0; loss > 0 && repairs < all; repairs++)
-        least = fmin(expected_loss(all, repairs, loss), least);
-    for (uint32_t repairs = 0; loss > 0 && repairs < all; repairs++)
-        if (expected_loss(all, repairs, loss) <= least + gscl_encode_tunables.packet_reserve)
-            most = repairs;
-    return most;
+    const struct gscl_encode_tunables *t = &gscl_encode_tunables;
+    uint32_t repairs = loss > 0 ? cheapest(all, loss) : 0;
+    const double most = look_out(all, repairs, loss).cost + t->packet_reserve;
+    while (repairs + 1 < all && look_out(all, repairs, loss).failure > t->packet_failure &&
+           look_out(all, repairs + 1, loss).cost <= most)
+        repairs++;
+    return repairs;
 }

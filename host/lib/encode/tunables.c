@@ -7,6 +7,7 @@ const struct gscl_encode_tunables gscl_encode_tunables = {
     .packet_slack = 1.0,
     .packet_doubling = 1.7,
     .packet_all_lost = 11,
+    .packet_failure = 0.02,
     .packet_reserve = 0.3,
     .min_visual_bytes = 600,
     .min_smooth_psnr = 47,

@@ -42,10 +42,13 @@ struct gscl_encode_tunables {
     double
         packet_all_lost; /* dB that a loss of nearly all packets costs; that of a share of them costs its square root of
                                it: 5.3 and 3.8 dB for a fifth, 8.0 and 5.9 for two fifths */
+    double packet_failure; /* 0..1; share of pictures that may lose more packets than there are repair packets: above it
+                              one packet more repairs, where that costs no more than the reserve.  With 0.05 ten packets of
+                              which 20 % are lost do not arrive whole in 3.3 of 100 cases, with 0.02 in 0.6; with 0.01
+                              those of which 5 % are lost have 0.4 dB less where none is */
     double
-        packet_reserve; /* dB of the expectation that more repair packets may cost, which make it rare that more are lost than they
-                           are: with 0, ten packets of which 20 % are lost do not arrive whole in 3.3 of 100 cases, with 0.3 in
-                           0.6; with 0.8 six of ten repair, and a picture of which no packet is lost is 1 dB worse */
+        packet_reserve; /* dB of the expected quality that this may cost; with 0.8 six of ten packets repair at 20 %, and
+                              a picture of which none is lost has 1 dB less */
     int min_visual_bytes; /* bytes; smaller files have the tune PSNR where none is given: on six photographs of 192x128
                              visual costs 0.7 dB and 6 % of Butteraugli at 450 bytes, and 0.1 dB and -8 % at 700 */
     /* dB; a file whose PSNR is higher is compared with the largest one that is searched (scalar/tunables.h).  On
