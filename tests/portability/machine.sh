@@ -30,7 +30,10 @@ build() {
         set -- -Dtests=enabled
     fi
     set_up "$folder" "$here/../.." -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dweb=disabled -Dopenimageio=disabled \
-        -Ddesktop=disabled "$@"
+        -Ddesktop=disabled "$@" || return 1
+    for library in "$folder"/*.dll; do
+        [ ! -f "$library" ] || sh "$here/../install/check_exports.sh" "$library" || return 1
+    done
 }
 
 # An emulator takes ten times as long; a limit only ends a test that hangs.
