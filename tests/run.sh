@@ -44,7 +44,7 @@ build_lane() {
 # Checks of the sources, and of the release build as it is.
 sources() {
     check "install" sh tests/install/test_install.sh build-test
-    check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so
+    check "exported symbols" sh tests/install/check_exports.sh build-test/libgscl.so build-test/libgscl.a
     check "public headers" sh tests/install/check_headers.sh host/include
     check "format of sources" sh tests/check_format.sh
     check "clang-tidy" sh tests/check_tidy.sh build-test
@@ -99,10 +99,11 @@ library_without_opencl() {
     done
 }
 
-# The library without the tool needs no C++ compiler.
+# The library without the tool needs no C++ compiler and no other library: no description of one is found.
 library_alone() {
-    CXX=false check "library without C++" build build-library -Ddebug=true -Dtool=disabled -Dtests=disabled \
-        -Dnative_processors=own
+    CXX=false PKG_CONFIG_LIBDIR=/nonexistent check "library alone" build build-library -Ddebug=true -Dtool=disabled \
+        -Dtests=disabled -Dnative_processors=own
+    check "nothing beside the library" sh tests/install/test_alone.sh build-library
     check "install of the library" sh tests/install/test_install.sh build-library
     check "reproducible and hardened build" sh tests/install/test_reproducible.sh
     check "binary interface" sh tests/install/check_abi.sh build-library/libgscl.so

@@ -13,7 +13,7 @@ fi
 if [ "$module_folder" = "$system_folder" ]; then
     "$query_loaders" --update-cache
 else
-    # A folder of its own: its list has all loaders, and a program is told by its environment.
+    # A folder of its own: its list has all loaders, and a program is told by GDK_PIXBUF_MODULE_FILE.
     set --
     for loader in "$system_folder"/*.so "$module_folder"/*.so; do
         [ ! -f "$loader" ] || set -- "$@" "$loader"
@@ -22,5 +22,4 @@ else
     trap 'rm -f "$cache.new"' EXIT
     "$query_loaders" "$@" >"$cache.new" # a list that is cut off would hide loaders, so the old one stays until then
     mv "$cache.new" "$cache"
-    echo "gdk-pixbuf finds the loader by GDK_PIXBUF_MODULE_FILE=$cache"
 fi

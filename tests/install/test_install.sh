@@ -23,6 +23,7 @@ done
 for file in mime/packages/gscl.xml misc/gscl.magic; do
     test -f "$prefix/share/$file"
 done
+cmp "$source/LICENSE" "$prefix/share/licenses/gscl/LICENSE"
 
 # The loader of gdk-pixbuf and the media type, as update_caches.sh makes them known.
 loader=$(find "$work" -name libpixbufloader-gscl.so)
@@ -35,6 +36,9 @@ if [ -n "$loader" ]; then
         sh "$source/host/desktop/update_caches.sh" "$query" "$(dirname "$loader")" "$system"
     grep -q image/x-gscl "$(dirname "$(dirname "$loader")")/loaders.cache"
     grep -q '^image/x-gscl:\*.gscl$' "$prefix/share/mime/globs"
+    # The list that meson setup names where the loader has a folder of its own.
+    named=$(sed -n 's/.*GDK_PIXBUF_MODULE_FILE=//p' "$build/meson-logs/meson-log.txt")
+    [ "${loader#"$work"}" = "$system/${loader##*/}" ] || grep -q image/x-gscl "$work$named"
 fi
 if [ -f "$build/host/openimageio/gscl.imageio.so" ]; then
     test -f "$libdir/OpenImageIO/gscl.imageio.so"
