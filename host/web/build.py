@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Builds the decoder for web pages: build.py --out FOLDER --depfile FILE [--include FOLDER...] C_SOURCE... JS_SOURCE...
 
-Writes gscl.wasm and gscl-packets.wasm, compiled from the C sources without and with the code for packets, and gscl.js, which
-joins the JavaScript sources, into the folder, and compile_commands.json for clang-tidy and editors.  It needs clang and
+Writes gscl.wasm and gscl-packets.wasm, compiled from the C sources without and with the code for packets, gscl.js, which joins
+JavaScript sources, and inline.js, which has gscl.wasm in it, into the folder, and compile_commands.json for clang-tidy and editors.  It needs clang and
 wasm-ld of the same version, wasm-opt and esbuild.
 """
 import argparse
+import base64
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -20,15 +22,19 @@ COMPILE = """clang --target=wasm32 -std=c99 -flto -DNDEBUG -DGSF_SMALL_READER -f
 MODULES = {"gscl.wasm": ["-DGSF_WITHOUT_PACKETS"], "gscl-packets.wasm": []}
 # Of LLVM, in compiling and in linking: only what makes code smaller is inlined, and equal ends of branches are not joined.
 PASSES = "-mllvm -inline-threshold=0 -mllvm -simplifycfg-sink-common=0".split()
+# Found by trying, as the order of the passes below.
+LINK_PASSES = "-mllvm -two-entry-phi-node-folding-threshold=1 -mllvm -bonus-inst-threshold=2 -mllvm -inline-threshold=10".split()
 # Only the loops of the canvas, which take most of the time, are worth more than the smallest code.
 SIZE, VECTORS = "-Oz", "-Os"
 FAST = {"canvas.c"}
-LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split() + PASSES
+LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split() + PASSES + LINK_PASSES
 # The lowest 1024 bytes hold nothing, where wasm-ld begins the data.  The order of the passes was found by trying.
 OPTIMISE = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
     --low-memory-unused --optimize-added-constants-propagate -Oz --flatten --rereloop --remove-unused-brs --reorder-functions
     --precompute-propagate --simplify-globals-optimizing --merge-blocks --rse --coalesce-locals --dae-optimizing -Oz --precompute
     --ssa-nomerge --flatten --rse -Oz""".split()
+
+MINIFY = "esbuild --minify --target=es2022 --log-level=warning".split()
 
 
 def run(command):
@@ -73,9 +79,24 @@ def build_module(sources, includes, target):
         return headers(objects)
 
 
+def joined(sources, names):
+    """JavaScript sources as one, with `let`, which is shorter than `const` and nearly everywhere."""
+    return re.sub(r"\bconst ", "let ", "".join(sources[name].read_text() for name in names))
+
+
 def build_script(sources, target):
-    joined = "".join(source.read_text() for source in sources)
-    target.write_text(subprocess.run(["esbuild", "--minify", "--target=es2022"], input=joined, check=True, capture_output=True, text=True).stdout)
+    minified = subprocess.run(MINIFY, input=joined(sources, ["decoder.js", "module.js", "element.js"]), check=True, stdout=subprocess.PIPE, text=True)
+    target.write_text(minified.stdout)
+
+
+def build_inline_script(sources, module, target):
+    text = base64.b64encode(module.read_bytes()).decode()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "gscl.js").write_text(f"const MODULE = '{text}';" + joined(sources, ["decoder.js", "inline_module.js", "element.js"]))
+        for entry in ["splats.js", "inline.js"]:
+            (folder / entry).write_text(sources[entry].read_text())
+        run([*MINIFY, "--bundle", "--format=esm", f"--outfile={target}", str(folder / "inline.js")])
 
 
 def main():
@@ -88,8 +109,10 @@ def main():
     c_sources = [path for path in options.sources if path.suffix == ".c"]
     included = {header for name in MODULES for header in build_module(c_sources, options.include, options.out / name)}
     write_commands(c_sources, options.include, options.out / "compile_commands.json")
-    build_script([path for path in options.sources if path.suffix == ".js"], options.out / "gscl.js")
-    options.depfile.write_text(f"{' '.join(MODULES)} gscl.js: {' '.join(sorted(included))}\n")
+    scripts = {path.name: path for path in options.sources if path.suffix == ".js"}
+    build_script(scripts, options.out / "gscl.js")
+    build_inline_script(scripts, options.out / "gscl.wasm", options.out / "inline.js")
+    options.depfile.write_text(f"{' '.join(MODULES)} gscl.js inline.js: {' '.join(sorted(included))}\n")
 
 
 if __name__ == "__main__":

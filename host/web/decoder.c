@@ -1,7 +1,7 @@
 /* The decoder as a WebAssembly module, for decoder.js: format/ and the software renderer without a context.
  *
  * An instance reads one file.  The calls come in this order: web_file, web_header, web_read, then web_splats, or web_frame
- * with web_work and web_draw. */
+ * and web_draw. */
 #include <stdbool.h>
 #include <stdlib.h>
 
@@ -22,12 +22,11 @@ static gscl_frame frame;
 
 EXPORT("file") uint8_t *web_file(size_t file_size, bool bare);
 EXPORT("header") gsf_result web_header(void);
-EXPORT("fields") const uint32_t *web_fields(void);
+EXPORT("info") const uint32_t *web_info(void);
 EXPORT("read") gsf_result web_read(bool partial);
 EXPORT("splats") const float *web_splats(void);
 EXPORT("frame")
-void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
-EXPORT("work") double web_work(void);
+double web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
 EXPORT("draw") const void *web_draw(void);
 
 /* Makes room for a file, or a list of packets; NULL without memory. */
@@ -57,7 +56,7 @@ gsf_result web_header(void) {
 }
 
 /* The header as decoder.js takes it.  After web_read of a part of a file the splats are those that it holds. */
-const uint32_t *web_fields(void) {
+const uint32_t *web_info(void) {
     static uint32_t fields[9];
     const gsf_header *h = &coded.file.header;
     fields[0] = h->width;
@@ -102,9 +101,9 @@ const float *web_splats(void) {
     return params;
 }
 
-/* Sets the rectangle of the whole drawn image that web_draw draws.  The rectangle must have at most GSCL_MAX_DIMENSION
+/* Sets the rectangle of the whole drawn image that web_draw draws.  Returns what max_work limits.  The rectangle must have at most GSCL_MAX_DIMENSION
  * pixels a side; the whole image may be larger than gscl_decode allows, so that pages can zoom far. */
-void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+double web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     frame = (gscl_frame){.full_width = full_width,
                          .full_height = full_height,
                          .x = x,
@@ -113,10 +112,6 @@ void web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y
                          .height = height,
                          .scale_x = (double)full_width / coded.file.header.width,
                          .scale_y = (double)full_height / coded.file.header.height};
-}
-
-/* What max_work limits. */
-double web_work(void) {
     return (double)gscl_frame_work(&coded.file, &frame);
 }
 

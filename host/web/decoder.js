@@ -1,10 +1,10 @@
 /* decode, info and load; gscl.d.ts describes them.
  *
  * Each call has an instance of the WebAssembly module of its own: its memory goes when the call ends, and a trap ends one call
- * only.  The build joins this file and element.js to gscl.js, without comments and with short names. */
+ * only.  The build joins this file, element.js and module.js to gscl.js, without comments and with short names; and with
+ * inline_module.js in place of the last to what inline.js exports. */
 
 /* Messages and codes by the numbers of gsf_result (format/types.h); the messages are those of gscl_decode. */
-const OUT_OF_MEMORY = 7;
 const failuresOf = bytes => [
   [],
   ['not a gscl file', 'not-a-gscl-file'],
@@ -26,6 +26,8 @@ const refuse = (isRefused, message, code = 'invalid-argument') => {
     throw Object.assign(new GsclError(message), {code});
 };
 
+const allocated = at => (refuse(!at, 'out of memory', 'out-of-memory'), at);
+
 const fetchFile = async (url, code, options) => {
   const answer = await fetch(url, options);
   refuse(!answer.ok, `${answer.url}: status ${answer.status}`, code);
@@ -33,15 +35,12 @@ const fetchFile = async (url, code, options) => {
 };
 
 const compile = async source => (source = await source) instanceof WebAssembly.Module ? source : WebAssembly.compile(source);
-let given, fetched; /* promises of the module */
-let name = 'gscl.wasm'; /* of the file that is fetched */
-export const useFile = it => (name = it, fetched = 0);
-export const load = source => given = compile(source);
-const fetchModule = () => compile(fetchFile(new URL(name, import.meta.url), 'failed').then(answer => answer.arrayBuffer()));
-const moduleOf = () => given || (fetched ||= fetchModule().catch(error => {
-  fetched = 0; /* the next call tries again */
+let found; /* promise of the module, by find() of module.js or inline_module.js */
+const moduleOf = () => found ||= compile(find()).catch(error => {
+  found = 0; /* the next call tries again */
   throw error;
-}));
+});
+export const load = source => (find = () => source, found = 0, moduleOf());
 
 /* Calls use(wasm, header, check) with an instance that has read the header of the file.  header() is the list of
  * decoder.c; check(result) throws unless the result is 0. */
@@ -50,11 +49,10 @@ export const open = async (source, {bare}, use) => {
     const bytes = new Uint8Array(source?.buffer || source, source?.byteOffset, source?.byteLength); /* a view has a buffer */
     const wasm = (await WebAssembly.instantiate(await moduleOf(), {Math})).exports;
     const check = result => refuse(result, ...failuresOf(bytes)[result]);
-    const at = wasm.file(bytes.length, !!bare);
-    check(at ? 0 : OUT_OF_MEMORY);
+    const at = allocated(wasm.file(bytes.length, !!bare));
     new Uint8Array(wasm.memory.buffer, at).set(bytes);
     check(wasm.header());
-    return use(wasm, () => new Uint32Array(wasm.memory.buffer, wasm.fields(), 9), check);
+    return use(wasm, () => new Uint32Array(wasm.memory.buffer, wasm.info(), 9), check);
   } catch (error) {
     refuse(!(error instanceof GsclError), `the decoder failed: ${error.message}`, 'failed');
     throw error;
@@ -67,7 +65,7 @@ export const info = (source, options = {}) => open(source, options, (wasm, heade
 });
 
 const limitSize = (width, height, most) =>
-  refuse(Math.max(width, height) > most, `cannot draw ${width}x${height} pixels; at most ${most}x${most}`, 'image-size');
+  refuse(width > most || height > most, `cannot draw ${width}x${height} pixels; at most ${most}x${most}`, 'image-size');
 
 /* The same checks as gscl_decode, in the same order, but that only the returned rectangle is limited to MAX_DIMENSION. */
 export const decode = (source, options = {}) => open(source, options, (wasm, header, check) => {
@@ -75,7 +73,7 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   const {x = 0, y = 0, width: cropWidth = 0, height: cropHeight = 0} = crop;
   const [ownWidth, ownHeight, count] = header(), fullWidth = width || ownWidth, fullHeight = height || ownHeight;
   const w = cropWidth || fullWidth - x, h = cropHeight || fullHeight - y;
-  refuse(![width, height, x, y, cropWidth, cropHeight].every(number => number >= 0 && number % 1 == 0), 'width, height and crop must be whole numbers');
+  refuse([width, height, x, y, cropWidth, cropHeight].some(number => !(number >= 0) || number % 1), 'width, height and crop must be whole numbers');
   refuse(!width != !height, 'give both width and height, or neither');
   limitSize(w, h, MAX_DIMENSION);
   limitSize(fullWidth, fullHeight, 2 ** 24); /* where a float still has whole pixels */
@@ -84,11 +82,9 @@ export const decode = (source, options = {}) => open(source, options, (wasm, hea
   refuse(w * h > maxPixels, `the image has ${w}x${h} pixels; max_pixels is ${maxPixels}`, 'limit');
   refuse(count > maxWork, `the file has ${count} splats; max_work is ${maxWork}`, 'limit');
   check(wasm.read(!!options.partial));
-  wasm.frame(fullWidth, fullHeight, x, y, w, h);
-  const work = header()[2] * w * h > maxWork ? wasm.work() : 0;
+  const work = wasm.frame(fullWidth, fullHeight, x, y, w, h);
   refuse(work > maxWork, `drawing takes ${work} evaluations; max_work is ${maxWork}`, 'limit');
-  const at = wasm.draw();
-  check(at ? 0 : OUT_OF_MEMORY);
+  const at = allocated(wasm.draw());
   const data = new Uint8ClampedArray(wasm.memory.buffer, at, 4 * w * h).slice();
-  return globalThis.ImageData ? new ImageData(data, w, h) : {width: w, height: h, data};
+  return globalThis.ImageData ? new ImageData(data, w) : {width: w, height: h, data};
 });

@@ -99,10 +99,59 @@ export function load(source: BufferSource | WebAssembly.Module | PromiseLike<Buf
  * the screen changes; with fewer pixels where `maxPixels` and `maxWork` of decode do not allow those of the screen. It stays
  * until the next file is drawn, or fails. Events: `load`, once the whole file is drawn; `error`, an ErrorEvent with a
  * GsclError or a TypeError of fetch. */
-export class GsclImage extends HTMLElement {}
+export class GsclImage extends HTMLElement {
+  src: string | null;
+  data: string | null;
+  alt: string | null;
+  bare: boolean;
+  get width(): string | null;
+  set width(value: string | number | null);
+  get height(): string | null;
+  set height(value: string | number | null);
+}
+
+/** What <gscl-image> has in JSX beside what all elements have. */
+export interface GsclImageAttributes {
+  src?: string | undefined;
+  data?: string | undefined;
+  alt?: string | undefined;
+  bare?: boolean | undefined;
+  width?: string | number | undefined;
+  height?: string | number | undefined;
+  class?: string | undefined;
+}
 
 declare global {
   interface HTMLElementTagNameMap {
     'gscl-image': GsclImage;
+  }
+}
+
+/* JSX of React, Preact and Solid.  Where one of them is not installed, its part is to mean nothing, and to be no error. */
+// @ts-ignore
+declare module 'react' {
+  namespace JSX {
+    interface IntrinsicElements {
+      // @ts-ignore
+      'gscl-image': import('react').DetailedHTMLProps<import('react').HTMLAttributes<GsclImage>, GsclImage> & GsclImageAttributes;
+    }
+  }
+}
+// @ts-ignore
+declare module 'preact' {
+  namespace JSX {
+    interface IntrinsicElements {
+      // @ts-ignore
+      'gscl-image': import('preact').HTMLAttributes<GsclImage> & GsclImageAttributes;
+    }
+  }
+}
+// @ts-ignore
+declare module 'solid-js' {
+  namespace JSX {
+    interface IntrinsicElements {
+      // @ts-ignore
+      'gscl-image': import('solid-js').JSX.HTMLAttributes<GsclImage> & GsclImageAttributes;
+    }
   }
 }

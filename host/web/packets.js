@@ -3,7 +3,7 @@
 import {decode as decodeFile, info as readInfo, useFile} from './gscl.js';
 import {splats as readSplats} from './splats.js';
 
-useFile('gscl-packets.wasm');
+useFile(() => new URL('gscl-packets.wasm', import.meta.url));
 
 const MAGIC = [0xc7, 0x67, 0x73, 0x70];
 const MAX_SIZE = 2 ** 21 - 1; /* bytes of a packet in a list */

@@ -54,17 +54,23 @@ const site = await serve({'/web/demo/samples/': join(made, 'build/host/web/demo/
   '/slow.gscl': (_, response) => slow = response,
   '/web/gscl.wasm': module('gscl.wasm'),
   '/web/gscl-packets.wasm': module('gscl-packets.wasm'),
-  '/page': (request, response) => response.writeHead(200, {'content-type': 'text/html'}).end(page(pages[new URL(request.url, 'http://host').searchParams.get('name')])),
+  '/page': (request, response) => {
+    const shown = pages[new URL(request.url, 'http://host').searchParams.get('name')];
+    response.writeHead(200, {'content-type': 'text/html', 'content-security-policy': shown.policy}).end(page(shown));
+  },
 });
 const browser = await Chromium.start();
 let count = 0;
-const show = async (body, script = 'gscl.js') => {
-  pages[++count] = {body, script};
+const show = async (body, script = 'gscl.js', policy = '') => {
+  pages[++count] = {body, script, policy};
   await browser.open(`${site.url}/page?name=${count}`);
 };
 /* Waits until /slow.gscl was asked for; the limit of the whole program ends it. */
 const slowRequest = async () => { while (!slow) await pause(20); };
 const canvasOf = id => `document.getElementById('${id}').shadowRoot.querySelector('canvas')`;
+/* Role and name of what assistive programs find in the page. */
+const accessible = async () => (await browser.send('Accessibility.getFullAXTree')).nodes.filter(({ignored, role}) => !ignored && /^(image|button|StaticText)$/.test(role.value))
+  .map(({role, name}) => [role.value, name.value]);
 const loaded = id => browser.until(`events.some(([id, name]) => id == '${id}' && name == 'load')`);
 const shoot = async name => screenshots && (mkdirSync(screenshots, {recursive: true}), writeFileSync(join(screenshots, `${name}.png`), await browser.screenshot()));
 
@@ -85,7 +91,7 @@ test('an element draws a file at its size', async () => {
   await loaded('a'), await loaded('b');
   assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '200x150'), 'given size');
   assertPicture(await browser.pixels(canvasOf('b')), decodeBy('scene.gscl'), 'own size');
-  assert.deepEqual(await browser.evaluate(`['role', 'aria-label'].map(name => a.getAttribute(name))`), ['img', 'A scene']);
+  assert.deepEqual(await accessible(), [['image', 'A scene'], ['image', '']]);
   assert.equal(await browser.evaluate('events.filter(([id]) => id).length'), 2);
   assert.deepEqual(browser.errors, []);
 });
@@ -214,7 +220,7 @@ test('no picture stays in sight that the element no longer has', async () => {
       await loaded('a');
       assert(await browser.evaluate(`${canvasOf('a')}.width > 0`));
       await browser.evaluate(`events.length = 0, ${change}`);
-      await browser.until(`${canvasOf('a')}.width == 0`);
+      await browser.until(`!(${canvasOf('a')}?.width > 0)`);
       assert.deepEqual(await browser.evaluate(`new Promise(resolve => setTimeout(() => resolve(events.map(([, name]) => name)), 50))`), /removed|empty/.test(name) ? [] : ['error'], name);
       const [box, empty] = await browser.evaluate(`[a, b].map(it => it.getBoundingClientRect()).map(({width, height}) => [width, height])`);
       assert.deepEqual(box, empty, name);
@@ -347,14 +353,81 @@ test('the encoded size is the default of the element, whatever it was before', a
   await drawnAt('width', 160, 40);
 });
 
-test('names of elements for assistive programs are attributes', async () => {
-  await show('<gscl-image id="a" alt="A scene"></gscl-image><gscl-image id="b" role="button" alt="B"></gscl-image>');
+test('the alternative is the name of a picture for assistive programs', async () => {
+  await show('<gscl-image id="a" alt="A scene"></gscl-image><gscl-image id="b" role="button" alt="B"></gscl-image><gscl-image alt=""></gscl-image>');
   await browser.until('a.shadowRoot');
-  const named = id => browser.evaluate(`['role', 'aria-label'].map(name => ${id}.getAttribute(name))`);
-  assert.deepEqual(await named('a'), ['img', 'A scene']);
-  assert.deepEqual(await named('b'), ['button', 'B']);
+  assert.deepEqual(await accessible(), [['button', 'B'], ['image', 'A scene'], ['image', 'B']]);
+  assert.equal(await browser.evaluate('a.outerHTML'), '<gscl-image id="a" alt="A scene"></gscl-image>'); /* no attributes but those of the page */
+  await browser.evaluate(`a.alt = 'Another'`);
+  assert.deepEqual(await accessible(), [['button', 'B'], ['image', 'Another'], ['image', 'B']]);
   await browser.evaluate(`a.removeAttribute('alt')`);
-  assert(!(await named('a'))[1]);
+  assert.deepEqual(await accessible(), [['button', 'B'], ['image', ''], ['image', 'B']]);
+});
+
+test('the alternative stands in the place of a picture that fails', async () => {
+  const sources = {damaged: 'src="/files/damaged.gscl"', missing: 'src="/files/none.gscl"', text: 'data="***"'};
+  for (const [name, source] of Object.entries(sources)) {
+    await show(`<p>Before</p><gscl-image id="a" ${source} alt="A scene" width="200" height="100"></gscl-image><gscl-image id="b" ${source} alt=""></gscl-image>`);
+    await browser.until('events.filter(([id, name]) => id && name == "error").length == 2');
+    assert.deepEqual(await accessible(), [['StaticText', 'Before'], ['StaticText', 'A scene']], name);
+    assert.equal(await browser.evaluate('getSelection().selectAllChildren(a.shadowRoot), a.shadowRoot.textContent'), 'A scene');
+    assert.deepEqual(await browser.evaluate('(({width, height}) => [width, height])(a.getBoundingClientRect())'), [200, 100], name);
+    const ink = await browser.evaluate('(range => (range.selectNodeContents(a.shadowRoot), range.getBoundingClientRect().height))(document.createRange())');
+    assert(ink > 10, `${name}: the text is ${ink} pixels high`);
+    await browser.evaluate(`a.setAttribute('alt', 'Another')`);
+    assert.equal(await browser.evaluate('a.shadowRoot.textContent'), 'Another');
+    await browser.evaluate(`events.length = 0, a.removeAttribute('data'), a.setAttribute('src', '/files/scene.gscl')`);
+    await loaded('a');
+    assert.deepEqual(await accessible(), [['StaticText', 'Before'], ['image', 'Another']], name);
+    assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '200x100'), name);
+  }
+});
+
+test('properties are attributes', async () => {
+  await show('<gscl-image id="a"></gscl-image>');
+  await browser.until('a.shadowRoot');
+  await browser.evaluate(`a.src = '/files/scene.gscl', a.alt = 'A', a.width = 200, a.height = '150', a.bare = false, a.data = null`);
+  await loaded('a');
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '200x150'), 'properties');
+  assert.equal(await browser.evaluate('a.outerHTML'), '<gscl-image id="a" src="/files/scene.gscl" alt="A" width="200" height="150"></gscl-image>');
+  assert.deepEqual(await browser.evaluate('[a.src, a.alt, a.width, a.height, a.bare, a.data]'), ['/files/scene.gscl', 'A', '200', '150', false, null]);
+  await browser.evaluate(`events.length = 0, a.src = undefined, a.data = '${fileOf('bare.gscl').toString('base64')}', a.bare = true, a.alt = ''`);
+  await loaded('a');
+  assert.deepEqual(await browser.evaluate(`[a.bare, a.hasAttribute('src'), a.getAttribute('alt')]`), [true, false, '']);
+});
+
+test('a page gives sizes that attributes do not override', async () => {
+  await show('<style>gscl-image{width:50px}</style><gscl-image id="a" src="/files/scene.gscl" width="200"></gscl-image>');
+  await loaded('a');
+  assert.deepEqual(await browser.evaluate('(({width, height}) => [width, height])(a.getBoundingClientRect())'), [50, 37.5]);
+});
+
+test('the entry with the module in it fetches nothing but pictures', async () => {
+  asked.clear();
+  await show('<gscl-image id="a" src="/files/scene.gscl"></gscl-image>', 'inline.js');
+  await loaded('a');
+  assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl'), 'inline');
+  assert.deepEqual([...asked], []);
+  assert.deepEqual(browser.errors, []);
+});
+
+test('a page may import several entries', async () => {
+  await show('<script type="module">import "/web/packets.js"; import "/web/inline.js";</script><gscl-image id="a" src="/files/scene.gscl"></gscl-image>');
+  await loaded('a');
+  assert.deepEqual(browser.errors, []);
+});
+
+test('a content security policy', async () => {
+  const policy = (script, wasm) => `default-src 'none'; script-src 'self' ${wasm ? "'wasm-unsafe-eval'" : ''}; connect-src ${script == 'inline.js' ? `${site.url}/files/` : "'self'"}`;
+  for (const script of ['gscl.js', 'inline.js']) {
+    await show('<gscl-image id="a" src="/files/scene.gscl" width="200"></gscl-image>', script, policy(script, true));
+    await browser.until(`${canvasOf('a')}.width == 200`);
+    assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '200x150'), script);
+    assert.equal(browser.errors.filter(text => !text.includes('inline')).length, 0, String(browser.errors)); /* those of the page of the tests */
+    await show('<gscl-image id="a" src="/files/scene.gscl" alt="A scene"></gscl-image>', script, policy(script, false));
+    await browser.until('a.shadowRoot?.textContent == "A scene"');
+  }
+  assert.match(await browser.evaluate(`import('/web/inline.js').then(({info}) => info(new Uint8Array(9))).catch(error => error.code + ': ' + error.message)`), /^failed: .*unsafe-eval/);
 });
 
 test('a call loads the module again after a failure', async () => {

@@ -17,7 +17,8 @@ import {runTests, test} from './tap.mjs';
 
 const folder = resolve(process.argv[2]), module = process.argv[3], gscl = process.env.GSCL;
 const hasPackets = module == 'gscl-packets.wasm';
-const {decode, info, splats, load, GsclError} = await import(pathToFileURL(join(folder, 'node.js')));
+const entry = name => import(pathToFileURL(join(folder, name)));
+const {decode, info, splats, load, GsclError} = await entry('node.js');
 const set = fileURLToPath(new URL('../conformance/', import.meta.url));
 const index = JSON.parse(readFileSync(join(set, 'index.json'))).filter(entry => hasPackets || !entry.packets);
 const lists = new Set(index.filter(entry => entry.packets).map(entry => entry.file));
@@ -39,6 +40,23 @@ test('the module and its scripts are small gzipped', () => {
   const sizes = [module, ...scripts].map(name => gzipSync(readFileSync(join(folder, name)), {level: 9}).length);
   console.log(`# ${sizes.join(' + ')} bytes`);
   assert(sizes.reduce((sum, size) => sum + size) <= (hasPackets ? MAX_PACKETS_GZIPPED : MAX_GZIPPED), `${sizes.join(' + ')} bytes`);
+});
+
+test('the other entries of the package need neither a page nor files in Node', async () => {
+  const inline = await entry('inline.js'), {GsclImage} = await entry('gscl.js'), file = fileOf('example');
+  assert.deepEqual(Object.keys(inline).sort(), ['GsclError', 'GsclImage', 'decode', 'info', 'load', 'splats']);
+  assert.equal(typeof GsclImage, 'function');
+  assert.deepEqual((await inline.decode(file)).data, (await decode(file)).data);
+  assert.deepEqual(await inline.splats(file), await splats(file));
+  await assert.rejects(inline.info(file.subarray(0, 3)), inline.GsclError);
+});
+
+test('the package exports the files that it has, and has those', () => {
+  const {exports, files} = JSON.parse(readFileSync(join(folder, 'package.json')));
+  for (const name of [...Object.values(exports).flatMap(it => typeof it == 'string' ? it : Object.values(it)), ...files]) {
+    assert(readFileSync(join(folder, name)).length > 0, name);
+    assert(files.includes(name.replace('./', '')), name);
+  }
 });
 
 test('the package has the version of the library', () => {
