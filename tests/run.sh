@@ -38,6 +38,7 @@ build_lane() {
     check "valgrind" sh tests/check_valgrind.sh build-test
     check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
     python_package
+    web_package
     image_files
 }
 
@@ -53,6 +54,12 @@ sources() {
     check "rooms are checked" python3 tests/structure/test_check_rooms.py
     check "kernels for GPUs" python3 tests/targets/check_targets.py --quick build-test/tests/targets/list_programs
     check "kernels for other processors" python3 tests/targets/check_native.py --quick
+}
+
+# The package for web pages among bundlers and frameworks, which npm brings.
+web_package() {
+    command -v npm >/dev/null || { echo "left out  web package with packages of npm: npm is not installed" | print_whole; return; }
+    tap_suite "web package with packages of npm" node tests/web/test_packages.mjs build-test/host/web build-test/packages
 }
 
 # The Python package, in a virtual environment.
@@ -179,6 +186,14 @@ suite() {
     rm -f "$results"
     show "tests of $folder" meson test -C "$folder" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
     add_counts "$results"
+}
+
+# tap_suite NAME COMMAND...: a program that prints TAP.
+tap_suite() {
+    name=$1
+    shift
+    show "$name" "$@"
+    add "$(grep -c '^ok ' "$log")" "$(awk -F '[.]' '/^1[.][.]/ { planned = $3 } /^ok / { passed++ } END { print planned ? planned - passed : 1 }' "$log")"
 }
 
 # pytest_suite RESULTS COMMAND...: RESULTS is what the command writes in build-test/python.

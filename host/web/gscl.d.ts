@@ -1,5 +1,5 @@
 /** Decoder of gscl pictures. In Node all of it is exported by "gscl"; in browsers `splats` is in "gscl/splats", and `decode`,
- * `info` and `splats` of packets are in "gscl/packets". */
+ * `info` and `splats` of packets are in "gscl/packets". "gscl/inline" has all but packets, and the module in itself. */
 
 export interface ReadOptions {
   /** Whether the file is of the bare form, which its bytes do not tell. Default false. */
@@ -94,8 +94,9 @@ export function load(source: BufferSource | WebAssembly.Module | PromiseLike<Buf
 /** <gscl-image src="picture.gscl" alt="..." width="300" height="200">
  *
  * Attributes: `src`, a URL, also a data: URL; `data`, a file as text, in place of src: base64 or base64url, with or without
- * padding and white space; `bare`, whether the file is bare; `alt`; `width` and `height` in CSS pixels, default the encoded
- * size, at most the width of what is around it. The picture is drawn while its bytes arrive, and again whenever its size on
+ * padding and white space; `bare`, whether the file is bare; `alt`, the name of the picture for assistive programs, and text
+ * in its place where it fails; `width` and `height` in CSS pixels, default the encoded size, at most the width of what is
+ * around it; what the page's style sheets say counts more. The picture is drawn while its bytes arrive, and again whenever its size on
  * the screen changes; with fewer pixels where `maxPixels` and `maxWork` of decode do not allow those of the screen. It stays
  * until the next file is drawn, or fails. Events: `load`, once the whole file is drawn; `error`, an ErrorEvent with a
  * GsclError or a TypeError of fetch. */
@@ -127,13 +128,14 @@ declare global {
   }
 }
 
-/* JSX of React, Preact and Solid.  Where one of them is not installed, its part is to mean nothing, and to be no error. */
+/* JSX of React, Preact and Solid.  Where one of them is not installed, its part is to mean nothing, and to be no error.  React
+ * does not call onLoad and onError of elements that it does not know. */
 // @ts-ignore
 declare module 'react' {
   namespace JSX {
     interface IntrinsicElements {
       // @ts-ignore
-      'gscl-image': import('react').DetailedHTMLProps<import('react').HTMLAttributes<GsclImage>, GsclImage> & GsclImageAttributes;
+      'gscl-image': Omit<import('react').DetailedHTMLProps<import('react').HTMLAttributes<GsclImage>, GsclImage>, 'onLoad' | 'onError'> & GsclImageAttributes;
     }
   }
 }

@@ -420,10 +420,14 @@ test('a page may import several entries', async () => {
 test('a content security policy', async () => {
   const policy = (script, wasm) => `default-src 'none'; script-src 'self' ${wasm ? "'wasm-unsafe-eval'" : ''}; connect-src ${script == 'inline.js' ? `${site.url}/files/` : "'self'"}`;
   for (const script of ['gscl.js', 'inline.js']) {
-    await show('<gscl-image id="a" src="/files/scene.gscl" width="200"></gscl-image>', script, policy(script, true));
-    await browser.until(`${canvasOf('a')}.width == 200`);
+    const text = fileOf('scene.gscl').toString('base64'), bytes = [...fileOf('scene.gscl')].map(it => '%' + it.toString(16).padStart(2, 0)).join('');
+    await show(`<gscl-image id="a" src="/files/scene.gscl" width="200"></gscl-image><gscl-image id="b" data="${text}"></gscl-image>
+      <gscl-image id="c" src="data:;base64,${text}"></gscl-image><gscl-image id="d" src="data:,${bytes}" alt="No origin"></gscl-image>`, script, policy(script, true));
+    for (const [id, width] of Object.entries({a: 200, b: 320, c: 320}))
+      await browser.until(`${canvasOf(id)}.width == ${width}`);
+    await browser.until('d.shadowRoot.textContent == "No origin"');
     assertPicture(await browser.pixels(canvasOf('a')), decodeBy('scene.gscl', '--size', '200x150'), script);
-    assert.equal(browser.errors.filter(text => !text.includes('inline')).length, 0, String(browser.errors)); /* those of the page of the tests */
+    assert.equal(browser.errors.filter(text => !/inline|data:,/.test(text)).length, 0, String(browser.errors)); /* those of the page of the tests, and of d */
     await show('<gscl-image id="a" src="/files/scene.gscl" alt="A scene"></gscl-image>', script, policy(script, false));
     await browser.until('a.shadowRoot?.textContent == "A scene"');
   }
