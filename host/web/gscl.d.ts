@@ -96,9 +96,9 @@ export function load(source: BufferSource | WebAssembly.Module | PromiseLike<Buf
  * Attributes: `src`, a URL, also a data: URL; `data`, a file as text, in place of src: base64 or base64url, with or without
  * padding and white space; `bare`, whether the file is bare; `alt`, the name of the picture for assistive programs, and text
  * in its place where it fails; `width` and `height` in CSS pixels, default the encoded size, at most the width of what is
- * around it; what the page's style sheets say counts more. The picture is drawn while its bytes arrive, and again whenever its size on
- * the screen changes; with fewer pixels where `maxPixels` and `maxWork` of decode do not allow those of the screen. It stays
- * until the next file is drawn, or fails. Events: `load`, once the whole file is drawn; `error`, an ErrorEvent with a
+ * around it; style sheets of the page count more. The picture is drawn while its bytes arrive, and again whenever its size
+ * on the screen changes; with fewer pixels where `maxPixels` and `maxWork` of decode do not allow those of the screen. It
+ * stays until the next file is drawn, or fails. Events: `load`, once the whole file is drawn; `error`, an ErrorEvent with a
  * GsclError or a TypeError of fetch. */
 export class GsclImage extends HTMLElement {
   src: string | null;

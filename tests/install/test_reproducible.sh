@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT INT TERM
 # build SOURCES FOLDER
 build() {
     mkdir -p "$1/tests"
-    (cd "$here/../.." && cp -R cl format host meson.build meson_options.txt "$1" && cp -R tests/sample "$1/tests")
+    (cd "$here/../.." && cp -R cl format host meson.build meson_options.txt LICENSE "$1" && cp -R tests/sample "$1/tests")
     meson setup "$2" "$1" -Dopencl=disabled -Dnative_processors=own -Dtool=enabled -Dtests=disabled -Dweb=disabled -Dplots=disabled \
         -Dopenimageio=disabled -Ddesktop=disabled -Ddebug=true -Doptimization=1 >"$work/log" &&
         ninja -C "$2" gscl libgscl.a >"$work/log" || {
