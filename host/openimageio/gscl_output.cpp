@@ -383,7 +383,8 @@ bool GsclOutput::encode() {
                         0,
                         m_spec.nchannels % 2 == 0 && gamma_ == 0.0f &&
                             !m_spec.get_int_attribute("oiio:UnassociatedAlpha"),
-                        pixels_.data()};
+                        pixels_.data(),
+                        GSCL_LAYOUT_AUTO};
     if (m_spec.format != OIIO::TypeDesc::FLOAT)
         image.sample = m_spec.format == OIIO::TypeDesc::UINT8 ? GSCL_SAMPLE_U8 : GSCL_SAMPLE_U16;
     OIIO::ImageBuf upright;

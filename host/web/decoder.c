@@ -146,8 +146,11 @@ const void *web_draw(void) {
     const bool is_far = frame.full_width > GSCL_MAX_DIMENSION || frame.full_height > GSCL_MAX_DIMENSION;
     const gscl_software_view near = {frame.full_width, frame.full_height, frame.x, frame.y};
     const gscl_software_view view = is_far ? (gscl_software_view){frame.width, frame.height, 0, 0} : near;
-    const gscl_image image = {
-        frame.width, frame.height, 4, GSCL_SAMPLE_U8, 0, false, malloc((size_t)4 * frame.width * frame.height)};
+    const gscl_image image = {.width = frame.width,
+                              .height = frame.height,
+                              .channels = 4,
+                              .sample = GSCL_SAMPLE_U8,
+                              .pixels = malloc((size_t)4 * frame.width * frame.height)};
     gscl_software *software =
         gscl_software_create(options_of(&coded.file.header), &view, coded.file.header.splat_count);
     gscl_real sums[4] = {0};

@@ -33,6 +33,7 @@ static gscl_decode_settings settings_of(unsigned choice, bool bare) {
     s.bare = bare;
     s.partial = choice & 1;
     s.premultiplied = choice & 2;
+    s.layout = (gscl_layout)(choice / 3 % (GSCL_LAYOUT_BGRA + 1));
     s.max_work = MAX_WORK;
     if (choice & 4) {
         s.width = 1 + choice;

@@ -314,7 +314,7 @@ static void test_gradients(void **state) {
 static file encode_transparent(void) {
     file f;
     uint8_t pixels[HEIGHT][WIDTH][4];
-    const gscl_image transparent = {WIDTH, HEIGHT, 4, GSCL_SAMPLE_U8, 0, false, pixels};
+    const gscl_image transparent = {WIDTH, HEIGHT, 4, GSCL_SAMPLE_U8, 0, false, pixels, GSCL_LAYOUT_RGBA};
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
     settings.effort = 0;

@@ -98,6 +98,7 @@ static void test_defaults(void **state) {
     assert_true(e.effort == 5 && e.codebook_size == 0 && e.seed == 1 && !e.progress);
     assert_true(d.width == 0 && d.height == 0 && d.crop_x == 0 && d.crop_y == 0 && d.crop_width == 0);
     assert_true(d.crop_height == 0 && d.sample == GSCL_SAMPLE_AUTO && !d.premultiplied);
+    assert_true(d.layout == GSCL_LAYOUT_AUTO && d.background[0] + d.background[1] + d.background[2] == 0);
     assert_true(!c.device && c.mapping == GSCL_MAPPING_AUTO && !c.log);
     gscl_free(NULL);
     gscl_context *none = NULL;

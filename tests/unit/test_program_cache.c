@@ -159,7 +159,7 @@ static int make_file(void **state) {
     static uint8_t pixels[3 * WIDTH * HEIGHT];
     for (size_t i = 0; i < sizeof pixels; i++)
         pixels[i] = (uint8_t)(i * i / 7);
-    const gscl_image image = {WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8, 0, false, pixels};
+    const gscl_image image = {WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8, 0, false, pixels, GSCL_LAYOUT_RGB};
     gscl_encode_settings settings;
     gscl_encode_settings_default(&settings);
     settings.effort = 0;

@@ -90,7 +90,7 @@ static bool join(void *opaque, uint32_t y, const gscl_image *strip) {
     const uint32_t left = whole->height - y;
     assert_int_equal(y, j->rows);
     assert_true(strip->width == whole->width && strip->channels == whole->channels && strip->sample == whole->sample &&
-                strip->premultiplied == whole->premultiplied && strip->stride == 0);
+                strip->layout == whole->layout && strip->premultiplied == whole->premultiplied && strip->stride == 0);
     if (j->strip_rows)
         assert_int_equal(strip->height, j->strip_rows < left ? j->strip_rows : left);
     assert_true(strip->height >= 1 && strip->height <= left && (j->strip_rows || strip->height <= 16));
@@ -189,6 +189,8 @@ static void test_settings(void **state) {
         for (gscl_sample sample = GSCL_SAMPLE_AUTO; sample <= GSCL_SAMPLE_F32; sample++) {
             settings.sample = sample;
             settings.premultiplied = number % 2;
+            settings.layout = (gscl_layout)((number + (int)sample) % (GSCL_LAYOUT_BGRA + 1));
+            settings.background[number % 3] = 0.5f;
             check_rows("a crop of another size", &f, &settings, 9, 5000);
         }
         settings = default_settings();

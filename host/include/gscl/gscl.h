@@ -8,7 +8,7 @@
  *     int main(void) {
  *         gscl_context *context;
  *         size_t size;
- *         gscl_image image = {64, 48, 3, GSCL_SAMPLE_U8, 0, false, pixels}, decoded = {0};
+ *         gscl_image image = {64, 48, 3, GSCL_SAMPLE_U8, 0, false, pixels, GSCL_LAYOUT_RGB}, decoded = {0};
  *         gscl_result result = gscl_context_create(&context, NULL);
  *         if (result == GSCL_OK) result = gscl_encode(context, &image, NULL, &bytes, &size, NULL);
  *         if (result == GSCL_OK) result = gscl_decode(context, bytes, size, NULL, &decoded);
@@ -27,7 +27,8 @@
  *    has ended when the call returns.
  *  - Otherwise the library never prints, exits, reads the environment or keeps global state.  The OpenCL implementation that it
  *    uses may do all of these.
- *  - Images are stored row by row from the top left; x points to the right and y down.  Pixel (i, j) has its centre at
+ *  - Images are stored row by row from the top left, or from the bottom left where gscl_image.stride is negative; x points
+ *    to the right and y down.  Pixel (i, j) has its centre at
  *    (i + 0.5, j + 0.5).  Samples are gamma-encoded as in ordinary image files.  Floating-point samples are clamped to
  *    0..1.
  *
@@ -215,14 +216,29 @@ typedef enum gscl_sample {
     GSCL_SAMPLE_F32 = 3   /* float, 0..1 */
 } gscl_sample;
 
+/* The channels of a pixel in the order of their samples in memory. */
+typedef enum gscl_layout {
+    GSCL_LAYOUT_AUTO = 0, /* in images: the one of the next four that has `channels`; in decode settings: as stored */
+    GSCL_LAYOUT_GREY = 1, /* 1 channel */
+    GSCL_LAYOUT_GREY_ALPHA = 2, /* 2 channels */
+    GSCL_LAYOUT_RGB = 3,        /* 3 channels */
+    GSCL_LAYOUT_RGBA = 4,       /* 4 channels */
+    GSCL_LAYOUT_BGR = 5,        /* 3 channels */
+    GSCL_LAYOUT_BGRA = 6        /* 4 channels; of 8 bits, what Cairo, Qt, Direct3D and GDI call ARGB32 on little-endian
+                                   processors */
+} gscl_layout;
+
 /* An image in memory: height rows of width pixels of `channels` interleaved samples.  This struct never changes. */
 typedef struct gscl_image {
     uint32_t width, height; /* pixels, 1..GSCL_MAX_DIMENSION */
     uint32_t channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
     gscl_sample sample;
-    size_t stride;      /* bytes from one row to the next, any number; 0: rows follow each other without a gap */
+    ptrdiff_t stride;   /* bytes from one row to the next below it, any number; 0: rows follow each other without a gap.
+                         Negative where the bottom row comes first in memory */
     bool premultiplied; /* whether colours are multiplied by alpha; false in PNG files */
-    void *pixels;       /* at any address, also for samples of several bytes */
+    void *pixels;       /* the top row, which with a negative stride is the last in memory; at any address, also for
+                           samples of several bytes */
+    gscl_layout layout; /* 0, GSCL_LAYOUT_AUTO, or a layout of `channels` channels */
 } gscl_image;
 
 /* ---- Blocks -------------------------------------------------------------------------------- */
@@ -319,13 +335,15 @@ typedef enum gscl_tune {
  * megapixels, where PSNR takes 0.9. */
 #define GSCL_MAX_VISUAL_PIXELS (16u << 20)
 
-/* The target of an encode, and the unit of target_value. */
+/* The target of an encode, with the unit and the range of target_value.  Targets in bytes that are smaller than the smallest
+ * file of an image are GSCL_ERROR_BUDGET_TOO_SMALL; of larger ones than an image can use, the file stays smaller. */
 typedef enum gscl_target {
-    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more, and the blocks on top; target_value is
-                              not used */
-    GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, never exceeded */
-    GSCL_TARGET_BYTES = 2, /* bytes of the whole file, never exceeded */
-    GSCL_TARGET_PSNR = 3,  /* dB, never below, exceeded by at most 0.3, or by what 2.5 % of the bytes bring */
+    GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more, and the blocks on top; target_value
+                              must be 0 */
+    GSCL_TARGET_BPP = 1,   /* bits per pixel of the whole file, 0..GSCL_MAX_TARGET_BPP, never exceeded */
+    GSCL_TARGET_BYTES = 2, /* bytes of the whole file, 0..GSCL_MAX_TARGET_BYTES, never exceeded */
+    GSCL_TARGET_PSNR = 3,  /* dB, 0..GSCL_MAX_TARGET_PSNR, never below, exceeded by at most 0.3, or by what 2.5 % of the
+                              bytes bring */
     GSCL_TARGET_SPLATS = 4, /* number of splats, 0..GSCL_MAX_SPLATS */
     /* SSIMULACRA 2.1 of the decoded file against the image, as gscl_compare (gscl/measure.h) computes it:
      * GSCL_MIN_SSIMULACRA2..100, never below the target, mostly exceeded by less than 1; by at most 2, or by what 5 % of
@@ -339,14 +357,18 @@ typedef enum gscl_target {
      * PSNR of 20 + target_value / 4 dB */
     GSCL_TARGET_QUALITY = 6
 } gscl_target;
-#define GSCL_MIN_SSIMULACRA2 (-100) /* smallest target; such a picture is a blur */
+#define GSCL_MAX_TARGET_BPP 100000000    /* more than a picture of one pixel has with blocks of the largest size */
+#define GSCL_MAX_TARGET_BYTES 4294967295 /* 2^32 - 1, more than any file has */
+#define GSCL_MAX_TARGET_PSNR 200         /* dB, more than floating-point samples allow */
+#define GSCL_MIN_SSIMULACRA2 (-100)      /* smallest target; such a picture is a blur */
 
 typedef struct gscl_progress {
     double fraction;    /* of the expected work, 0..1; never decreases */
     double psnr;        /* dB of the current fit; 0 while unknown, and in a decode */
     uint32_t splats;    /* of the current fit, or of the file that is decoded */
     double elapsed_s;   /* seconds since the encode or the decode began */
-    double remaining_s; /* seconds until it ends, an estimate */
+    double remaining_s; /* seconds until it ends, an estimate; INFINITY while too little is done for one, and 0 only in
+                           the last call, when nothing remains */
 } gscl_progress;
 /* Returns true to continue and false to cancel; a cancelled encode or decode returns GSCL_ERROR_CANCELLED. */
 typedef bool (*gscl_progress_callback)(void *opaque, const gscl_progress *progress);
@@ -361,7 +383,7 @@ typedef struct gscl_encode_settings {
     gscl_loss loss;                  /* default AUTO */
     gscl_tune tune;                  /* default AUTO */
     gscl_target target;              /* default AUTO */
-    double target_value;             /* default 0; unit and range depend on `target` */
+    double target_value;             /* default 0; `target` says its unit and range */
     int effort;                      /* 0 (fastest) .. GSCL_MAX_EFFORT (best); default GSCL_DEFAULT_EFFORT */
     uint32_t codebook_size;          /* code words of each codebook, 2..1024, paper profile only; default 0: by rate */
     uint32_t effects_on;             /* bits of gscl_effect that are switched on; default 0 */
@@ -522,6 +544,12 @@ typedef struct gscl_decode_settings {
                                         pixels stay equal.  Parts have 16 rows on the device "host", on others about
                                         5e7 evaluations, but at least 16 rows */
     void *progress_opaque;           /* first argument of `progress` */
+    gscl_layout layout; /* of the returned image; default AUTO: grey or RGB, with alpha or without, as the encoded image
+                           had them.  Alpha that is not stored is 1.  Where alpha is stored and not returned, pixels are
+                           drawn over `background`.  Grey of colours is (R + 2 G + B) / 4, the luma of the file's
+                           colours, after that */
+    float background[3]; /* R, G and B, 0..1, gamma-encoded like samples: a pixel is colour * alpha + background *
+                            (1 - alpha), rounded once; default black.  Not used where alpha is returned or not stored */
 } gscl_decode_settings;
 
 /* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_decode_settings_default. */
@@ -532,8 +560,8 @@ static inline void gscl_decode_settings_default(gscl_decode_settings *settings) 
 
 /* Decodes a file into *image and sets all fields of *image.  When image->pixels is NULL on entry, the library allocates
  * rows without gaps, which the caller releases with gscl_free(image->pixels).  Otherwise the pixels are written to the
- * caller's memory with the caller's stride; width, height, channels and sample must then be those of the decoded image,
- * which gscl_probe returns.  The context keeps its device buffers for the next decode.  `settings` may be NULL for the
+ * caller's memory with the caller's stride, bottom-up where it is negative; width, height, channels and sample must then be
+ * those of the decoded image: gscl_probe returns those of a decode with the default settings.  The context keeps its device buffers for the next decode.  `settings` may be NULL for the
  * defaults.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
  * _IMAGE_SIZE, _CANCELLED, and those of memory and the device.  A decode that fails may have written to the caller's
  * pixels. */
@@ -579,7 +607,7 @@ GSCL_API GSCL_CHECKED gscl_result gscl_decoder_draw(gscl_decoder *decoder, gscl_
 
 /* ---- Decoding by rows (without a context and without allocation) --------------------------------- */
 
-/* Receives the next rows of a decoded image, from top to bottom.  `strip` has the whole width of the image, channels, samples
+/* Receives the next rows of a decoded image, from top to bottom.  `strip` has the whole width of the image, layout, samples
  * and premultiplied colours as gscl_decode would return them; its first row is row y of the image.  It and its pixels are
  * valid during the call, which may write to the pixels.  Returns true to continue and false to stop. */
 typedef bool (*gscl_rows_callback)(void *opaque, uint32_t y, const gscl_image *strip);
@@ -587,8 +615,8 @@ typedef bool (*gscl_rows_callback)(void *opaque, uint32_t y, const gscl_image *s
 /* Returns the least memory, in bytes, with which gscl_decode_rows decodes a file.  It needs the start of the file up to the
  * 32nd byte of the picture, which comes after 5 bytes and the blocks before it, or the whole file where that is shorter; of
  * packets it needs the whole list.
- * `settings` and `strip_rows` as for gscl_decode_rows.  `image`: NULL, or receives width, height, channels, sample and
- * premultiplied of the whole decoded image, without pixels.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file,
+ * `settings` and `strip_rows` as for gscl_decode_rows.  `image`: NULL, or receives width, height, channels, layout, sample
+ * and premultiplied of the whole decoded image, without pixels.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file,
  * GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE, _IMAGE_SIZE; GSCL_ERROR_OUT_OF_MEMORY where a size_t does not hold the number. */
 GSCL_API GSCL_CHECKED gscl_result gscl_rows_memory(const uint8_t *bytes, size_t size,
                                                    const gscl_decode_settings *settings, uint32_t strip_rows,

@@ -10,19 +10,20 @@
 #include "decode/draw_progress.h"
 #include "decode/format_result.h"
 #include "decode/frame_message.h"
+#include "decode/output.h"
 #include "decode/tunables.h"
 #include "image/image.h"
 #include "runtime/allocate.h"
 #include "runtime/stage_clock.h"
 #include "runtime/struct_size.h"
+#include "software/canvas.h"
 #include "software/software.h"
 
 /* Takes the caller's pixels when they fit, or allocates some. */
 static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, const gscl_image *caller,
                                   void **allocated) {
     if (!caller->pixels) {
-        shape->stride = 0;
-        shape->pixels = *allocated = gscl_allocate(shape->height, gscl_image_stride(shape));
+        shape->pixels = *allocated = gscl_allocate(shape->height, gscl_image_row_size(shape));
         return shape->pixels ? GSCL_OK : gscl_fail_memory(context);
     }
     if (caller->width != shape->width || caller->height != shape->height || caller->channels != shape->channels ||
@@ -30,11 +31,10 @@ static gscl_result provide_pixels(gscl_context *context, gscl_image *shape, cons
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
                          "the caller's image is %ux%u with %u channels, the decode gives %ux%u with %u", caller->width,
                          caller->height, caller->channels, shape->width, shape->height, shape->channels);
-    size_t row = gscl_image_stride(shape);
-    if (caller->stride && caller->stride < row)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the stride of %zu bytes is shorter than a row of %zu",
-                         caller->stride, row);
     shape->stride = caller->stride;
+    if (!gscl_image_rows_fit(shape))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the stride of %td bytes is shorter than a row of %zu",
+                         caller->stride, gscl_image_row_size(shape));
     shape->pixels = caller->pixels;
     return GSCL_OK;
 }
@@ -51,24 +51,40 @@ static void add_splats(const gscl_coded_image *coded, const gscl_frame *f, gscl_
     }
 }
 
+/* Draws the splats that were added.  `scratch`: room for GSCL_BLOCK_ROWS drawn rows of a mixed output, else NULL. */
+static gscl_result draw_rows(gscl_context *context, gscl_software *software, const float background[4],
+                             const gscl_frame *f, const gscl_output *o, void *scratch,
+                             const gscl_draw_progress *progress) {
+    for (uint32_t y = 0; y < f->height;) {
+        const gscl_image rows = gscl_image_rows(&o->image, y, gscl_software_rows(software, y, f->height));
+        const gscl_image target = gscl_output_target(o, &rows, scratch);
+        gscl_software_draw_rows(software, background, y, &target);
+        gscl_output_finish(o, &target, &rows);
+        y += rows.height;
+        GSCL_TRY(gscl_draw_progress_report(context, progress, f, y));
+    }
+    return GSCL_OK;
+}
+
 static gscl_result draw_in_software(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                    const gscl_image *image, const gscl_draw_progress *progress) {
+                                    const gscl_output *o, const gscl_draw_progress *progress) {
     const gscl_kernel_options options = gscl_frame_options(&coded->file.header, f);
     const gscl_software_view view = {f->full_width, f->full_height, f->x, f->y};
     gscl_real sums[4] = {0};
     float background[4];
     gscl_stage(context, GSCL_STAGE_DEQUANTISE);
     gscl_software *software = gscl_software_create(&options, &view, coded->file.header.splat_count);
-    if (!software)
-        return gscl_fail_memory(context);
-    add_splats(coded, f, software, sums);
-    gscl_dequantise_background(&coded->file, sums, background);
-    gscl_stage(context, GSCL_STAGE_DRAW);
+    void *scratch = o->is_mixed ? gscl_allocate(GSCL_BLOCK_ROWS, gscl_image_row_size(&o->drawn)) : NULL;
     gscl_result result = GSCL_OK;
-    for (uint32_t row = 0; row < image->height && result == GSCL_OK;) {
-        gscl_software_draw_rows(software, background, image, &row);
-        result = gscl_draw_progress_report(context, progress, f, row);
+    if (!software || (o->is_mixed && !scratch)) {
+        result = gscl_fail_memory(context);
+    } else {
+        add_splats(coded, f, software, sums);
+        gscl_dequantise_background(&coded->file, sums, background);
+        gscl_stage(context, GSCL_STAGE_DRAW);
+        result = draw_rows(context, software, background, f, o, scratch, progress);
     }
+    free(scratch);
     gscl_software_free(software);
     return result;
 }
@@ -97,13 +113,13 @@ static gscl_result read_within_limits(gscl_context *context, const uint8_t *byte
     return result;
 }
 
-static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                        const gscl_image *image, const gscl_draw_progress *progress) {
-    const uint64_t pixels = (uint64_t)image->width * image->height;
-    const bool in_software = !context->backend || (context->is_host && pixels <= gscl_decode_tunables.software_pixels);
+static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f, const gscl_output *o,
+                        const gscl_draw_progress *progress) {
+    const bool in_software =
+        !context->backend || (context->is_host && gscl_frame_pixels(f) <= gscl_decode_tunables.software_pixels);
     GSCL_TRY(gscl_draw_progress_report(context, progress, f, 0));
-    return in_software ? draw_in_software(context, coded, f, image, progress)
-                       : gscl_draw_on_device(context, coded, f, image, progress);
+    return in_software ? draw_in_software(context, coded, f, o, progress)
+                       : gscl_draw_on_device(context, coded, f, o, progress);
 }
 
 gscl_result gscl_decode_within(gscl_context *context, const uint8_t *bytes, size_t size,
@@ -113,20 +129,19 @@ gscl_result gscl_decode_within(gscl_context *context, const uint8_t *bytes, size
     gscl_decode_settings s;
     gscl_decode_settings_default(&s);
     GSCL_TRY(GSCL_STRUCT_READ(context, gscl_decode_settings, max_pixels, settings, &s));
-    if ((unsigned)s.sample > GSCL_SAMPLE_F32)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)s.sample);
+    GSCL_TRY(gscl_output_check(context, &s));
     gscl_coded_image coded;
     gscl_frame f;
     GSCL_TRY(read_within_limits(context, bytes, size, &s, &coded, &f));
-    gscl_image decoded = gscl_frame_image(&f, &s, &coded.file.header);
+    gscl_output output = gscl_output_of(&f, &s, &coded.file.header);
     void *allocated = NULL;
-    gscl_result result = provide_pixels(context, &decoded, image, &allocated);
+    gscl_result result = provide_pixels(context, &output.image, image, &allocated);
     if (result == GSCL_OK) {
         const gscl_draw_progress progress = gscl_draw_progress_begin(&s, &coded, start_s);
-        result = draw(context, &coded, &f, &decoded, &progress);
+        result = draw(context, &coded, &f, &output, &progress);
     }
     if (result == GSCL_OK)
-        *image = decoded;
+        *image = output.image;
     else
         free(allocated);
     gscl_coded_image_free(&coded);

@@ -42,7 +42,7 @@ static gscl_result read_settings(const gscl_decode_settings *caller, gscl_decode
         return GSCL_ERROR_STRUCT_SIZE;
     if (caller)
         gscl_struct_copy(caller, s, sizeof *s);
-    return (unsigned)s->sample > GSCL_SAMPLE_F32 ? GSCL_ERROR_INVALID_ARGUMENT : GSCL_OK;
+    return gscl_output_is_possible(s) ? GSCL_OK : GSCL_ERROR_INVALID_ARGUMENT;
 }
 
 static gscl_result plan_rows(const uint8_t *bytes, size_t size, const gscl_decode_settings *settings,
@@ -50,7 +50,7 @@ static gscl_result plan_rows(const uint8_t *bytes, size_t size, const gscl_decod
     GSCL_TRY(read_settings(settings, &plan->settings));
     GSCL_TRY(gscl_result_of_format(gsf_read_header(bytes, size, plan->settings.bare, &plan->header)));
     GSCL_TRY(gscl_frame_resolve(&plan->settings, &plan->header, &plan->rows.frame));
-    plan->rows.image = gscl_frame_image(&plan->rows.frame, &plan->settings, &plan->header);
+    plan->rows.output = gscl_output_of(&plan->rows.frame, &plan->settings, &plan->header);
     plan->rows.strip_rows = strip_rows;
     const uint64_t reading = gsf_read_scratch_size(&plan->header);
     const uint64_t drawing = gscl_draw_rows_memory(&plan->header, &plan->rows);
@@ -75,7 +75,7 @@ gscl_result gscl_rows_memory(const uint8_t *bytes, size_t size, const gscl_decod
         return GSCL_ERROR_OUT_OF_MEMORY;
     *memory_size = (size_t)least;
     if (image)
-        *image = plan.rows.image;
+        *image = plan.rows.output.image;
     return GSCL_OK;
 }
 

@@ -5,6 +5,7 @@
 
 #include "decode/coded_image.h"
 #include "decode/format_result.h"
+#include "decode/output.h"
 #include "format/packet.h"
 #include "format/repair.h"
 #include "runtime/struct_size.h"
@@ -82,7 +83,9 @@ gscl_result gscl_decoder_create(gscl_decoder **decoder, const gscl_decode_settin
     if (!d)
         return GSCL_ERROR_OUT_OF_MEMORY;
     gscl_decode_settings_default(&d->settings);
-    const gscl_result result = GSCL_STRUCT_READ(NULL, gscl_decode_settings, max_pixels, settings, &d->settings);
+    gscl_result result = GSCL_STRUCT_READ(NULL, gscl_decode_settings, max_pixels, settings, &d->settings);
+    if (result == GSCL_OK && !gscl_output_is_possible(&d->settings))
+        result = GSCL_ERROR_INVALID_ARGUMENT;
     if (result != GSCL_OK) {
         free(d);
         return result;

@@ -8,32 +8,54 @@
 #include "decode/resize.h"
 #include "decode/tunables.h"
 #include "image/image.h"
+#include "runtime/allocate.h"
 #include "runtime/queue.h"
 #include "runtime/stage_clock.h"
 
 /* Rows of a band: whole rows of tiles, as many as its samples and, where there is a callback, its work allow. */
-static uint32_t rows_of_band(const gscl_coded_image *coded, const gscl_frame *f, const gscl_image *image,
+static uint32_t rows_of_band(const gscl_coded_image *coded, const gscl_frame *f, const gscl_output *o,
                              const gscl_draw_progress *progress) {
     const struct gscl_decode_tunables *t = &gscl_decode_tunables;
-    double rows = (double)t->band_samples / ((double)f->width * image->channels);
+    double rows = (double)t->band_samples / ((double)f->width * o->drawn.channels);
     if (progress->callback)
         rows = fmin(rows, t->band_work * f->height / ((double)gscl_frame_work(&coded->file, f) + 1));
-    return rows < GSCL_TILE ? GSCL_TILE : (uint32_t)rows / GSCL_TILE * GSCL_TILE;
+    rows = rows < GSCL_TILE ? GSCL_TILE : floor(rows / GSCL_TILE) * GSCL_TILE;
+    return rows < f->height ? (uint32_t)rows : f->height;
 }
 
-/* Draws the frame band by band, so that no buffer grows with the image. */
-static gscl_result draw_bands(gscl_renderer *r, const gscl_coded_image *coded, const gscl_frame *f,
-                              const gscl_image *image, const gscl_draw_progress *progress) {
-    gscl_sample_layout layout = {(int32_t)image->channels, (int32_t)image->sample, image->premultiplied};
-    const uint32_t rows = rows_of_band(coded, f, image, progress);
+static gscl_result draw_band(gscl_renderer *r, const gscl_frame *f, const gscl_output *o, uint32_t y,
+                             const gscl_image *band, void *scratch) {
+    const gscl_image target = gscl_output_target(o, band, scratch);
+    const gscl_sample_layout layout = {(int32_t)target.channels, (int32_t)target.sample, target.premultiplied};
+    GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, band->height));
+    GSCL_TRY(gscl_renderer_samples(r, layout, target.pixels, (size_t)gscl_image_stride(&target)));
+    gscl_output_finish(o, &target, band);
+    return GSCL_OK;
+}
+
+/* Draws the frame band by band, so that no buffer grows with the image.  `scratch`: room for drawn rows of a band, where they
+ * do not come to lie in the image. */
+static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_output *o, uint32_t rows, void *scratch,
+                              const gscl_draw_progress *progress) {
     for (uint32_t y = 0; y < f->height; y += rows) {
-        uint32_t n = f->height - y < rows ? f->height - y : rows;
-        size_t stride = gscl_image_stride(image);
-        GSCL_TRY(gscl_renderer_set_view(r, 0, f->x, f->y + y, f->width, n));
-        GSCL_TRY(gscl_renderer_samples(r, layout, (unsigned char *)image->pixels + y * stride, stride));
-        GSCL_TRY(gscl_draw_progress_report(r->context, progress, f, y + n));
+        const gscl_image band = gscl_image_rows(&o->image, y, f->height - y < rows ? f->height - y : rows);
+        GSCL_TRY(draw_band(r, f, o, y, &band, scratch));
+        GSCL_TRY(gscl_draw_progress_report(r->context, progress, f, y + band.height));
     }
     return GSCL_OK;
+}
+
+/* Devices copy rows only in the order of their addresses. */
+static gscl_result draw_output(gscl_renderer *r, const gscl_coded_image *coded, const gscl_frame *f,
+                               const gscl_output *o, const gscl_draw_progress *progress) {
+    const uint32_t rows = rows_of_band(coded, f, o, progress);
+    const bool needs_scratch = o->is_mixed || o->image.stride < 0;
+    void *scratch = needs_scratch ? gscl_allocate(rows, gscl_image_row_size(&o->drawn)) : NULL;
+    if (needs_scratch && !scratch)
+        return gscl_fail_memory(r->context);
+    const gscl_result result = draw_bands(r, f, o, rows, scratch, progress);
+    free(scratch);
+    return result;
 }
 
 static void free_renderer(void *renderer) {
@@ -64,7 +86,7 @@ static gscl_result reuse_renderer(gscl_context *context, const gscl_kernel_optio
 
 /* `params` and `background`: room for the data that are copied to the device. */
 static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                               const gscl_image *image, const gscl_draw_progress *progress, float *params,
+                               const gscl_output *o, const gscl_draw_progress *progress, float *params,
                                float *background) {
     const gsf_header *header = &coded->file.header;
     gscl_renderer *renderer = NULL;
@@ -75,16 +97,16 @@ static gscl_result draw_splats(gscl_context *context, const gscl_coded_image *co
     gscl_stage(context, GSCL_STAGE_DRAW);
     GSCL_TRY(reuse_renderer(context, &options, &renderer));
     GSCL_TRY(gscl_renderer_set_splats_async(renderer, params, header->splat_count, background));
-    return draw_bands(renderer, coded, f, image, progress);
+    return draw_output(renderer, coded, f, o, progress);
 }
 
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                const gscl_image *image, const gscl_draw_progress *progress) {
+                                const gscl_output *o, const gscl_draw_progress *progress) {
     const size_t count = (size_t)coded->file.header.splat_count * GSCL_PARAMS;
     float *params = malloc((count + 4) * sizeof *params), *background = params ? params + count : NULL;
     if (!params)
         return gscl_fail_memory(context);
-    gscl_result result = draw_splats(context, coded, f, image, progress, params, background);
+    gscl_result result = draw_splats(context, coded, f, o, progress, params, background);
     gscl_release_after_copies(context, params); /* after an error the device may still read them */
     return result;
 }

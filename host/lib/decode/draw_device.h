@@ -4,10 +4,10 @@
 
 #include "decode/coded_image.h"
 #include "decode/draw_progress.h"
-#include "decode/frame.h"
+#include "decode/output.h"
 
-/* Draws into image->pixels, which has the size of the frame's rectangle. */
+/* Draws into the image of the output, which has pixels. */
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                const gscl_image *image, const gscl_draw_progress *progress);
+                                const gscl_output *o, const gscl_draw_progress *progress);
 
 #endif

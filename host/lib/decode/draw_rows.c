@@ -25,7 +25,7 @@ static int block_columns(const gscl_frame *f) {
 
 /* Rows of a strip where blocks have so many rows. */
 static uint32_t strip_height(const gscl_rows *rows, uint32_t block_rows) {
-    return lesser(rows->strip_rows ? rows->strip_rows : block_rows, rows->image.height);
+    return lesser(rows->strip_rows ? rows->strip_rows : block_rows, rows->frame.height);
 }
 
 /* Memory for the sums of blocks of so many rows. */
@@ -35,7 +35,7 @@ static size_t strips_memory(const gsf_header *header, const gscl_rows *rows, uin
 }
 
 static uint64_t memory_for(const gsf_header *header, const gscl_rows *rows, uint32_t block_rows) {
-    const uint64_t row = gscl_image_stride(&rows->image); /* at most 2^18 */
+    const uint64_t row = gscl_image_row_size(&rows->output.drawn); /* at most 2^18 */
     return strips_memory(header, rows, block_rows) + row * strip_height(rows, block_rows);
 }
 
@@ -81,11 +81,14 @@ static void add_splats(drawing *d) {
 
 static gscl_result draw_strips(drawing *d, uint32_t height, void *pixels) {
     const gscl_rows *rows = d->rows;
-    gscl_image strip = rows->image;
+    const gscl_frame *f = &rows->frame;
+    gscl_image strip = rows->output.image;
     strip.pixels = pixels;
-    for (uint32_t y = 0; y < rows->image.height; y += height) {
-        strip.height = lesser(height, rows->image.height - y);
-        gscl_strips_draw(&d->strips, rows->frame.x, rows->frame.y + y, d->background, &strip);
+    for (uint32_t y = 0; y < f->height; y += height) {
+        strip.height = lesser(height, f->height - y);
+        const gscl_image target = gscl_output_target(&rows->output, &strip, pixels);
+        gscl_strips_draw(&d->strips, f->x, f->y + y, d->background, &target);
+        gscl_output_finish(&rows->output, &target, &strip);
         if (!rows->callback(rows->opaque, y, &strip))
             return GSCL_ERROR_CANCELLED;
     }

@@ -5,11 +5,11 @@
 
 #include <gscl/gscl.h>
 
-#include "decode/frame.h"
+#include "decode/output.h"
 
 typedef struct gscl_rows {
     gscl_frame frame;
-    gscl_image image;    /* what a whole decode returns, without pixels (gscl_frame_image) */
+    gscl_output output;  /* of a whole decode, without pixels */
     uint32_t strip_rows; /* as in gscl_decode_rows */
     gscl_rows_callback callback;
     void *opaque; /* first argument of the callback */

@@ -42,15 +42,6 @@ gscl_result gscl_frame_resolve(const gscl_decode_settings *s, const gsf_header *
     return GSCL_OK;
 }
 
-gscl_image gscl_frame_image(const gscl_frame *f, const gscl_decode_settings *s, const gsf_header *header) {
-    const gscl_sample as_coded = header->high_bit_depth ? GSCL_SAMPLE_U16 : GSCL_SAMPLE_U8;
-    return (gscl_image){.width = f->width,
-                        .height = f->height,
-                        .channels = gscl_coded_image_channels(header),
-                        .sample = s->sample != GSCL_SAMPLE_AUTO ? s->sample : as_coded,
-                        .premultiplied = s->premultiplied};
-}
-
 gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_frame *f) {
     gscl_kernel_options options = gscl_coded_image_options(header);
     if (!(options.shape == GSCL_SHAPE_ISOTROPIC && f->scale_x == f->scale_y) && (f->scale_x != 1 || f->scale_y != 1))

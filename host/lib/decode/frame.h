@@ -17,9 +17,6 @@ typedef struct gscl_frame {
  * allocates nothing. */
 gscl_result gscl_frame_resolve(const gscl_decode_settings *s, const gsf_header *header, gscl_frame *f);
 
-/* The image of the frame that a decode returns, without pixels. */
-gscl_image gscl_frame_image(const gscl_frame *f, const gscl_decode_settings *s, const gsf_header *header);
-
 /* The options of what draws the frame: those of the file, but for splats that the frame's size turns. */
 gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_frame *f);
 

@@ -11,6 +11,18 @@ static gscl_result fail_arguments(gscl_context *context, const gscl_decode_setti
                      s->crop_y, s->crop_width, s->crop_height, f->full_width, f->full_height);
 }
 
+gscl_result gscl_output_check(gscl_context *context, const gscl_decode_settings *s) {
+    if (gscl_output_is_possible(s))
+        return GSCL_OK;
+    if ((unsigned)s->sample > GSCL_SAMPLE_F32)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)s->sample);
+    if ((unsigned)s->layout > GSCL_LAYOUT_BGRA)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown layout %d; there are 0 to %d", (int)s->layout,
+                         (int)GSCL_LAYOUT_BGRA);
+    return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the background %g, %g, %g is no colour of 0..1",
+                     (double)s->background[0], (double)s->background[1], (double)s->background[2]);
+}
+
 static gscl_result fail_limit(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,
                               const gscl_frame *f) {
     const uint64_t pixels = gscl_frame_pixels(f);

@@ -2,7 +2,10 @@
 #ifndef GSCL_LIB_FRAME_MESSAGE_H
 #define GSCL_LIB_FRAME_MESSAGE_H
 
-#include "decode/frame.h"
+#include "decode/output.h"
+
+/* Checks what gscl_output_is_possible does. */
+gscl_result gscl_output_check(gscl_context *context, const gscl_decode_settings *s);
 
 /* As gscl_frame_resolve. */
 gscl_result gscl_frame_resolve_for(gscl_context *context, const gscl_decode_settings *s, const gsf_header *header,

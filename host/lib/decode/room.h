@@ -11,6 +11,7 @@
  *   renderer.h: splats to pixels on the device
  *   resize.h: drawing at another size
  *   frame.h, frame_message.h: the rectangle that a decode returns, and its limits
+ *   output.h: the channels that it returns
  *   draw_progress.h: the caller's callback
  *   draw_device.h: a frame on the device
  *   draw_rows.h: a frame by rows in memory of the caller

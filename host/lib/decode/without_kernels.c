@@ -12,8 +12,8 @@ static gscl_result refuse(gscl_context *context, const char *activity) {
 
 /* Every context that is open is that of the device "host", which draws in software. */
 gscl_result gscl_draw_on_device(gscl_context *context, const gscl_coded_image *coded, const gscl_frame *f,
-                                const gscl_image *image, const gscl_draw_progress *progress) {
-    (void)coded, (void)f, (void)image, (void)progress;
+                                const gscl_output *o, const gscl_draw_progress *progress) {
+    (void)coded, (void)f, (void)o, (void)progress;
     return gscl_require_encoder(context, "drawing");
 }
 

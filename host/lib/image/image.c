@@ -7,12 +7,39 @@ size_t gscl_sample_size(gscl_sample sample) {
     return sample == GSCL_SAMPLE_U8 ? 1 : sample == GSCL_SAMPLE_U16 ? 2 : 4;
 }
 
-size_t gscl_image_stride(const gscl_image *image) {
-    return image->stride ? image->stride : (size_t)image->width * image->channels * gscl_sample_size(image->sample);
+size_t gscl_image_row_size(const gscl_image *image) {
+    return (size_t)image->width * image->channels * gscl_sample_size(image->sample);
 }
 
-static const unsigned char *row_of(const gscl_image *image, uint32_t y) {
-    return (const unsigned char *)image->pixels + (size_t)y * gscl_image_stride(image);
+ptrdiff_t gscl_image_stride(const gscl_image *image) {
+    return image->stride ? image->stride : (ptrdiff_t)gscl_image_row_size(image);
+}
+
+unsigned char *gscl_image_row(const gscl_image *image, uint32_t y) {
+    return (unsigned char *)image->pixels + (ptrdiff_t)y * gscl_image_stride(image);
+}
+
+gscl_image gscl_image_rows(const gscl_image *image, uint32_t y, uint32_t count) {
+    gscl_image rows = *image;
+    rows.height = count;
+    rows.stride = gscl_image_stride(image);
+    rows.pixels = gscl_image_row(image, y);
+    return rows;
+}
+
+bool gscl_image_rows_fit(const gscl_image *image) {
+    const size_t stride = (size_t)gscl_image_stride(image), row = gscl_image_row_size(image);
+    return (image->stride < 0 ? -stride : stride) >= row;
+}
+
+uint32_t gscl_layout_channels(gscl_layout layout) {
+    static const uint8_t channels[] = {[GSCL_LAYOUT_GREY] = 1, [GSCL_LAYOUT_GREY_ALPHA] = 2, [GSCL_LAYOUT_RGB] = 3,
+                                       [GSCL_LAYOUT_RGBA] = 4, [GSCL_LAYOUT_BGR] = 3,        [GSCL_LAYOUT_BGRA] = 4};
+    return (size_t)layout < sizeof channels ? channels[layout] : 0;
+}
+
+bool gscl_image_has_layout(const gscl_image *image) {
+    return image->layout == GSCL_LAYOUT_AUTO || gscl_layout_channels(image->layout) == image->channels;
 }
 
 static float clamp_unit(float x) {
@@ -46,13 +73,13 @@ static void read_samples(const unsigned char *row, gscl_sample sample, size_t fi
 
 void gscl_image_read(const gscl_image *image, uint32_t x, uint32_t y, size_t count, gscl_pixels *pixels) {
     const size_t channels = image->channels, colours = channels >= 3 ? 3 : 1;
-    const bool has_alpha = channels % 2 == 0;
+    const bool has_alpha = channels % 2 == 0, is_bgr = gscl_layout_is_bgr(image->layout);
     float values[4 * GSCL_MAX_READ] = {0}; /* set for analysers, which cannot tell that all that is used is read */
-    read_samples(row_of(image, y), image->sample, x * channels, count * channels, values);
+    read_samples(gscl_image_row(image, y), image->sample, x * channels, count * channels, values);
     for (size_t i = 0; i < count; i++)
         pixels->alpha[i] = has_alpha ? values[i * channels + colours] : 1.0f;
     for (size_t k = 0; k < 3; k++) {
-        const float *colour = values + (k < colours ? k : 0);
+        const float *colour = values + (colours == 1 ? 0 : is_bgr ? 2 - k : k);
         for (size_t i = 0; i < count; i++) {
             const float alpha = pixels->alpha[i], c = colour[i * channels] * (image->premultiplied ? 1.0f : alpha);
             pixels->colour[k][i] = c < alpha ? c : alpha;
@@ -72,9 +99,14 @@ static gscl_result check_kind(gscl_context *context, const gscl_image *image) {
                          image->channels);
     if (image->sample < GSCL_SAMPLE_U8 || image->sample > GSCL_SAMPLE_F32)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "unknown sample type %d", (int)image->sample);
-    if (gscl_image_stride(image) < (size_t)image->width * image->channels * gscl_sample_size(image->sample))
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the stride of %zu bytes is shorter than a row",
-                         image->stride);
+    if (!gscl_image_has_layout(image))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the layout %d of the image is none of %u channels; GSCL_LAYOUT_AUTO takes the usual one",
+                         (int)image->layout, image->channels);
+    if (!gscl_image_rows_fit(image))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the stride of %td bytes is shorter than a row, which has %zu", image->stride,
+                         gscl_image_row_size(image));
     return GSCL_OK;
 }
 
@@ -82,7 +114,7 @@ static gscl_result check_finite(gscl_context *context, const gscl_image *image) 
     if (image->sample != GSCL_SAMPLE_F32)
         return GSCL_OK;
     for (uint32_t y = 0; y < image->height; y++) {
-        const unsigned char *row = row_of(image, y);
+        const unsigned char *row = gscl_image_row(image, y);
         for (size_t i = 0; i < (size_t)image->width * image->channels; i++)
             if (!isfinite(f32_at(row, i)))
                 return gscl_fail(context, GSCL_ERROR_IMAGE_NOT_FINITE, "pixel (%u, %u) is %s; samples must be finite",

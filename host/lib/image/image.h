@@ -26,8 +26,25 @@ void gscl_image_to_planes(const gscl_image *image, int colours, bool alpha, int 
 
 /* Bytes of a sample of this kind. */
 size_t gscl_sample_size(gscl_sample sample);
-/* Bytes from row to row. */
-size_t gscl_image_stride(const gscl_image *image);
+/* Bytes of the samples of a row. */
+size_t gscl_image_row_size(const gscl_image *image);
+/* Bytes from row to row, negative where the bottom row comes first in memory. */
+ptrdiff_t gscl_image_stride(const gscl_image *image);
+/* Where row y begins. */
+unsigned char *gscl_image_row(const gscl_image *image, uint32_t y);
+/* `count` of its rows, from row y on, as an image. */
+gscl_image gscl_image_rows(const gscl_image *image, uint32_t y, uint32_t count);
+/* Whether rows, in the order of the stride, do not overlap. */
+bool gscl_image_rows_fit(const gscl_image *image);
+
+/* Channels of a layout, 1..4; 0 for AUTO and for what is none. */
+uint32_t gscl_layout_channels(gscl_layout layout);
+/* Whether blue comes first. */
+static inline bool gscl_layout_is_bgr(gscl_layout layout) {
+    return layout == GSCL_LAYOUT_BGR || layout == GSCL_LAYOUT_BGRA;
+}
+/* Whether the layout of an image is one of its channels, which are 1..4. */
+bool gscl_image_has_layout(const gscl_image *image);
 
 /* Pixels side by side, clamped to 0..1 and premultiplied.  Grey has three equal colours; without an alpha channel alpha
  * is 1. */

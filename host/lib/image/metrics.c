@@ -29,8 +29,8 @@ typedef struct image_pair {
 static bool is_valid(const gscl_image *image) {
     return image && image->pixels && image->width > 0 && image->height > 0 && image->width <= GSCL_MAX_DIMENSION &&
            image->height <= GSCL_MAX_DIMENSION && image->channels >= 1 && image->channels <= 4 &&
-           image->sample >= GSCL_SAMPLE_U8 && image->sample <= GSCL_SAMPLE_F32 &&
-           gscl_image_stride(image) >= (size_t)image->width * image->channels * gscl_sample_size(image->sample);
+           image->sample >= GSCL_SAMPLE_U8 && image->sample <= GSCL_SAMPLE_F32 && gscl_image_has_layout(image) &&
+           gscl_image_rows_fit(image);
 }
 
 static size_t plane_size(const image_pair *pair) {

@@ -46,14 +46,13 @@ void gscl_software_add(gscl_software *s, const float *params) {
         gscl_strips_add(&s->strips, e->box);
 }
 
-void gscl_software_draw_rows(gscl_software *s, const float background[4], const gscl_image *image, uint32_t *row) {
-    const uint32_t y = s->view.y + *row, to_band = GSCL_BLOCK_ROWS - y % GSCL_BLOCK_ROWS, left = image->height - *row;
-    gscl_image strip = *image;
-    strip.height = to_band < left ? to_band : left;
-    strip.stride = gscl_image_stride(image);
-    strip.pixels = (unsigned char *)image->pixels + *row * strip.stride;
-    gscl_strips_draw(&s->strips, s->view.x, y, background, &strip);
-    *row += strip.height;
+uint32_t gscl_software_rows(const gscl_software *s, uint32_t row, uint32_t height) {
+    const uint32_t to_band = GSCL_BLOCK_ROWS - (s->view.y + row) % GSCL_BLOCK_ROWS, left = height - row;
+    return to_band < left ? to_band : left;
+}
+
+void gscl_software_draw_rows(gscl_software *s, const float background[4], uint32_t row, const gscl_image *rows) {
+    gscl_strips_draw(&s->strips, s->view.x, s->view.y + row, background, rows);
 }
 
 void gscl_software_draw(gscl_software *s, const float background[4], const gscl_image *image) {

@@ -25,8 +25,9 @@ void gscl_software_add(gscl_software *software, const float *params);
 
 /* Draws into image->pixels.  A pixel has the same value in every rectangle. */
 void gscl_software_draw(gscl_software *software, const float background[4], const gscl_image *image);
-/* The same for some rows from *row on, which begins with 0 and becomes the first that is not drawn. */
-void gscl_software_draw_rows(gscl_software *software, const float background[4], const gscl_image *image,
-                             uint32_t *row);
+/* Rows from `row` of the rectangle on, of at most `height`, that are drawn at once. */
+uint32_t gscl_software_rows(const gscl_software *software, uint32_t row, uint32_t height);
+/* Draws them into an image of their own. */
+void gscl_software_draw_rows(gscl_software *software, const float background[4], uint32_t row, const gscl_image *rows);
 
 #endif

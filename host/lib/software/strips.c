@@ -62,8 +62,9 @@ static void store_block(gscl_strips *s, uint32_t x, uint32_t to, const gscl_imag
     gscl_canvas *c = &s->canvas;
     const uint32_t first = (uint32_t)c->x, left = first > x ? first : x, end = x + image->width;
     const uint32_t right = lesser(first + (uint32_t)c->width, end);
-    const size_t pixel = image->channels * gscl_sample_size(image->sample), stride = gscl_image_stride(image);
-    unsigned char *at = (unsigned char *)image->pixels + to * stride + (left - x) * pixel;
+    const size_t pixel = image->channels * gscl_sample_size(image->sample);
+    const ptrdiff_t stride = gscl_image_stride(image);
+    unsigned char *at = (unsigned char *)image->pixels + (ptrdiff_t)to * stride + (left - x) * pixel;
     for (int row = 0; row < c->height; row++, at += stride) {
         float *values[4];
         for (int k = 0; k < c->channels; k++)

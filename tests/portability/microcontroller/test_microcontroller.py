@@ -29,7 +29,7 @@ FLAGS = """-std=c99 -O2 -mthumb -mfloat-abi=hard -DNDEBUG -DGSCL_SINGLE_PRECISIO
     -ffunction-sections -fdata-sections -Wall -Wextra -Wdouble-promotion -Werror -Wno-format
     -nostartfiles --specs=nano.specs -Wl,--gc-sections""".split()
 DECODER = """decode/blend.c decode/coded_image.c decode/decode_rows.c decode/dequantise.c decode/draw_rows.c decode/format_result.c decode/packet_repair.c
-    decode/frame.c decode/resize.c image/image.c runtime/elementary_single.c runtime/struct_size.c software/canvas.c
+    decode/frame.c decode/output.c decode/resize.c image/image.c runtime/elementary_single.c runtime/struct_size.c software/canvas.c
     software/projection.c software/samples.c software/strips.c""".split()
 SOURCES = [*sorted((ROOT / "format").glob("*.c")), *(ROOT / "host/lib" / name for name in DECODER), *sorted(HERE.glob("*.c"))]
 INCLUDES = [ROOT, ROOT / "host/lib", ROOT / "host/include"]
