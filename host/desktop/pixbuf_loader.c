@@ -62,62 +62,35 @@ static gboolean fail(GError **error, const gscl_context *context, gscl_result re
 
 /* ---- Drawing ----------------------------------------------------------------------------------- */
 
-/* Spreads grey samples, one or two a pixel, to the pixels of a pixbuf. */
-static void copy_grey(const gscl_image *image, GdkPixbuf *pixbuf) {
-    const gsize stride = (gsize)gdk_pixbuf_get_rowstride(pixbuf);
-    const uint8_t *in = image->pixels;
-    for (uint32_t y = 0; y < image->height; y++) {
-        guchar *out = gdk_pixbuf_get_pixels(pixbuf) + y * stride;
-        for (uint32_t x = 0; x < image->width; x++, in += image->channels) {
-            *out++ = in[0];
-            *out++ = in[0];
-            *out++ = in[0];
-            if (image->channels == 2)
-                *out++ = in[1];
-        }
-    }
-}
-
-/* Draws all bytes that have come into the pixbuf. */
-static gscl_result draw_into(gscl_loader *loader, gscl_context *context, bool partial, uint32_t channels) {
+/* Draws all bytes that have come into the pixbuf, which has no grey. */
+static gscl_result draw_into(gscl_loader *loader, gscl_context *context, bool partial) {
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_U8;
+    settings.layout = gdk_pixbuf_get_has_alpha(loader->pixbuf) ? GSCL_LAYOUT_RGBA : GSCL_LAYOUT_RGB;
     settings.width = (uint32_t)gdk_pixbuf_get_width(loader->pixbuf);
     settings.height = (uint32_t)gdk_pixbuf_get_height(loader->pixbuf);
     settings.max_pixels = MAX_PIXELS;
     settings.max_work = MAX_WORK;
     settings.partial = partial;
-    gscl_image image = {0};
-    if (channels >= 3)
-        image = (gscl_image){settings.width,
-                             settings.height,
-                             channels,
-                             GSCL_SAMPLE_U8,
-                             (size_t)gdk_pixbuf_get_rowstride(loader->pixbuf),
-                             false,
-                             gdk_pixbuf_get_pixels(loader->pixbuf)};
-    const gscl_result result = gscl_decode(context, loader->bytes->data, loader->bytes->len, &settings, &image);
-    if (channels < 3) {
-        if (result == GSCL_OK)
-            copy_grey(&image, loader->pixbuf);
-        gscl_free(image.pixels);
-    }
-    return result;
+    gscl_image image = {.width = settings.width,
+                        .height = settings.height,
+                        .channels = (uint32_t)gdk_pixbuf_get_n_channels(loader->pixbuf),
+                        .sample = GSCL_SAMPLE_U8,
+                        .stride = gdk_pixbuf_get_rowstride(loader->pixbuf),
+                        .pixels = gdk_pixbuf_get_pixels(loader->pixbuf)};
+    return gscl_decode(context, loader->bytes->data, loader->bytes->len, &settings, &image);
 }
 
 /* Draws what has come and announces it. */
 static gboolean draw(gscl_loader *loader, bool partial, GError **error) {
     gscl_context *context;
     gscl_context_settings settings;
-    gscl_info info = {.struct_size = sizeof info};
     gscl_context_settings_default(&settings);
     settings.device = GSCL_HOST_DEVICE;
     gscl_result result = gscl_context_create(&context, &settings);
     if (result == GSCL_OK)
-        result = gscl_probe(loader->bytes->data, loader->bytes->len, NULL, &info);
-    if (result == GSCL_OK)
-        result = draw_into(loader, context, partial, info.channels);
+        result = draw_into(loader, context, partial);
     const gboolean ok = result == GSCL_OK || fail(error, context, result);
     gscl_context_free(&context);
     if (ok && loader->updated_func)
@@ -361,7 +334,7 @@ static gboolean encode_and_save(GdkPixbufSaveFunc save, gpointer user_data, cons
                               .height = (uint32_t)gdk_pixbuf_get_height(pixbuf),
                               .channels = (uint32_t)gdk_pixbuf_get_n_channels(pixbuf),
                               .sample = GSCL_SAMPLE_U8,
-                              .stride = (size_t)gdk_pixbuf_get_rowstride(pixbuf),
+                              .stride = gdk_pixbuf_get_rowstride(pixbuf),
                               .pixels = gdk_pixbuf_get_pixels(pixbuf)};
     gscl_result result = gscl_context_create(&context, NULL);
     if (result == GSCL_OK)

@@ -31,27 +31,6 @@ static const option_colour *background_of(const draw_options *options) {
     return options->has_background ? &options->background : NULL;
 }
 
-/* Converts grey to RGB, so that outlines can have a colour.  The new pixels are released with free. */
-static bool make_colour(const gscl_image *from, gscl_image *to) {
-    const uint32_t alpha = from->channels % 2 == 0;
-    const size_t pixels = (size_t)from->width * from->height;
-    *to = *from;
-    to->channels = 3 + alpha;
-    to->stride = 0;
-    uint8_t *out = to->pixels = malloc(pixels * to->channels);
-    if (!out)
-        return false;
-    const uint8_t *in = from->pixels;
-    const uint32_t step = from->channels >= 3 ? 1 : 0; /* 0 repeats the grey sample */
-    for (size_t i = 0; i < pixels; i++, in += from->channels, out += to->channels) {
-        for (uint32_t c = 0; c < 3; c++)
-            out[c] = in[c * step];
-        if (alpha)
-            out[3] = in[from->channels - 1];
-    }
-    return true;
-}
-
 static gscl_result draw_outlines(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
                                  gscl_image *image) {
     gscl_splat *splats;
@@ -71,6 +50,7 @@ static gscl_decode_settings settings_of(const draw_options *options, const gscl_
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_U8;
+    settings.layout = info->channels % 2 == 0 ? GSCL_LAYOUT_RGBA : GSCL_LAYOUT_RGB; /* outlines have a colour */
     settings.bare = options->form.bare;
     settings.max_pixels = options->limits.max_pixels;
     settings.max_work = options->limits.max_work;
@@ -94,20 +74,24 @@ static int decode(const draw_options *options, const uint8_t *bytes, size_t size
     return status;
 }
 
-/* Decodes the file and draws the outlines into *image, whose pixels are released with free.  Returns the exit code. */
-static int decode_with_outlines(const draw_options *options, const image_format *format, const uint8_t *bytes,
-                                size_t size, const gscl_info *info, gscl_image *image) {
+/* Decodes the file, draws the outlines and writes the image to `output`, which is closed in any case.  Returns the exit
+ * code. */
+static int draw_to(const draw_options *options, const image_format *format, const uint8_t *bytes, size_t size,
+                   const gscl_info *info, output_file *output) {
     gscl_image decoded = {0}, flat = {0};
     int status = decode(options, bytes, size, info, &decoded);
     if (status == EXIT_SUCCESS && !image_flatten(options->output, format, background_of(options), &decoded, &flat))
         status = EXIT_FAILURE;
+    gscl_image *image = flat.pixels ? &flat : &decoded;
     if (status == EXIT_SUCCESS) {
-        const gscl_result result = make_colour(flat.pixels ? &flat : &decoded, image)
-                                       ? draw_outlines(options, bytes, size, info, image)
-                                       : GSCL_ERROR_OUT_OF_MEMORY;
+        const gscl_result result = draw_outlines(options, bytes, size, info, image);
         if (result != GSCL_OK)
             status = report_result(NULL, input_label(options->input), result);
     }
+    if (status == EXIT_SUCCESS)
+        status = image_write(output, image) ? EXIT_SUCCESS : EXIT_FAILURE;
+    else
+        output_discard(output);
     free(flat.pixels);
     gscl_free(decoded.pixels);
     return status;
@@ -115,7 +99,6 @@ static int decode_with_outlines(const draw_options *options, const image_format 
 
 static int draw_bytes(const draw_options *options, const image_format *format, const uint8_t *bytes, size_t size) {
     gscl_info info = {.struct_size = sizeof info};
-    gscl_image image = {0};
     output_file output;
     const char *label = input_label(options->input);
     const gscl_read_settings reading = read_settings_of(&options->form);
@@ -132,13 +115,7 @@ static int draw_bytes(const draw_options *options, const image_format *format, c
     if (!image_format_holds(format, options->output, has_alpha ? 4 : 3, GSCL_SAMPLE_U8) ||
         !output_open(&output, options->output))
         return EXIT_FAILURE;
-    int status = decode_with_outlines(options, format, bytes, size, &info, &image);
-    if (status == EXIT_SUCCESS)
-        status = image_write(&output, &image) ? EXIT_SUCCESS : EXIT_FAILURE;
-    else
-        output_discard(&output);
-    free(image.pixels);
-    return status;
+    return draw_to(options, format, bytes, size, &info, &output);
 }
 
 static int draw_file(const draw_options *options) {

@@ -78,26 +78,11 @@ static void write_table(const export_options *options, output_file *output, cons
 
 /* ---- SVG --------------------------------------------------------------------------------------- */
 
-/* The image with three channels, colours multiplied by alpha.  Its pixels are NULL where memory ran out; they are
- * released with free. */
-static gscl_image rgb_of(const gscl_image *image) {
-    const size_t pixels = (size_t)image->width * image->height;
-    const float *in = image->pixels;
-    gscl_image rgb = *image;
-    float *out = rgb.pixels = malloc((pixels ? pixels : 1) * 3 * sizeof *out);
-    rgb.channels = 3;
-    rgb.stride = 0;
-    for (size_t i = 0; out && i < pixels; i++, in += image->channels)
-        for (uint32_t c = 0; c < 3; c++)
-            out[3 * i + c] = in[image->channels >= 3 ? c : 0];
-    return rgb;
-}
-
 static gscl_decode_settings svg_settings(const export_options *options, const gscl_info *info) {
     gscl_decode_settings settings;
     gscl_decode_settings_default(&settings);
     settings.sample = GSCL_SAMPLE_F32;
-    settings.premultiplied = true;
+    settings.layout = GSCL_LAYOUT_RGB; /* transparent parts over black, so that colours are multiplied by alpha */
     settings.bare = options->form.bare;
     settings.max_pixels = options->limits.max_pixels;
     settings.max_work = options->limits.max_work;
@@ -117,14 +102,10 @@ static int write_svg(const export_options *options, output_file *output, const g
     if (status != EXIT_SUCCESS)
         return status;
     const gscl_result result = progress_decode(context, label, bytes, size, &settings, &image);
-    if (result == GSCL_OK) {
-        const gscl_image rgb = rgb_of(&image);
-        if (!rgb.pixels || !export_svg(output, info, splats, count, &rgb))
-            status = report_result(NULL, label, GSCL_ERROR_OUT_OF_MEMORY);
-        free(rgb.pixels);
-    } else {
+    if (result != GSCL_OK)
         status = report_result(context, label, result);
-    }
+    else if (!export_svg(output, info, splats, count, &image))
+        status = report_result(NULL, label, GSCL_ERROR_OUT_OF_MEMORY);
     gscl_free(image.pixels);
     gscl_context_free(&context);
     return status;
