@@ -277,14 +277,8 @@ bool GsclInput::decode_band(int y) {
             std::max<uint64_t>(uint64_t(double(settings.max_work) * settings.crop_height / settings.height), 1);
     band_rows_ = 0;
     band_.resize(m_spec.scanline_bytes(true) * settings.crop_height);
-    gscl_image image = {settings.width,
-                        settings.crop_height,
-                        info_.channels,
-                        settings.sample,
-                        0,
-                        settings.premultiplied,
-                        band_.data(),
-                        GSCL_LAYOUT_AUTO};
+    gscl_image image = {settings.width,         settings.crop_height, info_.channels,  settings.sample, 0,
+                        settings.premultiplied, band_.data(),         GSCL_LAYOUT_AUTO};
     if (!decode(settings, image))
         return false;
     band_y_ = int(settings.crop_y);

@@ -269,20 +269,18 @@ static void test_encode_of_an_old_program(void **state) {
     assert_int_equal(report.trace_count, 0);
 }
 
-/* The automatic target has no value. */
-static void test_value_of_the_automatic_target_is_not_used(void **state) {
+/* The automatic target has no value, not even one that a target would have. */
+static void test_value_of_the_automatic_target_is_refused(void **state) {
     (void)state;
-    const double values[] = {-1, NAN, INFINITY};
+    const double values[] = {-1, NAN, INFINITY, 1, 1000};
     gscl_encode_report report = {.struct_size = sizeof report};
     gscl_encode_settings e;
     gscl_encode_settings_default(&e);
     e.effort = 0;
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         e.target_value = values[i];
-        e.target = GSCL_TARGET_AUTO;
-        assert_result(encode_with(&e, &report), GSCL_OK);
-        e.target = GSCL_TARGET_BYTES;
         assert_result(encode_with(&e, &report), GSCL_ERROR_INVALID_ARGUMENT);
+        assert_non_null(strstr(gscl_context_message(context), "has no target; choose one, or 0"));
     }
 }
 
@@ -461,7 +459,7 @@ int main(void) {
     const struct CMUnitTest encoder_tests[] = {
         cmocka_unit_test(test_wrong_sizes_are_refused_by_encodes),
         cmocka_unit_test(test_encode_of_an_old_program),
-        cmocka_unit_test(test_value_of_the_automatic_target_is_not_used),
+        cmocka_unit_test(test_value_of_the_automatic_target_is_refused),
         cmocka_unit_test(test_report_of_an_old_program),
     };
     JOIN_TESTS(tests);

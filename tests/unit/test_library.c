@@ -356,6 +356,65 @@ static size_t number_in_message(void) {
     return last;
 }
 
+/* Every target takes the values of its range and refuses those beyond it. */
+static void test_ranges_of_targets(void **state) {
+    (void)state;
+    static const struct {
+        gscl_target target;
+        double least, most;
+        const char *range;
+    } targets[] = {{GSCL_TARGET_BPP, 0, GSCL_MAX_TARGET_BPP, " bits per pixel is not in 0..100000000"},
+                   {GSCL_TARGET_BYTES, 0, GSCL_MAX_TARGET_BYTES, " bytes is not in 0..4294967295"},
+                   {GSCL_TARGET_PSNR, 0, GSCL_MAX_TARGET_PSNR, " dB is not in 0..200"},
+                   {GSCL_TARGET_SPLATS, 0, GSCL_MAX_SPLATS, " splats is not in 0..1048576"},
+                   {GSCL_TARGET_SSIMULACRA2, GSCL_MIN_SSIMULACRA2, 100, " of SSIMULACRA 2 is not in -100..100"}};
+    gscl_image image = synthetic_image(SYNTHETIC_FLAT, 16, 16, 3, GSCL_SAMPLE_U8);
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
+        const double least = targets[i].least, most = targets[i].most;
+        const double beyond[] = {least - 0.01, most + 0.01, -1e12, 1e12, NAN, INFINITY, -INFINITY};
+        const bool has_bytes = targets[i].target == GSCL_TARGET_BPP || targets[i].target == GSCL_TARGET_BYTES;
+        gscl_encode_settings settings = quick(targets[i].target, most);
+        const file f = encode_file(&image, &settings);
+        gscl_free(f.bytes);
+        settings.target_value = least;
+        if (has_bytes) /* no file has 0 */
+            refuse_encode(&image, &settings, GSCL_ERROR_BUDGET_TOO_SMALL);
+        for (size_t k = 0; k < sizeof beyond / sizeof *beyond; k++) {
+            settings.target_value = beyond[k];
+            refuse_encode(&image, &settings, GSCL_ERROR_INVALID_ARGUMENT);
+            assert_non_null(strstr(gscl_context_message(context), targets[i].range));
+        }
+    }
+    synthetic_image_free(&image);
+}
+
+/* More bytes than an image can use change nothing, neither the file nor the work. */
+static void check_useless_bytes(uint32_t side, gscl_profile profile, int effort) {
+    static const double budgets[] = {1e5, 1e7, GSCL_MAX_TARGET_BYTES};
+    gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, side, side, 3, GSCL_SAMPLE_U8);
+    gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, budgets[0]);
+    settings.profile = profile;
+    settings.effort = effort;
+    const file first = encode_file(&image, &settings);
+    for (size_t i = 1; i < sizeof budgets / sizeof *budgets; i++) {
+        settings.target_value = budgets[i];
+        const file f = encode_file(&image, &settings);
+        assert_int_equal(f.size, first.size);
+        assert_memory_equal(f.bytes, first.bytes, first.size);
+        gscl_free(f.bytes);
+    }
+    gscl_free(first.bytes);
+    synthetic_image_free(&image);
+}
+
+static void test_bytes_beyond_those_of_use(void **state) {
+    (void)state;
+    check_useless_bytes(16, GSCL_PROFILE_DEFAULT, 3);
+    check_useless_bytes(16, GSCL_PROFILE_PAPER, 3);
+    check_useless_bytes(64, GSCL_PROFILE_DEFAULT, 1);
+    check_useless_bytes(64, GSCL_PROFILE_PAPER, 0);
+}
+
 static void check_smallest_budget(synthetic_image_kind kind, uint32_t channels, gscl_sample sample) {
     gscl_image image = synthetic_image(kind, 30, 20, channels, sample);
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 1);
@@ -541,7 +600,7 @@ static void test_ssimulacra2_of_flat_images(void **state) {
     const gscl_target targets[] = {GSCL_TARGET_SSIMULACRA2, GSCL_TARGET_PSNR, GSCL_TARGET_AUTO};
     gscl_image image = synthetic_image(SYNTHETIC_FLAT, 30, 20, 3, GSCL_SAMPLE_U8);
     for (int i = 0; i < 3; i++) {
-        const gscl_encode_settings settings = quick(targets[i], 100);
+        const gscl_encode_settings settings = quick(targets[i], targets[i] == GSCL_TARGET_AUTO ? 0 : 100);
         gscl_encode_report report = {.struct_size = sizeof report};
         file f = {NULL, 0};
         assert_result(gscl_encode(context, &image, &settings, &f.bytes, &f.size, &report), GSCL_OK);
@@ -726,12 +785,16 @@ static void test_long_images(void **state) {
 typedef struct {
     int calls, allowed;
     double last;
+    bool has_ended;
 } watch;
 
 static bool on_progress(void *opaque, const gscl_progress *progress) {
     watch *w = opaque;
     assert_true(progress->fraction >= w->last && progress->fraction <= 1.0);
     assert_true(progress->elapsed_s >= 0.0 && progress->remaining_s >= 0.0);
+    assert_false(w->has_ended); /* nothing remains after the call that says so */
+    w->has_ended = progress->remaining_s == 0.0;
+    assert_true(w->has_ended == (progress->fraction == 1.0));
     w->last = progress->fraction;
     return w->calls++ < w->allowed;
 }
@@ -740,15 +803,15 @@ static void check_progress_and_cancel(int effort) {
     gscl_image image = synthetic_image(SYNTHETIC_TEXTURE, 64, 64, 3, GSCL_SAMPLE_U8);
     gscl_encode_settings settings = quick(GSCL_TARGET_BYTES, 300);
     settings.effort = effort;
-    watch w = {0, 1000000, 0.0};
+    watch w = {0, 1000000, 0.0, false};
     settings.progress = on_progress;
     settings.progress_opaque = &w;
     file f = encode_file(&image, &settings);
     gscl_free(f.bytes);
     const int calls = w.calls;
-    assert_true(calls > 1);
+    assert_true(calls > 1 && w.has_ended);
     for (int allowed = 0; allowed < calls; allowed += 1 + calls / 3) {
-        w = (watch){0, allowed, 0.0};
+        w = (watch){0, allowed, 0.0, false};
         refuse_encode(&image, &settings, GSCL_ERROR_CANCELLED);
         assert_int_equal(w.calls, allowed + 1);
     }
@@ -762,6 +825,34 @@ static void test_progress_and_cancel(void **state) {
     (void)state;
     check_progress_and_cancel(0);
     check_progress_and_cancel(3); /* small files are searched */
+}
+
+static void watch_encode(synthetic_image_kind kind, gscl_encode_settings settings) {
+    gscl_image image = synthetic_image(kind, 64, 64, 3, GSCL_SAMPLE_U8);
+    watch w = {0, 1000000, 0.0, false};
+    settings.progress = on_progress;
+    settings.progress_opaque = &w;
+    const file f = encode_file(&image, &settings);
+    assert_true(w.has_ended);
+    gscl_free(f.bytes);
+    synthetic_image_free(&image);
+}
+
+/* Encodes that end in other ways than a single fit. */
+static void test_end_of_progress(void **state) {
+    (void)state;
+    gscl_encode_settings settings = quick(GSCL_TARGET_PSNR, 25);
+    watch_encode(SYNTHETIC_SHAPES, settings);
+    watch_encode(SYNTHETIC_FLAT, settings);
+    settings = quick(GSCL_TARGET_BYTES, 900);
+    settings.progressive = true;
+    watch_encode(SYNTHETIC_TEXTURE, settings);
+    settings = quick(GSCL_TARGET_SPLATS, 60);
+    settings.profile = GSCL_PROFILE_PAPER;
+    watch_encode(SYNTHETIC_TEXTURE, settings);
+    settings = quick(GSCL_TARGET_BYTES, 700); /* smooth: compared with a smaller file that is searched */
+    settings.effort = 3;
+    watch_encode(SYNTHETIC_GRADIENT, settings);
 }
 
 static void test_same_bytes_every_time(void **state) {
@@ -1020,6 +1111,8 @@ int main(void) {
         cmocka_unit_test(test_not_gscl),
         cmocka_unit_test(test_every_truncation),
         cmocka_unit_test(test_every_flipped_byte),
+        cmocka_unit_test(test_ranges_of_targets),
+        cmocka_unit_test(test_bytes_beyond_those_of_use),
         cmocka_unit_test(test_smallest_budget),
         cmocka_unit_test(test_tiny_budgets),
         cmocka_unit_test(test_budgets_are_used),
@@ -1038,6 +1131,7 @@ int main(void) {
         cmocka_unit_test(test_flat_images),
         cmocka_unit_test(test_long_images),
         cmocka_unit_test(test_progress_and_cancel),
+        cmocka_unit_test(test_end_of_progress),
         cmocka_unit_test(test_same_bytes_every_time),
         cmocka_unit_test(test_images_at_odd_addresses),
         cmocka_unit_test(test_decode_into_callers_memory),

@@ -232,6 +232,7 @@ static bool watch(void *opaque, const gscl_progress *progress) {
     watched *w = opaque;
     assert_true(progress->fraction >= w->fraction && progress->fraction <= 1 && progress->splats == MANY_SPLATS);
     assert_true(progress->elapsed_s >= 0 && progress->remaining_s >= 0 && progress->psnr == 0);
+    assert_true((progress->remaining_s == 0) == (progress->fraction == 1));
     assert_true(w->calls > 0 || progress->fraction == 0);
     w->fraction = progress->fraction;
     return ++w->calls != w->last_call;

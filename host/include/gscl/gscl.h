@@ -367,8 +367,8 @@ typedef struct gscl_progress {
     double psnr;        /* dB of the current fit; 0 while unknown, and in a decode */
     uint32_t splats;    /* of the current fit, or of the file that is decoded */
     double elapsed_s;   /* seconds since the encode or the decode began */
-    double remaining_s; /* seconds until it ends, an estimate; INFINITY while too little is done for one, and 0 only in
-                           the last call, when nothing remains */
+    double remaining_s; /* seconds until it ends, an estimate; INFINITY while nothing is done, and 0 only in the last
+                           call, when nothing remains */
 } gscl_progress;
 /* Returns true to continue and false to cancel; a cancelled encode or decode returns GSCL_ERROR_CANCELLED. */
 typedef bool (*gscl_progress_callback)(void *opaque, const gscl_progress *progress);

@@ -18,10 +18,8 @@ gscl_result gscl_draw_progress_report(gscl_context *context, const gscl_draw_pro
     if (!p->callback)
         return GSCL_OK;
     const double done = (double)rows / f->height, elapsed = gscl_now() - p->start_s;
-    const gscl_progress progress = {.fraction = done,
-                                    .splats = p->splats,
-                                    .elapsed_s = elapsed,
-                                    .remaining_s = rows > 0 ? elapsed * (1 - done) / done : 0};
+    const gscl_progress progress = {
+        .fraction = done, .splats = p->splats, .elapsed_s = elapsed, .remaining_s = gscl_remaining_s(elapsed, done)};
     if (p->callback(p->opaque, &progress))
         return GSCL_OK;
     return gscl_fail(context, GSCL_ERROR_CANCELLED, "cancelled");

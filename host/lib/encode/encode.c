@@ -233,7 +233,8 @@ static gscl_result run_stages(gscl_encoder *e, const gscl_image *image, encoded_
     GSCL_TRY(gscl_encode_decide_effects(e, image));
     GSCL_TRY(encode_to_target(e, image));
     GSCL_TRY(write_file(e, file));
-    return complete_report(e, image, file);
+    GSCL_TRY(complete_report(e, image, file));
+    return gscl_progress_end(e->context, &e->progress);
 }
 
 static int loss_kind(gscl_loss loss) {

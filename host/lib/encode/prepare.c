@@ -72,6 +72,12 @@ static size_t container_size(const gscl_encoder *e, size_t *blocks) {
     return all;
 }
 
+/* Bytes beyond those that the picture can use: with more of them an encode would be the same. */
+static double useful_bytes(const gscl_encoder *e) {
+    const struct gscl_encode_tunables *t = &gscl_encode_tunables;
+    return t->max_bytes + (double)e->max_splats * t->max_splat_bits / 8;
+}
+
 /* The smallest picture has no splats. */
 static gscl_result set_budget(gscl_encoder *e, double budget) {
     size_t picture, blocks;
@@ -87,7 +93,7 @@ static gscl_result set_budget(gscl_encoder *e, double budget) {
         return gscl_fail(e->context, GSCL_ERROR_BUDGET_TOO_SMALL,
                          "a budget of %.0f bytes is too small; the smallest file of this image has %zu bytes",
                          floor(budget), container + picture);
-    e->target.bytes = (size_t)fmin(budget, 1e12) - container;
+    e->target.bytes = (size_t)fmin(budget - (double)container, useful_bytes(e));
     return GSCL_OK;
 }
 

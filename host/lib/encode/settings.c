@@ -1,7 +1,5 @@
 #include "encode/settings.h"
 
-#include <math.h>
-
 #include "format/format.h"
 
 static gscl_result check_packets(gscl_context *context, const gscl_encode_settings *s) {
@@ -20,24 +18,38 @@ static gscl_result check_packets(gscl_context *context, const gscl_encode_settin
     return GSCL_OK;
 }
 
+/* The values of a target. */
+typedef struct target_range {
+    const char *unit;
+    double least, most;
+} target_range;
+
+static gscl_result check_target(gscl_context *context, const gscl_encode_settings *s) {
+    static const target_range ranges[] = {[GSCL_TARGET_AUTO] = {"", 0, 0},
+                                          [GSCL_TARGET_BPP] = {" bits per pixel", 0, GSCL_MAX_TARGET_BPP},
+                                          [GSCL_TARGET_BYTES] = {" bytes", 0, GSCL_MAX_TARGET_BYTES},
+                                          [GSCL_TARGET_PSNR] = {" dB", 0, GSCL_MAX_TARGET_PSNR},
+                                          [GSCL_TARGET_SPLATS] = {" splats", 0, GSCL_MAX_SPLATS},
+                                          [GSCL_TARGET_SSIMULACRA2] = {" of SSIMULACRA 2", GSCL_MIN_SSIMULACRA2, 100},
+                                          [GSCL_TARGET_QUALITY] = {" of quality", 0, 100}};
+    const target_range *range = &ranges[s->target];
+    if (s->target_value >= range->least && s->target_value <= range->most)
+        return GSCL_OK;
+    if (s->target == GSCL_TARGET_AUTO)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the target value %.10g has no target; choose one, or 0 for GSCL_TARGET_AUTO",
+                         s->target_value);
+    return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %.10g%s is not in %.0f..%.0f", s->target_value,
+                     range->unit, range->least, range->most);
+}
+
 static gscl_result check_ranges(gscl_context *context, const gscl_encode_settings *s) {
     if (s->profile > GSCL_PROFILE_PAPER || s->blend > GSCL_BLEND_SUM || s->loss > GSCL_LOSS_L2 ||
-        s->tune > GSCL_TUNE_VISUAL || s->target > GSCL_TARGET_QUALITY)
+        s->tune > GSCL_TUNE_VISUAL || (unsigned)s->target > GSCL_TARGET_QUALITY)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "a setting is not one of its choices");
     if (s->effort < 0 || s->effort > GSCL_MAX_EFFORT)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "effort %d is not in 0..%d", s->effort, GSCL_MAX_EFFORT);
-    if (s->target == GSCL_TARGET_SSIMULACRA2 && !(s->target_value >= GSCL_MIN_SSIMULACRA2 && s->target_value <= 100))
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target SSIMULACRA 2 %g is not in %d..100",
-                         s->target_value, GSCL_MIN_SSIMULACRA2);
-    if (s->target == GSCL_TARGET_QUALITY && !(s->target_value >= 0 && s->target_value <= 100))
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the quality %g is not in 0..100", s->target_value);
-    if (s->target != GSCL_TARGET_AUTO && s->target != GSCL_TARGET_SSIMULACRA2 &&
-        (!(s->target_value >= 0) || !isfinite(s->target_value)))
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %g is not a positive number",
-                         s->target_value);
-    if (s->target == GSCL_TARGET_SPLATS && s->target_value > GSCL_MAX_SPLATS)
-        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%.0f splats are more than %d", s->target_value,
-                         GSCL_MAX_SPLATS);
+    GSCL_TRY(check_target(context, s));
     if (s->codebook_size == 1 || s->codebook_size > GSF_MAX_CODEBOOK)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "%u code words are not in 2..%d", s->codebook_size,
                          GSF_MAX_CODEBOOK);

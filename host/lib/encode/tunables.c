@@ -3,6 +3,7 @@
 const struct gscl_encode_tunables gscl_encode_tunables = {
     .auto_bpp = 0.125,
     .auto_bytes = 256.0,
+    .max_splat_bits = 128,
     .few_splats = 40,
     .packet_slack = 1.0,
     .packet_doubling = 1.7,

@@ -30,9 +30,11 @@ typedef struct gscl_quality_tunables {
 } gscl_quality_tunables;
 
 struct gscl_encode_tunables {
-    double auto_bpp;   /* bits per pixel of GSCL_TARGET_AUTO */
-    double auto_bytes; /* bytes; smallest budget of GSCL_TARGET_AUTO */
-    int few_splats;    /* up to this number of splats the background alone may be better; with 2, stripes at 90 bytes
+    double auto_bpp;       /* bits per pixel of GSCL_TARGET_AUTO */
+    double auto_bytes;     /* bytes; smallest budget of GSCL_TARGET_AUTO */
+    double max_splat_bits; /* more bits than a splat takes in any file: a noisy picture of 64x64 pixels with all splats
+                              that are of use takes 35, in the paper profile 37 */
+    int few_splats; /* up to this number of splats the background alone may be better; with 2, stripes at 90 bytes
                           lost 4.6 dB to it; to try it takes two drawings */
     double
         packet_slack; /* bytes of each of several packets that stay free, so that all can be filled evenly: on 6 photographs of

@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200112L
 #include "runtime/stage_clock.h"
 
+#include <math.h>
+
 #include "runtime/queue.h"
 
 #ifdef _WIN32
@@ -38,4 +40,9 @@ gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
 
 void gscl_stages_freeze(gscl_context *context, bool frozen) {
     context->clock.frozen = frozen;
+}
+
+double gscl_remaining_s(double elapsed_s, double done) {
+    const double least_s = 1e-6; /* a clock may stand still for as long */
+    return done > 0 ? fmax(elapsed_s, least_s) * (1 - done) / done : INFINITY;
 }

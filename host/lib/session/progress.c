@@ -1,6 +1,9 @@
 #include "session/progress.h"
 
+#include <math.h>
+
 #include "runtime/timing.h"
+#include "session/tunables.h"
 
 void gscl_progress_begin(gscl_progress_state *p, const gscl_encode_settings *settings) {
     *p = (gscl_progress_state){
@@ -12,16 +15,26 @@ void gscl_progress_stage(gscl_progress_state *p, double from, double to) {
     p->to = to;
 }
 
-gscl_result gscl_progress_report(gscl_context *context, gscl_progress_state *p, double fraction) {
+/* Reports that the share `done` of the encode is done.  Where a stage ends and the next begins, roundings may differ. */
+static gscl_result report_share(gscl_context *context, gscl_progress_state *p, double done) {
     if (!p->callback)
         return GSCL_OK;
-    double done = p->from + (p->to - p->from) * fraction, elapsed = gscl_now() - p->start_s;
-    gscl_progress progress = {.fraction = done,
-                              .psnr = p->psnr,
-                              .splats = p->splats,
-                              .elapsed_s = elapsed,
-                              .remaining_s = done > 1e-3 ? elapsed * (1 - done) / done : 0};
+    p->done = fmax(p->done, done);
+    const double elapsed = gscl_now() - p->start_s;
+    const gscl_progress progress = {.fraction = p->done,
+                                    .psnr = p->psnr,
+                                    .splats = p->splats,
+                                    .elapsed_s = elapsed,
+                                    .remaining_s = gscl_remaining_s(elapsed, p->done)};
     if (p->callback(p->opaque, &progress))
         return GSCL_OK;
     return gscl_fail(context, GSCL_ERROR_CANCELLED, "cancelled");
+}
+
+gscl_result gscl_progress_report(gscl_context *context, gscl_progress_state *p, double fraction) {
+    return report_share(context, p, gscl_session_tunables.stages_share * (p->from + (p->to - p->from) * fraction));
+}
+
+gscl_result gscl_progress_end(gscl_context *context, gscl_progress_state *p) {
+    return report_share(context, p, 1);
 }

@@ -1,6 +1,7 @@
 #define _DEFAULT_SOURCE /* isatty */
 #include "cli/progress.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,7 +25,9 @@ static void print_progress(const progress_line *line, const gscl_progress *progr
     fprintf(stderr, "\r\033[K%.*s  %3.0f %%", LABEL_WIDTH, line->label, 100.0 * progress->fraction);
     if (progress->psnr > 0.0)
         fprintf(stderr, "  %.2f dB", progress->psnr);
-    fprintf(stderr, "  %u splats  %.1f s left", progress->splats, progress->remaining_s);
+    fprintf(stderr, "  %u splats", progress->splats);
+    if (isfinite(progress->remaining_s))
+        fprintf(stderr, "  %.1f s left", progress->remaining_s);
     fflush(stderr);
 }
 

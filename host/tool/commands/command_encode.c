@@ -62,7 +62,6 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
     "ones are removed\n"                                                                                               \
     "when a run ends."
 
-#define MAX_FILE_BYTES UINT32_MAX
 #define MIN_CODEBOOK 2
 #define MAX_CODEBOOK 1024
 #define MAX_SHARDS 1000000
@@ -143,7 +142,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .given = &encode->has_bytes,
          .argument = "N",
          .min_integer = 1,
-         .max_integer = MAX_FILE_BYTES,
+         .max_integer = GSCL_MAX_TARGET_BYTES,
          .help = "maximum size of the file"},
         {.name = "bpp",
          .kind = OPTION_REAL,
