@@ -61,15 +61,22 @@ static gscl_result encode(gscl_context *context, gscl_profile profile, uint8_t *
     return gscl_encode(context, &image, &settings, bytes, size, NULL);
 }
 
-/* Decodes into rows that do not follow each other, if `gaps`. */
-static gscl_result decode(gscl_context *context, bool gaps, uint8_t pixels[HEIGHT][4 * WIDTH]) {
+/* Rows of a decode: one after another, with gaps between them, or grey of the colours from the bottom up. */
+typedef enum rows_form { PACKED, GAPS, GREY } rows_form;
+
+static gscl_result decode(gscl_context *context, rows_form form, uint8_t pixels[HEIGHT][4 * WIDTH]) {
+    gscl_decode_settings settings;
+    gscl_decode_settings_default(&settings);
+    settings.layout = form == GREY ? GSCL_LAYOUT_GREY : GSCL_LAYOUT_AUTO;
     gscl_image image = {.width = WIDTH,
                         .height = HEIGHT,
-                        .channels = 3,
+                        .channels = form == GREY ? 1 : 3,
                         .sample = GSCL_SAMPLE_U8,
-                        .stride = gaps ? 4 * WIDTH : 0,
-                        .pixels = pixels};
-    return gscl_decode(context, file, file_size, NULL, &image);
+                        .stride = form == PACKED ? 0
+                                  : form == GAPS ? 4 * WIDTH
+                                                 : -4 * WIDTH,
+                        .pixels = pixels[form == GREY ? HEIGHT - 1 : 0]};
+    return gscl_decode(context, file, file_size, &settings, &image);
 }
 
 /* A fault either has no consequence or is a failure of its kind with a message. */
@@ -91,19 +98,19 @@ static void assert_explained(const gscl_context *context, gscl_result result, fa
 /* ---- Decoding ---------------------------------------------------------------------------------- */
 
 /* One decode with a fault and two without, in a context of their own. */
-static bool decode_with_fault(const char *device, fault_kind kind, int number, bool forever, bool gaps) {
+static bool decode_with_fault(const char *device, fault_kind kind, int number, bool forever, rows_form form) {
     uint8_t first[HEIGHT][4 * WIDTH] = {{0}}, expected[HEIGHT][4 * WIDTH] = {{0}}, later[HEIGHT][4 * WIDTH] = {{0}};
     const int live = fault_live_blocks();
     gscl_context *context = open_device(device), *other = open_device(device);
-    assert_int_equal(decode(other, gaps, expected), GSCL_OK);
+    assert_int_equal(decode(other, form, expected), GSCL_OK);
     faults_begin(kind, number, forever);
-    const gscl_result result = decode(context, gaps, first);
+    const gscl_result result = decode(context, form, first);
     const bool reached = faults_end(kind) >= number;
     assert_explained(context, result, kind, number);
     if (result == GSCL_OK)
         assert_memory_equal(first, expected, sizeof expected);
     for (int i = 0; i < 2; i++) {
-        if (decode(context, gaps, later) != GSCL_OK)
+        if (decode(context, form, later) != GSCL_OK)
             fail_msg("after fault %d of kind %d (%s): %s", number, kind, fault_call(), gscl_context_message(context));
         assert_memory_equal(later, expected, sizeof expected);
     }
@@ -114,9 +121,9 @@ static bool decode_with_fault(const char *device, fault_kind kind, int number, b
     return reached;
 }
 
-static void sweep_decodes(const char *device, fault_kind kind, bool forever, bool gaps, int at_least) {
+static void sweep_decodes(const char *device, fault_kind kind, bool forever, rows_form form, int at_least) {
     int number = 1;
-    while (decode_with_fault(device, kind, number, forever, gaps))
+    while (decode_with_fault(device, kind, number, forever, form))
         number++;
     assert_true(number > at_least);
     print_message("# %d faults of kind %d in a decode\n", number - 1, kind);
@@ -124,34 +131,36 @@ static void sweep_decodes(const char *device, fault_kind kind, bool forever, boo
 
 static void test_decode_opencl(void **state) {
     (void)state;
-    sweep_decodes(first_opencl_device(), FAULT_OPENCL, false, false, 40);
+    sweep_decodes(first_opencl_device(), FAULT_OPENCL, false, PACKED, 40);
 }
 
 static void test_decode_opencl_rows_with_gaps(void **state) {
     (void)state;
-    sweep_decodes(first_opencl_device(), FAULT_OPENCL, true, true, 40);
+    sweep_decodes(first_opencl_device(), FAULT_OPENCL, true, GAPS, 40);
 }
 
 static void test_decode_buffers(void **state) {
     (void)state;
-    sweep_decodes(first_opencl_device(), FAULT_BUFFER, false, false, 10);
-    sweep_decodes(first_opencl_device(), FAULT_BUFFER, true, false, 10);
+    sweep_decodes(first_opencl_device(), FAULT_BUFFER, false, PACKED, 10);
+    sweep_decodes(first_opencl_device(), FAULT_BUFFER, true, PACKED, 10);
 }
 
 /* No call succeeds from some moment on: the device cannot be waited for, either.  A decode waits for its image alone, so that
  * clFinish is called after an error only. */
 static void test_decode_lost_device(void **state) {
     (void)state;
-    sweep_decodes(first_opencl_device(), FAULT_FINISH, false, false, 0);
-    sweep_decodes(first_opencl_device(), FAULT_OPENCL, true, false, 40);
+    sweep_decodes(first_opencl_device(), FAULT_FINISH, false, PACKED, 0);
+    sweep_decodes(first_opencl_device(), FAULT_OPENCL, true, PACKED, 40);
 }
 
 static void test_decode_memory(void **state) {
     (void)state;
-    sweep_decodes(first_opencl_device(), FAULT_MEMORY, false, false, 4);
-    sweep_decodes(first_opencl_device(), FAULT_MEMORY, true, false, 4);
-    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, false, false, 3);
-    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, true, false, 3);
+    sweep_decodes(first_opencl_device(), FAULT_MEMORY, false, PACKED, 4);
+    sweep_decodes(first_opencl_device(), FAULT_MEMORY, true, PACKED, 4);
+    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, false, PACKED, 3);
+    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, true, PACKED, 3);
+    sweep_decodes(first_opencl_device(), FAULT_MEMORY, false, GREY, 5);
+    sweep_decodes(GSCL_HOST_DEVICE, FAULT_MEMORY, false, GREY, 4);
 }
 
 /* ---- Encoding ---------------------------------------------------------------------------------- */
