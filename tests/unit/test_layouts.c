@@ -179,21 +179,6 @@ static void test_mixed_samples(void **state) {
     }
 }
 
-/* Grey of equal colours is the same number, without a rounding of its own. */
-static void test_grey_of_grey(void **state) {
-    (void)state;
-    const file f = file_of(0);
-    gscl_decode_settings settings = settings_of(GSCL_LAYOUT_AUTO, GSCL_SAMPLE_F32, false);
-    gscl_image stored = decode(HOST, &f, &settings);
-    assert_int_equal(stored.channels, 1);
-    settings.layout = GSCL_LAYOUT_GREY;
-    gscl_image grey = decode(HOST, &f, &settings);
-    assert_memory_equal(stored.pixels, grey.pixels, synthetic_sample_count(&grey) * sizeof(float));
-    gscl_free(stored.pixels);
-    gscl_free(grey.pixels);
-    free(f.bytes);
-}
-
 static void test_crops(void **state) {
     (void)state;
     for (int number = 0; number < 4; number++) {
@@ -405,9 +390,8 @@ static void test_refused_images(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_swizzles),       cmocka_unit_test(test_mixed_samples),
-                                       cmocka_unit_test(test_grey_of_grey),   cmocka_unit_test(test_crops),
-                                       cmocka_unit_test(test_decoder),        cmocka_unit_test(test_bottom_up_rows),
-                                       cmocka_unit_test(test_refused_decodes)};
+                                       cmocka_unit_test(test_crops),          cmocka_unit_test(test_decoder),
+                                       cmocka_unit_test(test_bottom_up_rows), cmocka_unit_test(test_refused_decodes)};
     const struct CMUnitTest encoder_tests[] = {cmocka_unit_test(test_encode_layouts),
                                                cmocka_unit_test(test_encode_bottom_up),
                                                cmocka_unit_test(test_refused_images)};
