@@ -1,5 +1,6 @@
-/* The channels, their order and the order of rows that callers choose, in decodes and in encodes: swizzled samples are those of
- * the stored layout, mixed ones follow the formula of gscl.h, and rows from the bottom up are those of the flipped image. */
+/* The channels, their order and the order of rows that callers choose, in decodes and in encodes: swizzled samples are
+ * those of the stored layout, mixed ones follow the formula of gscl.h, and rows from the bottom up are those of the
+ * flipped image. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -27,10 +27,9 @@
  *    has ended when the call returns.
  *  - Otherwise the library never prints, exits, reads the environment or keeps global state.  The OpenCL implementation that it
  *    uses may do all of these.
- *  - Images are stored row by row from the top left, or from the bottom left where gscl_image.stride is negative; x points
- *    to the right and y down.  Pixel (i, j) has its centre at
- *    (i + 0.5, j + 0.5).  Samples are gamma-encoded as in ordinary image files.  Floating-point samples are clamped to
- *    0..1.
+ *  - Images are stored row by row from the top left, or from the bottom left where gscl_image.stride is negative; x
+ *    points to the right and y down.  Pixel (i, j) has its centre at (i + 0.5, j + 0.5).  Samples are gamma-encoded as
+ *    in ordinary image files.  Floating-point samples are clamped to 0..1.
  *
  * How the interface grows.  A program that was compiled with an older header works with a newer library of the same
  * soname, because
@@ -335,8 +334,9 @@ typedef enum gscl_tune {
  * megapixels, where PSNR takes 0.9. */
 #define GSCL_MAX_VISUAL_PIXELS (16u << 20)
 
-/* The target of an encode, with the unit and the range of target_value.  Targets in bytes that are smaller than the smallest
- * file of an image are GSCL_ERROR_BUDGET_TOO_SMALL; of larger ones than an image can use, the file stays smaller. */
+/* The target of an encode, with the unit and the range of target_value.  Targets in bytes that are smaller than the
+ * smallest file of an image are GSCL_ERROR_BUDGET_TOO_SMALL; of larger ones than an image can use, the file stays
+ * smaller. */
 typedef enum gscl_target {
     GSCL_TARGET_AUTO = 0,  /* 0.125 bits per pixel, or 256 bytes if that is more, and the blocks on top; target_value
                               must be 0 */
@@ -560,11 +560,11 @@ static inline void gscl_decode_settings_default(gscl_decode_settings *settings) 
 
 /* Decodes a file into *image and sets all fields of *image.  When image->pixels is NULL on entry, the library allocates
  * rows without gaps, which the caller releases with gscl_free(image->pixels).  Otherwise the pixels are written to the
- * caller's memory with the caller's stride, bottom-up where it is negative; width, height, channels and sample must then be
- * those of the decoded image: gscl_probe returns those of a decode with the default settings.  The context keeps its device buffers for the next decode.  `settings` may be NULL for the
- * defaults.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE,
- * _IMAGE_SIZE, _CANCELLED, and those of memory and the device.  A decode that fails may have written to the caller's
- * pixels. */
+ * caller's memory with the caller's stride, bottom-up where it is negative; width, height, channels and sample must
+ * then be those of the decoded image: gscl_probe returns those of a decode with the default settings.  The context
+ * keeps its device buffers for the next decode.  `settings` may be NULL for the defaults.  Errors: GSCL_ERROR_NOT_GSCL
+ * to _UNKNOWN_BLOCK for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE, _IMAGE_SIZE, _CANCELLED, and those of
+ * memory and the device.  A decode that fails may have written to the caller's pixels. */
 GSCL_API GSCL_CHECKED gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size,
                                               const gscl_decode_settings *settings, gscl_image *image);
 
@@ -607,17 +607,18 @@ GSCL_API GSCL_CHECKED gscl_result gscl_decoder_draw(gscl_decoder *decoder, gscl_
 
 /* ---- Decoding by rows (without a context and without allocation) --------------------------------- */
 
-/* Receives the next rows of a decoded image, from top to bottom.  `strip` has the whole width of the image, layout, samples
- * and premultiplied colours as gscl_decode would return them; its first row is row y of the image.  It and its pixels are
- * valid during the call, which may write to the pixels.  Returns true to continue and false to stop. */
+/* Receives the next rows of a decoded image, from top to bottom.  `strip` has the whole width of the image, layout,
+ * samples and premultiplied colours as gscl_decode would return them; its first row is row y of the image.  It and its
+ * pixels are valid during the call, which may write to the pixels.  Returns true to continue and false to stop. */
 typedef bool (*gscl_rows_callback)(void *opaque, uint32_t y, const gscl_image *strip);
 
 /* Returns the least memory, in bytes, with which gscl_decode_rows decodes a file.  It needs the start of the file up to the
  * 32nd byte of the picture, which comes after 5 bytes and the blocks before it, or the whole file where that is shorter; of
  * packets it needs the whole list.
- * `settings` and `strip_rows` as for gscl_decode_rows.  `image`: NULL, or receives width, height, channels, layout, sample
- * and premultiplied of the whole decoded image, without pixels.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK for the file,
- * GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE, _IMAGE_SIZE; GSCL_ERROR_OUT_OF_MEMORY where a size_t does not hold the number. */
+ * `settings` and `strip_rows` as for gscl_decode_rows.  `image`: NULL, or receives width, height, channels, layout,
+ * sample and premultiplied of the whole decoded image, without pixels.  Errors: GSCL_ERROR_NOT_GSCL to _UNKNOWN_BLOCK
+ * for the file, GSCL_ERROR_INVALID_ARGUMENT, _STRUCT_SIZE, _IMAGE_SIZE; GSCL_ERROR_OUT_OF_MEMORY where a size_t does
+ * not hold the number. */
 GSCL_API GSCL_CHECKED gscl_result gscl_rows_memory(const uint8_t *bytes, size_t size,
                                                    const gscl_decode_settings *settings, uint32_t strip_rows,
                                                    gscl_image *image, size_t *memory_size);

@@ -33,8 +33,8 @@ static gscl_result draw_band(gscl_renderer *r, const gscl_frame *f, const gscl_o
     return GSCL_OK;
 }
 
-/* Draws the frame band by band, so that no buffer grows with the image.  `scratch`: room for drawn rows of a band, where they
- * do not come to lie in the image. */
+/* Draws the frame band by band, so that no buffer grows with the image.  `scratch`: room for drawn rows of a band,
+ * where they do not come to lie in the image. */
 static gscl_result draw_bands(gscl_renderer *r, const gscl_frame *f, const gscl_output *o, uint32_t rows, void *scratch,
                               const gscl_draw_progress *progress) {
     for (uint32_t y = 0; y < f->height; y += rows) {

@@ -15,7 +15,7 @@ void gscl_progress_stage(gscl_progress_state *p, double from, double to) {
     p->to = to;
 }
 
-/* Reports that the share `done` of the encode is done.  Where a stage ends and the next begins, roundings may differ. */
+/* Reports that the share `done` of the encode is done.  Roundings may differ where a stage ends and the next begins. */
 static gscl_result report_share(gscl_context *context, gscl_progress_state *p, double done) {
     if (!p->callback)
         return GSCL_OK;
