@@ -39,7 +39,7 @@ def test_quality(picture):
     report = gscl.encode(picture, quality=21, effort=0).report
     assert 6 <= report.ssimulacra2 < 20 and report.tune == "visual"
     assert gscl.encode(picture, quality=40, effort=0) == gscl.encode(picture, ssimulacra2=40, effort=0)
-    with pytest.raises(gscl.InvalidArgumentError, match="quality 101 is not in 0..100"):
+    with pytest.raises(gscl.InvalidArgumentError, match="101 of quality is not in 0..100"):
         gscl.encode(picture, quality=101)
 
 

@@ -113,7 +113,7 @@ def test_pipes(folder, picture, data):
     def piped(*arguments, given):
         return subprocess.run([sys.executable, "-m", "gscl", *arguments], input=given, stdout=subprocess.PIPE, check=True).stdout
 
-    encoded = piped("encode", "-", "-o", "-", "-q", "--bytes", "400", "--effort", "0", given=(folder / "in.png").read_bytes())
+    encoded = piped("encode", "-", "-o", "-", "--quiet", "--bytes", "400", "--effort", "0", given=(folder / "in.png").read_bytes())
     assert encoded == data
     assert numpy.array_equal(Image.open(io.BytesIO(piped("decode", "-", "-o", "-", given=encoded))), gscl.decode(data))
     assert piped("info", "-", given=encoded).startswith(b"-: 96 x 64 RGB")

@@ -67,7 +67,7 @@ static outcome run_search(const curve *c, double target, bool has_probes) {
     while (!o.search.done)
         add_file(&o, c);
     assert_in_range(o.search.trials, 1, gscl_encode_tunables.max_trials);
-    assert_in_range(o.search.probes, has_probes, has_probes ? c->measure->max_probes : 0);
+    assert_in_range(o.search.probes, has_probes, has_probes ? c->measure->max_small_probes : 0);
     return o;
 }
 

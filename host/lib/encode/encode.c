@@ -53,7 +53,7 @@ static gscl_result encode_at(gscl_encoder *e, const gscl_quality_search *search)
     const int effort = e->settings.effort;
     const double probes_share = gscl_encode_tunables.probes_share, max_trials = gscl_encode_tunables.max_trials;
     const double unit =
-        search->is_probe ? probes_share / search->tunables->max_probes : (1 - probes_share) / max_trials;
+        search->is_probe ? probes_share / search->tunables->max_small_probes : (1 - probes_share) / max_trials;
     const double from = search->is_probe ? unit * search->probes : probes_share + unit * search->trials;
     gscl_progress_stage(&e->progress, from, from + unit);
     e->settings.effort = search->is_probe ? 0 : effort;

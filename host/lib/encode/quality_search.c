@@ -73,7 +73,8 @@ static void add_probe(gscl_quality_search *s, double quality) {
     s->probes++;
     const double octaves = octaves_between(s, probe.scale, scale_of(t, s->target + t->aim), t->probe_reach);
     set_size(s, probe.bytes, octaves);
-    s->is_probe = s->probes < t->max_probes && fabs(octaves) > t->probe_octaves && s->bytes != probe.bytes;
+    const int most = octaves < 0 ? t->max_small_probes : t->max_probes;
+    s->is_probe = s->probes < most && fabs(octaves) > t->probe_octaves && s->bytes != probe.bytes;
 }
 
 /* The least step where all trials were on one side of the target: it grows, so that a slope that is too large does not keep

@@ -16,7 +16,10 @@ typedef struct gscl_quality_tunables {
     double slope_range;  /* slopes that are measured are limited to a factor of it either way */
     double slope_octaves; /* octaves; least ratio of two sizes from which a slope is taken: noise is 1 to 3 points */
     double first_quality; /* of a file of first_bpp, in the mean */
-    int max_probes;       /* a third one is rare */
+    int max_probes;       /* a third one is rare; with 6 a picture of fine lines, of which effort 0 hardly gains by more
+                             bytes, took three times as long */
+    int max_small_probes; /* the same where the next is smaller than the last one: with 3, smooth pictures of which 22
+                             bytes are enough took twice as long */
     double probe_octaves; /* octaves; a probe whose size is that near to the one sought is the last one */
     double probe_reach;   /* octaves; how far from one probe the next one, or the first trial, may be: at high qualities
                              effort 0 hardly gains by more bytes */
