@@ -23,7 +23,7 @@ class Progress(NamedTuple):
     splats: int
     elapsed_s: float
     remaining_s: float
-    """An estimate."""
+    """Seconds until it ends, an estimate; infinite while nothing is known, and 0 only at the end."""
 
 
 ProgressCallback = Callable[[Progress], Optional[bool]]
