@@ -58,7 +58,7 @@ sources() {
 
 # The package for web pages among bundlers and frameworks, which npm brings.  Debian 12 has an older Node than they need.
 web_package() {
-    if ! command -v npm >/dev/null || ! node -e 'process.exit(parseInt(process.versions.node) < 20)'; then
+    if ! command -v npm >/dev/null || ! node -e 'process.exit(+(parseInt(process.versions.node) < 20))'; then
         echo "left out  web package with packages of npm, which need npm and Node 20" | print_whole
         return
     fi
