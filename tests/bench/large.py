@@ -23,7 +23,7 @@ import codec
 import document
 
 HEAD = ("megapixels", "photograph", "effort", "bytes", "seconds", "of all cores", "MiB", "error of the time left")
-SHOWN = re.compile(rb"  +(\d+) %.*?([\d.]+) s left")
+SHOWN = re.compile(rb" ([\d.]+) s left")
 
 Image.MAX_IMAGE_PIXELS = None
 
@@ -39,9 +39,9 @@ class Encode:
         self.shown, text = [], b""
         while chunk := self.read(terminal):
             text = (text + chunk)[-400:]
-            now = time.perf_counter() - start
-            for percent, left in SHOWN.findall(chunk)[-1:]:
-                self.shown.append((now, float(left)))
+            left = SHOWN.findall(text)
+            if left:
+                self.shown.append((time.perf_counter() - start, float(left[-1])))
         _, status, usage = os.wait4(process.pid, 0)
         self.wall_s = time.perf_counter() - start
         self.cpu_s = usage.ru_utime + usage.ru_stime

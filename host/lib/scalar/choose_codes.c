@@ -13,7 +13,7 @@ static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables
 
 static gscl_result report_pass_progress(gscl_scalar_state *s) {
     gscl_progress_state *progress = &s->encoder->progress;
-    const double done = fmin((double)s->passes_done / s->passes, 1);
+    const double done = fmin((double)s->passes_done / (s->passes + tunables->expected_final_passes), 1);
     progress->splats = s->coded->file.header.splat_count;
     return gscl_progress_report(s->encoder->context, progress, s->fit_end + (s->passes_end - s->fit_end) * done);
 }

@@ -10,6 +10,7 @@
 #include "fit/density.h"
 #include "runtime/elementary.h"
 #include "runtime/launch.h"
+#include "runtime/queue.h"
 #include "runtime/timing.h"
 #include "scalar/visual_model.h"
 #include "session/encode_trace.h"
@@ -179,15 +180,38 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
 
 /* ---- Steps ---- */
 
+/* What the first `steps` steps take, in steps at full size: at smaller levels they take less. */
+static double work_of(const gscl_scalar_state *s, int steps) {
+    double work = 0;
+    for (int step = 0; step < steps; step++) {
+        const int level = level_due(s, (double)step / s->steps) - s->source->first_level;
+        work += ldexp(1, -2 * level) + tunables->step_work;
+    }
+    return work;
+}
+
+/* The share of the time of an encode that is not searched, at which its fit ends. */
+static double expected_fit_end(const gscl_scalar_state *s) {
+    const double fit = work_of(s, s->steps);
+    const double pass = ldexp(tunables->pass_work, -2 * s->finest);
+    return fit / (fit + pass * (s->passes + tunables->expected_final_passes));
+}
+
+/* Steps of large images take so long that the device is waited for, which otherwise has many of them to do. */
 static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
     gscl_progress_state *progress = &s->encoder->progress;
     const bool is_plain = has_squared_error(s) && s->fit.model_level < 0;
-    const double loss = s->fit.known_loss; /* of some steps ago, because the device is not waited for */
-    if (!progress->callback || step % tunables->report_interval != 0)
+    const bool is_large = s->source_pixels >= tunables->min_report_wait_pixels;
+    const double loss = s->fit.known_loss; /* of some steps ago */
+    const int interval = is_large ? tunables->large_report_interval : tunables->report_interval;
+    if (!progress->callback || step % interval != 0)
         return GSCL_OK;
+    if (is_large)
+        GSCL_TRY(gscl_finish(s->encoder->context));
     progress->psnr = is_plain && loss > 0 ? -10 * gscl_log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
-    return gscl_progress_report(s->encoder->context, progress, s->fit_end * step / s->steps);
+    const double share = work_of(s, step) / work_of(s, s->steps);
+    return gscl_progress_report(s->encoder->context, progress, s->fit_end * share);
 }
 
 /* Whether step `step` is the one at this share of all steps. */
@@ -232,6 +256,8 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
     int round = 0;
     bool quantising = false;
     GSCL_TRY(create_fit(s));
+    if (!s->is_searched)
+        s->fit_end = expected_fit_end(s);
     for (int step = 0; step < s->steps; step++) {
         GSCL_TRY(prepare_step(s, step, &round, &quantising));
         const double fraction = (double)step / s->steps;

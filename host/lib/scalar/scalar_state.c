@@ -69,7 +69,6 @@ static size_t choose_target(const gscl_scalar_state *s, gscl_size_target target)
 /* A searched file begins with the same fit in all efforts that search. */
 static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
-    s->fit_end = t->fit_share;
     s->passes_end = 1;
     if (!is_searched(s, plan))
         return;

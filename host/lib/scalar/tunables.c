@@ -51,8 +51,12 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .adapt_at = 0.6,
     .adapt_again_at = 0.95,
     .report_interval = 25,
+    .large_report_interval = 4,
+    .min_report_wait_pixels = 1e6,
+    .step_work = 0.015,
     .sort_interval = 25,
-    .fit_share = 0.75,
+    .pass_work = 14,
+    .expected_final_passes = 10,
 
     .max_search_bytes = 600,
     .search_first_steps = 600,
