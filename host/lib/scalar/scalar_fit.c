@@ -85,13 +85,23 @@ static gscl_result create_fit(gscl_scalar_state *s) {
 
 /* ---- Levels of the pyramid ---- */
 
+/* The shares of the steps at which the fits at full, half and quarter size end. */
+static void level_ends(const gscl_scalar_state *s, double ends[3]) {
+    const double spacing = gscl_scalar_relative_spacing(s);
+    ends[2] = fmin(tunables->quarter_until * spacing, tunables->max_quarter_until);
+    ends[1] = fmin(tunables->half_until * spacing, tunables->max_half_until);
+    ends[0] = 1;
+}
+
+static int limited_level(const gscl_scalar_state *s, int level) {
+    return level > s->finest ? level : s->finest;
+}
+
 /* The finest level for this part of the steps: the level must contain the detail that the splats should fit. */
 static int level_due(const gscl_scalar_state *s, double fraction) {
-    const double spacing = gscl_scalar_relative_spacing(s);
-    const double quarter = fmin(tunables->quarter_until * spacing, tunables->max_quarter_until);
-    const double half = fmin(tunables->half_until * spacing, tunables->max_half_until);
-    const int level = fraction < quarter ? 2 : fraction < half ? 1 : 0;
-    return s->source->first_level + (level > s->finest ? level : s->finest);
+    double ends[3];
+    level_ends(s, ends);
+    return s->source->first_level + limited_level(s, fraction < ends[2] ? 2 : fraction < ends[1] ? 1 : 0);
 }
 
 /* Whether errors of the fit and residuals of levels are comparable. */
@@ -180,19 +190,21 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
 
 /* ---- Steps ---- */
 
-/* What the first `steps` steps take, in steps at full size: at smaller levels they take less. */
-static double work_of(const gscl_scalar_state *s, int steps) {
-    double work = 0;
-    for (int step = 0; step < steps; step++) {
-        const int level = level_due(s, (double)step / s->steps) - s->source->first_level;
-        work += ldexp(1, -2 * level) + tunables->step_work;
+/* What this share of the steps takes, in steps at full size: at smaller levels they take less. */
+static double work_of(const gscl_scalar_state *s, double fraction) {
+    double ends[3], from = 0, work = 0;
+    level_ends(s, ends);
+    for (int level = 2; level >= 0; level--) {
+        const double to = fmax(fmin(fraction, ends[level]), from);
+        work += (to - from) * (ldexp(1, -2 * limited_level(s, level)) + tunables->step_work);
+        from = to;
     }
-    return work;
+    return s->steps * work;
 }
 
 /* The share of the time of an encode that is not searched, at which its fit ends. */
 static double expected_fit_end(const gscl_scalar_state *s) {
-    const double fit = work_of(s, s->steps);
+    const double fit = work_of(s, 1);
     const double pass = ldexp(tunables->pass_work, -2 * s->finest);
     return fit / (fit + pass * (s->passes + tunables->expected_final_passes));
 }
@@ -210,7 +222,7 @@ static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
         GSCL_TRY(gscl_finish(s->encoder->context));
     progress->psnr = is_plain && loss > 0 ? -10 * gscl_log10(loss) : 0;
     progress->splats = (uint32_t)s->fit.renderer.count;
-    const double share = work_of(s, step) / work_of(s, s->steps);
+    const double share = work_of(s, (double)step / s->steps) / work_of(s, 1);
     return gscl_progress_report(s->encoder->context, progress, s->fit_end * share);
 }
 

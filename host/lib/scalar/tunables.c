@@ -50,11 +50,12 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .max_visual_distance = 100.0,
     .adapt_at = 0.6,
     .adapt_again_at = 0.95,
+    .sort_interval = 25,
+
     .report_interval = 25,
     .large_report_interval = 4,
     .min_report_wait_pixels = 1e6,
     .step_work = 0.015,
-    .sort_interval = 25,
     .pass_work = 14,
     .expected_final_passes = 10,
 

@@ -88,16 +88,18 @@ struct gscl_scalar_tunables {
                                      at 100 bytes (126 pixels), 1.9 at 200 (90), 4.5 at 300 (73) */
     double adapt_at;              /* share of the steps at which, tuned for SSIM, the target is adapted to the splats */
     double adapt_again_at;        /* share of the steps at which it is adapted once more */
-    int report_interval;          /* steps between progress reports */
-    int large_report_interval;    /* the same of large images, for which the device is waited for */
+    int sort_interval;            /* steps between sortings in blend alpha */
+
+    /* Progress reports. */
+    int report_interval;       /* steps from one to the next */
+    int large_report_interval; /* the same of large images, for which the device is waited for */
     double
         min_report_wait_pixels; /* of these; without waiting, the report of a picture of 2 megapixels stood still for 9
                                       of 16 seconds */
-    double step_work;  /* of a step besides its pixels, in those of a step at full size, for the progress report: at 2
-                         megapixels steps at a quarter, half and full size take 1, 3.4 and 11 to 12 parts */
-    int sort_interval; /* steps between sortings in blend alpha */
-    double pass_work;  /* the same of a rate-distortion pass */
-    int expected_final_passes; /* that meet the budget, for the progress report: 9 to 12 at 2 megapixels */
+    double step_work; /* of a step besides its pixels, in those of a step at full size: at 2 megapixels steps at a
+                                      quarter, half and full size take 1, 3.4 and 11 to 12 parts */
+    double pass_work; /* of a rate-distortion pass, in steps at full size */
+    int expected_final_passes; /* that meet the budget: 9 to 12 at 2 megapixels */
 
     /* The search of small files.  Tried on eight pictures of the Kodak set at 60 to 500 bytes; dB are their means. */
     int max_search_bytes;    /* bytes of the first file that is not searched: at 700 the search earns 0.08 dB for 1.3
