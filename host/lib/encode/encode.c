@@ -66,7 +66,7 @@ static gscl_result encode_at(gscl_encoder *e, const gscl_quality_search *search)
 /* Whether a file is better than those that were kept before it: it reaches the target or, as long as none does, has the highest
  * quality of all trials, which is of use where any quality is accepted. */
 static bool is_best(const gscl_encoder *e, const gscl_quality_search *search, bool reached, double quality) {
-    const bool is_highest = search->trials > 0 && search->high.bytes == 0 && quality >= search->best_quality;
+    const bool is_highest = search->high.bytes == 0 && quality >= search->best_quality;
     return reached || (e->accepts_less && is_highest);
 }
 
@@ -90,11 +90,13 @@ static gscl_result try_size(gscl_encoder *e, const gscl_image *image, gscl_quali
     encoded_file file;
     double quality;
     GSCL_TRY(encode_at(e, search));
-    GSCL_TRY(gscl_encoder_quality(e, image, e->settings.target, &quality));
     GSCL_TRY(gscl_coded_image_write(&e->coded, &file.bytes, &file.size));
-    take_trial(e, search, quality, &file, best);
+    const gscl_result result =
+        gscl_file_quality(e->context, file.bytes, file.size, true, image, e->settings.target, &quality);
+    if (result == GSCL_OK)
+        take_trial(e, search, quality, &file, best);
     free(file.bytes);
-    return GSCL_OK;
+    return result;
 }
 
 static gscl_result fail_target(gscl_encoder *e, double best_quality) {

@@ -28,8 +28,12 @@ static outlook look_out(uint32_t all, uint32_t repairs, double loss) {
 
 static uint32_t cheapest(uint32_t all, double loss) {
     uint32_t best = 0;
-    for (uint32_t repairs = 1; repairs < all; repairs++)
-        best = look_out(all, repairs, loss).cost < look_out(all, best, loss).cost ? repairs : best;
+    double least = INFINITY;
+    for (uint32_t repairs = 0; repairs < all; repairs++) {
+        const double cost = look_out(all, repairs, loss).cost;
+        best = cost < least ? repairs : best;
+        least = fmin(cost, least);
+    }
     return best;
 }
 
