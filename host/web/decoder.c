@@ -101,8 +101,9 @@ const float *web_splats(void) {
     return params;
 }
 
-/* Sets the rectangle of the whole drawn image that web_draw draws.  Returns what max_work limits.  The rectangle must have at most GSCL_MAX_DIMENSION
- * pixels a side; the whole image may be larger than gscl_decode allows, so that pages can zoom far. */
+/* Sets the rectangle of the whole drawn image that web_draw draws.  The rectangle must have at most GSCL_MAX_DIMENSION
+ * pixels a side; the whole image may be larger than gscl_decode allows, so that pages can zoom far.  Returns what max_work
+ * limits. */
 double web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     frame = (gscl_frame){.full_width = full_width,
                          .full_height = full_height,

@@ -21,6 +21,15 @@ const char *name_suffix(const char *name) {
     return dot && dot != base ? dot : base + strlen(base);
 }
 
+int output_take_operand(const char *command, char *const *operands, int *count, const char **output) {
+    const char *last = operands[*count - 1];
+    if (access(last, F_OK) == 0)
+        return report_usage(command, "%s exists; name it with -o to replace it", last);
+    *output = last;
+    --*count;
+    return 0;
+}
+
 bool output_is_separate(const char *command, const char *input, const char *output) {
     struct stat in, out;
     if (strcmp(input, "-") == 0 || output_descriptor(output) >= 0 || stat(input, &in) || stat(output, &out))

@@ -52,4 +52,8 @@ bool output_make_folders(const char *name);
 /* The suffix of a file name (".png"), or the end of the name if it has none. */
 const char *name_suffix(const char *name);
 
+/* Takes the last of *count operands as the output, which must not exist, so that a pattern of the shell replaces nothing.
+ * Returns 0, or EXIT_USAGE after reporting that it exists. */
+int output_take_operand(const char *command, char *const *operands, int *count, const char **output);
+
 #endif

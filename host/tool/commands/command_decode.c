@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <gscl/gscl.h>
 
@@ -196,19 +195,10 @@ static int decode_file(const decode_options *options) {
     return status;
 }
 
-/* Whether the last of several operands names an image: without -o it is the output, which must not exist, so that a pattern of
- * the shell does not replace a photograph. */
+/* Whether the last of several operands names an image: without -o it is the output. */
 static bool has_output_operand(const decode_options *decode) {
     return !decode->output && decode->input_count > 1 &&
            image_format_has_suffix(decode->inputs[decode->input_count - 1]);
-}
-
-static void take_output(decode_options *decode) {
-    const char *last = decode->inputs[decode->input_count - 1];
-    if (!has_output_operand(decode) || access(last, F_OK) == 0)
-        return;
-    decode->output = last;
-    decode->input_count--;
 }
 
 static option_outcome parse_decode(decode_options *decode, int argc, char **argv) {
@@ -219,8 +209,7 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
          .value = &decode->output,
          .argument = "FILE",
          .help = "image to write, in the format of its suffix, PNG where a pipe has none; - is standard output "
-                 "(default: the "
-                 "last operand, where it has the suffix of an image and does not exist)"},
+                 "(default: the last operand, where it has the suffix of an image and does not exist)"},
         {.name = "scale",
          .kind = OPTION_REAL,
          .value = &decode->scale,
@@ -292,7 +281,6 @@ static option_outcome parse_decode(decode_options *decode, int argc, char **argv
         decode->inputs = argv + first;
         decode->input_count = argc - first;
         decode->input = argv[first];
-        take_output(decode);
     }
     return outcome;
 }
@@ -302,9 +290,9 @@ int command_decode(int argc, char **argv) {
     const option_outcome outcome = parse_decode(&options, argc, argv);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
-    if (has_output_operand(&options))
-        return report_usage("decode", "%s exists; name it with -o to replace it",
-                            options.inputs[options.input_count - 1]);
+    if (has_output_operand(&options) &&
+        output_take_operand("decode", options.inputs, &options.input_count, &options.output) != 0)
+        return EXIT_USAGE;
     if (!options.output)
         return report_usage("decode", "the output is missing; give the name of an image, or -o - for standard output");
     if (options.has_scale && options.has_size)

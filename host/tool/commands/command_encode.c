@@ -2,7 +2,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 #include <gscl/gscl.h>
 
@@ -66,19 +65,12 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
 #define MAX_CODEBOOK 1024
 #define MAX_SHARDS 1000000
 
-/* Whether the second of two operands names a coded picture: without -o it is the output, which must not exist. */
+/* Whether the second of two operands names a coded picture: without -o it is the output. */
 static bool has_output_operand(const encode_batch *batch) {
     if (batch->count != 2 || batch->output || batch->out_dir || batch->files_from)
         return false;
     const char *suffix = name_suffix(batch->inputs[1]);
     return strcasecmp(suffix, ".gscl") == 0 || strcasecmp(suffix, ".gsclp") == 0;
-}
-
-static void take_output(encode_batch *batch) {
-    if (!has_output_operand(batch) || access(batch->inputs[1], F_OK) == 0)
-        return;
-    batch->output = batch->inputs[1];
-    batch->count = 1;
 }
 
 static option_outcome parse_encode(encode_options *encode, int argc, char **argv) {
@@ -179,8 +171,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .min_real = 0,
          .max_real = 100,
          .help = "quality as of JPEG: a --ssimulacra2 of Q from 30 on, and down to -50 for 0; the best file where it "
-                 "cannot be "
-                 "reached"},
+                 "cannot be reached"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
@@ -221,8 +212,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "T",
          .help = "quality measure to optimise: psnr, ssim for MS-SSIM, or visual for what people see (default: auto: "
                  "psnr for files below 600 bytes without -q and --ssimulacra2, with --psnr, and for images with "
-                 "transparent "
-                 "parts or above 16 megapixels; else visual)"},
+                 "transparent parts or above 16 megapixels; else visual)"},
         {.name = "effects",
          .kind = OPTION_TEXT,
          .value = &encode->effects,
@@ -335,8 +325,6 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     const option_outcome outcome = options_parse(&command, argc, argv, &first);
     batch->inputs = argv + first;
     batch->count = argc - first;
-    if (outcome == OPTIONS_RUN)
-        take_output(batch);
     return outcome;
 }
 
@@ -387,8 +375,6 @@ static int check_options(encode_options *encode) {
         return report_usage("encode", "--codebook applies to the paper profile only; add --profile paper");
     if (batch->output && batch->out_dir)
         return report_usage("encode", "-o and --out-dir exclude each other; give one of them");
-    if (has_output_operand(batch))
-        return report_usage("encode", "%s exists; name it with -o to replace it", batch->inputs[1]);
     if (batch->output && batch->count > 1)
         return report_usage("encode", "-o names one file but there are %d inputs; use --out-dir", batch->count);
     if (!batch->output && !batch->base64 && reads_standard_input(batch))
@@ -450,6 +436,9 @@ int command_encode(int argc, char **argv) {
     const option_outcome outcome = parse_encode(&encode, argc, argv);
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
+    encode_batch *batch = &encode.batch;
+    if (has_output_operand(batch) && output_take_operand("encode", batch->inputs, &batch->count, &batch->output) != 0)
+        return EXIT_USAGE;
     if (check_options(&encode) != 0)
         return EXIT_USAGE;
     fill_settings(&encode);
