@@ -18,6 +18,7 @@ from typing import BinaryIO
 from PIL import Image
 
 import gscl
+from gscl._arguments import add_targets
 from gscl._colours import Colours, require_conversion, to_srgb
 from gscl._inspect import readable_metadata
 
@@ -51,13 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_encode(parser: argparse.ArgumentParser) -> None:
     _add_places(parser, "OUT.gscl")
-    target = parser.add_mutually_exclusive_group()
-    target.add_argument("-q", "--quality", metavar="Q", type=float, help="quality as of JPEG, 0 to 100")
-    target.add_argument("--bytes", metavar="N", type=int, help="the most bytes of the file")
-    target.add_argument("--bpp", metavar="R", type=float, help="the most bits per pixel (default: 0.125, at least 256 bytes)")
-    target.add_argument("--psnr", metavar="DB", type=float, help="PSNR to reach in dB")
-    target.add_argument("--ssimulacra2", metavar="X", type=float, help="SSIMULACRA 2 to reach")
-    target.add_argument("--splats", metavar="N", type=int, help="number of splats")
+    add_targets(parser)
     parser.add_argument("--effort", metavar="N", type=int, default=5, help="0 is fastest, 9 has the best quality (default 5)")
     parser.add_argument("--tune", choices=["auto", "psnr", "ssim", "visual"], default="auto", help="quality measure to optimise")
     parser.add_argument("--seed", metavar="S", type=int, default=1, help="of the random numbers (default 1)")

@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 import distributed
 
+from gscl._arguments import add_targets
 from gscl._errors import Error
 from gscl.batch import BatchProgress, run
 
@@ -95,13 +96,7 @@ def _parser() -> argparse.ArgumentParser:
     )
 
     settings = parser.add_argument_group("encoding, as in gscl.encode")
-    target = settings.add_mutually_exclusive_group()
-    target.add_argument("--bytes", metavar="N", type=int, help="the most bytes of each file")
-    target.add_argument("--bpp", metavar="X", type=float, help="the most bits per pixel")
-    target.add_argument("--psnr", metavar="DB", type=float, help="the least PSNR")
-    target.add_argument("--ssimulacra2", metavar="X", type=float, help="the least SSIMULACRA 2")
-    target.add_argument("-q", "--quality", metavar="Q", type=float, help="quality as of JPEG, 0 to 100")
-    target.add_argument("--splats", metavar="N", type=int, help="the most splats")
+    add_targets(settings)
     settings.add_argument("--effort", metavar="0..9", type=int, help="default: 5")
     settings.add_argument("--tune", choices=["auto", "psnr", "ssim", "visual"])
     settings.add_argument("--seed", metavar="N", type=int)

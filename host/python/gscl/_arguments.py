@@ -1,0 +1,16 @@
+"""Options that the commands of this package share."""
+
+from __future__ import annotations
+
+import argparse
+
+
+def add_targets(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+    """The targets of gscl.encode, of which at most one may be given."""
+    target = parser.add_mutually_exclusive_group()
+    target.add_argument("-q", "--quality", metavar="Q", type=float, help="quality as of JPEG, 0 to 100")
+    target.add_argument("--bytes", metavar="N", type=int, help="the most bytes of a file")
+    target.add_argument("--bpp", metavar="R", type=float, help="the most bits per pixel (default: 0.125, at least 256 bytes)")
+    target.add_argument("--psnr", metavar="DB", type=float, help="PSNR to reach in dB")
+    target.add_argument("--ssimulacra2", metavar="X", type=float, help="SSIMULACRA 2 to reach")
+    target.add_argument("--splats", metavar="N", type=int, help="number of splats")
