@@ -56,6 +56,17 @@ def images_of(folder, only=""):
     return paths
 
 
+def reduced(path, longer):
+    """The picture of a file as RGB, reduced to a longer side of so many pixels; 0: as it is."""
+    from PIL import Image  # only scripts that reduce pictures need Pillow
+    with Image.open(path) as opened:
+        image = opened.convert("RGB")
+    if not longer:
+        return image
+    scale = longer / max(image.size)
+    return image.resize([max(1, round(side * scale)) for side in image.size], Image.LANCZOS)
+
+
 def compare(gscl, a, b):
     """The measures of `gscl compare`; NaN where one does not apply, as MS-SSIM of a small image."""
     _, measures = run(gscl, "compare", a, b, "--json")

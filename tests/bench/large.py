@@ -21,6 +21,7 @@ from PIL import Image
 
 import codec
 import document
+from process import Run
 
 HEAD = ("megapixels", "photograph", "effort", "bytes", "seconds", "of all cores", "MiB", "error of the time left")
 SHOWN = re.compile(rb" ([\d.]+) s left")
@@ -28,32 +29,28 @@ SHOWN = re.compile(rb" ([\d.]+) s left")
 Image.MAX_IMAGE_PIXELS = None
 
 
-class Encode:
-    """An encode whose messages go to a terminal: its seconds, memory, and what it showed as (seconds since the start, left)."""
+class Encode(Run):
+    """An encode whose messages go to a terminal, with what it showed as (seconds since the start, seconds left)."""
 
-    def __init__(self, *words):
-        terminal, other_end = pty.openpty()
-        start = time.perf_counter()
-        process = subprocess.Popen([str(word) for word in words], stderr=other_end, stdout=subprocess.DEVNULL)
+    def begin(self, words, env):
+        self.terminal, other_end = pty.openpty()
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=other_end, env=env)
         os.close(other_end)
+        return process
+
+    def listen(self, process):
         self.shown, text = [], b""
-        while chunk := self.read(terminal):
+        while chunk := self.read():
             text = (text + chunk)[-400:]
             left = SHOWN.findall(text)
             if left:
-                self.shown.append((time.perf_counter() - start, float(left[-1])))
-        _, status, usage = os.wait4(process.pid, 0)
-        self.wall_s = time.perf_counter() - start
-        self.cpu_s = usage.ru_utime + usage.ru_stime
-        self.memory_mib = usage.ru_maxrss / 1024
-        os.close(terminal)
-        if status:
-            raise SystemExit(f"{' '.join(map(str, words))}: {text.decode(errors='replace').strip()}")
+                self.shown.append((time.perf_counter() - self.start_s, float(left[-1])))
+        os.close(self.terminal)
+        return text
 
-    @staticmethod
-    def read(terminal):
+    def read(self):
         try:
-            return os.read(terminal, 4096)
+            return os.read(self.terminal, 4096)
         except OSError:  # closed at the other end
             return b""
 

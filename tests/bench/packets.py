@@ -46,11 +46,7 @@ class Scene:
     def __init__(self, arguments, path, longer, work):
         self.gscl, self.work, self.options = arguments.gscl, work, arguments.options
         self.path = work / f"{path.stem}.png"
-        with Image.open(path) as opened:
-            self.image = opened.convert("RGB")
-        if longer:
-            scale = longer / max(self.image.size)
-            self.image = self.image.resize([max(1, round(side * scale)) for side in self.image.size], Image.LANCZOS)
+        self.image = codec.reduced(path, longer)
         self.image.save(self.path)
         self.drawn = work / "drawn.png"
         self.nothing = self.measure(Image.new("RGB", self.image.size, (GREY,) * 3))

@@ -10,8 +10,6 @@ quality takes fewer bytes than the one before it.
 """
 import resource
 
-from PIL import Image
-
 import codec
 import document
 
@@ -32,10 +30,7 @@ def encode(arguments, image, coded, *options):
 
 def measure_image(arguments, path, work):
     image, coded = work / f"{path.stem}.png", work / "coded.gscl"
-    with Image.open(path) as opened:
-        picture = opened.convert("RGB")
-    scale = arguments.longer / max(picture.size) if arguments.longer else 1
-    picture.resize([max(1, round(side * scale)) for side in picture.size], Image.LANCZOS).save(image)
+    codec.reduced(path, arguments.longer).save(image)
     rows = []
     for quality in arguments.qualities:
         found, seconds = encode(arguments, image, coded, "-q", quality)

@@ -8,40 +8,21 @@ All encodes have --tune psnr.  With --document the tables replace the section `s
 no other load.
 """
 import json
-import os
 import pathlib
-import subprocess
 import tempfile
-import time
 
 from PIL import Image
 
 import codec
 import document
 from document import CORES, table
+from process import Run
 
 RATES = ("0.042", "0.183")  # bits per pixel
 GROWTH_RATE = "0.1"
 MOSAIC_SIDES = (1, 2, 4, 8)  # images along each side
 MOSAIC_CELL = (768, 512)  # pixels
 BATCH_SIZE = 48  # images
-
-
-class Run:
-    """A finished process: its output, wall and CPU seconds, and peak memory in MiB."""
-
-    def __init__(self, *words, env=None):
-        start = time.perf_counter()
-        process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   env={**os.environ, **(env or {})})
-        self.output = process.stdout.read()
-        errors = process.stderr.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        self.wall_s = time.perf_counter() - start
-        self.cpu_s = usage.ru_utime + usage.ru_stime
-        self.memory_mib = usage.ru_maxrss / 1024
-        if status:
-            raise SystemExit(f"{' '.join(map(str, words))}: {errors.decode(errors='replace').strip()}")
 
 
 def mean(runs, attribute):
