@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Builds the decoder for web pages: build.py --out FOLDER --depfile FILE [--include FOLDER...] C_SOURCE... JS_SOURCE...
 
-Writes gscl.wasm and gscl-packets.wasm, compiled from the C sources without and with the code for packets, gscl.js, which joins
-JavaScript sources, and inline.js, which has gscl.wasm in it, into the folder, and compile_commands.json for clang-tidy and editors.  It needs clang and
-wasm-ld of the same version, wasm-opt and esbuild.
+Writes gscl.wasm and gscl-packets.wasm, compiled from the C sources without and with the code for packets, gscl.js, which
+joins JavaScript sources, and inline.js, which has gscl.wasm in it, into the folder, and compile_commands.json for
+clang-tidy and editors.  It needs clang and wasm-ld of the same version, wasm-opt and esbuild.
 """
 import argparse
 import base64
