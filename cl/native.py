@@ -5,12 +5,18 @@ native.py names                                        prints the names of all p
 native.py compile PROGRAM PROCESSOR OBJECT CLANG...    compiles one; CLANG: the compiler with its options for the processor
 native.py table TABLE.c CLANG PROCESSOR...             writes the table of all programs of these processors
 
+With KEPT_KERNELS, the name of a folder, in the environment, objects are kept there, and copied by later builds that compile the
+same text with the same compiler and options.
+
 A program becomes an object file with a function for each of its kernels (gscl_native_function in
 host/lib/native/programs.h), which runs a range of work-items.  All else in the file has internal linkage, since programs
 are variants of the same functions.
 """
+import hashlib
 import os
+import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -63,11 +69,31 @@ def source(program, processor, compiler):
     return text + "\n#pragma clang attribute pop\n" + "".join(functions)  # begun in native.h
 
 
+def kept_object(command, text):
+    """Where the object of a text is kept, None where none are."""
+    folder = os.environ.get("KEPT_KERNELS")
+    if not folder:
+        return None
+    version = subprocess.run([command[0], "--version"], stdout=subprocess.PIPE, check=True).stdout
+    key = hashlib.sha256(version + "\0".join([os.path.realpath(FOLDER), *command, text]).encode()).hexdigest()
+    return pathlib.Path(folder, key + ".o")
+
+
 def compile_program(name, processor, output, compiler):
     program = next(p for p in programs() if p.name == name)
     clang, *options = compiler
-    command = [clang, *LANGUAGE, "-cl-no-stdinc", *OPTIONS, *options, "-c", "-", "-o", os.path.abspath(output)]
-    subprocess.run(command, input=source(program, processor, compiler), text=True, cwd=FOLDER, check=True)
+    command = [clang, *LANGUAGE, "-cl-no-stdinc", *OPTIONS, *options, "-c", "-"]
+    text = source(program, processor, compiler)
+    kept = kept_object(command, text)
+    if kept and kept.exists():
+        shutil.copyfile(kept, output)
+        return
+    subprocess.run([*command, "-o", os.path.abspath(output)], input=text, text=True, cwd=FOLDER, check=True)
+    if kept:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        part = kept.with_suffix(f".{os.getpid()}")
+        shutil.copyfile(output, part)
+        part.replace(kept)  # whole at once: other builds may compile the same text now
 
 
 def row(program, processor, kernels):

@@ -21,13 +21,14 @@ release_build() {
 }
 
 kernel_lane() {
-    suite build-test $without_whole
+    suite build-test all_but_kernels $without_whole --no-suite kernels
     sanitizers
 }
 
 build_lane() {
     check "quickstart" sh tests/quickstart.sh # of the README, in build/ and out/
     sources
+    suite build-test kernels $without_whole --suite kernels
     library_without_opencl
     library_alone
     # Its warnings do not depend on optimisation.
@@ -86,7 +87,7 @@ sanitizers() {
         -Dopenimageio=disabled -Ddesktop=disabled -Dplots=disabled -Dnative_processors=own
     export ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     export STABILITY_SMALL=1
-    suite build-sanitize --suite unit --suite fuzz --suite conformance --suite stability --no-suite opencl --no-suite whole
+    suite build-sanitize sanitized --suite unit --suite fuzz --suite conformance --suite stability --no-suite opencl --no-suite whole
     unset ASAN_OPTIONS UBSAN_OPTIONS STABILITY_SMALL
     check "no leaks" sh tests/check_leaks.sh "$PWD/build-sanitize"
 }
@@ -98,8 +99,8 @@ library_without_opencl() {
     check "build without OpenCL" build build-native -Dopencl=disabled -Dnative=enabled -Dnative_processors=own \
         -Dtool=disabled -Dtests=enabled -Dweb=disabled -Dopenimageio=disabled -Ddesktop=disabled
     export STABILITY_SMALL=1
-    suite build-decoder
-    suite build-native
+    suite build-decoder all
+    suite build-native all
     unset STABILITY_SMALL
     check "library that only decodes" sh tests/install/test_without_opencl.sh build-decoder
     check "same files on aarch64" sh tests/portability/check_golden.sh
@@ -181,13 +182,14 @@ add_counts() {
 # The kernels are the same in all builds.
 with_cache="$PWD/tests/with_cache.py $PWD/build-test/kernels"
 
-# suite FOLDER [MESON TEST ARGUMENTS]
+# suite FOLDER LOGS [MESON TEST ARGUMENTS]: LOGS names the logs, which are not those of another suite in the folder.
 suite() {
     folder=$1
-    shift
-    results=$folder/meson-logs/testlog-with_cache.py.json # meson names it after the wrapper
+    logs=$2
+    results=$folder/meson-logs/$logs-with_cache.py.json # meson adds the name of the wrapper
+    shift 2
     rm -f "$results"
-    show "tests of $folder" meson test -C "$folder" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
+    show "tests of $folder" meson test -C "$folder" --logbase "$logs" --no-rebuild --print-errorlogs --wrapper "$with_cache" "$@"
     add_counts "$results"
 }
 
@@ -207,6 +209,9 @@ pytest_suite() {
     show "tests in $results" env POCL_CACHE_DIR="$PWD/build-test/python/pocl" $with_cache "$@"
     add_counts "$results"
 }
+
+# The builds compile each kernel once (cl/native.py).
+export KEPT_KERNELS="$PWD/build-test/kept_kernels"
 
 # All tests but those of tests/devices run on PoCL, whatever else is installed.
 [ ! -f /etc/OpenCL/vendors/pocl.icd ] || export OCL_ICD_VENDORS=/etc/OpenCL/vendors/pocl.icd

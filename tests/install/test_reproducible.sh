@@ -8,6 +8,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT INT TERM
+unset KEPT_KERNELS # each build compiles its own
 
 # build SOURCES FOLDER
 build() {
