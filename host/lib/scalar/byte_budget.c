@@ -90,6 +90,7 @@ typedef struct price_search {
     gscl_kept_codes below; /* the largest file within the budget; empty: none was */
     double low, high;      /* lambda scales that left `above` too large, and made it smaller than a full one; 0: none */
     double low_size, high_size; /* bytes */
+    double higher, higher_size; /* those of the price before `high` on its side of the budget; 0: none */
 } price_search;
 
 /* Notes what a pass at this price made of the file above.  Before one makes it too small, each is a step towards the budget. */
@@ -97,17 +98,25 @@ static gscl_result note_size(price_search *p, gscl_scalar_state *s, double lambd
     const bool is_above = s->size > s->bytes;
     if (is_above && p->high == 0)
         return gscl_kept_codes_keep(&p->above, s, NAN);
+    if (!is_above) {
+        p->higher = p->high;
+        p->higher_size = p->high_size;
+    }
     *(is_above ? &p->low : &p->high) = lambda_scale;
     *(is_above ? &p->low_size : &p->high_size) = (double)s->size;
     return !is_above && p->below.size < s->size ? gscl_kept_codes_keep(&p->below, s, NAN) : GSCL_OK;
 }
 
-/* The price after one at which a pass made the file too small: lower, or where a straight line through the sizes at the prices
- * on the two sides of the budget meets it. */
+/* The price after one at which a pass made the file too small: where a straight line through the sizes at two prices meets `aim`,
+ * those on the two sides of the budget or, before one made it too large, the last two. */
 static double next_price(const price_search *p, double aim) {
-    if (p->low == 0)
-        return p->high * gscl_pow(p->high_size / aim, tunables->refund_gain);
-    return p->low * gscl_pow(p->high / p->low, (p->low_size - aim) / (p->low_size - p->high_size));
+    if (p->low > 0)
+        return p->low * gscl_pow(p->high / p->low, (p->low_size - aim) / (p->low_size - p->high_size));
+    if (p->higher > 0 && p->high_size > p->higher_size) {
+        const double steps = (aim - p->high_size) / (p->high_size - p->higher_size);
+        return p->high * fmax(gscl_pow(p->high / p->higher, steps), tunables->slack_factor);
+    }
+    return p->high * gscl_pow(p->high_size / aim, tunables->refund_gain);
 }
 
 static gscl_result try_price(price_search *p, gscl_scalar_state *s) {
