@@ -6,17 +6,11 @@
 #include "runtime/timing.h"
 #include "scalar/kept_codes.h"
 #include "scalar/scalar_fit.h"
+#include "scalar/scalar_progress.h"
 #include "scalar/scalar_rdo.h"
 #include "session/encode_trace.h"
 
 static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables;
-
-static gscl_result report_pass_progress(gscl_scalar_state *s) {
-    gscl_progress_state *progress = &s->encoder->progress;
-    const double done = fmin((double)s->passes_done / (s->passes + tunables->expected_final_passes), 1);
-    progress->splats = s->coded->file.header.splat_count;
-    return gscl_progress_report(s->encoder->context, progress, s->fit_end + (s->passes_end - s->fit_end) * done);
-}
 
 gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
     gscl_scalar_rdo_settings settings = gscl_scalar_rdo_default_settings(s->lambda_scale);
@@ -29,9 +23,8 @@ gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
     gscl_log(e->context, GSCL_LOG_DEBUG, "%.2f s, pass: %u splats, %zu bytes, lambda scale %.2f%s",
              gscl_now() - e->progress.start_s, s->coded->file.header.splat_count, s->size, s->lambda_scale,
              scan_textures ? ", scan" : "");
-    s->passes_done++;
     GSCL_TRY(gscl_trace_coded_image(e, &s->fit, s->coded, s->steps));
-    return report_pass_progress(s);
+    return gscl_scalar_report_pass(s, scan_textures);
 }
 
 bool gscl_scalar_has_max_splats(const gscl_scalar_state *s) {

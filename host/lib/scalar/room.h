@@ -6,6 +6,7 @@
  *   encode_scalar.h: the stages of the profile
  *   scalar_state.h: the state that they share
  *   scalar_fit.h: stage "fit"
+ *   fit_levels.h: which level each of its steps sees
  *   visual_model.h: the visual loss in it
  *   choose_codes.h: stage "choose codes", a loop of rate-distortion passes
  *   scalar_rdo.h: one rate-distortion pass
@@ -17,6 +18,7 @@
  *   search_state.h: what its two parts share
  *   search_pool.h: the results that a search combines
  *   kept_codes.h: copies of codes
+ *   scalar_progress.h: what part of the time is over
  *   probe_fit.c: short fits by which effects are decided
  *   tunables.h: effort presets, and the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_SCALAR_H

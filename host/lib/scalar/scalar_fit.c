@@ -10,8 +10,9 @@
 #include "fit/density.h"
 #include "runtime/elementary.h"
 #include "runtime/launch.h"
-#include "runtime/queue.h"
-#include "runtime/timing.h"
+#include "runtime/stage_clock.h"
+#include "scalar/fit_levels.h"
+#include "scalar/scalar_progress.h"
 #include "scalar/visual_model.h"
 #include "session/encode_trace.h"
 
@@ -85,30 +86,6 @@ static gscl_result create_fit(gscl_scalar_state *s) {
 
 /* ---- Levels of the pyramid ---- */
 
-/* The shares of the steps at which the fits at full, half and quarter size end. */
-static void level_ends(const gscl_scalar_state *s, double ends[3]) {
-    const double spacing = gscl_scalar_relative_spacing(s);
-    ends[2] = fmin(tunables->quarter_until * spacing, tunables->max_quarter_until);
-    ends[1] = fmin(tunables->half_until * spacing, tunables->max_half_until);
-    ends[0] = 1;
-}
-
-static int limited_level(const gscl_scalar_state *s, int level) {
-    return level > s->finest ? level : s->finest;
-}
-
-/* The finest level for this part of the steps: the level must contain the detail that the splats should fit. */
-static int level_due(const gscl_scalar_state *s, double fraction) {
-    double ends[3];
-    level_ends(s, ends);
-    return s->source->first_level + limited_level(s, fraction < ends[2] ? 2 : fraction < ends[1] ? 1 : 0);
-}
-
-/* Whether errors of the fit and residuals of levels are comparable. */
-static bool has_squared_error(const gscl_scalar_state *s) {
-    return s->encoder->settings.loss == GSCL_LOSS_L2 && s->fit.renderer.options.weighted != GSCL_WEIGHTED_PIXELS;
-}
-
 /* Measures the error of the splats at the current level: state->known_error. */
 static gscl_result measure_fit(gscl_scalar_state *s) {
     if (s->fit.model_level < 0)
@@ -122,7 +99,7 @@ static gscl_result measure_fit(gscl_scalar_state *s) {
 static gscl_result needs_level(gscl_scalar_state *s, int level, bool *needed) {
     double *residual = &s->residuals[level];
     *needed = true;
-    if (!has_squared_error(s))
+    if (!gscl_scalar_has_squared_error(s))
         return GSCL_OK;
     if (isnan(*residual)) {
         GSCL_TRY(gscl_fit_level_residual(&s->fit, level, residual));
@@ -190,42 +167,6 @@ static gscl_result sort_for_alpha(gscl_scalar_state *s) {
 
 /* ---- Steps ---- */
 
-/* What this share of the steps takes, in steps at full size: at smaller levels they take less. */
-static double work_of(const gscl_scalar_state *s, double fraction) {
-    double ends[3], from = 0, work = 0;
-    level_ends(s, ends);
-    for (int level = 2; level >= 0; level--) {
-        const double to = fmax(fmin(fraction, ends[level]), from);
-        work += (to - from) * (ldexp(1, -2 * limited_level(s, level)) + tunables->step_work);
-        from = to;
-    }
-    return s->steps * work;
-}
-
-/* The share of the time of an encode that is not searched, at which its fit ends. */
-static double expected_fit_end(const gscl_scalar_state *s) {
-    const double fit = work_of(s, 1);
-    const double pass = ldexp(tunables->pass_work, -2 * s->finest);
-    return fit / (fit + pass * (s->passes + tunables->expected_final_passes));
-}
-
-/* Steps of large images take so long that the device is waited for, which otherwise has many of them to do. */
-static gscl_result report_fit_progress(gscl_scalar_state *s, int step) {
-    gscl_progress_state *progress = &s->encoder->progress;
-    const bool is_plain = has_squared_error(s) && s->fit.model_level < 0;
-    const bool is_large = s->source_pixels >= tunables->min_report_wait_pixels;
-    const double loss = s->fit.known_loss; /* of some steps ago */
-    const int interval = is_large ? tunables->large_report_interval : tunables->report_interval;
-    if (!progress->callback || step % interval != 0)
-        return GSCL_OK;
-    if (is_large)
-        GSCL_TRY(gscl_finish(s->encoder->context));
-    progress->psnr = is_plain && loss > 0 ? -10 * gscl_log10(loss) : 0;
-    progress->splats = (uint32_t)s->fit.renderer.count;
-    const double share = work_of(s, (double)step / s->steps) / work_of(s, 1);
-    return gscl_progress_report(s->encoder->context, progress, s->fit_end * share);
-}
-
 /* Whether step `step` is the one at this share of all steps. */
 static bool is_step_at(const gscl_scalar_state *s, int step, double share) {
     return step == (int)(share * s->steps);
@@ -247,7 +188,7 @@ static gscl_result place_first_splats(gscl_scalar_state *s) {
 /* Sets the level, the splats and the target before step `step`.  `round`: last densification round so far. */
 static gscl_result prepare_step(gscl_scalar_state *s, int step, int *round, bool *quantising) {
     const double fraction = (double)step / s->steps;
-    GSCL_TRY(change_level(s, step, level_due(s, fraction)));
+    GSCL_TRY(change_level(s, step, gscl_scalar_level_due(s, fraction)));
     if (step == 0)
         GSCL_TRY(place_first_splats(s));
     if (!*quantising && fraction >= tunables->quantise_from) {
@@ -269,14 +210,14 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
     bool quantising = false;
     GSCL_TRY(create_fit(s));
     if (!s->is_searched)
-        s->fit_end = expected_fit_end(s);
+        gscl_scalar_expect_fit_end(s);
     for (int step = 0; step < s->steps; step++) {
         GSCL_TRY(prepare_step(s, step, &round, &quantising));
         const double fraction = (double)step / s->steps;
         GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction) * nearness(s), row_step(s, fraction)));
         if (s->fit.model_level < 0)
             s->known_error = s->fit.known_loss; /* of an earlier step, without waiting */
-        GSCL_TRY(report_fit_progress(s, step));
+        GSCL_TRY(gscl_scalar_report_step(s, step));
         if ((step + 1) % gscl_trace_interval(s->steps) == 0)
             GSCL_TRY(gscl_trace_fit(s->encoder, &s->fit, step + 1));
     }

@@ -215,3 +215,7 @@ gscl_result gscl_scalar_set_quantiser(gscl_scalar_state *s) {
     GSCL_TRY(gscl_renderer_set_steps(&s->fit.renderer, steps));
     return gscl_renderer_project(&s->fit.renderer);
 }
+
+bool gscl_scalar_has_squared_error(const gscl_scalar_state *s) {
+    return s->encoder->settings.loss == GSCL_LOSS_L2 && s->fit.renderer.options.weighted != GSCL_WEIGHTED_PIXELS;
+}

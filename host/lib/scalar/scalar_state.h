@@ -66,6 +66,7 @@ typedef struct gscl_scalar_state {
     gscl_scalar_rdo rdo;         /* arrays and buffers of the passes */
     size_t size;                 /* of the coded image as a file, after the last pass */
     int passes_done;             /* for the progress report */
+    double pass_work_done;       /* the same, in passes that do not scan */
     bool textures;               /* textures may be used */
     bool keep_all;               /* no splat is dropped */
     double lambda_scale;         /* price of a bit in the next pass, see gscl_scalar_rdo_settings */
@@ -83,6 +84,8 @@ void gscl_scalar_end(gscl_scalar_state *state);
 
 /* Distance from splat to splat in the source, in units of the tunable full_size_distance. */
 double gscl_scalar_relative_spacing(const gscl_scalar_state *state);
+/* Whether errors of the fit and residuals of levels are comparable. */
+bool gscl_scalar_has_squared_error(const gscl_scalar_state *state);
 /* GSCL_WEIGHTED_... of the tune. */
 int gscl_scalar_weighting(const gscl_scalar_state *state);
 /* Reads the fit's splats and turns them into codes. */

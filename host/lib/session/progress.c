@@ -20,12 +20,14 @@ static gscl_result report_share(gscl_context *context, gscl_progress_state *p, d
     if (!p->callback)
         return GSCL_OK;
     p->done = fmax(p->done, done);
-    const double elapsed = gscl_now() - p->start_s;
+    const double now = gscl_now(), elapsed = now - p->start_s;
+    if (p->first_s == 0)
+        p->first_s = now;
     const gscl_progress progress = {.fraction = p->done,
                                     .psnr = p->psnr,
                                     .splats = p->splats,
                                     .elapsed_s = elapsed,
-                                    .remaining_s = gscl_remaining_s(elapsed, p->done)};
+                                    .remaining_s = gscl_remaining_s(now - p->first_s, p->done)};
     if (p->callback(p->opaque, &progress))
         return GSCL_OK;
     return gscl_fail(context, GSCL_ERROR_CANCELLED, "cancelled");

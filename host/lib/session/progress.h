@@ -8,6 +8,7 @@ typedef struct gscl_progress_state {
     gscl_progress_callback callback;
     void *opaque;
     double start_s;  /* of the encode, on the clock of gscl_now */
+    double first_s;  /* the same of the first report, before which the image is prepared; 0: there was none */
     double from, to; /* share of all stages at which the current one begins and ends */
     double done;     /* share of the encode that was reported last */
     double psnr;     /* of the fit, dB; 0: not known */
