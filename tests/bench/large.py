@@ -6,7 +6,8 @@
 
 FOLDER: photographs, as PNG or JPEG.  Each size is that of a photograph which has as many pixels or more and is shrunk; where none
 has, the largest is enlarged, which the table says.  "error of the time left" is the largest difference between the time that the
-terminal shows and the time that is really left, as a share of the latter, from a tenth to nine tenths of the time.
+terminal shows and the time that is really left, as a share of the latter, from a tenth to a half of the time; "of the whole time"
+is the same difference as a share of the whole time, from a tenth to the end.
 """
 import math
 import os
@@ -23,7 +24,7 @@ import codec
 import document
 from process import Run
 
-HEAD = ("megapixels", "photograph", "effort", "bytes", "seconds", "of all cores", "MiB", "error of the time left")
+HEAD = ("megapixels", "photograph", "effort", "bytes", "seconds", "of all cores", "MiB", "error of the time left", "of the whole time")
 SHOWN = re.compile(rb" ([\d.]+) s left")
 
 Image.MAX_IMAGE_PIXELS = None
@@ -54,9 +55,16 @@ class Encode(Run):
         except OSError:  # closed at the other end
             return b""
 
-    def error(self):
-        errors = [abs(left / (self.wall_s - now) - 1) for now, left in self.shown if 0.1 <= now / self.wall_s <= 0.9]
-        return max(errors, default=math.nan)
+    def errors(self, until):
+        """Of the seconds left that were shown from a tenth to this share of the time: seconds, and seconds really left."""
+        return [(abs(left - (self.wall_s - now)), self.wall_s - now)
+                for now, left in self.shown if 0.1 <= now / self.wall_s <= until]
+
+    def error_of_time_left(self):
+        return max((error / left for error, left in self.errors(0.5)), default=math.nan)
+
+    def error_of_whole_time(self):
+        return max((error / self.wall_s for error, _ in self.errors(1)), default=math.nan)
 
 
 def photographs_of(folder, only):
@@ -88,7 +96,7 @@ def measure(arguments, photographs, work):
         for effort in arguments.efforts:
             run = Encode(arguments.gscl, "encode", image, "-o", coded, "--effort", effort, *arguments.options)
             yield [f"{megapixels:g}", name, str(effort), str(coded.stat().st_size), f"{run.wall_s:.1f}", f"{run.cpu_s:.1f}",
-                   f"{run.memory_mib:.0f}", f"{100 * run.error():.0f} %"]
+                   f"{run.memory_mib:.0f}", f"{100 * run.error_of_time_left():.0f} %", f"{100 * run.error_of_whole_time():.0f} %"]
 
 
 def numbers(text):
