@@ -32,7 +32,9 @@
 #define GSCL_CPU_LANES 16
 #define GSCL_CPU_ROWS 16
 #define GSCL_CPU_CACHED_ROWS 512
+#ifndef GSCL_CPU_SPLAT_LANES
 #define GSCL_CPU_SPLAT_LANES 16
+#endif
 #define GSCL_CPU_LINK_SPLATS 64
 
 /* Blend modes, numbered as in the file format. */

@@ -121,6 +121,9 @@ const golden_case golden_cases[] = {
     {"splats", SCENE, 100, 100, 3, 2, .target = GSCL_TARGET_SPLATS, .value = 150},
     {"coarse-bare", SCENE, 60, 50, 3, 1, BYTES(400), .step_factor = 2, .bare = true},
     {"progressive", SCENE, 96, 64, 3, 2, BYTES(900), .progressive = true},
+    {"tiny", SCENE, 128, 85, 3, 2, BYTES(150), .bare = true},
+    {"packets", SCENE, 96, 64, 3, 1, BYTES(900), .packet_size = 150},
+    {"quality", SCENE, 96, 64, 3, 1, .target = GSCL_TARGET_QUALITY, .value = 30},
     {"2-megapixels", SCENE, 1600, 1250, 3, 0, BYTES(12000)},
 };
 const size_t golden_case_count = sizeof golden_cases / sizeof *golden_cases;
@@ -156,6 +159,7 @@ static gscl_encode_settings settings_of(const golden_case *c) {
     s.step_factor = c->step_factor;
     s.bare = c->bare;
     s.progressive = c->progressive;
+    s.packet_size = c->packet_size;
     return s;
 }
 

@@ -30,6 +30,7 @@ typedef struct golden_case {
     uint32_t codebook_size;
     double step_factor;
     bool bare, progressive;
+    uint32_t packet_size;
 } golden_case;
 
 extern const golden_case golden_cases[];

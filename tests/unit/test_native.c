@@ -19,8 +19,8 @@
 #include "devices.h"
 #include "golden_cases.h"
 #include "native/launch.h"
+#include "native/machine.h"
 #include "native/processor.h"
-#include "native/thread_count.h"
 #include "runtime/launch.h"
 
 #define LENGTH(a) (sizeof(a) / sizeof *(a))

@@ -1,22 +1,15 @@
-#define _POSIX_C_SOURCE 200809L
 #include "native/backend.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include "native/launch.h"
+#include "native/machine.h"
 #include "native/memory.h"
 #include "native/native_device.h"
 #include "native/processor.h"
-#include "native/thread_count.h"
 
 static const gscl_work_shapes shapes; /* as the CPU mapping is */
-
-static uint64_t memory_of_machine(void) {
-    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    return pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : SIZE_MAX / 2;
-}
 
 /* Lists the processor, unless the library has no kernels that it can run. */
 static gscl_result list(gscl_device_list *list) {
@@ -33,7 +26,7 @@ static gscl_result list(gscl_device_list *list) {
     snprintf(info->device_name, sizeof info->device_name, "this processor, kernels for %s", processor->name);
     snprintf(info->device_version, sizeof info->device_version, "gscl " GSCL_VERSION);
     info->compute_units = (uint32_t)gscl_native_thread_count();
-    info->memory_bytes = info->max_allocation_bytes = memory_of_machine();
+    info->memory_bytes = info->max_allocation_bytes = gscl_native_memory_bytes();
     list->count++;
     return GSCL_OK;
 }

@@ -7,7 +7,7 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-#include "native/thread_count.h"
+#include "native/machine.h"
 #include "native/tunables.h"
 #include "runtime/stage_clock.h"
 

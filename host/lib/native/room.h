@@ -6,8 +6,8 @@
  *   backend.h: the functions of this room that runtime/backend.h asks for
  *   programs.h: the compiled kernels of each processor, and which one serves which options
  *   processor.h: the kernels for the processor that this is; own_processor.c prints their name while building
- *   thread_count.h: the threads that this process may run
- *   pool.h: threads that share a launch
+ *   machine.h: the processors and the memory that this process has
+ *   pool.h: threads that share a launch; one_thread.c takes the place of both where there are none
  *   native_device.h, launch.h: the device of a context, its kernels and launches
  *   memory.h: its memory
  *   tunables.h: the numbers that were found by trying */

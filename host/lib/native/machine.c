@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* sched_getaffinity */
-#include "native/thread_count.h"
+#include "native/machine.h"
 
 #include <gscl/gscl.h>
 #include <math.h>
@@ -106,4 +106,9 @@ int gscl_native_thread_count(void) {
         count = (double)sysconf(_SC_NPROCESSORS_ONLN);
     count = fmin(count, ceil(quota_of_groups()));
     return count < 1 ? 1 : count > GSCL_MAX_THREADS ? GSCL_MAX_THREADS : (int)count;
+}
+
+uint64_t gscl_native_memory_bytes(void) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : SIZE_MAX / 2;
 }
