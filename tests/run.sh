@@ -15,7 +15,7 @@ cd "$(dirname "$0")/.."
 
 # The lanes test this build.  Newer compilers than Debian 12's may have further warnings: then the tests run all the same.
 release_build() {
-    set -- -Dtool=enabled -Dtests=enabled -Dweb=enabled -Dopenimageio=enabled -Ddesktop=enabled
+    set -- -Dtool=enabled -Dtests=enabled -Dweb=enabled -Dweb_encoder=enabled -Dopenimageio=enabled -Ddesktop=enabled
     CC=gcc CXX=g++ check "build, no warnings from gcc" build build-test "$@" -Dwerror=true ||
         check "build with warnings" build build-test "$@" -Dwerror=false
 }

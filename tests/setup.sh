@@ -4,11 +4,13 @@
 # that the library has no kernels for.
 build_packages="meson ninja-build pkg-config gcc g++ clang libc6-dev python3 opencl-headers ocl-icd-libopencl1
     pocl-opencl-icd libpng-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libcairo2-dev"
-# Packages of the decoder for web pages.
+# Packages of the package for web pages: those of the decoder, and those of the encoder, which needs a newer compiler than Debian 12's
+# first one.
 web_packages="binaryen esbuild lld"
+web_encoder_packages="clang-16 lld-16 libclang-rt-16-dev-wasm32 wasi-libc"
 # Further packages of the tests.
 test_packages="abigail-tools clang-format clang-tidy file libcmocka-dev libglib2.0-bin mesa-opencl-icd oclgrind shared-mime-info valgrind
-    openimageio-tools python3-dev python3-venv $web_packages chromium nodejs
+    openimageio-tools python3-dev python3-venv $web_packages $web_encoder_packages chromium nodejs
     dbus-daemon imagemagick jq libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
     cmake fish man-db mandoc librsvg2-bin zsh"
 

@@ -64,7 +64,9 @@ export interface Splat {
 export type GsclErrorCode =
   | 'not-a-gscl-file' | 'newer-version' | 'truncated' | 'damaged' | 'corrupt' | 'unknown-block'
   | 'invalid-argument' | 'image-size' | 'limit' | 'out-of-memory'
-  /** The module was not found, the engine lacks SIMD, or the decoder stopped at a fault of its own. */
+  /** ("gscl/encode") Samples are NaN or infinite; no file is as small, or as good; options exclude each other. */
+  | 'not-finite' | 'budget-too-small' | 'target-unreachable' | 'conflict'
+  /** The module was not found, the engine lacks SIMD, or the decoder or the encoder stopped at a fault of its own. */
   | 'failed'
   /** (gscl-image) the answer of the server was no file. */
   | 'not-found';

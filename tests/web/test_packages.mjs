@@ -69,8 +69,12 @@ for (const [project, jsx] of Object.entries({react18: 'react', react19: 'react',
   });
 
 test('the types need no framework', () => {
-  assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets';
-    const image = document.createElement('gscl-image'); image.src = 'a.gscl', image.width = 3, image.bare = true; export const width: string | null = image.width; export const all = [decode, GsclError, splats, info, packets];`), '');
+  assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets'; import {encode, type Encoded} from 'gscl/encode';
+    const image = document.createElement('gscl-image'); image.src = 'a.gscl', image.width = 3, image.bare = true; export const width: string | null = image.width; export const all = [decode, GsclError, splats, info, packets];
+    export const encoded: Promise<Encoded> = encode(new ImageData(2, 2), {bytes: 100, tune: 'psnr', packets: {size: 100}, signal: AbortSignal.timeout(1000), onProgress: ({fraction}) => { fraction.toFixed(); }});
+    export const bytes = async (): Promise<Blob> => new Blob([(await encoded).bytes]);`), '');
+  assert.match(check('alone', '', 'bad_encode.ts', `import {encode} from 'gscl/encode'; encode({data: [1], width: 1, height: 1});`), /TS2322/);
+  assert.match(check('alone', '', 'bad_options.ts', `import {encode} from 'gscl/encode'; encode(new ImageData(1, 1), {byte: 1});`), /TS(2353|2561)/);
   assert.match(check('alone', '', 'bad.ts', `import 'gscl'; document.createElement('gscl-image').src = 3;`), /TS2322/);
 });
 
@@ -115,6 +119,22 @@ for (const [bundler, build] of Object.entries(bundlers))
       await browser.until('events.length == 2');
       assert.deepEqual((await browser.evaluate('events')).sort(), [await browser.evaluate(`image.shadowRoot.querySelector('canvas').width`), 'load'].sort());
     });
+
+const ENCODER = ['encode-worker.js', 'encode-run.js', 'gscl-encode.wasm', 'gscl-encode-alpha.wasm'];
+for (const [bundler, build] of Object.entries(bundlers).filter(([name]) => name != 'esbuild, a script'))
+  test(`${bundler} makes a page that encodes`, async () => {
+    write('tools', 'src/encode.js', `import {encode} from 'gscl/encode';
+      encode({data: new Uint8Array(4 * 64).fill(200), width: 8, height: 8}, {bytes: 60}).then(({width}) => events.push(width), error => events.push(error.message));`);
+    write('tools', 'encode.html', `<!doctype html><script>window.events = []</script><body><script type="module" src="/src/encode.js"></script>`);
+    write('tools', 'vite.config.mjs', `export default {build: {rollupOptions: {input: 'encode.html'}}, worker: {format: 'es'}};`);
+    build('encode');
+    const output = bundler.split(',')[0];
+    if (/esbuild|rollup/.test(bundler))
+      ENCODER.forEach(name => cpSync(join(folder, name), at('tools/out', output, name)));
+    await (bundler == 'vite' ? browser.open(`${site.url}/tools/out/vite/encode/encode.html`) : open(`tools/out/${output}/encode.js`));
+    await browser.until('events.length == 1');
+    assert.deepEqual(await browser.evaluate('events'), [8]);
+  });
 
 /* ---- Frameworks ---- */
 
