@@ -171,7 +171,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .min_real = 0,
          .max_real = 100,
          .help = "quality as of JPEG: a --ssimulacra2 of Q from 30 on, and down to -50 for 0; the best file where it "
-                 "cannot be reached"},
+                 "cannot be reached; 10, 30, 50, 70 and 90 take some 0.07, 0.26, 0.6, 2 and 14 bits per pixel for "
+                 "photographs"},
         {.name = "splats",
          .kind = OPTION_INTEGER,
          .value = &encode->splats,
@@ -186,7 +187,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "N",
          .min_integer = 0,
          .max_integer = GSCL_MAX_EFFORT,
-         .help = "0 is fastest, 9 has the best quality (default 5)"},
+         .help =
+             "0 is fastest, 9 has the best quality (default 5); on two cores 2 megapixels take 1, 6 and 17 s at 0, 2 "
+             "and 5, and 14 take 8, 98 and 127 s"},
         {.name = "profile",
          .kind = OPTION_WORD,
          .value = &encode->profile,
