@@ -51,6 +51,22 @@ test('the other entries of the package need neither a page nor files in Node', a
   await assert.rejects(inline.info(file.subarray(0, 3)), inline.GsclError);
 });
 
+test('a placeholder is a small PNG of the picture, with its mean colour', async () => {
+  const {placeholder} = await entry('placeholder.js'), width = 12, kinds = new Set;
+  for (const {file, bare} of index.filter(({file, result}) => result == 'valid' && !lists.has(file)).slice(0, 40)) {
+    const own = await info(fileOf(file), {bare}), it = await placeholder(fileOf(file), {bare, width});
+    const {samples, channels, width: w, height: h} = readPng(Buffer.from(it.url.replace('data:image/png;base64,', ''), 'base64'));
+    const {data} = await decode(fileOf(file), {bare, width: w, height: h});
+    assert.deepEqual([it.width, it.height, it.aspectRatio], [own.width, own.height, own.width / own.height], file);
+    assert(w == width ? h <= 4 * w : h == 4 * width && w < width, `${file}: ${w}x${h}`);
+    for (let i = 0; i < w * h; i++)
+      assert.deepEqual([...samples.slice(i * channels, (i + 1) * channels)], [...data.slice(4 * i, 4 * i + channels)], `${file}, pixel ${i}`);
+    assert(it.hasAlpha == (channels == 4) && /^#[0-9a-f]{6}$/.test(it.colour), it.colour);
+    kinds.add(channels);
+  }
+  assert.deepEqual([...kinds].sort(), [1, 3, 4]);
+});
+
 test('the package exports the files that it has, and has those', () => {
   const isLeftOut = name => /encode/.test(name) && !existsSync(join(folder, 'encode.js')); /* a build without the encoder */
   const {exports, files} = JSON.parse(readFileSync(join(folder, 'package.json')));

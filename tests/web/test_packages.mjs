@@ -69,10 +69,10 @@ for (const [project, jsx] of Object.entries({react18: 'react', react19: 'react',
   });
 
 test('the types need no framework', () => {
-  assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets'; import {encode, type Encoded} from 'gscl/encode';
+  assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets'; import {encode, type Encoded} from 'gscl/encode'; import {placeholder} from 'gscl/placeholder';
     const image = document.createElement('gscl-image'); image.src = 'a.gscl', image.width = 3, image.bare = true; export const width: string | null = image.width; export const all = [decode, GsclError, splats, info, packets];
     export const encoded: Promise<Encoded> = encode(new ImageData(2, 2), {bytes: 100, tune: 'psnr', packets: {size: 100}, signal: AbortSignal.timeout(1000), onProgress: ({fraction}) => { fraction.toFixed(); }});
-    export const bytes = async (): Promise<Blob> => new Blob([(await encoded).bytes]);`), '');
+    export const url: Promise<string> = placeholder(new Uint8Array(9), {bare: true, width: 20}).then(it => it.url); export const bytes = async (): Promise<Blob> => new Blob([(await encoded).bytes]);`), '');
   assert.match(check('alone', '', 'bad_encode.ts', `import {encode} from 'gscl/encode'; encode({data: [1], width: 1, height: 1});`), /TS2322/);
   assert.match(check('alone', '', 'bad_options.ts', `import {encode} from 'gscl/encode'; encode(new ImageData(1, 1), {byte: 1});`), /TS(2353|2561)/);
   assert.match(check('alone', '', 'bad.ts', `import 'gscl'; document.createElement('gscl-image').src = 3;`), /TS2322/);
