@@ -35,8 +35,10 @@ KINDS = {"RENDER", "BIN", "FIT", "SCALAR_RDO", "VISUAL", "IMAGE"}
 # Modules and the channels of their kernels: colours, and whether there is alpha.  Faint colours are tried as grey.
 MODULES = {"gscl-encode.wasm": {(1, 0), (3, 0)}, "gscl-encode-alpha.wasm": {(1, 1), (3, 1)}}
 STACK_BYTES = 1 << 20
+# Of LLVM, for the host's code: only what makes it smaller is inlined.
+LINK_PASSES = "-mllvm -inline-threshold=0 -mllvm -disable-lsr -mllvm -enable-pre=0 -mllvm -simplifycfg-sink-common=0".split()
 OPTIMISE = ["wasm-opt", "--enable-simd", "--enable-bulk-memory", "--enable-nontrapping-float-to-int", "--enable-sign-ext",
-            "--low-memory-unused", "-Oz"]
+            "--low-memory-unused", "-Oz", "--flatten", "--rereloop", "-Oz", "-Oz"]
 
 
 def chosen(channels):
@@ -71,7 +73,7 @@ def link(name, kernels, host, options, folder):
     table = folder / f"table_of_{name}.c"
     native.write_table(table, options.clang, [PROCESSOR], programs_of)
     objects = [*(kernels[program] for program in programs_of), *host, compile_host(table, options.clang, options.include, folder)]
-    build.run([options.linker, "--no-entry", "--gc-sections", "--strip-all", "-z", f"stack-size={STACK_BYTES}", *map(str, objects),
+    build.run([options.linker, "--no-entry", "--gc-sections", "--strip-all", "-z", f"stack-size={STACK_BYTES}", *LINK_PASSES, *map(str, objects),
                *libraries(options.clang), "-o", str(folder / name)])
     build.run([*OPTIMISE, str(folder / name), "-o", str(options.out / name)])
 

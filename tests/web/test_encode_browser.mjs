@@ -21,8 +21,9 @@ const gone = name => (_, response) => missing.has(name) ? response.writeHead(503
 policies.strict = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; worker-src 'self'";
 policies.closed = "default-src 'none'; script-src 'self'; connect-src 'self'; worker-src 'self'";
 const site = await serve({'/tests/': fileURLToPath(new URL('.', import.meta.url)), '/web/': folder, '/kept/': folder}, {
-  '/page': page('open'), '/strict': page('strict'), '/closed': page('closed'), '/web/gscl-encode.wasm': gone('gscl-encode.wasm'),
+  '/page': page('open'), '/strict': page('strict'), '/closed': page('closed'), '/web/gscl-encode.wasm': gone('gscl-encode.wasm'), '/web/gscl-encode-alpha.wasm': (request, response) => isSlow ? slow = response : gone('gscl-encode-alpha.wasm')(request, response),
 });
+let isSlow = false, slow; /* the answer to a request for the module for alpha, in a test */
 const browser = await Chromium.start();
 const open = path => browser.open(site.url + path);
 /* The value of a body of an async function, which has encode, sceneOf and, for errors, failure. */
@@ -61,6 +62,16 @@ test('the page stays alive, is told of the progress, and stops an encode at once
   assert(fractions.length >= 2 && fractions.every((it, i) => !i || it >= fractions[i - 1]), fractions.join());
   assert.equal(name, 'AbortError');
   assert(late > 10);
+});
+
+test('an encode is stopped while its module is on the way', async () => {
+  isSlow = true;
+  await open('/page');
+  assert.equal(await inPage(`const controller = new AbortController, stopped = encode(sceneOf(20, 20, 4, 90), {signal: controller.signal});
+    setTimeout(() => controller.abort(), 100);
+    return stopped.catch(({name}) => name);`), 'AbortError');
+  slow.writeHead(503).end();
+  isSlow = false;
 });
 
 test('errors have the code and the message of Node', async () => {

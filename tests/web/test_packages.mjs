@@ -126,7 +126,7 @@ for (const [bundler, build] of Object.entries(bundlers).filter(([name]) => name 
     write('tools', 'src/encode.js', `import {encode} from 'gscl/encode';
       encode({data: new Uint8Array(4 * 64).fill(200), width: 8, height: 8}, {bytes: 60}).then(({width}) => events.push(width), error => events.push(error.message));`);
     write('tools', 'encode.html', `<!doctype html><script>window.events = []</script><body><script type="module" src="/src/encode.js"></script>`);
-    write('tools', 'vite.config.mjs', `export default {build: {rollupOptions: {input: 'encode.html'}}, worker: {format: 'es'}};`);
+    write('tools', 'vite.config.mjs', `export default {build: {rollupOptions: {input: 'encode.html'}}};`);
     build('encode');
     const output = bundler.split(',')[0];
     if (/esbuild|rollup/.test(bundler))

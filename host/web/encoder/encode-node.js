@@ -15,4 +15,4 @@ useHost({
   workers: availableParallelism ? availableParallelism() : cpus().length,
 });
 
-export {encode} from './encode.js';
+export {encode, GsclError} from './encode.js';

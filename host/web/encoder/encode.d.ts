@@ -1,5 +1,7 @@
 /** Encoder of gscl pictures for browsers and Node. */
 
+export {GsclError} from './gscl.js';
+
 /** A picture, as ImageData is: rows from the top, without gaps. `data` has 1 (grey), 2 (grey and alpha), 3 (RGB) or 4 (RGBA) samples a
  * pixel, in sRGB; those of a Float32Array are 0..1. */
 export interface Picture {
@@ -62,7 +64,7 @@ export interface EncodeOptions {
   seed?: number;
   /** Stops the encode at once; the promise rejects with its reason. */
   signal?: AbortSignal;
-  /** Called some twenty times a second. What it throws stops the encode and is what the promise rejects with. */
+  /** Called at most twenty times a second. What it throws stops the encode and is what the promise rejects with. */
   onProgress?: (progress: Progress) => void;
 }
 
@@ -84,6 +86,6 @@ export interface Encoded {
   trials: number;
 }
 
-/** Encodes a picture in a worker: no page stands still, and there run as many at once as there are processors. The bytes are those of the
+/** Encodes a picture, whose pixels may be changed once the call has returned, in a worker: no page stands still, and there run as many at once as there are processors. The bytes are those of the
  * library on a processor without a fused multiply-add. Rejects with a GsclError, or with what `signal` or `onProgress` say. */
 export function encode(picture: Picture, options?: EncodeOptions): Promise<Encoded>;

@@ -39,37 +39,52 @@ const moduleOf = name => modules[name] ||= Promise.resolve(host.read(name)).then
 
 /* ---- Arguments ---- */
 
-/* By array: gscl_sample and the value of an opaque pixel's alpha. */
-const SAMPLES = [[Uint8Array, 1, 255], [Uint8ClampedArray, 1, 255], [Uint16Array, 2, 65535], [Float32Array, 3, 1]];
+/* By the name of the array's type, which is the same in all frames: gscl_sample, and the value of an opaque pixel's alpha. */
+const SAMPLES = {Uint8Array: [1, 255], Uint8ClampedArray: [1, 255], Uint16Array: [2, 65535], Float32Array: [3, 1]};
 /* gscl_target */
 const TARGETS = {bpp: 1, bytes: 2, psnr: 3, splats: 4, ssimulacra2: 5, quality: 6};
 const TUNES = {auto: 0, psnr: 1, visual: 3}; /* gscl_tune */
-const OPTIONS = [...Object.keys(TARGETS), 'effort', 'tune', 'seed', 'bare', 'progressive', 'packets', 'premultiplied', 'signal', 'onProgress'];
-const PACKETS = ['size', 'count', 'loss', 'identity'];
+/* By option: what it must be, in words and as a function. */
+const WHOLE = ['a whole number from 0 on', value => Number.isSafeInteger(value) && value >= 0];
+const POSITIVE = ['a whole number from 1 on', value => Number.isSafeInteger(value) && value > 0];
+const NUMBER = ['a number', Number.isFinite];
+const FLAG = ['true or false', value => typeof value == 'boolean'];
+const FUNCTION = ['a function', value => typeof value == 'function'];
+const OBJECT = ['an object', value => typeof value == 'object' && value !== null && !Array.isArray(value)];
+const OPTIONS = {
+  bytes: WHOLE, bpp: NUMBER, psnr: NUMBER, ssimulacra2: NUMBER, quality: NUMBER, splats: WHOLE, effort: WHOLE,
+  tune: [Object.keys(TUNES).join(', '), value => Object.keys(TUNES).includes(value)],
+  bare: FLAG, progressive: FLAG, packets: OBJECT, premultiplied: FLAG, seed: WHOLE,
+  signal: ['an AbortSignal', value => typeof value?.aborted == 'boolean' && typeof value.addEventListener == 'function'], onProgress: FUNCTION,
+};
+const PACKETS = {size: POSITIVE, count: POSITIVE, loss: NUMBER, identity: POSITIVE};
 
-const isWhole = number => Number.isSafeInteger(number) && number >= 0;
+const shown = value => typeof value == 'string' ? JSON.stringify(value) : typeof value == 'object' && value ? 'an object' : String(value);
 
-const checkNames = (it, names, what) => {
-  for (const name of Object.keys(it))
-    refuse(!names.includes(name), `unknown ${what} "${name}"; there are ${names.join(', ')}`);
+/* A copy of the options that are given, each of which is what it must be. */
+const checked = (options, kinds, what) => {
+  refuse(!OBJECT[1](options), `${what} must be an object, it is ${shown(options)}`);
+  const given = Object.entries(options).filter(([, value]) => value !== undefined);
+  for (const [name, value] of given) {
+    refuse(!Object.keys(kinds).includes(name), `unknown option "${name}"; there are ${Object.keys(kinds).join(', ')}`);
+    refuse(!kinds[name][1](value), `${name} must be ${kinds[name][0]}, it is ${shown(value)}`);
+  }
+  return Object.fromEntries(given);
 };
 
-/* The settings that are whole numbers, or the default of the library. */
-const whole = (value, fallback, name) => {
-  refuse(value !== undefined && !isWhole(value), `${name} must be a whole number from 0 on, it is ${value}`);
-  return value ?? fallback;
-};
-
-const imageOf = image => {
-  const {data, width, height} = image || {}, sample = SAMPLES.find(([type]) => data instanceof type);
+/* The picture as the worker takes it: a copy, since the caller may change the pixels while no worker is free. */
+const imageOf = picture => {
+  const {data, width, height} = picture || {}, sample = ArrayBuffer.isView(data) && SAMPLES[data[Symbol.toStringTag]];
   refuse(!sample, 'data must be a Uint8Array, Uint8ClampedArray, Uint16Array or Float32Array');
-  refuse(!isWhole(width) || !isWhole(height) || !width || !height, `width and height must be whole numbers from 1 on, they are ${width} and ${height}`);
+  refuse(![width, height].every(POSITIVE[1]), `width and height must be whole numbers from 1 on, they are ${shown(width)} and ${shown(height)}`);
   const channels = data.length / (width * height);
   refuse(![1, 2, 3, 4].includes(channels), `data has ${data.length} samples; ${width}x${height} pixels have 1 to 4 for each`);
-  return {data, width, height, channels, sample: sample[1], opaque: sample[2]};
+  const pixels = new Uint8Array(data.byteLength);
+  pixels.set(new Uint8Array(data.buffer, data.byteOffset, data.byteLength));
+  return {pixels, width, height, channels, sample: sample[0], hasAlpha: hasAlpha(data, channels, sample[1])};
 };
 
-const hasAlpha = ({data, channels, opaque}) => {
+const hasAlpha = (data, channels, opaque) => {
   if (channels % 2 == 0)
     for (let i = channels - 1; i < data.length; i += channels)
       if (data[i] < opaque)
@@ -77,49 +92,47 @@ const hasAlpha = ({data, channels, opaque}) => {
   return false;
 };
 
-const settingsOf = (image, options) => {
-  checkNames(options, OPTIONS, 'option');
-  const {effort, tune = 'auto', seed, bare, progressive, packets, premultiplied} = options;
-  const targets = Object.keys(TARGETS).filter(name => options[name] !== undefined), [target] = targets;
+/* The settings of encode-run.js. */
+const settingsOf = ({width, height, channels, sample}, options) => {
+  const {effort = 5, tune = 'auto', seed = 1, bare = false, progressive = false, premultiplied = false, packets} = options;
+  const targets = Object.keys(TARGETS).filter(name => name in options), [target] = targets;
   refuse(targets.length > 1, `${targets.join(' and ')} exclude each other`, 'conflict');
-  refuse(target && !Number.isFinite(options[target]), `${target} must be a number, it is ${options[target]}`);
-  refuse(!(tune in TUNES), `unknown tune "${tune}"; there are ${Object.keys(TUNES).join(', ')}`);
-  refuse(packets !== undefined && !isWhole(packets?.size), 'packets must be an object with a size in bytes');
-  checkNames(packets || {}, PACKETS, 'option of packets');
+  refuse(packets && !packets.size, 'packets must have a size in bytes');
+  const {size: packetSize = 0, count: packetCount = 0, identity: packetIdentity = 0, loss: packetLoss = 0} = packets || {};
   return {
-    width: image.width, height: image.height, channels: image.channels, sample: image.sample, premultiplied: !!premultiplied,
-    target: TARGETS[target] || 0, targetValue: options[target] || 0, effort: whole(effort, 5, 'effort'), tune: TUNES[tune], seed: whole(seed, 1, 'seed'),
-    bare: !!bare, progressive: !!progressive, packetSize: packets?.size || 0, packetCount: whole(packets?.count, 0, 'the count of packets'),
-    packetIdentity: whole(packets?.identity, 0, 'the identity of packets'), packetLoss: packets?.loss || 0,
+    width, height, channels, sample, premultiplied, target: TARGETS[target] || 0, targetValue: options[target] || 0, effort, tune: TUNES[tune], seed,
+    bare, progressive, packetSize, packetCount, packetIdentity, packetLoss,
   };
 };
 
 /* ---- Workers ---- */
 
-const idle = [];
-const waiting = []; /* calls when one is free */
+const idle = []; /* workers */
+const waiting = []; /* calls, each a function that lets it go on */
 let busy = 0;
 
-/* Waits until one worker more may run, or the call is aborted. */
-const turn = signal => new Promise(resolve => {
+/* Lets those go on for which there is a worker. */
+const admit = () => {
+  while (busy < host.workers && waiting.length) {
+    busy++;
+    waiting.shift()();
+  }
+};
+
+/* Waits for a worker's place.  A call that is aborted waits no longer and has none. */
+const acquire = signal => new Promise((resolve, reject) => {
   const leave = () => {
-    waiting.splice(waiting.indexOf(go) >>> 0, 1);
-    resolve();
+    waiting.splice(waiting.indexOf(go), 1);
+    reject(signal.reason);
   };
   const go = () => {
     signal?.removeEventListener('abort', leave);
     resolve();
   };
   waiting.push(go);
-  signal?.addEventListener('abort', leave, {once: true});
+  signal?.addEventListener('abort', leave);
+  admit();
 });
-
-const acquire = async signal => {
-  while (busy >= host.workers && !signal?.aborted)
-    await turn(signal);
-  signal?.throwIfAborted();
-  busy++;
-};
 
 const release = worker => {
   busy--;
@@ -127,7 +140,7 @@ const release = worker => {
     worker.unref?.(); /* in Node: the process may end */
     idle.push(worker);
   }
-  waiting.shift()?.();
+  admit();
 };
 
 /* Starts a worker, or takes one that waits.  Its listeners are those of the latest job. */
@@ -186,13 +199,12 @@ const CODES = {1: 'invalid-argument', 2: 'out-of-memory', 13: 'out-of-memory', 3
 const packetsOf = list => {
   const packets = [];
   for (let at = 4; at < list.length;) {
-    let size = 0;
-    for (let shift = 0; ; shift += 7) {
-      const byte = list[at++];
+    let size = 0, shift = 0, byte;
+    do {
+      byte = list[at++];
       size |= (byte & 127) << shift;
-      if (byte < 128)
-        break;
-    }
+      shift += 7;
+    } while (byte > 127);
     packets.push(list.slice(at, at += size));
   }
   return packets;
@@ -206,19 +218,32 @@ const reportOf = ({code, message, bytes, splats, psnr, ssimulacra2, trials}, {wi
   };
 };
 
-export const encode = async (source, options = {}) => {
-  const image = imageOf(source), settings = settingsOf(image, options), {signal} = options;
-  /* The caller may change the pixels while the worker is not yet there. */
-  const pixels = new Uint8Array(image.data.buffer, image.data.byteOffset, image.data.byteLength).slice();
-  let module;
+/* Ends with the promise, or at once where the call is aborted. */
+const orAborted = (promise, signal) => !signal ? promise : new Promise((resolve, reject) => {
+  const abort = () => reject(signal.reason);
+  signal.addEventListener('abort', abort);
+  promise.then(resolve, reject).finally(() => signal.removeEventListener('abort', abort));
+});
+
+export const encode = async (picture, given = {}) => {
+  const options = checked(given, OPTIONS, 'options'), {signal} = options;
+  options.packets &&= checked(options.packets, PACKETS, 'packets');
+  const image = imageOf(picture), settings = settingsOf(image, options);
+  const throwIfAborted = () => {
+    if (signal?.aborted)
+      throw signal.reason;
+  };
+  throwIfAborted();
   await acquire(signal);
+  let module;
   try {
-    module = await moduleOf(hasAlpha(image) ? WITH_ALPHA : OPAQUE);
-    signal?.throwIfAborted();
+    module = await orAborted(moduleOf(image.hasAlpha ? WITH_ALPHA : OPAQUE), signal);
+    throwIfAborted();
   } catch (error) {
     release();
     throw signal?.aborted ? signal.reason : failed(error);
   }
-  const result = await work({module, pixels, settings}, [pixels.buffer], options);
-  return reportOf(result, image, options);
+  return reportOf(await work({module, pixels: image.pixels, settings}, [image.pixels.buffer], options), image, options);
 };
+
+export {GsclError};
