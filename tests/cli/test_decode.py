@@ -54,6 +54,8 @@ class Areas(ToolTest):
         self.gscl("decode", "in.gscl", "-o", "named.ppm")
         self.assertEqual(self.path("out.ppm").read_bytes(), self.path("named.ppm").read_bytes())
         self.refused("decode", "out.ppm exists; name it with -o to replace it", "decode", "in.gscl", "out.ppm", code=2)
+        self.refused("decode", "out.webp: no image format has the suffix '.webp'; choose one of .png", "decode", "in.gscl",
+                     "out.webp", code=2)
 
     def test_other_aspect(self):
         self.assertEqual(self.decode("--size", "10x200").kind(), (10, 200, 3, 8))

@@ -32,6 +32,10 @@ class Documents(ToolTest):
         text = self.gscl(command, "-h").decode().split("\n\n", 2)[-1]
         return re.findall(r"^  (?:-\w, |    )--([\w-]+)", text, flags=re.M)
 
+    def test_examples_of_pages_keep_their_lines(self):
+        page = self.gscl("encode", "--help=man").decode()
+        self.assertRegex(page, r"\n\.nf\n  find photos [^\n]* \|\n      gscl encode [^\n]*coded\.jsonl\n\.fi\n")
+
     def test_every_command_has_a_page(self):
         pages = {path.name for path in DOCUMENTS.glob("*.1")}
         self.assertEqual(pages, {"gscl.1"} | {f"gscl-{command}.1" for command in self.commands()})

@@ -99,6 +99,12 @@ class Targets(ToolTest):
         self.assertIn(f"the best found is {best:.2f}",
                       self.start("encode", "in.png", "--ssimulacra2", "100", *FAST).stderr.decode())
 
+    def test_quality_out_of_reach_is_told(self):
+        self.write_png("in.png", textured(16, 16))
+        self.assertIn("in.gscl: quality 100 is not reached: this is the best file that was found",
+                      self.messages("in.png", "-q", "100", *FAST))
+        self.assertNotIn("is not reached", self.messages("in.png", "-q", "10", *FAST))
+
     def test_probes_precede_complete_encodes(self):
         self.write_png("in.png", textured(96, 64))
         for effort, has_probes in (("2", False), ("3", True)):
@@ -347,6 +353,16 @@ class Names(ToolTest):
         self.assertEqual(self.path("out.gscl").read_bytes(), self.path("named.gscl").read_bytes())
         self.refused("encode", "out.gscl exists; name it with -o to replace it", "encode", "in.png", "out.gscl", *FAST,
                      code=2)
+
+    def test_a_mistyped_output_is_no_input(self):
+        self.write_png("in.png", scene(16, 16))
+        self.gscl("encode", "in.png", *FAST)
+        for name in ("out.gslc", "out.avif", "out"):
+            self.refused("encode", f"{name} does not exist; an output ends with .gscl, or is named with -o", "encode", "in.png",
+                         name, *FAST, code=2)
+        done = self.start("encode", "in.png", "missing.png", *FAST)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn(b"missing.png: cannot be opened", done.stderr)
 
     def test_existing_output_is_replaced_with_its_permissions(self):
         self.write("out.gscl", b"old")

@@ -225,14 +225,19 @@ static const char *roff_escape(char character) {
 }
 
 void print_roff(const char *text) {
-    bool starts_line = true;
+    bool starts_line = true, is_example = false; /* an example is indented, and its lines are not filled */
     for (; *text; text++) {
         const char *escape = roff_escape(*text);
+        if (starts_line && is_example != (*text == ' ')) {
+            is_example = !is_example;
+            fputs(is_example ? ".nf\n" : ".fi\n", stdout);
+        }
         if (starts_line && *text == '.')
             fputs("\\&", stdout);
         starts_line = *text == '\n';
         if (text[0] == '\n' && text[1] == '\n') {
-            fputs("\n.PP\n", stdout);
+            fputs(is_example ? "\n.fi\n.PP\n" : "\n.PP\n", stdout);
+            is_example = false;
             text++;
         } else if (escape)
             fputs(escape, stdout);

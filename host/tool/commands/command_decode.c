@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <gscl/gscl.h>
 
@@ -292,6 +293,9 @@ int command_decode(int argc, char **argv) {
         return options_exit_code(outcome);
     if (has_output_operand(&options) &&
         output_take_operand("decode", options.inputs, &options.input_count, &options.output) != 0)
+        return EXIT_USAGE;
+    if (!options.output && options.input_count > 1 && access(options.inputs[options.input_count - 1], F_OK) != 0 &&
+        !image_format_of("decode", options.inputs[options.input_count - 1]))
         return EXIT_USAGE;
     if (!options.output)
         return report_usage("decode", "the output is missing; give the name of an image, or -o - for standard output");

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include <gscl/gscl.h>
 
@@ -14,6 +15,7 @@
 #include "commands/command.h"
 #include "commands/effect_list.h"
 #include "commands/encode_batch.h"
+#include "image/image_format.h"
 
 typedef struct encode_options {
     encode_batch batch;
@@ -65,12 +67,28 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
 #define MAX_CODEBOOK 1024
 #define MAX_SHARDS 1000000
 
-/* Whether the second of two operands names a coded picture: without -o it is the output. */
-static bool has_output_operand(const encode_batch *batch) {
-    if (batch->count != 2 || batch->output || batch->out_dir || batch->files_from)
-        return false;
-    const char *suffix = name_suffix(batch->inputs[1]);
+/* Whether the second of two operands may be the output. */
+static bool may_have_output_operand(const encode_batch *batch) {
+    return batch->count == 2 && !batch->output && !batch->out_dir && !batch->files_from;
+}
+
+/* Whether an operand names a coded picture: without -o it is the output. */
+static bool is_output_operand(const char *name) {
+    const char *suffix = name_suffix(name);
     return strcasecmp(suffix, ".gscl") == 0 || strcasecmp(suffix, ".gsclp") == 0;
+}
+
+/* Takes the second of two operands as the output, where it is one.  Refuses one that does not exist and has the suffix of no
+ * image: a mistyped output, not an input. */
+static int take_output_operand(encode_batch *batch) {
+    const char *last = may_have_output_operand(batch) ? batch->inputs[1] : NULL;
+    if (!last)
+        return EXIT_SUCCESS;
+    if (is_output_operand(last))
+        return output_take_operand("encode", batch->inputs, &batch->count, &batch->output);
+    if (strcmp(last, "-") != 0 && access(last, F_OK) != 0 && !image_format_has_suffix(last))
+        return report_usage("encode", "%s does not exist; an output ends with .gscl, or is named with -o", last);
+    return EXIT_SUCCESS;
 }
 
 static option_outcome parse_encode(encode_options *encode, int argc, char **argv) {
@@ -440,7 +458,7 @@ int command_encode(int argc, char **argv) {
     if (outcome != OPTIONS_RUN)
         return options_exit_code(outcome);
     encode_batch *batch = &encode.batch;
-    if (has_output_operand(batch) && output_take_operand("encode", batch->inputs, &batch->count, &batch->output) != 0)
+    if (take_output_operand(batch) != EXIT_SUCCESS)
         return EXIT_USAGE;
     if (check_options(&encode) != 0)
         return EXIT_USAGE;

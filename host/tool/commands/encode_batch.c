@@ -38,6 +38,14 @@ typedef struct batch_state {
     int stopped;   /* exit code of the program after a failure that all further inputs would share; else EXIT_SUCCESS */
 } batch_state;
 
+/* Says where a quality was not reached, whose best file is a result all the same (GSCL_TARGET_QUALITY). */
+static void note_missed_quality(const encode_job *job) {
+    const double quality = job->settings.target_value, score = job->report.ssimulacra2;
+    const double aim = quality < 30 ? 30 - 8.0 / 3 * (30 - quality) : quality;
+    if (job->settings.target == GSCL_TARGET_QUALITY && score < aim)
+        report_note("%s: quality %g is not reached: this is the best file that was found", job->output.label, quality);
+}
+
 static void print_report(batch_state *state, const encode_job *job) {
     const gscl_image *image = &job->image;
     const gscl_encode_report *report = &job->report;
@@ -48,10 +56,12 @@ static void print_report(batch_state *state, const encode_job *job) {
         char score[40] = "";
         if (!isnan(report->ssimulacra2))
             snprintf(score, sizeof score, "SSIMULACRA 2 %.2f, ", report->ssimulacra2);
-        if (!state->batch->quiet)
+        if (!state->batch->quiet) {
             report_note("%s: %llu bytes, %.4f bpp, %u splats, %.2f dB, %s%.2f s%s%s", output,
                         (unsigned long long)report->bytes, bpp, report->splats, report->psnr, score, report->seconds,
                         state->devices.is_all ? " on device " : "", state->devices.is_all ? device : "");
+            note_missed_quality(job);
+        }
         return;
     }
     json_open_object(json, NULL);
