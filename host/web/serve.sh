@@ -1,5 +1,5 @@
 #!/bin/sh
-# Shows the demonstration page of the decoder for web pages: sh host/web/serve.sh [PORT]
+# Shows the demonstration page of the package for web pages: sh host/web/serve.sh [PORT]
 #
 # Installs missing packages (Debian), builds in build/, encodes sample pictures into build/host/web/demo/samples, and serves
 # the page until it is stopped.  PORT: default 8000.
@@ -8,7 +8,7 @@ set -eu
 port=${1:-8000}
 cd "$(dirname "$0")/../.."
 . tests/setup.sh
-install_packages $build_packages $web_packages
+install_packages $build_packages $web_packages $web_encoder_packages
 
 echo "serve: building"
 log=$(mktemp)

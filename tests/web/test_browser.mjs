@@ -5,7 +5,7 @@
  * GSCL names the tool, CHROMIUM the browser. */
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
@@ -553,6 +553,29 @@ test('splats are shown as ellipses', async () => {
   assert(bright > 1000, `${bright} bright samples`);
   await shoot('ellipses');
   await drawn(() => browser.evaluate('showOutlines.click()'));
+});
+
+test('a photograph is encoded on the page, and shown beside other codecs', async () => {
+  if (!existsSync(join(folder, 'encode.js'))) /* a build without the encoder */
+    return;
+  await browser.evaluate(`effort.value = '0', bytes.value = '10'`);
+  await browser.choose('#chooser', join(made, 'scene.png'));
+  await browser.until(`document.getElementById('name').textContent == 'scene.png' && !photo.hidden && progress.hidden`);
+  const size = +(await textOf('size')).replace(',', '').split(' ')[0];
+  assert(size > 900 && size <= 1300, `${size} bytes`); /* an eighth of a bit for each pixel */
+  await drawn(() => browser.evaluate(`divider.value = 100, divider.dispatchEvent(new Event('input'))`));
+  const {data} = await browser.pixels('picture');
+  assert(data.some((value, i) => i % 4 == 3 && value == 255));
+  await shoot('photo');
+  await drawn(() => browser.evaluate(`other.value = 'image/webp', other.dispatchEvent(new Event('change'))`));
+  await browser.until(`/bytes/.test(otherText.textContent)`);
+  assert(+(await textOf('otherText')).replace(',', '').split(' ')[0] <= size, await textOf('otherText'));
+  await shoot('photo-webp');
+  await browser.evaluate(`bytes.value = '9', bytes.dispatchEvent(new Event('input')), encode.click()`);
+  await browser.until(`document.getElementById('bytesText').textContent == '512 bytes' && parseInt(document.getElementById('size').textContent) <= 512 && progress.hidden`);
+  await drawn(() => browser.choose('#chooser', join(made, 'scene.gscl')));
+  assert(await browser.evaluate('photo.hidden'));
+  assert.deepEqual(browser.errors.filter(it => !/samples.json/.test(it)), []);
 });
 
 test('the demonstration page lists the samples that its script makes', async () => {

@@ -12,6 +12,7 @@ let file; /* {bytes, width, height, splats}; undefined before the first one */
 let view = {scale: 1, x: 0, y: 0}; /* pixels of the screen per pixel of the picture; the picture's place at the stage's corner */
 let part = {size: 0, list: null}; /* splats of the part of the file that the slider shows */
 let isFitted = true;
+let photo; /* {canvas, name, other}; other: {bitmap, ...} of another codec; undefined where a file was opened */
 
 const whole = number => number.toLocaleString('en');
 const byteCount = () => Math.max(1, Math.round(file.bytes.length * at('part').value / 100));
@@ -90,6 +91,22 @@ const drawOutlines = () => {
   }
 };
 
+/* Draws what is compared with the picture, up to the divider. */
+const drawOther = context => {
+  const source = photo?.other?.bitmap || photo?.canvas, [width, height] = stageSize(), x = width * at('divider').value / 100;
+  if (!source || !x)
+    return;
+  context.save();
+  context.beginPath();
+  context.rect(0, 0, x, height);
+  context.clip();
+  context.clearRect(0, 0, x, height);
+  context.drawImage(source, -view.x * view.scale, -view.y * view.scale, file.width * view.scale, file.height * view.scale);
+  context.restore();
+  context.fillStyle = '#fff';
+  context.fillRect(x - devicePixelRatio, 0, devicePixelRatio, height);
+};
+
 const drawOnce = async () => {
   const bytes = shownBytes(), partial = isPartial(), frame = visible(), drawn = file;
   const started = performance.now();
@@ -101,6 +118,7 @@ const drawOnce = async () => {
     return;
   const context = prepare(picture);
   image && context.putImageData(image, frame.left, frame.top);
+  drawOther(context);
   drawOutlines();
   at('scale').textContent = `${(100 * view.scale).toLocaleString('en', {maximumSignificantDigits: 3})} %`;
   at('partText').textContent = `${whole(bytes.length)} of ${whole(file.bytes.length)} bytes`;
@@ -145,17 +163,84 @@ const open = async (bytes, name) => {
     button.setAttribute('aria-pressed', button.dataset.file == name);
   fit();
 };
-const openFile = async blob => blob && open(new Uint8Array(await blob.arrayBuffer()), blob.name);
+const openFile = async blob => {
+  if (!blob)
+    return;
+  if (blob.type.startsWith('image/'))
+    return openPhoto(blob);
+  closePhoto();
+  return open(new Uint8Array(await blob.arrayBuffer()), blob.name);
+};
 const openSample = async name => {
+  closePhoto();
   const answer = await fetch(`samples/${name}`);
   return answer.ok ? open(new Uint8Array(await answer.arrayBuffer()), name) : say(`samples/${name}: ${answer.status}`, true);
+};
+
+/* ---- Photographs, by photo.js, which brings the encoder --------------------------------------------- */
+
+let stopEncode = () => {};
+const bytesWanted = () => Math.round(2 ** at('bytes').value);
+const showBytes = () => at('bytesText').textContent = `${whole(bytesWanted())} bytes`;
+
+const closePhoto = () => {
+  stopEncode();
+  photo = undefined;
+  at('photo').hidden = true;
+  at('divider').value = 0;
+};
+
+const showOther = async () => {
+  const type = at('other').value, shown = photo, {encodeBy} = await import('./photo.js');
+  const other = type && shown ? await encodeBy(shown.canvas, type, file.bytes.length) : undefined;
+  if (photo != shown || at('other').value != type)
+    return;
+  shown.other = other;
+  at('otherText').textContent = !type ? '' : other ? `${whole(other.bytes)} bytes, ${other.size}` : 'not of this browser';
+  draw();
+};
+
+/* Encodes the photograph anew; an encode that goes on is stopped. */
+const encodeAgain = async () => {
+  const encoded = photo, controller = new AbortController, {encodePhoto} = await import('./photo.js');
+  stopEncode();
+  stopEncode = () => controller.abort();
+  at('progress').hidden = false;
+  try {
+    const {bytes} = await encodePhoto(encoded.canvas, {
+      bytes: bytesWanted(), effort: +at('effort').value, signal: controller.signal, onProgress: ({fraction}) => at('progress').value = fraction,
+    });
+    at('progress').hidden = true;
+    await open(bytes, encoded.name);
+    await showOther();
+  } catch (error) {
+    if (error.name == 'AbortError')
+      return;
+    at('progress').hidden = true;
+    say(`${encoded.name}: ${error.message}`, true);
+  }
+};
+
+const openPhoto = async blob => {
+  closePhoto();
+  try {
+    const {readPhoto} = await import('./photo.js');
+    photo = {canvas: await readPhoto(blob), name: blob.name};
+  } catch (error) {
+    return say(`${blob.name}: ${error.message}`, true);
+  }
+  at('photo').hidden = false;
+  at('divider').value = 50;
+  at('bytes').value = Math.min(15, Math.log2(Math.max(256, photo.canvas.width * photo.canvas.height / 64)));
+  showBytes();
+  await encodeAgain();
 };
 
 /* samples/samples.json is made by host/web/serve.sh: [{"file": "x.gscl", "title": "..."}] */
 const listSamples = async () => {
   const answer = await fetch('samples/samples.json').catch(() => ({}));
   if (!answer.ok)
-    return say('Drop a .gscl file here');
+    return say('Drop a photograph or a .gscl file here');
   const samples = await answer.json();
   for (const {file: name, title} of samples) {
     const button = document.createElement('button'), image = document.createElement('gscl-image'), text = document.createElement('span'), size = document.createElement('small');
@@ -233,6 +318,10 @@ at('in').onclick = () => zoomCentre(2);
 at('out').onclick = () => zoomCentre(0.5);
 at('fit').onclick = () => file && fit();
 at('part').oninput = draw;
+at('divider').oninput = draw;
+at('bytes').oninput = showBytes;
+at('encode').onclick = encodeAgain;
+at('other').onchange = showOther;
 at('showOutlines').onchange = draw;
 new ResizeObserver(() => file && (isFitted ? fit() : draw())).observe(stage);
 
