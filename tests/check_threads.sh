@@ -19,7 +19,7 @@ export POCL_CACHE_DIR="$build/pocl"
 mkdir -p "$POCL_CACHE_DIR"
 
 "$build/tests/test_threads"
-"$build/tests/test_native"
+GOLDEN_SMALL=1 "$build/tests/test_native"
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
