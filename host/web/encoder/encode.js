@@ -145,7 +145,13 @@ const release = worker => {
 
 /* Starts a worker, or takes one that waits.  Its listeners are those of the latest job. */
 const workerFor = job => {
-  const worker = idle.pop() || host.start({onMessage: message => worker.job.onMessage(message), onError: error => worker.job.onError(error)});
+  const worker = idle.pop() || host.start({
+    onMessage: message => worker.job.onMessage(message),
+    onError: error => {
+      idle.splice(idle.indexOf(worker) >>> 0, 1); /* where it was idle: it can work no more */
+      worker.job.onError(error);
+    },
+  });
   worker.job = job;
   worker.ref?.();
   return worker;
