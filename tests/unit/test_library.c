@@ -230,10 +230,12 @@ static void test_null_arguments(void **state) {
     gscl_splat *splats = NULL;
     assert_int_equal(gscl_encode(NULL, &image, NULL, &bytes, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_encode(context, &image, NULL, NULL, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_non_null(strstr(gscl_context_message(context), "no place for the bytes"));
     assert_int_equal(gscl_encode(context, &image, NULL, &bytes, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_decode(NULL, f.bytes, f.size, NULL, &image), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_decode(context, NULL, f.size, NULL, &image), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_decode(context, f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_non_null(strstr(gscl_context_message(context), "no image to decode"));
     assert_int_equal(gscl_probe(NULL, 9, NULL, &info), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_probe(f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_inspect(f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);

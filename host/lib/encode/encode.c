@@ -295,8 +295,11 @@ static gscl_result encode(gscl_context *context, const gscl_image *image, const 
 
 gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
                         uint8_t **bytes, size_t *size, gscl_encode_report *report) {
-    if (!context || !bytes || !size)
+    if (!context)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_call_begin(context, "gscl_encode");
-    return gscl_call_end(context, encode(context, image, settings, bytes, size, report));
+    return gscl_call_end(context, !bytes || !size
+                                      ? gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                                                  "there is no place for the bytes, or none for their number")
+                                      : encode(context, image, settings, bytes, size, report));
 }
