@@ -4,14 +4,6 @@
  * barriers have no work.  Functions are computed with IEEE 754 operations in a fixed order, so that all processors with a
  * fused multiply-add give the same bits; those without one (SOFTWARE_FMA) round twice. */
 
-/* OpenCL C's long has 64 bits; Clang 14 takes C's, which has 32 for wasm32. */
-#if __SIZEOF_LONG__ == 4
-typedef int gscl_long __attribute__((mode(DI)));
-typedef uint gscl_ulong __attribute__((mode(DI)));
-#define long gscl_long
-#define ulong gscl_ulong
-#endif
-
 /* ---- Work-items ---- */
 
 #define __local

@@ -15,22 +15,29 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-COMPILE = """clang --target=wasm32 -std=c99 -flto -DNDEBUG -DGSF_SMALL_READER -ffp-contract=off -fno-math-errno
-    -fvisibility=hidden -ffunction-sections -fdata-sections -fno-slp-vectorize
-    -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -nostdlibinc""".split()
+# Of WebAssembly, as clang and as wasm-opt name them.  All modules are compiled for these.
+FEATURES = "-msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext".split()
+WASM_OPT = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
+    --low-memory-unused""".split()  # the lowest 1024 bytes hold nothing, where wasm-ld begins the data
+# Of all C sources.
+HOST = """-std=c99 -flto -DNDEBUG -ffp-contract=off -fno-math-errno -fvisibility=hidden -ffunction-sections -fdata-sections
+    -fno-slp-vectorize""".split() + FEATURES
+COMPILE = ["clang", "--target=wasm32", "-DGSF_SMALL_READER", "-nostdlibinc", *HOST]
 # Modules and the arguments that only they are compiled with.
 MODULES = {"gscl.wasm": ["-DGSF_WITHOUT_PACKETS"], "gscl-packets.wasm": []}
 # Of LLVM, in compiling and in linking: only what makes code smaller is inlined, and equal ends of branches are not joined.
 PASSES = "-mllvm -inline-threshold=0 -mllvm -simplifycfg-sink-common=0".split()
+# In linking besides.
+SMALLER = "-mllvm -disable-lsr -mllvm -enable-pre=0".split()
 # Found by trying, as the order of the passes below.
 LINK_PASSES = "-mllvm -two-entry-phi-node-folding-threshold=1 -mllvm -bonus-inst-threshold=2 -mllvm -inline-threshold=10".split()
 # Only the loops of the canvas, which take most of the time, are worth more than the smallest code.
 SIZE, VECTORS = "-Oz", "-Os"
 FAST = {"canvas.c"}
-LINK = """wasm-ld --no-entry --gc-sections --strip-all -z stack-size=65536 -mllvm -disable-lsr -mllvm -enable-pre=0""".split() + PASSES + LINK_PASSES
-# The lowest 1024 bytes hold nothing, where wasm-ld begins the data.  The order of the passes was found by trying.
-OPTIMISE = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
-    --low-memory-unused --optimize-added-constants-propagate -Oz --flatten --rereloop --remove-unused-brs --reorder-functions
+LINKING = "--no-entry --gc-sections --strip-all".split()
+LINK = ["wasm-ld", *LINKING, "-z", "stack-size=65536", *SMALLER, *PASSES, *LINK_PASSES]
+# The order of the passes was found by trying.
+OPTIMISE = WASM_OPT + """--optimize-added-constants-propagate -Oz --flatten --rereloop --remove-unused-brs --reorder-functions
     --precompute-propagate --simplify-globals-optimizing --merge-blocks --rse --coalesce-locals --dae-optimizing -Oz --precompute
     --ssa-nomerge --flatten --rse -Oz""".split()
 

@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """Builds the encoder for web pages and Node: build_encoder.py --out FOLDER --depfile FILE --clang CLANG --linker WASM_LD
-        [--include FOLDER...] C_SOURCE...
+        [--library FILE...] [--include FOLDER...] C_SOURCE...
 
 Writes gscl-encode.wasm, for opaque pictures, and gscl-encode-alpha.wasm, for others, into the folder: the library's sources
 without threads, with the kernels that encodes with the default profile need.  It needs clang and wasm-ld of the same version, 16 or
-newer, wasi-libc, clang's run-time library for wasm32, and wasm-opt.
+newer, the headers of wasi-libc, and wasm-opt; the libraries are its libc and clang's run-time library for wasm32.
 """
 import argparse
 import pathlib
-import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -21,24 +20,19 @@ import native  # noqa: E402
 from programs import programs  # noqa: E402
 
 PROCESSOR = "wasm32"
-FEATURES = ["-msimd128", "-mbulk-memory", "-mnontrapping-fptoint", "-msign-ext"]
 # The module has no other blend and loss, and one splat in a vector of the fit: sixteen are a tenth of the time and 22 kB gzipped.
 FIXED = ["-DBLEND=GSCL_NORMALIZED", "-DLOSS=GSCL_LOSS_KIND_L2"]
 LANES = ["-DGSCL_CPU_SPLAT_LANES=1"]
 # WebAssembly has no fused multiply-add: files are those of x86-64-v2.
-KERNELS = ["--target=wasm32", *FEATURES, *FIXED, *LANES, "-DSOFTWARE_FMA", "-fno-PIC", "-Wno-pass-failed"]
-HOST = ["--target=wasm32-wasi", *FEATURES, *LANES, "-std=c99", "-flto", "-DNDEBUG", "-DGSCL_WITH_NATIVE", "-ffp-contract=off",
-        "-fno-math-errno", "-fvisibility=hidden", "-ffunction-sections", "-fdata-sections", "-fno-slp-vectorize", "-D__thread="]
+KERNELS = ["--target=wasm32", *build.FEATURES, *FIXED, *LANES, "-DSOFTWARE_FMA", "-fno-PIC", "-Wno-pass-failed"]
+HOST = ["--target=wasm32-wasi", *build.HOST, *LANES, "-DGSCL_WITH_NATIVE", "-D__thread="]  # there is one thread
 # Most of the time passes in the fit: -Os there is a tenth of the time for 0.5 kB, -O2 not faster and 4 kB more.
 SIZE, SPEED, FAST_KINDS = "-Oz", "-Os", {"FIT"}
 KINDS = {"RENDER", "BIN", "FIT", "SCALAR_RDO", "VISUAL", "IMAGE"}
 # Modules and the channels of their kernels: colours, and whether there is alpha.  Faint colours are tried as grey.
 MODULES = {"gscl-encode.wasm": {(1, 0), (3, 0)}, "gscl-encode-alpha.wasm": {(1, 1), (3, 1)}}
 STACK_BYTES = 1 << 20
-# Of LLVM, for the host's code: only what makes it smaller is inlined.
-LINK_PASSES = "-mllvm -inline-threshold=0 -mllvm -disable-lsr -mllvm -enable-pre=0 -mllvm -simplifycfg-sink-common=0".split()
-OPTIMISE = ["wasm-opt", "--enable-simd", "--enable-bulk-memory", "--enable-nontrapping-float-to-int", "--enable-sign-ext",
-            "--low-memory-unused", "-Oz", "--flatten", "--rereloop", "-Oz", "-Oz"]
+OPTIMISE = [*build.WASM_OPT, "-Oz", "--flatten", "--rereloop", "-Oz", "-Oz"]
 
 
 def chosen(channels):
@@ -61,20 +55,14 @@ def compile_host(source, clang, includes, folder):
     return target
 
 
-def libraries(clang):
-    """libc, and what clang calls for operations that the machine does not have."""
-    folder = subprocess.run([clang, "-print-resource-dir"], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-    return ["-L/usr/lib/wasm32-wasi", "-lc", f"{folder}/lib/wasi/libclang_rt.builtins-wasm32.a"]
-
-
 def link(name, kernels, host, options, folder):
     """`kernels`: the object of each program."""
     programs_of = chosen(MODULES[name])
     table = folder / f"table_of_{name}.c"
     native.write_table(table, options.clang, [PROCESSOR], programs_of)
     objects = [*(kernels[program] for program in programs_of), *host, compile_host(table, options.clang, options.include, folder)]
-    build.run([options.linker, "--no-entry", "--gc-sections", "--strip-all", "-z", f"stack-size={STACK_BYTES}", *LINK_PASSES, *map(str, objects),
-               *libraries(options.clang), "-o", str(folder / name)])
+    build.run([options.linker, *build.LINKING, "-z", f"stack-size={STACK_BYTES}", *build.SMALLER, *build.PASSES, *map(str, objects),
+               *options.library, "-o", str(folder / name)])
     build.run([*OPTIMISE, str(folder / name), "-o", str(options.out / name)])
 
 
@@ -84,6 +72,7 @@ def main():
     parser.add_argument("--depfile", type=pathlib.Path, required=True)
     parser.add_argument("--clang", required=True)
     parser.add_argument("--linker", required=True)
+    parser.add_argument("--library", action="append", default=[])
     parser.add_argument("--include", action="append", default=[])
     parser.add_argument("sources", nargs="+", type=pathlib.Path)
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-/* placeholder; gscl.d.ts describes it. */
+/* placeholder; placeholder.d.ts describes it. */
 import {decode, info} from './gscl.js';
 
 const DEFAULT_WIDTH = 16; /* pixels, as blurs of other packages; 32 take two to three times the bytes */

@@ -35,7 +35,7 @@ export interface Progress {
 }
 
 export interface EncodeOptions {
-  /** The target, at most one of these. Default: 0.125 bits a pixel, or 256 bytes if that is more. */
+  /* The target, at most one of these. Default: 0.125 bits a pixel, or 256 bytes if that is more. */
   /** Largest size of the file. */
   bytes?: number;
   /** Largest size in bits per pixel. */
@@ -86,6 +86,7 @@ export interface Encoded {
   trials: number;
 }
 
-/** Encodes a picture, whose pixels may be changed once the call has returned, in a worker: no page stands still, and there run as many at once as there are processors. The bytes are those of the
- * library on a processor without a fused multiply-add. Rejects with a GsclError, or with what `signal` or `onProgress` say. */
+/** Encodes a picture, whose pixels may be changed once the call has returned, in a worker: no page stands still, and there run as many at
+ * once as there are processors. The bytes are those of the library on a processor without a fused multiply-add. Rejects with a GsclError, or
+ * with what `signal` or `onProgress` say. */
 export function encode(picture: Picture, options?: EncodeOptions): Promise<Encoded>;

@@ -1,4 +1,4 @@
-/* encode; gscl.d.ts describes it.
+/* encode; encode.d.ts describes it.
  *
  * Each encode runs in a worker, which ends where the encode is aborted or stops at a fault, and else waits for the next one. */
 import {GsclError} from './gscl.js';
