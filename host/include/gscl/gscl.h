@@ -357,6 +357,10 @@ typedef enum gscl_target {
      * PSNR of 20 + target_value / 4 dB */
     GSCL_TARGET_QUALITY = 6
 } gscl_target;
+/* The SSIMULACRA 2 that a quality stands for. */
+static inline double gscl_quality_score(double quality) {
+    return quality < 30 ? quality - (30 - quality) * 5 / 3 : quality;
+}
 #define GSCL_MAX_TARGET_BPP 100000000    /* more than a picture of one pixel has with blocks of the largest size */
 #define GSCL_MAX_TARGET_BYTES 4294967295 /* 2^32 - 1, more than any file has */
 #define GSCL_MAX_TARGET_PSNR 200         /* dB, more than floating-point samples allow */

@@ -124,6 +124,8 @@ static gscl_result draw(gscl_context *context, const gscl_coded_image *coded, co
 
 gscl_result gscl_decode_within(gscl_context *context, const uint8_t *bytes, size_t size,
                                const gscl_decode_settings *settings, gscl_image *image) {
+    if (!bytes || !image)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "there are no bytes, or no image to decode them into");
     GSCL_TRY(gscl_require_open(context));
     const double start_s = gscl_now();
     gscl_decode_settings s;
@@ -154,7 +156,5 @@ gscl_result gscl_decode(gscl_context *context, const uint8_t *bytes, size_t size
     if (!context)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_call_begin(context, "gscl_decode");
-    return gscl_call_end(context, !bytes || !image ? gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
-                                                               "there are no bytes, or no image to decode them into")
-                                                   : gscl_decode_within(context, bytes, size, settings, image));
+    return gscl_call_end(context, gscl_decode_within(context, bytes, size, settings, image));
 }

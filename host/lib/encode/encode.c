@@ -269,6 +269,9 @@ static void encoder_end(gscl_encoder *e) {
 
 static gscl_result encode(gscl_context *context, const gscl_image *image, const gscl_encode_settings *settings,
                           uint8_t **bytes, size_t *size, gscl_encode_report *report) {
+    if (!bytes || !size)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "there is no place for the bytes, or none for their number");
     GSCL_TRY(gscl_require_encoder(context, "encoding"));
     gscl_encoder e = {.context = context, .quality = NAN};
     gscl_encode_settings_default(&e.settings);
@@ -298,8 +301,5 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     if (!context)
         return GSCL_ERROR_INVALID_ARGUMENT;
     gscl_call_begin(context, "gscl_encode");
-    return gscl_call_end(context, !bytes || !size
-                                      ? gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
-                                                  "there is no place for the bytes, or none for their number")
-                                      : encode(context, image, settings, bytes, size, report));
+    return gscl_call_end(context, encode(context, image, settings, bytes, size, report));
 }

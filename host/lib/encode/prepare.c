@@ -111,7 +111,7 @@ static void resolve_quality(gscl_encoder *e) {
     e->accepts_less = true;
     if (has_ssimulacra2(&e->header)) {
         s->target = GSCL_TARGET_SSIMULACRA2;
-        s->target_value = quality - fmax(30 - quality, 0) * 5 / 3;
+        s->target_value = gscl_quality_score(quality);
     } else {
         s->target = GSCL_TARGET_PSNR;
         s->target_value = 20 + quality / 4;

@@ -294,9 +294,9 @@ int command_decode(int argc, char **argv) {
     if (has_output_operand(&options) &&
         output_take_operand("decode", options.inputs, &options.input_count, &options.output) != 0)
         return EXIT_USAGE;
-    if (!options.output && options.input_count > 1 && access(options.inputs[options.input_count - 1], F_OK) != 0 &&
-        !image_format_of("decode", options.inputs[options.input_count - 1]))
-        return EXIT_USAGE;
+    const char *last = options.inputs[options.input_count - 1];
+    if (!options.output && options.input_count > 1 && access(last, F_OK) != 0 && !image_format_of("decode", last))
+        return EXIT_USAGE; /* an output whose suffix is none */
     if (!options.output)
         return report_usage("decode", "the output is missing; give the name of an image, or -o - for standard output");
     if (options.has_scale && options.has_size)

@@ -67,24 +67,19 @@ static const char *const metadata_words[] = {"none", "exif", "all", NULL};
 #define MAX_CODEBOOK 1024
 #define MAX_SHARDS 1000000
 
-/* Whether the second of two operands may be the output. */
-static bool may_have_output_operand(const encode_batch *batch) {
-    return batch->count == 2 && !batch->output && !batch->out_dir && !batch->files_from;
-}
-
-/* Whether an operand names a coded picture: without -o it is the output. */
-static bool is_output_operand(const char *name) {
+/* Whether this names a coded picture. */
+static bool is_coded_name(const char *name) {
     const char *suffix = name_suffix(name);
     return strcasecmp(suffix, ".gscl") == 0 || strcasecmp(suffix, ".gsclp") == 0;
 }
 
-/* Takes the second of two operands as the output, where it is one.  Refuses one that does not exist and has the suffix of no
- * image: a mistyped output, not an input. */
+/* The second of two operands that names a coded picture is the output.  One that does not exist and has no suffix of an image
+ * that gscl writes is a mistyped output rather than an input. */
 static int take_output_operand(encode_batch *batch) {
-    const char *last = may_have_output_operand(batch) ? batch->inputs[1] : NULL;
-    if (!last)
+    if (batch->count != 2 || batch->output || batch->out_dir || batch->files_from)
         return EXIT_SUCCESS;
-    if (is_output_operand(last))
+    const char *last = batch->inputs[1];
+    if (is_coded_name(last))
         return output_take_operand("encode", batch->inputs, &batch->count, &batch->output);
     if (strcmp(last, "-") != 0 && access(last, F_OK) != 0 && !image_format_has_suffix(last))
         return report_usage("encode", "%s does not exist; an output ends with .gscl, or is named with -o", last);

@@ -40,9 +40,8 @@ typedef struct batch_state {
 
 /* Says where a quality was not reached, whose best file is a result all the same (GSCL_TARGET_QUALITY). */
 static void note_missed_quality(const encode_job *job) {
-    const double quality = job->settings.target_value, score = job->report.ssimulacra2;
-    const double aim = quality < 30 ? 30 - 8.0 / 3 * (30 - quality) : quality;
-    if (job->settings.target == GSCL_TARGET_QUALITY && score < aim)
+    const double quality = job->settings.target_value;
+    if (job->settings.target == GSCL_TARGET_QUALITY && job->report.ssimulacra2 < gscl_quality_score(quality))
         report_note("%s: quality %g is not reached: this is the best file that was found", job->output.label, quality);
 }
 
