@@ -7,8 +7,8 @@
 
 #include "cl/constants.h"
 #include "decode/coded_image.h"
-#include "decode/dequantise.h"
 #include "decode/frame.h"
+#include "decode/resize.h"
 #include "format/format.h"
 #include "format/packet.h"
 #include "software/software.h"
@@ -24,7 +24,7 @@ EXPORT("file") uint8_t *web_file(size_t file_size, bool bare);
 EXPORT("header") gsf_result web_header(void);
 EXPORT("info") const uint32_t *web_info(void);
 EXPORT("read") gsf_result web_read(bool partial);
-EXPORT("splats") const float *web_splats(void);
+EXPORT("splats") float *web_splats(void);
 EXPORT("frame")
 double web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
 EXPORT("draw") const void *web_draw(void);
@@ -57,7 +57,7 @@ gsf_result web_header(void) {
 
 /* The header as decoder.js takes it.  After web_read of a part of a file the splats are those that it holds. */
 const uint32_t *web_info(void) {
-    static uint32_t fields[9];
+    static uint32_t fields[10];
     const gsf_header *h = &coded.file.header;
     fields[0] = h->width;
     fields[1] = h->height;
@@ -68,6 +68,7 @@ const uint32_t *web_info(void) {
     fields[6] = h->has_chroma ? 3 : 1;
     fields[7] = h->has_alpha;
     fields[8] = h->has_opacity;
+    fields[9] = h->blend;
     return fields;
 }
 
@@ -92,12 +93,12 @@ gsf_result web_read(bool partial) {
                    : gsf_read(bytes, size, &coded.file, coded.scratch);
 }
 
-/* GSCL_PARAMS parameters of each splat; NULL without memory. */
-const float *web_splats(void) {
+/* GSCL_PARAMS parameters of each splat, then the background of 4 channels; NULL without memory. */
+float *web_splats(void) {
     const uint32_t count = coded.file.header.splat_count;
-    float *params = malloc(count * GSCL_PARAMS * sizeof *params);
-    for (uint32_t i = 0; params && i < count; i++)
-        gscl_dequantise_splat(&coded.file, i, params + i * GSCL_PARAMS);
+    float *params = malloc((count * GSCL_PARAMS + 4) * sizeof *params);
+    if (params)
+        gscl_coded_image_params(&coded, params, params + count * GSCL_PARAMS);
     return params;
 }
 
@@ -127,39 +128,25 @@ static const gscl_kernel_options *options_of(const gsf_header *h) {
     return &options;
 }
 
-/* `x`, `y`: the place in the drawn image of the corner of what `software` draws. */
-static void add_splats(gscl_software *software, uint32_t x, uint32_t y, gscl_real sums[4]) {
-    const gsf_header *header = &coded.file.header;
-    for (uint32_t i = 0; i < header->splat_count; i++) {
-        float params[GSCL_PARAMS];
-        gscl_frame_splat(&coded.file, i, &frame, params);
-        params[GSCL_X] -= (float)x;
-        params[GSCL_Y] -= (float)y;
-        gscl_software_add(software, params);
-        for (unsigned k = 0; k < gsf_channel_count(header); k++)
-            sums[k] += (double)params[GSCL_COLOUR + k];
-    }
-}
-
 /* Pixels of 4 bytes, R, G, B and alpha, whatever the layout of the file; NULL without memory. */
 const void *web_draw(void) {
-    /* The renderer has no numbers for the rows of larger images: it draws the rectangle as an image of its own. */
-    const bool is_far = frame.full_width > GSCL_MAX_DIMENSION || frame.full_height > GSCL_MAX_DIMENSION;
-    const gscl_software_view near = {frame.full_width, frame.full_height, frame.x, frame.y};
-    const gscl_software_view view = is_far ? (gscl_software_view){frame.width, frame.height, 0, 0} : near;
+    const gscl_software_view view = {frame.width, frame.height, 0, 0};
     const gscl_image image = {.width = frame.width,
                               .height = frame.height,
                               .channels = 4,
                               .sample = GSCL_SAMPLE_U8,
                               .pixels = malloc((size_t)4 * frame.width * frame.height)};
-    gscl_software *software =
-        gscl_software_create(options_of(&coded.file.header), &view, coded.file.header.splat_count);
-    gscl_real sums[4] = {0};
-    float background[4];
-    if (!software || !image.pixels)
+    const uint32_t count = coded.file.header.splat_count;
+    gscl_software *software = gscl_software_create(options_of(&coded.file.header), &view, count);
+    float *params = web_splats();
+    if (!software || !image.pixels || !params)
         return NULL;
-    add_splats(software, frame.x - view.x, frame.y - view.y, sums);
-    gscl_dequantise_background(&coded.file, sums, background);
-    gscl_software_draw(software, background, &image);
+    gscl_resize_splats(params, count, frame.scale_x, frame.scale_y);
+    for (uint32_t i = 0; i < count; i++, params += GSCL_PARAMS) {
+        params[GSCL_X] -= (float)frame.x;
+        params[GSCL_Y] -= (float)frame.y;
+        gscl_software_add(software, params);
+    }
+    gscl_software_draw(software, params, &image); /* the background follows the splats */
     return image.pixels;
 }

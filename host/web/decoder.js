@@ -52,7 +52,7 @@ export const open = async (source, {bare}, use) => {
     const at = allocated(wasm.file(bytes.length, !!bare));
     new Uint8Array(wasm.memory.buffer, at).set(bytes);
     check(wasm.header());
-    return use(wasm, () => new Uint32Array(wasm.memory.buffer, wasm.info(), 9), check);
+    return use(wasm, () => new Uint32Array(wasm.memory.buffer, wasm.info(), 10), check);
   } catch (error) {
     refuse(!(error instanceof GsclError), `the decoder failed: ${error.message}`, 'failed');
     throw error;

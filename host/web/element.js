@@ -46,14 +46,14 @@ const pictureOf = element => {
     const box = element.getBoundingClientRect(), pixels = side => Math.min(Math.round(side * ratio), MAX_DIMENSION);
     let image, ratio = devicePixelRatio;
     for (; !image && pixels(box.width) * pixels(box.height); ratio /= 2) /* fewer pixels where a limit refuses so many */
-      image = await decode(drawn, {width: pixels(box.width), height: pixels(box.height), bare, partial}).catch(error => {
+      image = await GsclImage.draw(drawn, {width: pixels(box.width), height: pixels(box.height), bare, partial}).catch(error => {
         if (error.code != 'limit')
           throw error;
       });
     if (image && drawn == bytes) {
       canvas.width = image.width;
       canvas.height = image.height;
-      canvas.getContext('2d').putImageData(image, 0, 0);
+      canvas.getContext('2d')[image.data ? 'putImageData' : 'drawImage'](image, 0, 0);
     }
   };
   /* Draws the bytes that have come, again and again until no more have come meanwhile. */
@@ -112,6 +112,7 @@ const pictureOf = element => {
 
 export class GsclImage extends (globalThis.HTMLElement || Object) {
   static observedAttributes = 'src data bare alt width height'.split(' ');
+  static draw = decode; /* gpu.js puts another one here, which returns a canvas */
   #change = pictureOf(this);
 
   connectedCallback() {
