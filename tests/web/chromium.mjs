@@ -8,6 +8,9 @@ import {extname, join, normalize} from 'node:path';
 const TYPES = {'.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json', '.svg': 'image/svg+xml'};
 export const TIMEOUT = 600000; /* ms for one command: it ends what hangs, however loaded the machine */
 
+/* Flags of Chromium.start with which WebGL is there, without a GPU. */
+export const SOFTWARE_WEBGL = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+
 export const pause = ms => new Promise(resolve => setTimeout(resolve, ms));
 
 /* Serves the files of folders {prefix: folder}; `handlers` {path: (request, response) => ...} come first. */
@@ -33,10 +36,11 @@ export class Chromium {
   #session;
   errors = []; /* exceptions and console errors of the page */
 
-  static async start(program = process.env.CHROMIUM || 'chromium') {
+  /* `drawing`: flags by which it draws, by default without WebGL. */
+  static async start(drawing = ['--disable-gpu']) {
     const browser = new Chromium;
     browser.folder = mkdtempSync(join(tmpdir(), 'gscl-chromium-'));
-    browser.process = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage', '--no-first-run', '--remote-debugging-pipe',
+    browser.process = spawn(process.env.CHROMIUM || 'chromium', ['--headless=new', '--no-sandbox', ...drawing, '--disable-dev-shm-usage', '--no-first-run', '--remote-debugging-pipe',
       `--user-data-dir=${browser.folder}`, '--window-size=1200,900', 'about:blank'], {stdio: ['ignore', 'ignore', 'pipe', 'pipe', 'pipe']});
     browser.process.stderr.resume();
     browser.process.on('error', error => browser.#end(error));

@@ -69,12 +69,14 @@ for (const [project, jsx] of Object.entries({react18: 'react', react19: 'react',
   });
 
 test('the types need no framework', () => {
-  assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets'; import {encode, type Encoded} from 'gscl/encode'; import {placeholder} from 'gscl/placeholder';
+  assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets'; import {encode, type Encoded} from 'gscl/encode'; import {placeholder} from 'gscl/placeholder'; import {view, type Viewer} from 'gscl/gpu';
     const image = document.createElement('gscl-image'); image.src = 'a.gscl', image.width = 3, image.bare = true; export const width: string | null = image.width; export const all = [decode, GsclError, splats, info, packets];
     export const encoded: Promise<Encoded> = encode(new ImageData(2, 2), {bytes: 100, tune: 'psnr', packets: {size: 100}, signal: AbortSignal.timeout(1000), onProgress: ({fraction}) => { fraction.toFixed(); }});
-    export const url: Promise<string> = placeholder(new Uint8Array(9), {bare: true, width: 20}).then(it => it.url); export const bytes = async (): Promise<Blob> => new Blob([(await encoded).bytes]);`), '');
+    export const url: Promise<string> = placeholder(new Uint8Array(9), {bare: true, width: 20}).then(it => it.url);
+    export const viewer: Promise<Viewer> = view(document.createElement('canvas'), new Uint8Array(9), {bare: true, maxWork: 1e9}); viewer.then(it => it.draw({scale: it.width, x: 1})); export const bytes = async (): Promise<Blob> => new Blob([(await encoded).bytes]);`), '');
   assert.match(check('alone', '', 'bad_encode.ts', `import {encode} from 'gscl/encode'; encode({data: [1], width: 1, height: 1});`), /TS2322/);
   assert.match(check('alone', '', 'bad_options.ts', `import {encode} from 'gscl/encode'; encode(new ImageData(1, 1), {byte: 1});`), /TS(2353|2561)/);
+  assert.match(check('alone', '', 'bad_view.ts', `import {view} from 'gscl/gpu'; view(document.createElement('canvas'), new Uint8Array(9)).then(it => it.draw({x: 1}));`), /TS2741.*scale/);
   assert.match(check('alone', '', 'bad.ts', `import 'gscl'; document.createElement('gscl-image').src = 3;`), /TS2322/);
 });
 
@@ -92,9 +94,10 @@ const browser = await Chromium.start();
 const open = (script, html = '') => browser.open(`${site.url}/page?script=${script}&html=${html}`);
 
 /* A page that draws a picture by the element and by a function. */
-for (const entry of ['gscl', 'gscl/inline', 'gscl/packets']) {
+const drawBy = {'gscl/gpu': `import {view} from 'gscl/gpu'; const decode = bytes => view(document.createElement('canvas'), bytes);`};
+for (const entry of ['gscl', 'gscl/inline', 'gscl/packets', 'gscl/gpu']) {
   const name = entry.replace('/', '-');
-  write('tools', `src/${name}.js`, `import {decode} from '${entry}'; const image = document.createElement('gscl-image'); image.src = '/files/photograph.gscl'; image.id = 'image';
+  write('tools', `src/${name}.js`, `${drawBy[entry] || `import {decode} from '${entry}';`} const image = document.createElement('gscl-image'); image.src = '/files/photograph.gscl'; image.id = 'image';
     image.addEventListener('load', () => events.push('load')); document.body.append(image); fetch(image.src).then(it => it.arrayBuffer()).then(decode).then(it => events.push(it.width), it => events.push(String(it)));`);
   write('tools', `${name}.html`, `<!doctype html><script>window.events = []</script><body><script type="module" src="/src/${name}.js"></script>`);
 }
@@ -108,7 +111,7 @@ const bundlers = {
 /* Where the module that a script names is beside it: some take it along, for others it is copied. */
 const copyModules = bundler => ['gscl.wasm', 'gscl-packets.wasm'].forEach(name => cpSync(join(folder, name), at('tools/out', bundler, name)));
 for (const [bundler, build] of Object.entries(bundlers))
-  for (const name of bundler == 'esbuild, a script' ? ['gscl-inline'] : ['gscl-inline', 'gscl', 'gscl-packets'])
+  for (const name of bundler == 'esbuild, a script' ? ['gscl-inline'] : ['gscl-inline', 'gscl', 'gscl-packets', 'gscl-gpu'])
     test(`${bundler} makes a page of ${name}`, async () => {
       write('tools', 'vite.config.mjs', `export default {build: {rollupOptions: {input: '${name}.html'}}};`); /* as the name of index.html */
       build(name);
