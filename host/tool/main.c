@@ -27,6 +27,7 @@ static const command commands[] = {
     {"compare", command_compare, "measure the difference of two images: PSNR, SSIM, MS-SSIM"},
     {"draw", command_draw, "draw the splats of a gscl file as ellipses over the decoded image"},
     {"export", command_export, "write the splats of a gscl file as an SVG image or as a table"},
+    {"pack", command_pack, "write splats that another program has fitted as a gscl file"},
     {"devices", command_devices, "list the devices, with the default one and why it is the default"},
     {"bench", command_bench, "measure the speed of this machine: kernels, encode and decode"},
     {"tradeoff", command_tradeoff, "measure accuracy against time, as tables and plots"},

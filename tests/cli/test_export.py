@@ -14,7 +14,8 @@ SVG = "{http://www.w3.org/2000/svg}"
 # splats happen to lie.
 MIN_PSNR = {"normalized": 25.5, "alpha": 24.5, "sum": 24, "grey": 28.5}
 SEEDS = (1, 2, 3, 4, 5, 6)
-COLUMNS = ["x", "y", "sigma1", "sigma2", "theta", "opacity", "red", "green", "blue", "alpha"]
+COLUMNS = ["x", "y", "sigma1", "sigma2", "theta", "opacity", "red", "green", "blue", "alpha", "wave_x", "wave_y", "wave_phase",
+           "wave_amplitude", "layer"]
 
 
 class Tables(ToolTest):
@@ -28,7 +29,7 @@ class Tables(ToolTest):
         self.assertEqual(head, COLUMNS)
         self.assertEqual(len(rows), self.gscl_json("info", "in.gscl")["splats"])
         for row in rows:
-            x, y, sigma1, sigma2, theta, opacity, *colours = map(float, row)
+            x, y, sigma1, sigma2, theta, opacity, *colours = map(float, row[:10])
             self.assertTrue(-60 < x < 120 and -40 < y < 80 and 0 < sigma1 and 0 < sigma2, row)
             self.assertTrue(0 <= theta <= 3.15 and 0 <= opacity <= 1 and colours[3] == 1, row)
 
@@ -37,7 +38,7 @@ class Tables(ToolTest):
         from math import cos, exp, sin
         image = scene(30, 20)
         self.encode(image, "--effects=-texture", "--bytes", 300)
-        splats = [list(map(float, row)) for row in self.rows()[1:]]
+        splats = [list(map(float, row[:10])) for row in self.rows()[1:]]
         drawn = []
         for y in range(20):
             for x in range(30):
@@ -56,8 +57,8 @@ class Tables(ToolTest):
         self.encode(scene(60, 40), "--splats", 12)
         self.gscl("export", "in.gscl", "-o", "out.ply")
         head, body = self.path("out.ply").read_text().split("end_header\n")
-        self.assertTrue(head.startswith("ply\nformat ascii 1.0\ncomment "))
-        self.assertEqual(re.findall("property float (.*)", head), ["x", "y", "z"] + COLUMNS[2:])
+        self.assertTrue(head.startswith("ply\nformat ascii 1.0\ncomment gscl width=60 height=40 channels=3 bits=8 blend=normalized "))
+        self.assertEqual(re.findall("property [a-z]+ (.*)", head), ["x", "y", "z"] + COLUMNS[2:])
         expected = [row[:2] + ["0"] + row[2:] for row in self.rows()[1:]]
         self.assertEqual([line.split() for line in body.splitlines()], expected)
         self.assertIn(f"element vertex {len(expected)}\n", head)

@@ -28,7 +28,7 @@ import subprocess
 import sys
 
 # From the lowest room to the highest.  A room may use itself, lower rooms of its list, and what BASE names.
-LIBRARY = ["runtime", "native", "opencl", "device", "image", "software", "decode", "fit", "session", "codebook", "scalar", "encode", "measure"]
+LIBRARY = ["runtime", "native", "opencl", "device", "image", "software", "decode", "fit", "session", "codebook", "scalar", "encode", "pack", "measure"]
 TOOL = ["cli", "image", "plot", "tradeoff", "commands"]
 PROGRAMS = {"host/lib": LIBRARY, "host/tool": TOOL}
 BASE = {"host/lib": ["format", "cl"], "host/tool": ["host/colours"], "format": [], "cl": []}

@@ -186,7 +186,7 @@ static void check_bare(const file *whole, const file *bare) {
     gscl_decode_settings decoding;
     gscl_info infos[2] = {{.struct_size = sizeof infos[0]}, {.struct_size = sizeof infos[1]}};
     gscl_image pixels[2] = {{0}, {0}};
-    gscl_splat *splats;
+    gscl_field field = {.struct_size = sizeof field};
     gscl_effect_use uses[GSCL_MAX_EFFECTS];
     size_t count;
     gscl_read_settings_default(&reading);
@@ -199,13 +199,13 @@ static void check_bare(const file *whole, const file *bare) {
     assert_result(gscl_inspect(bare->bytes, bare->size, &reading, &infos[1]), GSCL_OK);
     assert_true(infos[0].splats == infos[1].splats && infos[0].work == infos[1].work && infos[1].bytes == bare->size);
     assert_result(gscl_probe(bare->bytes, bare->size, &reading, &infos[1]), GSCL_OK);
-    assert_result(gscl_read_splats(bare->bytes, bare->size, &reading, &splats, &count), GSCL_OK);
-    assert_int_equal(count, infos[0].splats);
+    assert_result(gscl_read_field(bare->bytes, bare->size, &reading, &field), GSCL_OK);
+    assert_int_equal(field.count, infos[0].splats);
     assert_result(gscl_inspect_effects(context, bare->bytes, bare->size, &reading, &image, uses, &count), GSCL_OK);
     /* The form is not guessed. */
     assert_int_equal(gscl_probe(bare->bytes, bare->size, NULL, &infos[1]), GSCL_ERROR_NOT_GSCL);
     assert_true(gscl_inspect(whole->bytes, whole->size, &reading, &infos[1]) != GSCL_OK);
-    gscl_free(splats);
+    gscl_free(field.splats);
     gscl_free(pixels[0].pixels);
     gscl_free(pixels[1].pixels);
 }
@@ -250,13 +250,12 @@ static void test_reading_settings_are_checked(void **state) {
     const gscl_encode_settings settings = quick(GSCL_TARGET_SPLATS, 2);
     gscl_read_settings reading = {.struct_size = 0};
     gscl_info info = {.struct_size = sizeof info};
-    gscl_splat *splats;
-    size_t count;
+    gscl_field field = {.struct_size = sizeof field};
     const file f = encode(&settings, NULL);
     assert_int_equal(gscl_probe(f.bytes, f.size, &reading, &info), GSCL_ERROR_STRUCT_SIZE);
     assert_int_equal(gscl_inspect(f.bytes, f.size, &reading, &info), GSCL_ERROR_STRUCT_SIZE);
     reading.struct_size = sizeof reading + 8;
-    assert_int_equal(gscl_read_splats(f.bytes, f.size, &reading, &splats, &count), GSCL_ERROR_STRUCT_SIZE);
+    assert_int_equal(gscl_read_field(f.bytes, f.size, &reading, &field), GSCL_ERROR_STRUCT_SIZE);
     gscl_free(f.bytes);
 }
 

@@ -379,16 +379,16 @@ static void check_splat(const oracle_header *header, const oracle_splat *truth, 
 
 static void check_splats(synthetic_scene *s) {
     uint8_t *bytes = NULL;
-    size_t size = 0, count = 0;
-    gscl_splat *splats = NULL;
+    size_t size = 0;
+    gscl_field field = {.struct_size = sizeof field};
     oracle_image truth;
     assert_int_equal(synthetic_scene_write(s, &bytes, &size), GSF_OK);
     assert_true(oracle_read(bytes, size, &truth));
-    assert_int_equal(gscl_read_splats(bytes, size, NULL, &splats, &count), GSCL_OK);
-    assert_int_equal(count, truth.header.splats);
-    for (size_t i = 0; i < count; i++)
-        check_splat(&truth.header, &truth.splats[i], &splats[i]);
-    gscl_free(splats);
+    assert_int_equal(gscl_read_field(bytes, size, NULL, &field), GSCL_OK);
+    assert_int_equal(field.count, truth.header.splats);
+    for (size_t i = 0; i < field.count; i++)
+        check_splat(&truth.header, &truth.splats[i], &field.splats[i]);
+    gscl_free(field.splats);
     oracle_free(&truth);
     free(bytes);
     synthetic_scene_free(s);

@@ -404,15 +404,14 @@ static void test_work_is_refused_before_pixels_are_allocated(void **state) {
     assert_true(allocated_bytes > 0 && allocated_bytes < (size_t)8192 * 8192 / 16);
 }
 
-/* The same figure, computed from the splats that gscl_read_splats returns. */
+/* The same figure, computed from the splats that gscl_read_field returns. */
 static void test_work_is_the_area_of_outlines(void **state) {
     (void)state;
-    gscl_splat *splats;
-    size_t count;
+    gscl_field field = {.struct_size = sizeof field};
     double area = 0;
-    assert_result(gscl_read_splats(bytes, size, NULL, &splats, &count), GSCL_OK);
-    for (size_t i = 0; i < count; i++) {
-        const gscl_splat *p = &splats[i];
+    assert_result(gscl_read_field(bytes, size, NULL, &field), GSCL_OK);
+    for (size_t i = 0; i < field.count; i++) {
+        const gscl_splat *p = &field.splats[i];
         const double radius = sqrt(2 * GSCL_SUPPORT), c = cos(p->theta), n = sin(p->theta);
         const double half_width = radius * hypot(c * p->sigma1, n * p->sigma2);
         const double half_height = radius * hypot(n * p->sigma1, c * p->sigma2);
@@ -420,8 +419,8 @@ static void test_work_is_the_area_of_outlines(void **state) {
         const double height = fmin(p->y + half_height, HEIGHT) - fmax(p->y - half_height, 0);
         area += fmax(1, fmax(width, 0) * fmax(height, 0));
     }
-    assert_true(fabs((double)inspect().work - area) < 1.01 * (double)count);
-    gscl_free(splats);
+    assert_true(fabs((double)inspect().work - area) < 1.01 * (double)field.count);
+    gscl_free(field.splats);
 }
 
 static void test_work_follows_size_and_crop(void **state) {

@@ -225,9 +225,9 @@ static void test_null_arguments(void **state) {
     gscl_image image = synthetic_image(SYNTHETIC_SHAPES, 16, 16, 3, GSCL_SAMPLE_U8);
     const file f = encode_some(SYNTHETIC_SHAPES, 16, 16, 3, 4);
     uint8_t *bytes = NULL;
-    size_t size = 0, count = 0;
+    size_t size = 0;
     gscl_info info = {.struct_size = sizeof info};
-    gscl_splat *splats = NULL;
+    gscl_field field = {.struct_size = sizeof field};
     assert_int_equal(gscl_encode(NULL, &image, NULL, &bytes, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_encode(context, &image, NULL, NULL, &size, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_non_null(strstr(gscl_context_message(context), "no place for the bytes"));
@@ -239,8 +239,8 @@ static void test_null_arguments(void **state) {
     assert_int_equal(gscl_probe(NULL, 9, NULL, &info), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_probe(f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
     assert_int_equal(gscl_inspect(f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
-    assert_int_equal(gscl_read_splats(f.bytes, f.size, NULL, NULL, &count), GSCL_ERROR_INVALID_ARGUMENT);
-    assert_int_equal(gscl_read_splats(f.bytes, f.size, NULL, &splats, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_read_field(f.bytes, f.size, NULL, NULL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(gscl_read_field(NULL, f.size, NULL, &field), GSCL_ERROR_INVALID_ARGUMENT);
     gscl_free(f.bytes);
     synthetic_image_free(&image);
 }
@@ -1056,17 +1056,16 @@ static void test_sample_types(void **state) {
 
 static void check_info(const file *f, uint32_t channels, uint32_t splats) {
     gscl_info probe = {.struct_size = sizeof probe}, inspect = {.struct_size = sizeof inspect};
-    gscl_splat *list = NULL;
-    size_t count = 0;
+    gscl_field field = {.struct_size = sizeof field};
     assert_int_equal(gscl_probe(f->bytes, f->size, NULL, &probe), GSCL_OK);
     assert_int_equal(gscl_inspect(f->bytes, f->size, NULL, &inspect), GSCL_OK);
-    assert_int_equal(gscl_read_splats(f->bytes, f->size, NULL, &list, &count), GSCL_OK);
+    assert_int_equal(gscl_read_field(f->bytes, f->size, NULL, &field), GSCL_OK);
     assert_true(probe.format_version == 2 && inspect.format_version == 2);
     assert_true(probe.width == 41 && probe.height == 26 && inspect.width == 41 && inspect.height == 26);
     assert_true(probe.channels == channels && inspect.channels == channels);
     assert_true(probe.sample == inspect.sample && probe.blend == inspect.blend && probe.profile == inspect.profile);
     assert_true(probe.effects == inspect.effects && probe.bytes == f->size && inspect.bytes == f->size);
-    assert_true(probe.splats == count && inspect.splats == count && count <= splats);
+    assert_true(probe.splats == field.count && inspect.splats == field.count && field.count <= splats);
     assert_true(!(probe.effects & GSCL_EFFECT_CHROMA) == (channels < 3));
     assert_true(!(probe.effects & GSCL_EFFECT_ALPHA_CHANNEL) == (channels % 2 == 1));
     assert_int_equal(probe.stream_count, 0);
@@ -1076,7 +1075,8 @@ static void check_info(const file *f, uint32_t channels, uint32_t splats) {
         bits += inspect.streams[i].bits;
     }
     assert_true(fabs(bits - 8.0 * (double)f->size) < 1e-6);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < field.count; i++) {
+        const gscl_splat *list = field.splats;
         assert_true(list[i].sigma1 > 0.0f && list[i].sigma2 > 0.0f && list[i].opacity > 0.0f &&
                     list[i].opacity <= 1.0f);
         assert_true(list[i].theta >= 0.0f && list[i].theta < 3.1416f);
@@ -1085,7 +1085,7 @@ static void check_info(const file *f, uint32_t channels, uint32_t splats) {
         if (channels % 2 == 1)
             assert_true(list[i].colour[3] == 1.0f);
     }
-    gscl_free(list);
+    gscl_free(field.splats);
 }
 
 static void test_looking_into_files(void **state) {

@@ -103,7 +103,8 @@ typedef enum gscl_result {
     GSCL_ERROR_IMAGE_NOT_FINITE = 31, /* NaN or infinite samples */
     GSCL_ERROR_BUDGET_TOO_SMALL = 40, /* the message names the smallest possible size */
     GSCL_ERROR_TARGET_UNREACHABLE = 41, /* no file reaches the quality of the settings, or it cannot be measured */
-    GSCL_ERROR_CONFLICT = 42            /* settings that exclude each other */
+    GSCL_ERROR_CONFLICT = 42,           /* settings that exclude each other */
+    GSCL_ERROR_FIELD = 43               /* a field of splats that the format does not have */
 } gscl_result;
 
 /* Returns one line of English for a result, never NULL.  The text is static. */
@@ -712,18 +713,142 @@ GSCL_API GSCL_CHECKED gscl_result gscl_certain_splats(const uint8_t *bytes, size
 GSCL_API GSCL_CHECKED gscl_result gscl_find_block(const void *file, size_t size, gscl_block_type type,
                                                   const void **data, size_t *data_size);
 
-/* One splat as it is drawn.  This struct never changes. */
+/* ---- Fields: splats as data ------------------------------------------------------------------ */
+
+/* One splat as it is drawn.  For the place d = (pixel - (x, y)), with d1 and d2 its coordinates along the axes theta and
+ * theta + pi/2,
+ *
+ *     q      = (d1^2 / sigma1^2 + d2^2 / sigma2^2) / 2
+ *     weight = opacity * max(0, exp(-q) - exp(-GSCL_SPLAT_CUTOFF))
+ *     colour = colour + wave_amplitude * cos(2 pi (wave_x dx + wave_y dy - wave_phase))         (but not of alpha)
+ *
+ * This struct never changes. */
 typedef struct gscl_splat {
     float x, y;           /* centre, pixels of the encoded size */
     float sigma1, sigma2; /* standard deviations along the axes, pixels */
     float theta;          /* direction of the sigma1 axis, radians, 0..pi from +x towards +y */
     float opacity;        /* 0..1 */
     float colour[4];      /* R, G and B, equal in grey images, premultiplied; then alpha */
+    float wave_x, wave_y; /* of the wave, cycles per pixel along x and along y; 0 without a wave */
+    float wave_phase;     /* cycles, 0..1 */
+    float wave_amplitude; /* of the colours' range 0..1; 0: no wave */
+    uint32_t layer;       /* of a progressive file, 0 is the first one; else 0 */
 } gscl_splat;
-/* Reads all splats in drawing order.  The caller releases *splats with gscl_free.  Errors as gscl_inspect. */
-GSCL_API GSCL_CHECKED gscl_result gscl_read_splats(const uint8_t *bytes, size_t size,
-                                                   const gscl_read_settings *settings, gscl_splat **splats,
-                                                   size_t *count);
+
+#define GSCL_SPLAT_CUTOFF 7.0               /* q beyond which a splat draws nothing */
+#define GSCL_BACKGROUND_WEIGHT (1.0 / 1024) /* of the background in the blend NORMALIZED */
+#define GSCL_LARGEST_ALPHA 0.999            /* of a splat in the blend ALPHA */
+
+/* Quantiser steps of the default profile, as a file has them (FORMAT.md, "Dequantisation"): each 0..15, finer ones smaller,
+ * but luma, chroma and alpha, where finer ones are larger, and opacity, which is the number of levels less 1; pivot is 0..63.
+ * This struct never changes. */
+typedef struct gscl_steps {
+    uint8_t scale, position, angle, luma, chroma, alpha, opacity, pivot;
+} gscl_steps;
+
+/* Splats, with all that is needed to draw them.  With the splats in their order and w_i their weights at a pixel, a channel of
+ * the image is
+ *
+ *     NORMALIZED  (e background + sum w_i colour_i) / (e + sum w_i),  e = GSCL_BACKGROUND_WEIGHT
+ *     ALPHA       for each splat, from the first to the last one: value = value (1 - a_i) + colour_i a_i,
+ *                 a_i = min(w_i, GSCL_LARGEST_ALPHA), from value = background on
+ *     SUM         background + sum w_i colour_i
+ *
+ * and is then clamped: alpha to 0..1, colours to 0..alpha (1 without alpha). */
+typedef struct gscl_field {
+    size_t struct_size;       /* set by the caller */
+    uint32_t width, height;   /* of the image, pixels */
+    uint32_t channels;        /* of the image: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
+    gscl_sample sample;       /* of the image that it stands for: U8 or U16 */
+    gscl_blend blend;         /* never AUTO */
+    float background[4];      /* as gscl_splat.colour */
+    bool has_mean_background; /* the background is the mean of the colours of the splats */
+    bool has_steps;           /* `steps` are those of the file */
+    gscl_steps steps;
+    size_t count;
+    gscl_splat *splats; /* in the order in which they are drawn */
+} gscl_field;
+
+/* Reads all splats of a file.  The caller sets field->struct_size and releases field->splats with gscl_free.  `settings` may be
+ * NULL for the defaults.  Errors as gscl_inspect. */
+GSCL_API GSCL_CHECKED gscl_result gscl_read_field(const uint8_t *bytes, size_t size, const gscl_read_settings *settings,
+                                                  gscl_field *field);
+
+/* Sets the axes and the angle of a splat from its covariance, in pixels^2: of a Cholesky factor l that is l11^2, l11 l21 and
+ * l21^2 + l22^2.  Returns whether it is the covariance of a Gaussian: finite, and positive definite; the splat stays as it is
+ * where it is not. */
+GSCL_API bool gscl_splat_set_covariance(gscl_splat *splat, double xx, double xy, double yy);
+
+/* ---- Packing: fields that other programs have fitted ------------------------------------------- */
+
+/* A field has the splats of the caller, as gscl_field describes them, with these differences:
+ *  - sigma1 and sigma2 may be any numbers above 0, theta any finite number, x and y anywhere;
+ *  - opacity is 0..1 in the blend ALPHA, in NORMALIZED a weight of any size, and in SUM any number;
+ *  - colours may have any finite value.
+ * What the format has not is replaced by what is nearest to it: splats that draw nothing inside the image are left out; a splat
+ * of the blend SUM whose colour is too strong becomes several equal ones, which draw the same; and then
+ *  - axes below 1/2 pixel or above 2^15 pixels, or of a ratio above 256, colours that are still too strong, centres outside
+ *    the image, weights below a 32nd of the largest one, and an order of the blend ALPHA that is not that of the format (longest
+ *    first) are *changed*: the picture must not differ by more than the tolerance.
+ * Waves are taken to the nearest that the format has. */
+
+#define GSCL_MAX_REFINE 9
+
+typedef struct gscl_pack_settings {
+    size_t struct_size; /* set by gscl_pack_settings_default */
+    gscl_target
+        target; /* AUTO: the finest steps that the format has or, where the field has steps, these; or BPP, BYTES, PSNR,
+                           against the reference */
+    double target_value; /* default 0 */
+    bool passes;         /* whether rate-distortion passes choose codes, and drop splats that are not worth their bits:
+                                    fewer bytes at the same quality, in more time; without effect in AUTO and in the blend
+                                    ALPHA; default true */
+    int refine;          /* 0..GSCL_MAX_REFINE: before the passes the splats move for as many steps as in an encode of
+                                    this effort; 0, the default: not at all.  With a target and passes only */
+    const gscl_image
+        *reference;   /* what PSNR is measured against and passes compare with, of the field's size; default NULL:
+                                    the field's own rendering */
+    double tolerance; /* root mean square of the difference that changed splats may make, of the range 0..1; default
+                                    0.01, a PSNR of 40 dB */
+    bool bare;        /* as gscl_encode_settings.bare */
+    const gscl_block *blocks;        /* as gscl_encode_settings.blocks */
+    gscl_progress_callback progress; /* default NULL */
+    void *progress_opaque;           /* first argument of `progress` */
+} gscl_pack_settings;
+
+/* Sets a struct of struct_size bytes to the defaults.  Programs in C and C++ call gscl_pack_settings_default. */
+GSCL_API void gscl_pack_settings_init(gscl_pack_settings *settings, size_t struct_size);
+static inline void gscl_pack_settings_default(gscl_pack_settings *settings) {
+    gscl_pack_settings_init(settings, sizeof *settings);
+}
+
+typedef struct gscl_pack_report {
+    size_t struct_size; /* set by the caller */
+    uint64_t bytes;
+    uint64_t splats;     /* of the file */
+    uint64_t outside;    /* splats of the field that draw nothing, and are left out */
+    uint64_t divided;    /* that became several equal ones */
+    uint64_t changed;    /* that are replaced by the nearest ones that the format has */
+    double changed_psnr; /* dB: the field with these against the field without; INFINITY where none is */
+    double field_psnr;   /* dB: the field's own rendering against the reference; INFINITY where that is the reference */
+    double psnr;         /* dB: the decoded file against the reference */
+    /* The largest errors of the codes of a splat, without those that passes chose (AUTO, or without passes); else NaN. */
+    double position_error; /* pixels */
+    double axis_error;     /* share of the axis */
+    double colour_error;   /* of the range 0..1 */
+    double seconds;        /* total */
+} gscl_pack_report;
+
+/* Writes a field as a file, into a new buffer *bytes of *size bytes that the caller releases with gscl_free.  No splat is added
+ * but where one is divided.  `settings` may be NULL for the defaults, `report` may be NULL.  Of a field of gscl_read_field it
+ * writes, with the defaults, the same picture again.
+ *
+ * Errors: GSCL_ERROR_INVALID_ARGUMENT for a field with a splat that is none, which the message names by its number, from 0 on;
+ * GSCL_ERROR_FIELD where the format does not have it; GSCL_ERROR_IMAGE_SIZE, _BUDGET_TOO_SMALL, _TARGET_UNREACHABLE, _CONFLICT,
+ * _CANCELLED, _STRUCT_SIZE, and those of memory and the device. */
+GSCL_API GSCL_CHECKED gscl_result gscl_pack(gscl_context *context, const gscl_field *field,
+                                            const gscl_pack_settings *settings, uint8_t **bytes, size_t *size,
+                                            gscl_pack_report *report);
 
 #ifdef __cplusplus
 }

@@ -3,13 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/constants.h"
 #include "decode/blend.h"
 #include "decode/coded_image.h"
 #include "decode/format_result.h"
 #include "decode/frame.h"
 #include "format/packet.h"
-#include "runtime/elementary.h"
 #include "runtime/struct_size.h"
 
 static const struct {
@@ -173,44 +171,4 @@ gscl_result gscl_find_block(const void *file, size_t size, gscl_block_type type,
     *data = container.blocks[type].data;
     *data_size = container.blocks[type].size;
     return GSCL_OK;
-}
-
-static gscl_splat drawn_splat(const float *params, const gsf_header *header) {
-    bool chroma = header->has_chroma;
-    gscl_splat s = {.x = params[GSCL_X],
-                    .y = params[GSCL_Y],
-                    .sigma1 = (float)gscl_exp(params[GSCL_LOG_S1]),
-                    .sigma2 = (float)gscl_exp(params[GSCL_LOG_S2]),
-                    .theta = params[GSCL_THETA],
-                    .opacity = header->has_opacity ? 1.0f / (1.0f + (float)gscl_exp(-params[GSCL_OPACITY])) : 1.0f};
-    for (int k = 0; k < 3; k++)
-        s.colour[k] = params[GSCL_COLOUR + (chroma ? k : 0)];
-    s.colour[3] = header->has_alpha ? params[GSCL_COLOUR + (chroma ? 3 : 1)] : 1.0f;
-    return s;
-}
-
-gscl_result gscl_read_splats(const uint8_t *bytes, size_t size, const gscl_read_settings *settings, gscl_splat **splats,
-                             size_t *count) {
-    if (!bytes || !splats || !count)
-        return GSCL_ERROR_INVALID_ARGUMENT;
-    gscl_read_settings s;
-    GSCL_TRY(read_settings(settings, &s));
-    gscl_coded_image coded;
-    GSCL_TRY(gscl_coded_image_read(&coded, bytes, size, s.bare));
-    size_t n = coded.file.header.splat_count;
-    float background[4], *params = malloc((n + 1) * GSCL_PARAMS * sizeof(float));
-    gscl_splat *list = malloc((n + 1) * sizeof *list);
-    gscl_result result = params && list ? GSCL_OK : GSCL_ERROR_OUT_OF_MEMORY;
-    if (result == GSCL_OK) {
-        gscl_coded_image_params(&coded, params, background);
-        for (size_t i = 0; i < n; i++)
-            list[i] = drawn_splat(params + i * GSCL_PARAMS, &coded.file.header);
-        *splats = list;
-        *count = n;
-    } else {
-        free(list);
-    }
-    free(params);
-    gscl_coded_image_free(&coded);
-    return result;
 }

@@ -16,8 +16,8 @@
  *   draw_device.h: a frame on the device
  *   draw_rows.h: a frame by rows in memory of the caller
  *   decode.h: decoding in another call
- *   decode.c, decode_rows.c, decode_settings.c, packet_repair.c, decoder.c, inspect.c: the public
- *     functions
+ *   decode.c, decode_rows.c, decode_settings.c, packet_repair.c, decoder.c, inspect.c,
+ *     read_field.c: the public functions
  *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_DECODE_H
 #define GSCL_ROOM_LIB_DECODE_H

@@ -28,6 +28,12 @@ gscl_result gscl_encode(gscl_context *context, const gscl_image *image, const gs
     return refuse(context, "encoding");
 }
 
+gscl_result gscl_pack(gscl_context *context, const gscl_field *field, const gscl_pack_settings *settings,
+                      uint8_t **bytes, size_t *size, gscl_pack_report *report) {
+    (void)field, (void)settings, (void)bytes, (void)size, (void)report;
+    return refuse(context, "packing");
+}
+
 gscl_result gscl_inspect_effects(gscl_context *context, const uint8_t *bytes, size_t size,
                                  const gscl_read_settings *settings, const gscl_image *image, gscl_effect_use *uses,
                                  size_t *count) {

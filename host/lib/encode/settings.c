@@ -59,8 +59,7 @@ static gscl_result check_ranges(gscl_context *context, const gscl_encode_setting
     return check_packets(context, s);
 }
 
-/* Each type once, with a size that the format allows. */
-static gscl_result check_blocks(gscl_context *context, const gscl_block *block) {
+gscl_result gscl_blocks_check(gscl_context *context, const gscl_block *block) {
     unsigned seen = 0;
     for (; block; block = block->next) {
         if ((unsigned)block->type >= GSF_BLOCK_COUNT)
@@ -116,7 +115,7 @@ static const char *contradiction(const gscl_encode_settings *s) {
 
 gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *s) {
     GSCL_TRY(check_ranges(context, s));
-    GSCL_TRY(check_blocks(context, s->blocks));
+    GSCL_TRY(gscl_blocks_check(context, s->blocks));
     const char *why = contradiction(s);
     why = why ? why : contradiction_of_packets(s);
     return why ? gscl_fail(context, GSCL_ERROR_CONFLICT, "%s", why) : GSCL_OK;

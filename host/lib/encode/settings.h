@@ -6,6 +6,8 @@
 
 /* Refuses values out of range and settings that contradict each other. */
 gscl_result gscl_encode_settings_check(gscl_context *context, const gscl_encode_settings *settings);
+/* Refuses a list of blocks that has a type twice, or a size that the format does not allow. */
+gscl_result gscl_blocks_check(gscl_context *context, const gscl_block *blocks);
 /* Replaces AUTO by what the profile means by it; the target and the tune, which depend on the image, stay as they are. */
 void gscl_encode_settings_resolve(gscl_encode_settings *settings);
 

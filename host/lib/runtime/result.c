@@ -64,6 +64,8 @@ const char *gscl_result_text(gscl_result result) {
         return "no file can be that small";
     case GSCL_ERROR_TARGET_UNREACHABLE:
         return "the target quality cannot be reached";
+    case GSCL_ERROR_FIELD:
+        return "the format does not have such a field of splats";
     case GSCL_ERROR_CONFLICT:
         return "settings that exclude each other";
     }

@@ -28,7 +28,7 @@ gscl_result gscl_scalar_pass(gscl_scalar_state *s, bool scan_textures) {
 }
 
 bool gscl_scalar_has_max_splats(const gscl_scalar_state *s) {
-    return s->coded->file.header.splat_count >= s->max_splats;
+    return s->is_given || s->coded->file.header.splat_count >= s->max_splats;
 }
 
 /* Adds splats for the bytes that are left, and fits all splats for some steps. */

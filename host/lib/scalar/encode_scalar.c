@@ -78,6 +78,34 @@ static gscl_result encode_layer(gscl_encoder *e, const gscl_scalar_plan *plan) {
     return result;
 }
 
+/* The stages for splats that the coded image has. */
+static gscl_result run_given(gscl_scalar_state *s, int steps) {
+    GSCL_TRY(gscl_scalar_take_given(s));
+    if (steps > 0)
+        GSCL_TRY(gscl_scalar_refit(s, 0, steps));
+    GSCL_TRY(gscl_scalar_choose_codes(s));
+    GSCL_TRY(gscl_scalar_meet_budget(s));
+    if (steps > 0)
+        GSCL_TRY(gscl_scalar_refit_after_drops(s));
+    gscl_scalar_drop_unused_effects(s);
+    return gscl_scalar_trim(s);
+}
+
+gscl_result gscl_encode_given(gscl_encoder *e, size_t bytes, int steps) {
+    const gscl_scalar_plan plan = {.source = &e->source,
+                                   .coded = &e->coded,
+                                   .preset = &gscl_effort_presets[e->settings.effort],
+                                   .target = {.bytes = bytes},
+                                   .all = {.bytes = bytes},
+                                   .layer = e->coded.file.header.enhancement_layers,
+                                   .is_given = true};
+    gscl_scalar_state state;
+    gscl_scalar_begin(&state, e, &plan, 0);
+    const gscl_result result = run_given(&state, steps);
+    gscl_scalar_end(&state);
+    return result;
+}
+
 /* Encodes the layer of the plan on those in e->coded. */
 static gscl_result add_layer(gscl_encoder *e, gscl_scalar_plan *plan) {
     const gsf_coded_image *file = &e->coded.file;

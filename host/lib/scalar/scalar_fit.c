@@ -78,6 +78,8 @@ static gscl_result create_fit(gscl_scalar_state *s) {
         gscl_encoder_release_source(s->encoder);
     if (source->background.pixels > 0)
         GSCL_TRY(gscl_fit_set_flat_background(&s->fit, &source->background));
+    if (s->is_given)
+        return GSCL_OK;
     for (int k = 0; k < s->fit.renderer.channels; k++)
         file->background[k] = gscl_quantise_background(&file->header, s->fit.background[k]);
     file->has_mean_background = hides_background(s);
@@ -222,6 +224,13 @@ gscl_result gscl_scalar_fit(gscl_scalar_state *s) {
             GSCL_TRY(gscl_trace_fit(s->encoder, &s->fit, step + 1));
     }
     return gscl_fit_set_rows(&s->fit, 1);
+}
+
+gscl_result gscl_scalar_take_given(gscl_scalar_state *s) {
+    GSCL_TRY(create_fit(s));
+    s->fit_end = 0;
+    GSCL_TRY(gscl_fit_set_level(&s->fit, s->source->first_level));
+    return gscl_scalar_load(s);
 }
 
 gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps) {

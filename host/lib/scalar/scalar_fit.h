@@ -6,6 +6,8 @@
 
 /* Creates state->fit and runs all its steps. */
 gscl_result gscl_scalar_fit(gscl_scalar_state *state);
+/* Creates state->fit for the splats of the coded image, at the finest level, without a step. */
+gscl_result gscl_scalar_take_given(gscl_scalar_state *state);
 /* Fits all coded splats for `steps` steps, `new_splats` of them new where the error is largest, and quantises them. */
 gscl_result gscl_scalar_refit(gscl_scalar_state *state, size_t new_splats, int steps);
 /* Decides whether the coded image stores its background: where the mean of its splats would be seen between them. */

@@ -21,7 +21,7 @@ static size_t estimate_splats(size_t bytes, uint32_t packets) {
 static void choose_quantiser_steps(const gscl_scalar_state *s, gscl_size_target all) {
     const double factor = s->encoder->settings.step_factor;
     gsf_coded_image *file = &s->coded->file;
-    if (s->fixed_count > 0)
+    if (s->fixed_count > 0 || s->is_given)
         return;
     gsf_header header = file->header;
     header.splat_count = (uint32_t)(all.bytes ? estimate_splats(all.bytes, s->coded->packets) : all.splats);
@@ -55,14 +55,16 @@ int gscl_scalar_weighting(const gscl_scalar_state *s) {
 
 /* Small files are searched.  Layers of a progressive file are not, because the splats before them do not change. */
 static bool is_searched(const gscl_scalar_state *s, const gscl_scalar_plan *plan) {
-    return s->has_choice && s->bytes > 0 && s->bytes < (size_t)gscl_scalar_tunables.max_search_bytes &&
+    return !s->is_given && s->has_choice && s->bytes > 0 && s->bytes < (size_t)gscl_scalar_tunables.max_search_bytes &&
            plan->preset->searches > 0 && plan->coded->file.header.enhancement_layers == 0 &&
            s->encoder->settings.loss == GSCL_LOSS_L2 && gscl_scalar_weighting(s) != GSCL_WEIGHTED_LUMA;
 }
 
 /* The number of splats that the target holds. */
 static size_t choose_target(const gscl_scalar_state *s, gscl_size_target target) {
-    const size_t splats = s->bytes ? estimate_splats(s->bytes, s->coded->packets) : target.splats;
+    const size_t splats = s->is_given ? s->coded->file.header.splat_count
+                          : s->bytes  ? estimate_splats(s->bytes, s->coded->packets)
+                                      : target.splats;
     return splats < s->max_splats ? splats : s->max_splats;
 }
 
@@ -124,6 +126,7 @@ void gscl_scalar_begin(gscl_scalar_state *s, gscl_encoder *e, const gscl_scalar_
                              .finest = pixels > gscl_scalar_tunables.small_image_pixels ? plan->preset->finest : 0,
                              /* In blend alpha a splat changes all others under it, which the passes do not follow. */
                              .has_choice = e->settings.blend != GSCL_BLEND_ALPHA,
+                             .is_given = plan->is_given,
                              .fixed = plan->fixed,
                              .fixed_count = plan->fixed_count,
                              .layer = plan->layer,

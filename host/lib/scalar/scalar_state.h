@@ -21,6 +21,7 @@ typedef struct gscl_scalar_plan {
     size_t fixed_count;   /* 0 in the base layer */
     gscl_size_target all; /* of all layers */
     bool is_last;         /* layer of an encode; not of a probe, whose source may serve other fits */
+    bool is_given;        /* `coded` has splats and steps, which take the place of a fit */
 } gscl_scalar_plan;
 
 typedef struct gscl_scalar_state {
@@ -45,6 +46,7 @@ typedef struct gscl_scalar_state {
     bool waves_at_end;      /* the search tries textures in its last part */
     double fit_end;         /* share of the time, at which the fit ends */
     double passes_end;      /* the same of the passes; the search follows */
+    bool is_given;          /* the splats are the caller's, and none is added */
     bool has_choice;        /* codes are chosen by rate and distortion */
     const gsf_splat *fixed; /* splats of the layers before; the first of the fit and of `coded` */
     size_t fixed_count;

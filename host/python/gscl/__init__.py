@@ -25,6 +25,7 @@ from gscl._errors import (
     DeviceFailedError,
     DeviceMemoryError,
     Error,
+    FieldError,
     FileError,
     ImageNotFiniteError,
     ImageSizeError,
@@ -43,13 +44,27 @@ from gscl._errors import (
     UnknownBlockError,
     UnknownDeviceError,
 )
-from gscl._inspect import SPLAT_DTYPE, Info, certain_splats, info, metadata, splats
+from gscl._fields import (
+    BACKGROUND_WEIGHT,
+    CUTOFF,
+    LARGEST_ALPHA,
+    SPLAT_DTYPE,
+    Field,
+    Packed,
+    PackReport,
+    make_splats,
+    pack,
+    read_field,
+    splats,
+)
+from gscl._inspect import Info, certain_splats, info, metadata
 from gscl._progress import Progress
 
 __version__: str = _ffi.string(_lib.gscl_version()).decode()
 
 __all__ = [
     "AmbiguousDeviceError",
+    "BACKGROUND_WEIGHT",
     "BudgetTooSmallError",
     "CancelledError",
     "certain_splats",
@@ -57,6 +72,7 @@ __all__ = [
     "Comparison",
     "ConflictError",
     "CorruptError",
+    "CUTOFF",
     "DamagedError",
     "decode",
     "Decoder",
@@ -72,6 +88,8 @@ __all__ = [
     "EncodedPackets",
     "EncodeReport",
     "Error",
+    "Field",
+    "FieldError",
     "FileError",
     "GsclImagePlugin",
     "HOST",
@@ -81,7 +99,9 @@ __all__ = [
     "info",
     "InvalidArgumentError",
     "KernelBuildError",
+    "LARGEST_ALPHA",
     "LimitError",
+    "make_splats",
     "metadata",
     "NewerVersionError",
     "NoEncoderError",
@@ -89,7 +109,11 @@ __all__ = [
     "NotGsclError",
     "OtherPictureError",
     "OutOfMemoryError",
+    "pack",
+    "Packed",
+    "PackReport",
     "Progress",
+    "read_field",
     "release_devices",
     "SPLAT_DTYPE",
     "splats",

@@ -166,6 +166,12 @@ class ConflictError(Error, ValueError):
     code = 42
 
 
+class FieldError(Error, ValueError):
+    """A field of splats that the format does not have."""
+
+    code = 43
+
+
 def _leaves(kind: type[Error]) -> list[type[Error]]:
     below = [leaf for child in kind.__subclasses__() for leaf in _leaves(child)]
     return below or [kind]

@@ -7,9 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Union
 
-import numpy
-from numpy.typing import NDArray
-
 from gscl._binding import ffi, lib
 from gscl._errors import DamagedError, TruncatedError, check
 from gscl._files import BinaryFile, is_file, name_of, read_all
@@ -21,21 +18,6 @@ File = Union[Buffer, str, "os.PathLike[str]", BinaryFile, Sequence[Buffer]]
 """The bytes of a gscl file, its path, or an open binary file, from where it stands.  The file may be a list of packets, or one
 packet; and packets may come as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the
 first one are left out."""
-
-SPLAT_DTYPE = numpy.dtype(
-    [
-        ("x", "f4"),
-        ("y", "f4"),
-        ("sigma1", "f4"),
-        ("sigma2", "f4"),
-        ("theta", "f4"),
-        ("opacity", "f4"),
-        ("colour", "f4", (4,)),
-    ]
-)
-"""One splat: centre and standard deviations in pixels of the encoded size; the direction of the sigma1 axis in radians,
-0..pi from +x towards +y; opacity; red, green, blue, premultiplied, and alpha."""
-
 
 class Content(NamedTuple):
     """The bytes of a file as the library takes them, and the name of the file for messages."""
@@ -172,16 +154,6 @@ def readable_metadata(data: bytes) -> dict[str, Any]:
         return metadata(data)
     except (DamagedError, TruncatedError):
         return {}
-
-
-def splats(file: File, *, bare: bool = False) -> NDArray[numpy.void]:
-    """Reads all splats in drawing order, as a structured array: SPLAT_DTYPE.  Raises a subclass of FileError, or OSError."""
-    content = read(file, bare)
-    rows, count = ffi.new("gscl_splat **"), ffi.new("size_t *")
-    result = lib.gscl_read_splats(content.buffer, content.size, read_settings(bare), rows, count)
-    check(result, subject=content.name)
-    memory = ffi.gc(rows[0], lib.gscl_free)
-    return numpy.frombuffer(ffi.buffer(memory, count[0] * SPLAT_DTYPE.itemsize), dtype=SPLAT_DTYPE)
 
 
 def certain_splats(file: File, *, bare: bool = False) -> tuple[int, int]:

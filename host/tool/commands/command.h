@@ -7,6 +7,7 @@ int command_decode(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_export(int argc, char **argv);
+int command_pack(int argc, char **argv);
 int command_draw(int argc, char **argv);
 int command_devices(int argc, char **argv);
 int command_bench(int argc, char **argv);

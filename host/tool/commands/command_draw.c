@@ -33,16 +33,15 @@ static const option_colour *background_of(const draw_options *options) {
 
 static gscl_result draw_outlines(const draw_options *options, const uint8_t *bytes, size_t size, const gscl_info *info,
                                  gscl_image *image) {
-    gscl_splat *splats;
-    size_t count;
+    gscl_field field = {.struct_size = sizeof field};
     const gscl_read_settings reading = read_settings_of(&options->form);
-    const gscl_result result = gscl_read_splats(bytes, size, &reading, &splats, &count);
+    const gscl_result result = gscl_read_field(bytes, size, &reading, &field);
     if (result != GSCL_OK)
         return result;
     const double scale_x = (double)image->width / info->width, scale_y = (double)image->height / info->height;
-    for (size_t i = 0; i < count; i++)
-        outline_draw(image, &splats[i], scale_x, scale_y);
-    gscl_free(splats);
+    for (size_t i = 0; i < field.count; i++)
+        outline_draw(image, &field.splats[i], scale_x, scale_y);
+    gscl_free(field.splats);
     return GSCL_OK;
 }
 

@@ -31,21 +31,45 @@ typedef struct export_options {
 
 /* ---- Tables ------------------------------------------------------------------------------------ */
 
-static const char *const columns[] = {"x",       "y",   "sigma1", "sigma2", "theta",
-                                      "opacity", "red", "green",  "blue",   "alpha"};
+static const char *const columns[] = {"x",       "y",      "sigma1",     "sigma2",         "theta",
+                                      "opacity", "red",    "green",      "blue",           "alpha",
+                                      "wave_x",  "wave_y", "wave_phase", "wave_amplitude", "layer"};
 #define COLUMN_COUNT (sizeof columns / sizeof *columns)
 
-static void write_ply_head(output_file *output, const gscl_info *info, size_t count) {
+static const char *const blend_names[] = {"auto", "normalized", "alpha", "sum"};
+
+/* What is needed to draw the splats besides, as one line that gscl pack reads. */
+static void write_description(output_file *output, const gscl_field *f) {
     char text[512];
     int length =
         snprintf(text, sizeof text,
-                 "ply\nformat ascii 1.0\ncomment splats of a gscl file, %u x %u pixels, y points down\ncomment x y "
-                 "sigma1 sigma2: pixels; theta: radians from +x towards +y; others 0 to 1, colours premultiplied\n"
-                 "element vertex %zu\n",
-                 info->width, info->height, count);
+                 "comment gscl width=%u height=%u channels=%u bits=%d blend=%s background=%.9g,%.9g,%.9g,%.9g%s "
+                 "cutoff=%g background_weight=%.9g largest_alpha=%g",
+                 f->width, f->height, f->channels, f->sample == GSCL_SAMPLE_U8 ? 8 : 16, blend_names[f->blend],
+                 (double)f->background[0], (double)f->background[1], (double)f->background[2], (double)f->background[3],
+                 f->has_mean_background ? " mean" : "", GSCL_SPLAT_CUTOFF, GSCL_BACKGROUND_WEIGHT, GSCL_LARGEST_ALPHA);
+    output_write(output, text, (size_t)length);
+    const gscl_steps *s = &f->steps;
+    length = f->has_steps ? snprintf(text, sizeof text, " steps=%u,%u,%u,%u,%u,%u,%u,%u", s->scale, s->position,
+                                     s->angle, s->luma, s->chroma, s->alpha, s->opacity, s->pivot)
+                          : 0;
+    output_write(output, text, (size_t)length);
+    output_write(output, "\n", 1);
+}
+
+static void write_ply_head(output_file *output, const gscl_field *field) {
+    char text[256];
+    int length = snprintf(text, sizeof text, "ply\nformat ascii 1.0\n");
+    output_write(output, text, (size_t)length);
+    write_description(output, field);
+    length = snprintf(
+        text, sizeof text,
+        "comment y points down; theta: radians from +x towards +y; colours premultiplied\nelement vertex %zu\n",
+        field->count);
     output_write(output, text, (size_t)length);
     for (size_t i = 0; i < COLUMN_COUNT; i++) {
-        length = snprintf(text, sizeof text, "property float %s\n%s", columns[i], i == 1 ? "property float z\n" : "");
+        length = snprintf(text, sizeof text, "property %s %s\n%s", i + 1 < COLUMN_COUNT ? "float" : "uchar", columns[i],
+                          i == 1 ? "property float z\n" : "");
         output_write(output, text, (size_t)length);
     }
     output_write(output, "end_header\n", 11);
@@ -58,20 +82,20 @@ static void write_csv_head(output_file *output) {
     }
 }
 
-static void write_table(const export_options *options, output_file *output, const gscl_info *info,
-                        const gscl_splat *splats, size_t count) {
+static void write_table(const export_options *options, output_file *output, const gscl_field *field) {
     const bool ply = options->format == EXPORT_PLY;
-    const char *format = ply ? "%.9g %.9g 0 %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n"
-                             : "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n";
+    const char *format = ply ? "%.9g %.9g 0 %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %u\n"
+                             : "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%u\n";
     if (ply)
-        write_ply_head(output, info, count);
+        write_ply_head(output, field);
     else
         write_csv_head(output);
-    for (size_t i = 0; i < count && !output->error; i++) {
-        const gscl_splat *s = &splats[i];
-        char text[256];
+    for (size_t i = 0; i < field->count && !output->error; i++) {
+        const gscl_splat *s = &field->splats[i];
+        char text[320];
         const int length = snprintf(text, sizeof text, format, s->x, s->y, s->sigma1, s->sigma2, s->theta, s->opacity,
-                                    s->colour[0], s->colour[1], s->colour[2], s->colour[3]);
+                                    s->colour[0], s->colour[1], s->colour[2], s->colour[3], s->wave_x, s->wave_y,
+                                    s->wave_phase, s->wave_amplitude, s->layer);
         output_write(output, text, (size_t)length);
     }
 }
@@ -92,7 +116,7 @@ static gscl_decode_settings svg_settings(const export_options *options, const gs
 
 /* Drawing the picture comes first: it refuses files that would take too long here, too. */
 static int write_svg(const export_options *options, output_file *output, const gscl_info *info, const uint8_t *bytes,
-                     size_t size, gscl_splat *splats, size_t count) {
+                     size_t size, const gscl_field *field) {
     const device_choice choice = {.device = GSCL_HOST_DEVICE};
     gscl_decode_settings settings = svg_settings(options, info);
     const char *label = input_label(options->input);
@@ -104,7 +128,7 @@ static int write_svg(const export_options *options, output_file *output, const g
     const gscl_result result = progress_decode(context, label, bytes, size, &settings, &image);
     if (result != GSCL_OK)
         status = report_result(context, label, result);
-    else if (!export_svg(output, info, splats, count, &image))
+    else if (!export_svg(output, info, field->splats, field->count, &image))
         status = report_result(NULL, label, GSCL_ERROR_OUT_OF_MEMORY);
     gscl_free(image.pixels);
     gscl_context_free(&context);
@@ -114,15 +138,15 @@ static int write_svg(const export_options *options, output_file *output, const g
 /* ---- The command ------------------------------------------------------------------------------- */
 
 static int export_splats(const export_options *options, const gscl_info *info, const uint8_t *bytes, size_t size,
-                         gscl_splat *splats, size_t count) {
+                         const gscl_field *field) {
     output_file output;
     int status = EXIT_SUCCESS;
     if (!output_open_text(&output, options->output))
         return EXIT_FAILURE;
     if (options->format == EXPORT_SVG)
-        status = write_svg(options, &output, info, bytes, size, splats, count);
+        status = write_svg(options, &output, info, bytes, size, field);
     else
-        write_table(options, &output, info, splats, count);
+        write_table(options, &output, field);
     if (status == EXIT_SUCCESS)
         return output_commit(&output) ? EXIT_SUCCESS : EXIT_FAILURE;
     output_discard(&output);
@@ -131,8 +155,8 @@ static int export_splats(const export_options *options, const gscl_info *info, c
 
 static int export_file(const export_options *options) {
     gscl_info info = {.struct_size = sizeof info};
-    gscl_splat *splats = NULL;
-    size_t size, count = 0;
+    gscl_field field = {.struct_size = sizeof field};
+    size_t size;
     uint8_t *bytes;
     if (!output_is_separate("export", options->input, options->output))
         return EXIT_USAGE;
@@ -141,10 +165,10 @@ static int export_file(const export_options *options) {
     const gscl_read_settings reading = read_settings_of(&options->form);
     gscl_result result = gscl_probe(bytes, size, &reading, &info);
     if (result == GSCL_OK)
-        result = gscl_read_splats(bytes, size, &reading, &splats, &count);
-    const int status = result == GSCL_OK ? export_splats(options, &info, bytes, size, splats, count)
+        result = gscl_read_field(bytes, size, &reading, &field);
+    const int status = result == GSCL_OK ? export_splats(options, &info, bytes, size, &field)
                                          : report_result(NULL, input_label(options->input), result);
-    gscl_free(splats);
+    gscl_free(field.splats);
     free(bytes);
     return status;
 }
@@ -197,9 +221,16 @@ int command_export(int argc, char **argv) {
             "Writes the splats of a gscl file for other programs.  SVG draws each as an ellipse with a radial "
             "gradient.  It\ncan be scaled without limit but only comes close to the picture: SVG cannot blend as gscl "
             "does.\n\nPLY and CSV have the splats in drawing order, in the columns x, y (centre) and sigma1, sigma2 "
-            "(standard\ndeviations) in pixels of the encoded size, theta (direction of sigma1) in radians from +x "
-            "towards +y, which\npoints down, and opacity, red, green, blue, alpha from 0 to 1; colours are multiplied "
-            "by alpha, and those of\nthe blend sum may be negative.  Background and waves are left out.",
+            "(standard\n"
+            "deviations) in pixels of the encoded size, theta (direction of sigma1) in radians from +x towards +y, "
+            "which\npoints "
+            "down, opacity, red, green, blue, alpha from 0 to 1; colours are multiplied by alpha, and those of "
+            "the\nblend sum may "
+            "be negative; then the wave: cycles per pixel along x and y, phase in cycles, amplitude; and the\nlayer.  "
+            "PLY has "
+            "what else it takes to draw them in a comment that begins with gscl: size, blend, background and\nmore.  "
+            "gscl pack "
+            "makes a gscl file of either.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .min_operands = 1,

@@ -12,6 +12,7 @@
  *   picture_queue.h, input_list.h, batch_report.h, name_index.h, crash_guard.h: runs over any number of images
  *   command_draw.c, ellipse_outline.h: splats as ellipses
  *   command_export.c, export_svg.h: splats for other programs
+ *   command_pack.c, field_file.h: splats of other programs
  *   command_bench.c, bench_codec.h: the speed of a device
  *   command_tradeoff.c: accuracy against time; its parts are in tradeoff/ */
 #ifndef GSCL_ROOM_TOOL_COMMANDS_H
