@@ -19,7 +19,7 @@
 #define WIDTH 40
 #define HEIGHT 24
 #define SPLATS 6
-#define MAX_FAILURES 60 /* encodes of one test with a failing allocation; later allocations repeat earlier ones */
+#define MAX_FAILURES 60 /* files of one test with a failing allocation; later allocations repeat earlier ones */
 
 static int allocations, failing; /* since the last reset; the number of the one that fails, 0: none */
 
@@ -93,6 +93,9 @@ static gscl_image make_image(uint8_t pixels[3 * WIDTH * HEIGHT]) {
     return (gscl_image){.width = WIDTH, .height = HEIGHT, .channels = 3, .sample = GSCL_SAMPLE_U8, .pixels = pixels};
 }
 
+/* A call that writes a file. */
+typedef gscl_result writer(gscl_context *context, uint8_t **bytes, size_t *size);
+
 static gscl_result encode_with_profile(gscl_context *context, gscl_profile profile, uint8_t **bytes, size_t *size) {
     uint8_t pixels[3 * WIDTH * HEIGHT];
     const gscl_image image = make_image(pixels);
@@ -105,21 +108,54 @@ static gscl_result encode_with_profile(gscl_context *context, gscl_profile profi
     return gscl_encode(context, &image, &settings, bytes, size, NULL);
 }
 
-static void encode_without_memory(gscl_context *context, gscl_profile profile) {
+static gscl_result encode(gscl_context *context, uint8_t **bytes, size_t *size) {
+    return encode_with_profile(context, GSCL_PROFILE_DEFAULT, bytes, size);
+}
+
+static gscl_result encode_with_codebooks(gscl_context *context, uint8_t **bytes, size_t *size) {
+    return encode_with_profile(context, GSCL_PROFILE_PAPER, bytes, size);
+}
+
+/* With a splat that is divided and one that is changed, passes, and a report. */
+static gscl_result pack(gscl_context *context, uint8_t **bytes, size_t *size) {
+    gscl_splat splats[SPLATS];
+    gscl_pack_settings settings;
+    gscl_pack_report report = {.struct_size = sizeof report};
+    for (int i = 0; i < SPLATS; i++)
+        splats[i] = (gscl_splat){.x = 6.1f * (float)i,
+                                 .y = 3.7f * (float)i,
+                                 .sigma1 = 4,
+                                 .sigma2 = i == 2 ? 0.4f : 3,
+                                 .opacity = 1,
+                                 .colour = {i == 3 ? 3.0f : 0.3f, 0.1f, 0.2f, 1}};
+    const gscl_field field = {.struct_size = sizeof field,
+                              .width = WIDTH,
+                              .height = HEIGHT,
+                              .channels = 3,
+                              .blend = GSCL_BLEND_SUM,
+                              .count = SPLATS,
+                              .splats = splats};
+    gscl_pack_settings_default(&settings);
+    settings.target = GSCL_TARGET_BYTES;
+    settings.target_value = 60;
+    settings.tolerance = 0.5;
+    return gscl_pack(context, &field, &settings, bytes, size, &report);
+}
+
+static void write_without_memory(gscl_context *context, writer *write) {
     uint8_t *expected, *bytes;
     size_t expected_size, size;
     fail_allocation(0);
-    assert_int_equal(encode_with_profile(context, profile, &expected, &expected_size),
-                     GSCL_OK); /* builds the programs */
+    assert_int_equal(write(context, &expected, &expected_size), GSCL_OK); /* builds the programs */
     gscl_free(expected);
     fail_allocation(0);
-    assert_int_equal(encode_with_profile(context, profile, &expected, &expected_size), GSCL_OK);
+    assert_int_equal(write(context, &expected, &expected_size), GSCL_OK);
     const int count = allocations, step = count / MAX_FAILURES + 1;
     assert_true(count > 10);
     for (int number = 1; number <= count; number += number < MAX_FAILURES / 2 ? 1 : step) {
         bytes = NULL;
         fail_allocation(number);
-        const gscl_result result = encode_with_profile(context, profile, &bytes, &size);
+        const gscl_result result = write(context, &bytes, &size);
         assert_true(allocations >= number);
         assert_same_or_explained(context, result, bytes, size, expected, expected_size);
         gscl_free(bytes);
@@ -129,11 +165,15 @@ static void encode_without_memory(gscl_context *context, gscl_profile profile) {
 }
 
 static void test_encode(void **state) {
-    encode_without_memory(*state, GSCL_PROFILE_DEFAULT);
+    write_without_memory(*state, encode);
 }
 
 static void test_encode_with_codebooks(void **state) {
-    encode_without_memory(*state, GSCL_PROFILE_PAPER);
+    write_without_memory(*state, encode_with_codebooks);
+}
+
+static void test_pack(void **state) {
+    write_without_memory(*state, pack);
 }
 
 /* Each decode has a context of its own, because a context that drew the file before reuses its arrays. */
@@ -235,9 +275,8 @@ int main(void) {
         cmocka_unit_test(test_context),
     };
     const struct CMUnitTest encoder_tests[] = {
-        cmocka_unit_test(test_encode),
-        cmocka_unit_test(test_encode_with_codebooks),
-        cmocka_unit_test(test_measurements),
+        cmocka_unit_test(test_encode),  cmocka_unit_test(test_encode_with_codebooks),
+        cmocka_unit_test(test_pack),    cmocka_unit_test(test_measurements),
         cmocka_unit_test(test_compare),
     };
     const struct CMUnitTest opencl_tests[] = {cmocka_unit_test(test_decode_with_opencl)};
