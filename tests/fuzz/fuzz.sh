@@ -5,7 +5,7 @@
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER minimise                    adds to tests/fuzz/corpus/TARGET what covers more
 #     sh tests/fuzz/fuzz.sh TARGET FOLDER coverage                    the parts of the sources that the kept inputs run
 #
-# TARGET: reader, rows, writer, packets, division, decoder, image or options; README.md says what each does.  FOLDER: holds the program,
+# TARGET: reader, rows, writer, packets, division, decoder, image, options or field; README.md says what each does.  FOLDER: holds the program,
 # and in FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, packets and the
 # decoder, the conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
 #
@@ -82,13 +82,20 @@ options)
     more="-Wl,--wrap=options_parse $folder/library/libgscl.a $image_libraries -lm -ldl"
     measured="host/tool/cli/options.c host/tool/cli/colour_name.c host/tool/commands/effect_list.c host/tool/cli/base64.c"
     ;;
+field)
+    sources="host/tool/commands/field_file.c host/tool/cli/message.c host/tool/cli/names.c host/tool/cli/read_file.c
+        host/tool/cli/interrupt.c"
+    options="-max_len=2000 -close_fd_mask=2 -malloc_limit_mb=200"
+    more="$folder/library/libgscl.a -lm -ldl"
+    measured=host/tool/commands/field_file.c
+    ;;
 *)
     echo "fuzz: $target: not a target" >&2
     exit 2
     ;;
 esac
 mkdir -p "$folder/corpus"
-if [ "$target" = options ] && [ ! -f "$folder/library/libgscl.a" ]; then
+if { [ "$target" = options ] || [ "$target" = field ]; } && [ ! -f "$folder/library/libgscl.a" ]; then
     meson setup "$folder/library" -Dtool=disabled -Dtests=disabled -Dweb=disabled >/dev/null
     ninja -C "$folder/library" libgscl.a >/dev/null
 fi

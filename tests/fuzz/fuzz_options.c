@@ -145,9 +145,10 @@ static void run_command(int argc, char **argv) {
     static const struct {
         const char *name;
         int (*run)(int argc, char **argv);
-    } commands[] = {{"encode", command_encode},   {"decode", command_decode}, {"info", command_info},
-                    {"compare", command_compare}, {"draw", command_draw},     {"export", command_export},
-                    {"devices", command_devices}, {"bench", command_bench},   {"tradeoff", command_tradeoff}};
+    } commands[] = {{"encode", command_encode},    {"decode", command_decode},   {"info", command_info},
+                    {"compare", command_compare},  {"draw", command_draw},       {"export", command_export},
+                    {"pack", command_pack},        {"devices", command_devices}, {"bench", command_bench},
+                    {"tradeoff", command_tradeoff}};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (strcmp(argv[0], commands[i].name) == 0)
             commands[i].run(argc, argv);

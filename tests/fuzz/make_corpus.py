@@ -6,6 +6,7 @@ NAME.gscl.  Inputs that were found by fuzzing stay.  Run it after a change of th
 """
 import argparse
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -58,6 +59,7 @@ COMMAND_LINES = {
     "compare": "compare a.png b.png --json",
     "draw": "draw a.gscl -o b.png",
     "export": "export a.gscl -o a.svg",
+    "pack": "pack a.ply -o a.gscl --psnr 30 --refine 3 --size 64x48 --background 0.5,1,0 --blend sum --tolerance 0.1",
     "devices": "devices --check",
     "bench": "bench --json",
     "tradeoff": "tradeoff a.png",
@@ -84,6 +86,27 @@ def packets_seeds(gscl):
     return {f"{name}.packets": encoded(gscl, scene(40, 30, 3, 8), *options, target=target) for name, options in PACKETS.items()}
 
 
+def field_seeds(gscl):
+    """Tables as gscl export writes them, and other columns."""
+    seeds = {}
+    for name in ("scalar_photo", "scalar_sum", "scalar_textured"):
+        channels, depth, *options = KINDS[name]
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder, "in.gscl")
+            source.write_bytes(encoded(gscl, scene(40, 30, channels, depth), *options, target=("--splats=3",)))
+            for kind in ("ply", "csv"):
+                done = subprocess.run([gscl, "export", source, "-o", "-", f"--{kind}"], check=True, capture_output=True)
+                seeds[f"{name}_{kind}"] = done.stdout
+    seeds["covariance"] = b"x,y,cov_xx,cov_xy,cov_yy,grey,weight\n1,2,3,0.5,4,1,2\n"
+    seeds["cholesky"] = b"# gscl width=9 height=8 blend=normalized background=1\nx, y, l11, l21, l22, red, green, blue\n1,2,3,0,4,1,0,-1\n"
+    seeds["comment_alone"] = b"# "  # whose end was not seen
+    head = "".join(f"property {kind} {name}\n" for kind, name in zip(
+        "double float uchar char short ushort int uint float".split(), "x y sigma1 sigma2 red green blue layer theta".split()))
+    head = f"ply\nformat binary_little_endian 1.0\nobj_info a\nelement vertex 2\n{head}element face 0\nproperty int a\nend_header\n"
+    seeds["binary"] = head.encode() + 2 * struct.pack("<dfBbhHiIf", 1.5, 2, 3, 4, -1, 1, -2, 1, 0.5)
+    return {f"{name}.field": data for name, data in seeds.items()}
+
+
 def write_seeds(target, files):
     folder = HERE / "corpus" / target
     folder.mkdir(parents=True, exist_ok=True)
@@ -97,9 +120,10 @@ def write_seeds(target, files):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--gscl", default="build/gscl", help="program that encodes (default %(default)s)")
-    parser.add_argument("targets", nargs="*", help="reader, packets, image, options (default: all)")
+    parser.add_argument("targets", nargs="*", help="field, reader, packets, image, options (default: all)")
     arguments = parser.parse_args()
-    makers = {"reader": lambda: reader_seeds(arguments.gscl),
+    makers = {"field": lambda: field_seeds(arguments.gscl),
+              "reader": lambda: reader_seeds(arguments.gscl),
               "packets": lambda: packets_seeds(arguments.gscl),
               "image": lambda: {f"{name}.image": data for name, data in image_seeds()},
               "options": lambda: {f"{name}.options": line.replace(" ", "\n").encode() for name, line in COMMAND_LINES.items()}}

@@ -184,6 +184,12 @@ static bool add_row(table *t, const double *value) {
 
 /* ---- What else a comment says --------------------------------------------------------------------- */
 
+/* Whether a text, which need not end with a zero byte, begins with a word. */
+static bool starts_with(const char *text, const char *end, const char *word) {
+    const size_t length = strlen(word);
+    return (size_t)(end - text) >= length && memcmp(text, word, length) == 0;
+}
+
 bool field_parse_background(const char *text, float background[4]) {
     float value[4] = {0, 0, 0, 1};
     char *end;
@@ -251,7 +257,7 @@ static bool parse_word(const char *word, gscl_field *field) {
 
 static bool parse_comment(table *t, const char *comment, size_t length) {
     char text[1024];
-    if (length >= sizeof text || strncmp(comment, "gscl ", 5) != 0)
+    if (length >= sizeof text || !starts_with(comment, comment + length, "gscl "))
         return true;
     memcpy(text, comment, length);
     text[length] = '\0';
@@ -324,8 +330,10 @@ static bool read_csv(table *t) {
         if (length == 0)
             continue;
         if (*line == '#') {
-            const size_t skipped = strspn(line, "# ") < length ? strspn(line, "# ") : length;
-            if (!parse_comment(t, line + skipped, length - skipped))
+            const char *comment = line;
+            while (comment < line + length && (*comment == '#' || *comment == ' '))
+                comment++;
+            if (!parse_comment(t, comment, (size_t)(line + length - comment)))
                 return false;
         } else if (t->count > 0) {
             if (!read_row(t, line, length, ','))
@@ -444,14 +452,28 @@ static bool parse_property(table *t, const char *at, const char *line, size_t le
     return add_column(t, name, name_length);
 }
 
+/* Digits alone. */
+static bool parse_count(const char *word, size_t length, size_t *count) {
+    *count = 0;
+    for (size_t i = 0; i < length; i++) {
+        if (!isdigit((unsigned char)word[i]) || *count > 100000000)
+            return false;
+        *count = 10 * *count + (size_t)(word[i] - '0');
+    }
+    return length > 0;
+}
+
 static bool parse_element(ply_head *head, const char *at, const char *end) {
     const char *word, *number;
     size_t length, digits;
     if (!next_word(&at, end, ' ', &word, &length) || !next_word(&at, end, ' ', &number, &digits))
         return false;
-    const bool is_vertex = length == 6 && strncmp(word, "vertex", 6) == 0;
+    const bool is_vertex = length == 6 && starts_with(word, end, "vertex");
+    size_t rows;
+    if (!parse_count(number, digits, &rows))
+        return false;
     if (is_vertex)
-        head->rows = (size_t)strtoull(number, NULL, 10);
+        head->rows = rows;
     else if (!head->is_vertex && head->rows == 0)
         return false; /* its rows would come first */
     head->is_vertex = is_vertex;
@@ -463,17 +485,17 @@ static bool parse_head_line(table *t, const char *line, size_t length, ply_head 
     size_t size;
     if (!next_word(&at, end, ' ', &word, &size))
         return true;
-    if (size == 7 && strncmp(word, "comment", 7) == 0)
+    if (size == 7 && starts_with(word, end, "comment"))
         return parse_comment(t, at, (size_t)(end - at));
-    if (size == 8 && strncmp(word, "obj_info", 8) == 0)
+    if (size == 8 && starts_with(word, end, "obj_info"))
         return true;
-    if (size == 6 && strncmp(word, "format", 6) == 0) {
-        head->is_binary = strncmp(at, "binary_little_endian", 20) == 0;
-        return head->is_binary || strncmp(at, "ascii", 5) == 0 ? true : refuse_head(t, line, length);
+    if (size == 6 && starts_with(word, end, "format")) {
+        head->is_binary = starts_with(at, end, "binary_little_endian");
+        return head->is_binary || starts_with(at, end, "ascii") ? true : refuse_head(t, line, length);
     }
-    if (size == 7 && strncmp(word, "element", 7) == 0)
+    if (size == 7 && starts_with(word, end, "element"))
         return parse_element(head, at, end) ? true : refuse_head(t, line, length);
-    if (size == 8 && strncmp(word, "property", 8) == 0)
+    if (size == 8 && starts_with(word, end, "property"))
         return head->is_vertex ? parse_property(t, at, line, length) : true;
     return refuse_head(t, line, length);
 }
@@ -486,7 +508,7 @@ static bool read_ply(table *t) {
     for (;;) {
         if (!next_line(t, &line, &length))
             return report_error(t->label, "is incomplete: its head does not end");
-        if (length == 10 && strncmp(line, "end_header", 10) == 0)
+        if (length == 10 && starts_with(line, t->end, "end_header"))
             break;
         if (!parse_head_line(t, line, length, &head))
             return false;
@@ -516,20 +538,23 @@ static bool read_table(const char *label, const char *text, size_t size, gscl_fi
     return good;
 }
 
-bool field_read(const char *name, gscl_field *field) {
+bool field_parse(const char *label, const uint8_t *bytes, size_t size, gscl_field *field) {
     static const uint8_t magic[] = {0xC7, 0x67, 0x73};
-    uint8_t *bytes;
-    size_t size;
-    if (!read_file(name, MAX_FIELD_BYTES, &bytes, &size))
-        return false;
     field->splats = NULL;
     const bool is_coded = size > sizeof magic && memcmp(bytes, magic, sizeof magic) == 0;
-    const bool good = is_coded ? read_coded(input_label(name), bytes, size, field)
-                               : read_table(input_label(name), (const char *)bytes, size, field);
-    free(bytes);
-    if (good)
+    if (is_coded ? read_coded(label, bytes, size, field) : read_table(label, (const char *)bytes, size, field))
         return true;
     gscl_free(field->splats);
     field->splats = NULL;
     return false;
+}
+
+bool field_read(const char *name, gscl_field *field) {
+    uint8_t *bytes;
+    size_t size;
+    if (!read_file(name, MAX_FIELD_BYTES, &bytes, &size))
+        return false;
+    const bool good = field_parse(input_label(name), bytes, size, field);
+    free(bytes);
+    return good;
 }
