@@ -8,6 +8,7 @@ Importing it also registers a plugin of Pillow: PIL.Image.open("photo.gscl"), im
 """
 
 from gscl import GsclImagePlugin as GsclImagePlugin
+from gscl import fields as fields
 from gscl._binding import ffi as _ffi
 from gscl._binding import lib as _lib
 from gscl._decode import Comparison, compare, decode
@@ -90,6 +91,7 @@ __all__ = [
     "Error",
     "Field",
     "FieldError",
+    "fields",
     "FileError",
     "GsclImagePlugin",
     "HOST",

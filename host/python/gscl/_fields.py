@@ -296,8 +296,9 @@ def pack(
     assign(settings, "refine", refine)
     keep: list[Any] = []
     if reference is not None:
-        settings.reference, owner = to_struct(load(reference).samples)
-        keep += [settings.reference, owner]
+        image, owner = to_struct(load(reference).samples)
+        settings.reference = image
+        keep += [image, owner]
     struct, owner = _struct_of(whole)
 
     def work(progress: ProgressCallback | None) -> Packed:
