@@ -401,6 +401,41 @@ static void test_bad_fields(void **state) {
     refuse(&field, NULL, GSCL_ERROR_FIELD, "at most 1048576");
 }
 
+/* Numbers at the ends of their range are packed, or refused with a message. */
+static void test_extreme_numbers(void **state) {
+    (void)state;
+    static const float numbers[] = {0, 1e-45f, 1e-38f, 1e-10f, 0.4f, 1, 300, 1e5f, 1e10f, 3e38f};
+    static const size_t fields[] = {offsetof(gscl_splat, x),
+                                    offsetof(gscl_splat, y),
+                                    offsetof(gscl_splat, sigma1),
+                                    offsetof(gscl_splat, sigma2),
+                                    offsetof(gscl_splat, theta),
+                                    offsetof(gscl_splat, opacity),
+                                    offsetof(gscl_splat, colour[0]),
+                                    offsetof(gscl_splat, colour[2]),
+                                    offsetof(gscl_splat, wave_x),
+                                    offsetof(gscl_splat, wave_phase),
+                                    offsetof(gscl_splat, wave_amplitude)};
+    gscl_pack_settings settings = settings_for(GSCL_TARGET_AUTO, 0);
+    settings.tolerance = 1;
+    for (int round = 0; round < 400; round++) {
+        gscl_field field = foreign_field((gscl_blend)(GSCL_BLEND_NORMALIZED + round % 3));
+        synthetic_random_state = (uint32_t)round + 1;
+        field.count = 12;
+        for (int i = 0; i < 6; i++) {
+            const float number = numbers[synthetic_random(10)] * (synthetic_random(3) == 0 ? -1.0f : 1.0f);
+            memcpy((char *)&splats[synthetic_random(12)] + fields[synthetic_random(11)], &number, sizeof number);
+        }
+        uint8_t *bytes = NULL;
+        size_t size = 0;
+        gscl_pack_report report = {.struct_size = sizeof report};
+        const gscl_result result = gscl_pack(context, &field, &settings, &bytes, &size, &report);
+        assert_true(result == GSCL_OK || result == GSCL_ERROR_INVALID_ARGUMENT || result == GSCL_ERROR_FIELD);
+        assert_true(result == GSCL_OK ? size > 0 : strlen(gscl_context_message(context)) > 10);
+        gscl_free(bytes);
+    }
+}
+
 static void test_bad_settings(void **state) {
     (void)state;
     const gscl_field field = foreign_field(GSCL_BLEND_SUM);
@@ -461,6 +496,7 @@ int main(void) {
         cmocka_unit_test(test_bad_numbers_name_their_splat),
         cmocka_unit_test(test_bad_fields),
         cmocka_unit_test(test_bad_settings),
+        cmocka_unit_test(test_extreme_numbers),
     };
     JOIN_TESTS(tests);
     if (has_encoder())

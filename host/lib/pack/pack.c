@@ -51,6 +51,8 @@ static gscl_result check_changes(gscl_packing *p) {
     GSCL_TRY(result);
     if (p->report->changed_psnr >= most)
         return GSCL_OK;
+    if (isnan(p->report->changed_psnr))
+        return gscl_fail(p->context, GSCL_ERROR_FIELD, "splat %zu: %s", p->worst.number, p->worst.what);
     return gscl_fail(
         p->context, GSCL_ERROR_FIELD,
         "splat %zu: %s; with the nearest for this and %llu others the picture has %.1f dB, the tolerance %.1f",

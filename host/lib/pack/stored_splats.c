@@ -328,6 +328,23 @@ static gscl_result store_splat(gscl_packing *p, size_t number, size_t *capacity)
     return append(p, params, parts, s->layer, capacity);
 }
 
+/* What drawing takes, as FORMAT.md, "Limits", bounds it, from the stored splats. */
+static gscl_result check_work(const gscl_packing *p) {
+    const double pixels = (double)p->header.width * p->header.height, most = 256 * pixels + 67108864.0;
+    double work = 0;
+    for (size_t i = 0; i < p->stored.count; i++) {
+        const float *params = p->stored.params + i * GSCL_PARAMS;
+        const double a = ceil(gscl_exp(params[GSCL_LOG_S1])), b = ceil(gscl_exp(params[GSCL_LOG_S2]));
+        work += fmin(pixels, 48 * a * b + 16 * (a + b) + 16);
+    }
+    return work <= most
+               ? GSCL_OK
+               : gscl_fail(p->context, GSCL_ERROR_FIELD,
+                           "the splats are so large that drawing takes %.3g evaluations; the format allows %.3g for "
+                           "this size",
+                           work, most);
+}
+
 gscl_result gscl_pack_store_splats(gscl_packing *p) {
     const size_t count = p->field->count;
     size_t capacity = count + 1;
@@ -342,5 +359,5 @@ gscl_result gscl_pack_store_splats(gscl_packing *p) {
     if (p->stored.count == 0)
         p->header.enhancement_layers = p->header.has_opacity = p->header.has_rotation = p->header.has_anisotropy =
             p->header.has_texture = false;
-    return GSCL_OK;
+    return check_work(p);
 }
