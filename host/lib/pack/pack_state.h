@@ -32,6 +32,7 @@ typedef struct gscl_packing {
     float background[4]; /* of the coded channels */
     gscl_splat_list stored;
     double log_longest_axis; /* of the stored splats, ln of pixels */
+    double work;             /* what drawing them takes, evaluations of a splat at a pixel */
     uint32_t *layers;        /* of the stored splats; NULL: all are in the first one */
     gscl_changed_splat worst;
 

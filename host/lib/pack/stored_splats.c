@@ -303,6 +303,16 @@ static gscl_result append(gscl_packing *p, const float *params, size_t times, ui
     return GSCL_OK;
 }
 
+static double pixels_of(const gsf_header *header) {
+    return (double)header->width * header->height;
+}
+
+/* What drawing a splat takes, as FORMAT.md bounds it under "Limits". */
+static double work_of(const gsf_header *header, const float *params) {
+    const double a = ceil(gscl_exp(params[GSCL_LOG_S1])), b = ceil(gscl_exp(params[GSCL_LOG_S2]));
+    return fmin(pixels_of(header), 48 * a * b + 16 * (a + b) + 16);
+}
+
 static gscl_result store_splat(gscl_packing *p, size_t number, size_t *capacity) {
     const gscl_splat *s = &p->field->splats[number];
     float params[GSCL_PARAMS];
@@ -324,25 +334,19 @@ static gscl_result store_splat(gscl_packing *p, size_t number, size_t *capacity)
     params[GSCL_THETA] = (float)(params[GSCL_THETA] - pi * floor(params[GSCL_THETA] / pi));
     p->report->divided += parts > 1;
     note_change(p, number, &largest);
+    p->work += (double)parts * work_of(&p->header, params);
     p->log_longest_axis = fmax(p->log_longest_axis, fmax(params[GSCL_LOG_S1], params[GSCL_LOG_S2]));
     return append(p, params, parts, s->layer, capacity);
 }
 
-/* What drawing takes, as FORMAT.md, "Limits", bounds it, from the stored splats. */
 static gscl_result check_work(const gscl_packing *p) {
-    const double pixels = (double)p->header.width * p->header.height, most = 256 * pixels + 67108864.0;
-    double work = 0;
-    for (size_t i = 0; i < p->stored.count; i++) {
-        const float *params = p->stored.params + i * GSCL_PARAMS;
-        const double a = ceil(gscl_exp(params[GSCL_LOG_S1])), b = ceil(gscl_exp(params[GSCL_LOG_S2]));
-        work += fmin(pixels, 48 * a * b + 16 * (a + b) + 16);
-    }
-    return work <= most
+    const double most = 256 * pixels_of(&p->header) + 67108864.0;
+    return p->work <= most
                ? GSCL_OK
                : gscl_fail(p->context, GSCL_ERROR_FIELD,
                            "the splats are so large that drawing takes %.3g evaluations; the format allows %.3g for "
                            "this size",
-                           work, most);
+                           p->work, most);
 }
 
 gscl_result gscl_pack_store_splats(gscl_packing *p) {
