@@ -2,8 +2,8 @@
 """Builds the decoder for web pages: build.py --out FOLDER --depfile FILE [--include FOLDER...] C_SOURCE... JS_SOURCE...
 
 Writes gscl.wasm and gscl-packets.wasm, compiled from the C sources without and with the code for packets, gscl.js, which
-joins JavaScript sources, and inline.js, which has gscl.wasm in it, into the folder, and compile_commands.json for
-clang-tidy and editors.  It needs clang and wasm-ld of the same version, wasm-opt and esbuild.
+joins JavaScript sources, inline.js, which has gscl.wasm in it, and tiny.js into the folder, and compile_commands.json
+for clang-tidy and editors.  It needs clang and wasm-ld of the same version, wasm-opt and esbuild.
 """
 import argparse
 import base64
@@ -91,8 +91,8 @@ def joined(sources, names):
     return re.sub(r"\bconst ", "let ", "".join(sources[name].read_text() for name in names))
 
 
-def build_script(sources, target):
-    minified = subprocess.run(MINIFY, input=joined(sources, ["decoder.js", "module.js", "element.js"]), check=True, stdout=subprocess.PIPE, text=True)
+def build_script(sources, names, target):
+    minified = subprocess.run(MINIFY, input=joined(sources, names), check=True, stdout=subprocess.PIPE, text=True)
     target.write_text(minified.stdout)
 
 
@@ -117,9 +117,10 @@ def main():
     included = {header for name in MODULES for header in build_module(c_sources, options.include, options.out / name)}
     write_commands(c_sources, options.include, options.out / "compile_commands.json")
     scripts = {path.name: path for path in options.sources if path.suffix == ".js"}
-    build_script(scripts, options.out / "gscl.js")
+    build_script(scripts, ["decoder.js", "module.js", "element.js"], options.out / "gscl.js")
+    build_script(scripts, ["tiny.js"], options.out / "tiny.js")
     build_inline_script(scripts, options.out / "gscl.wasm", options.out / "inline.js")
-    options.depfile.write_text(f"{' '.join(MODULES)} gscl.js inline.js: {' '.join(sorted(included))}\n")
+    options.depfile.write_text(f"{' '.join(MODULES)} gscl.js inline.js tiny.js: {' '.join(sorted(included))}\n")
 
 
 if __name__ == "__main__":
