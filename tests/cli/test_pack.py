@@ -81,7 +81,7 @@ class Pack(ToolTest):
                   "has no shape": "x,y,grey\n1,1,1\n", "has no colour": "x,y,sigma1,sigma2\n1,1,1,1\n",
                   "line 3: 'two' is no number": f"{columns}\n1,1,1,1,1\n1,two,1,1,1\n",
                   "line 2: has 4 values; there are 5 columns": f"{columns}\n1,1,1,1\n",
-                  "the column x is there twice": "x,x,y\n", "splat 1: sigma1 is -1; it must be above 0": f"{columns}\n1,1,1,1,1\n1,1,-1,1,1\n",
+                  "the column x is there twice": "x,x,y\n", "splat 1: sigma1 is -1; it must be 1e-06 to 1e\\+06": f"{columns}\n1,1,1,1,1\n1,1,-1,1,1\n",
                   "splat 0: y is nan": f"{columns}\n1,nan,1,1,1\n",
                   "splat 1: \\(1, 2, 1\\) is no covariance": "x,y,cov_xx,cov_xy,cov_yy,grey\n1,1,1,0,1,1\n1,1,1,2,1,1\n"}
         pack = ("pack", "in.csv", "-o", "x.gscl", "--size", "8x8", "--blend", "sum")

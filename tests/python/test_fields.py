@@ -88,8 +88,8 @@ def test_errors_name_the_splat():
         with pytest.raises(error, match=message):
             gscl.pack(splats, size=(96, 64), blend="normalized")
 
-    refused(gscl.InvalidArgumentError, "splat 41: x is nan; it must be a finite number", x=math.nan)
-    refused(gscl.InvalidArgumentError, "splat 41: sigma2 is 0; it must be above 0 and finite", sigma2=0)
+    refused(gscl.InvalidArgumentError, "splat 41: x is nan; it must be ", x=math.nan)
+    refused(gscl.InvalidArgumentError, "splat 41: sigma2 is 0; it must be 1e-06 to ", sigma2=0)
     refused(gscl.InvalidArgumentError, "splat 41: green is inf", colour=(0, math.inf, 0, 1))
     refused(gscl.FieldError, "splat 41: red - blue is 9, the format has -1 to 1", colour=(9, 0, 0, 1))
     with pytest.raises(gscl.InvalidArgumentError, match="size and blend are missing"):

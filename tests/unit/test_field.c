@@ -349,7 +349,7 @@ static void test_bad_numbers_name_their_splat(void **state) {
     (void)state;
     const bad_number numbers[] = {{offsetof(gscl_splat, x), NAN, "splat 17: x is "},
                                   {offsetof(gscl_splat, y), INFINITY, "splat 17: y is inf"},
-                                  {offsetof(gscl_splat, sigma1), 0, "splat 17: sigma1 is 0; it must be above 0"},
+                                  {offsetof(gscl_splat, sigma1), 0, "splat 17: sigma1 is 0; it must be 1e-06 to 1e+06"},
                                   {offsetof(gscl_splat, sigma2), -1, "splat 17: sigma2 is -1"},
                                   {offsetof(gscl_splat, sigma2), INFINITY, "splat 17: sigma2 is inf"},
                                   {offsetof(gscl_splat, theta), NAN, "splat 17: theta"},

@@ -782,9 +782,9 @@ GSCL_API bool gscl_splat_set_covariance(gscl_splat *splat, double xx, double xy,
 /* ---- Packing: fields that other programs have fitted ------------------------------------------- */
 
 /* A field has the splats of the caller, as gscl_field describes them, with these differences:
- *  - sigma1 and sigma2 may be any numbers above 0, theta any finite number, x and y anywhere;
- *  - opacity is 0..1 in the blend ALPHA, in NORMALIZED a weight of any size, and in SUM any number;
- *  - colours may have any finite value.
+ *  - sigma1 and sigma2 may be 1e-6 to 1e6, theta any direction, x and y anywhere: all numbers are at most 1e6;
+ *  - opacity is 0..1 in the blend ALPHA, in NORMALIZED a weight from 0 on, and in SUM any number;
+ *  - colours may have any value, and waves any up to one cycle per pixel.
  * What the format has not is replaced by what is nearest to it: splats that draw nothing inside the image are left out; a splat
  * of the blend SUM whose colour is too strong becomes several equal ones, which draw the same; and then
  *  - axes below 1/2 pixel or above 2^15 pixels, or of a ratio above 256, colours that are still too strong, centres outside

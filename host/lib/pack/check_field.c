@@ -1,7 +1,5 @@
 #include "pack/check_field.h"
 
-#include <math.h>
-
 #include "encode/settings.h"
 #include "image/image.h"
 
@@ -88,63 +86,52 @@ static gscl_result check_kind(gscl_context *context, const gscl_field *f) {
                            GSCL_MAX_SPLATS);
 }
 
-/* What is wrong with a number of a splat. */
-typedef struct fault {
+/* A number of a splat, and its range.  Beyond these ranges single precision does not draw. */
+typedef struct number {
     const char *name;
-    double value;
-    const char *rule; /* NULL: nothing is wrong */
-} fault;
+    double value, least, most;
+} number;
 
-static fault fault_of_colour(const gscl_splat *s) {
-    static const char *const names[] = {"red", "green", "blue", "alpha"};
-    for (int k = 0; k < 4; k++)
-        if (!isfinite(s->colour[k]))
-            return (fault){names[k], s->colour[k], "a finite number"};
-    return (fault){0};
+#define LARGEST 1e6   /* of all numbers */
+#define SMALLEST 1e-6 /* of axes, pixels */
+
+/* Opacities are factors of the colour, weights or parts. */
+static number opacity_of(const gscl_splat *s, gscl_blend blend) {
+    const double least = blend == GSCL_BLEND_SUM ? -LARGEST : 0, most = blend == GSCL_BLEND_ALPHA ? 1 : LARGEST;
+    return (number){"opacity", s->opacity, least, most};
 }
 
-static fault fault_of_wave(const gscl_splat *s) {
-    const fault faults[] = {{"wave_x", s->wave_x, "a finite number"},
-                            {"wave_y", s->wave_y, "a finite number"},
-                            {"wave_phase", s->wave_phase, "a finite number"},
-                            {"wave_amplitude", s->wave_amplitude, "a finite number"}};
-    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
-        if (!isfinite(faults[i].value))
-            return faults[i];
-    return (fault){0};
-}
-
-static fault fault_of(const gscl_splat *s, gscl_blend blend) {
-    if (!isfinite(s->x))
-        return (fault){"x", s->x, "a finite number"};
-    if (!isfinite(s->y))
-        return (fault){"y", s->y, "a finite number"};
-    if (!(isfinite(s->sigma1) && s->sigma1 > 0))
-        return (fault){"sigma1", s->sigma1, "above 0 and finite"};
-    if (!(isfinite(s->sigma2) && s->sigma2 > 0))
-        return (fault){"sigma2", s->sigma2, "above 0 and finite"};
-    if (!isfinite(s->theta))
-        return (fault){"theta", s->theta, "a finite number"};
-    if (blend == GSCL_BLEND_SUM && !isfinite(s->opacity))
-        return (fault){"opacity", s->opacity, "a finite number"};
-    if (blend == GSCL_BLEND_NORMALIZED && !(isfinite(s->opacity) && s->opacity >= 0))
-        return (fault){"opacity", s->opacity, "0 or more, and finite"};
-    if (blend == GSCL_BLEND_ALPHA && !(s->opacity >= 0 && s->opacity <= 1))
-        return (fault){"opacity", s->opacity, "0 to 1"};
-    if (s->layer >= GSF_MAX_LAYERS)
-        return (fault){"layer", s->layer, "0 to 7"};
-    const fault colour = fault_of_colour(s);
-    return colour.rule ? colour : fault_of_wave(s);
+/* The first number out of its range; without a name where none is. */
+static number fault_of(const gscl_splat *s, gscl_blend blend) {
+    const number numbers[] = {{"x", s->x, -LARGEST, LARGEST},
+                              {"y", s->y, -LARGEST, LARGEST},
+                              {"sigma1", s->sigma1, SMALLEST, LARGEST},
+                              {"sigma2", s->sigma2, SMALLEST, LARGEST},
+                              {"theta", s->theta, -LARGEST, LARGEST},
+                              opacity_of(s, blend),
+                              {"red", s->colour[0], -LARGEST, LARGEST},
+                              {"green", s->colour[1], -LARGEST, LARGEST},
+                              {"blue", s->colour[2], -LARGEST, LARGEST},
+                              {"alpha", s->colour[3], -LARGEST, LARGEST},
+                              {"wave_x", s->wave_x, -1, 1},
+                              {"wave_y", s->wave_y, -1, 1},
+                              {"wave_phase", s->wave_phase, -LARGEST, LARGEST},
+                              {"wave_amplitude", s->wave_amplitude, -LARGEST, LARGEST},
+                              {"layer", s->layer, 0, GSF_MAX_LAYERS - 1}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (!(numbers[i].value >= numbers[i].least && numbers[i].value <= numbers[i].most))
+            return numbers[i];
+    return (number){0};
 }
 
 gscl_result gscl_field_check(const gscl_packing *p) {
     const gscl_field *f = p->field;
     GSCL_TRY(check_kind(p->context, f));
     for (size_t i = 0; i < f->count; i++) {
-        const fault found = fault_of(&f->splats[i], f->blend);
-        if (found.rule)
-            return gscl_fail(p->context, GSCL_ERROR_INVALID_ARGUMENT, "splat %zu: %s is %g; it must be %s", i,
-                             found.name, found.value, found.rule);
+        const number found = fault_of(&f->splats[i], f->blend);
+        if (found.name)
+            return gscl_fail(p->context, GSCL_ERROR_INVALID_ARGUMENT, "splat %zu: %s is %g; it must be %g to %g", i,
+                             found.name, found.value, found.least, found.most);
     }
     return GSCL_OK;
 }
