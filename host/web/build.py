@@ -37,8 +37,8 @@ FAST = {"canvas.c"}
 LINKING = "--no-entry --gc-sections --strip-all".split()
 LINK = ["wasm-ld", *LINKING, "-z", "stack-size=65536", *SMALLER, *PASSES, *LINK_PASSES]
 # The order of the passes was found by trying.
-OPTIMISE = WASM_OPT + """--optimize-added-constants-propagate -Oz --flatten --rereloop --remove-unused-brs --reorder-functions
-    --precompute-propagate --simplify-globals-optimizing --merge-blocks --rse --coalesce-locals --dae-optimizing -Oz --precompute
+OPTIMISE = WASM_OPT + """--optimize-added-constants-propagate --flatten --rereloop --remove-unused-brs --reorder-functions
+    --precompute-propagate --rse --dealign --merge-blocks --reorder-locals --coalesce-locals --local-cse --dae-optimizing -Oz -Oz
     --ssa-nomerge --flatten --rse -Oz""".split()
 
 MINIFY = "esbuild --minify --target=es2022 --log-level=warning".split()
@@ -101,7 +101,7 @@ def build_inline_script(sources, module, target):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "gscl.js").write_text(f"const MODULE = '{text}';" + joined(sources, ["decoder.js", "inline_module.js", "element.js"]))
-        for entry in ["splats.js", "inline.js"]:
+        for entry in ["splats.js", "inline.js", "tiny.js"]:
             (folder / entry).write_text(sources[entry].read_text())
         run([*MINIFY, "--bundle", "--format=esm", f"--outfile={target}", str(folder / "inline.js")])
 

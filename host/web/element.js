@@ -39,8 +39,16 @@ const pictureOf = element => {
     element.dispatchEvent(error ? new ErrorEvent('error', {error, message: error.message}) : new Event('load'));
   };
 
+  /* Where the page's policy forbids WebAssembly, bare files are drawn in plain JavaScript. */
+  const infoWithoutModule = async (drawn, bare, error) => {
+    if (!bare || error.code != 'failed')
+      throw error;
+    const tiny = await import('./tiny.js');
+    GsclImage.draw = async (...given) => tiny.decode(...given);
+    return tiny.info(drawn);
+  };
   const drawBytes = async (drawn, partial) => {
-    const {bare} = element, size = await info(drawn, {bare});
+    const {bare} = element, size = await info(drawn, {bare}).catch(error => infoWithoutModule(drawn, bare, error));
     refuse(drawn != bytes); /* another file has come meanwhile */
     arrange(size);
     const box = element.getBoundingClientRect(), pixels = side => Math.min(Math.round(side * ratio), MAX_DIMENSION);

@@ -105,7 +105,7 @@ for (const entry of ['gscl', 'gscl/inline', 'gscl/packets', 'gscl/gpu']) {
 const bundlers = {
   'esbuild, a module': name => tool('esbuild', 'tools', `src/${name}.js`, '--bundle', '--format=esm', `--outfile=out/esbuild/${name}.js`),
   'esbuild, a script': name => tool('esbuild', 'tools', `src/${name}.js`, '--bundle', `--outfile=out/esbuild/${name}.js`),
-  rollup: name => tool('rollup', 'tools', `src/${name}.js`, '-p', 'node-resolve', '-o', `out/rollup/${name}.js`),
+  rollup: name => tool('rollup', 'tools', `src/${name}.js`, '-p', 'node-resolve', '--dir', 'out/rollup'),
   webpack: name => tool('webpack', 'tools', '--mode', 'production', '--entry', `./src/${name}.js`, '-o', `out/webpack/${name}`, '--output-filename', `../${name}.js`),
   vite: name => tool('vite', 'tools', 'build', '--base', './', '--outDir', `out/vite/${name}`, '--config', 'vite.config.mjs'),
 };
