@@ -1,4 +1,4 @@
-/* Times the decoder for web pages in Node and in Chromium beside the tool: node web.mjs BUILD_FOLDER FILE.gscl [RUNS]
+/* Times the decoder for web pages in Node, Chromium and Firefox beside the tool: node web.mjs BUILD_FOLDER FILE.gscl [RUNS]
  *
  * Each time is the median of RUNS (default 10) decodes at the encoded size, after 3 that do not count: the engines compile
  * the module in the background at first.  `first` is the first decode of all, with loading the module.  The tool's time is that of
@@ -10,12 +10,12 @@ import {dirname, basename, join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {gzipSync} from 'node:zlib';
 
-import {Chromium, serve} from '../web/chromium.mjs';
+import {installedBrowsers, serve, startBrowser} from '../web/browsers.mjs';
 
 const [build, file, runs = 10] = process.argv.slice(2), folder = resolve(build, 'host/web');
 const WARM_UP = 3;
 
-/* Runs in both engines. */
+/* Runs in all engines. */
 const measure = async (decode, bytes, count, warmUp) => {
   const times = [];
   for (let i = 0; i < count + warmUp; i++) {
@@ -34,13 +34,15 @@ const {decode} = await import(pathToFileURL(join(folder, 'node.js')));
 print('Node', await measure(decode, readFileSync(file), +runs, WARM_UP));
 
 const site = await serve({'/web/': folder, '/files/': dirname(resolve(file))}, {'/': (_, response) => response.writeHead(200, {'content-type': 'text/html'}).end('')});
-const browser = await Chromium.start();
-await browser.open(`${site.url}/`);
-print('Chromium', await browser.evaluate(`(async () => {
-  const {decode} = await import('/web/gscl.js'), bytes = await (await fetch('/files/${encodeURIComponent(basename(file))}')).arrayBuffer();
-  return (${measure})(decode, bytes, ${+runs}, ${WARM_UP});
-})()`));
-await browser.close();
+for (const name of installedBrowsers()) {
+  const browser = await startBrowser(name);
+  await browser.open(`${site.url}/`);
+  print(name, await browser.evaluate(`(async () => {
+    const {decode} = await import('/web/gscl.js'), bytes = await (await fetch('/files/${encodeURIComponent(basename(file))}')).arrayBuffer();
+    return (${measure})(decode, bytes, ${+runs}, ${WARM_UP});
+  })()`));
+  await browser.close();
+}
 site.close();
 
 const made = mkdtempSync(join(tmpdir(), 'gscl-web-'));

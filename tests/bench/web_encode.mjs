@@ -1,14 +1,13 @@
 /* Times of the encoder of the package for web pages: node web_encode.mjs BUILD IMAGE.png
  *
  * BUILD: the build folder.  Encodes the image with 0.125 bits per pixel and the default effort, and a thumbnail of it, 128 pixels wide, into
- * 100, 200 and 300 bytes at effort 2, in Node and, where CHROMIUM or chromium is found, in Chromium: the first encode, with loading the
+ * 100, 200 and 300 bytes at effort 2, in Node and in those browsers that are installed: the first encode, with loading the
  * module, and the median of those that follow. */
-import {spawnSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
 import {join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
 
-import {Chromium, serve} from '../web/chromium.mjs';
+import {installedBrowsers, serve, startBrowser} from '../web/browsers.mjs';
 import {readPng} from '../web/png.mjs';
 
 const [build, image] = process.argv.slice(2), folder = join(resolve(build), 'host/web');
@@ -53,13 +52,13 @@ const {encode} = await import(pathToFileURL(join(folder, 'encode-node.js')));
 for (const job of jobs)
   row(`Node ${process.versions.node}`, job, await measure(encode, ...job));
 
-if (spawnSync(process.env.CHROMIUM || 'chromium', ['--version']).status === 0) {
+for (const name of installedBrowsers()) {
   const site = await serve({'/web/': folder}, {'/page': (_, response) => response.writeHead(200, {'content-type': 'text/html'}).end('<link rel="icon" href="data:,">')});
-  const browser = await Chromium.start();
+  const browser = await startBrowser(name);
   await browser.open(`${site.url}/page`);
   for (const job of jobs) {
     const [{data, width, height}, options, count] = job;
-    row('Chromium', job, await browser.evaluate(`(async () => {
+    row(name, job, await browser.evaluate(`(async () => {
       const {encode} = await import('/web/encode.js'), data = Uint8Array.from(atob('${Buffer.from(data).toString('base64')}'), it => it.charCodeAt());
       return (${measure})(encode, {data, width: ${width}, height: ${height}}, ${JSON.stringify(options)}, ${count});
     })()`));

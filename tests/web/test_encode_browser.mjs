@@ -1,13 +1,13 @@
-/* The encoder of the package in Chromium: the files of Node, a page that stays alive, and what a page may forbid.
+/* The encoder of the package in a browser: the files of Node, a page that stays alive, and what a page may forbid.
  *
  *     node test_encode_browser.mjs FOLDER    FOLDER: host/web of the build folder
  *
- * CHROMIUM names the browser. */
+ * BROWSER names the browser: chromium or firefox. */
 import assert from 'node:assert/strict';
 import {join, resolve} from 'node:path';
 import {fileURLToPath, pathToFileURL} from 'node:url';
 
-import {Chromium, serve} from './chromium.mjs';
+import {serve, startBrowser} from './browsers.mjs';
 import {sceneOf} from './scenes.mjs';
 import {runTests, test} from './tap.mjs';
 
@@ -24,7 +24,7 @@ const site = await serve({'/tests/': fileURLToPath(new URL('.', import.meta.url)
   '/page': page('open'), '/strict': page('strict'), '/closed': page('closed'), '/web/gscl-encode.wasm': gone('gscl-encode.wasm'), '/web/gscl-encode-alpha.wasm': (request, response) => isSlow ? slow = response : gone('gscl-encode-alpha.wasm')(request, response),
 });
 let isSlow = false, slow; /* the answer to a request for the module for alpha, in a test */
-const browser = await Chromium.start();
+const browser = await startBrowser();
 const open = path => browser.open(site.url + path);
 /* The value of a body of an async function, which has encode, sceneOf and, for errors, failure. */
 const inPage = body => browser.evaluate(`(async () => {
