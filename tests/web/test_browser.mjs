@@ -1,11 +1,11 @@
-/* The element and the demonstration page in a browser, on files that the tool encodes.
+/* The element in a browser, on files that the tool encodes.
  *
- *     node test_browser.mjs FOLDER [SCREENSHOTS]    FOLDER: host/web of the build folder; SCREENSHOTS: a folder for pictures
+ *     node test_browser.mjs FOLDER    FOLDER: host/web of the build folder
  *
  * GSCL names the tool, BROWSER the browser: chromium or firefox. */
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
@@ -15,7 +15,7 @@ import {assertPicture} from './compare.mjs';
 import {readPng} from './png.mjs';
 import {runTests, test} from './tap.mjs';
 
-const folder = resolve(process.argv[2]), screenshots = process.argv[3], gscl = process.env.GSCL;
+const folder = resolve(process.argv[2]), gscl = process.env.GSCL;
 const conformance = fileURLToPath(new URL('../conformance/', import.meta.url));
 const made = mkdtempSync(join(tmpdir(), 'gscl-web-')), fileOf = name => readFileSync(join(made, name));
 
@@ -50,7 +50,7 @@ const page = ({body, script}) => `<!doctype html><meta charset="utf-8"><style>bo
   window.events = []; for (const name of ['load', 'error']) document.addEventListener(name, event => events.push([event.target.id, name, event.error?.code || event.message, event.message]), true);
   </script><script type="module" src="/web/${script}"></script>${body}`;
 const pages = {};
-const site = await serve({'/web/demo/samples/': join(made, 'build/host/web/demo/samples'), '/web/': folder, '/files/': made, '/demo/': join(folder, 'demo')}, {
+const site = await serve({'/web/': folder, '/files/': made}, {
   '/slow.gscl': (_, response) => slow = response,
   '/web/gscl.wasm': module('gscl.wasm'),
   '/web/gscl-packets.wasm': module('gscl-packets.wasm'),
@@ -72,7 +72,6 @@ const canvasOf = id => `document.getElementById('${id}').shadowRoot.querySelecto
 const assertAccessible = async (expected, name) => browser.name == 'firefox' || assert.deepEqual((await browser.send('Accessibility.getFullAXTree')).nodes.filter(({ignored, role}) => !ignored && /^(image|button|StaticText)$/.test(role.value))
   .map(({role, name}) => [role.value, name.value]), expected, name);
 const loaded = id => browser.until(`events.some(([id, name]) => id == '${id}' && name == 'load')`);
-const shoot = async name => screenshots && (mkdirSync(screenshots, {recursive: true}), writeFileSync(join(screenshots, `${name}.png`), await browser.screenshot()));
 
 await browser.resize(1200, 900);
 
@@ -479,131 +478,6 @@ test('packets', async () => {
     assert.equal(kind, 'ImageData', width);
     assertPicture({width, height, data: text.split(',').map(Number)}, decodeBy('scene.gsclp', '--size', '200x150'), source);
   }
-});
-
-/* ---- The demonstration page ---- */
-
-const drawn = async action => {
-  const before = await browser.evaluate('+(stage.dataset.drawn || 0)');
-  await action();
-  await browser.until(`+(stage.dataset.drawn || 0) > ${before}`);
-};
-const textOf = id => browser.evaluate(`document.getElementById('${id}').textContent`);
-const stageBox = () => browser.evaluate('(({x, y, width, height}) => ({x, y, width, height}))(stage.getBoundingClientRect())');
-
-test('the demonstration page opens a file', async () => {
-  await browser.open(`${site.url}/web/demo/index.html`);
-  await browser.until(`!message.hidden || stage.dataset.drawn`);
-  await drawn(() => browser.choose('#chooser', join(made, 'scene.gscl')));
-  assert.equal(await textOf('name'), 'scene.gscl');
-  assert.match(await textOf('pixels'), /320 × 240/);
-  const {width, height} = await browser.pixels('picture'), scale = Math.min(width / 320, height / 240);
-  const size = [320 * scale, 240 * scale].map(Math.round);
-  const crop = await browser.pixels(`(() => { const c = document.createElement('canvas'); c.width = ${size[0]}; c.height = ${size[1]};
-    c.getContext('2d').drawImage(picture, -Math.round((${width} - 320 * ${scale}) / 2), -Math.round((${height} - 240 * ${scale}) / 2)); return c; })()`);
-  assertPicture(crop, decodeBy('scene.gscl', '--size', size.join('x')), 'fitted');
-  await shoot('file');
-});
-
-test('the slider shows the first part of the file', async () => {
-  await drawn(() => browser.evaluate(`part.value = 30, part.dispatchEvent(new Event('input'))`));
-  const [shown, all] = (await textOf('splats')).split(' of ').map(text => +text.replace(',', ''));
-  assert(shown > 5 && shown < all / 2, `${shown} of ${all}`);
-  assert.match(await textOf('partText'), /of [23],[0-9]+ bytes/);
-  await shoot('part');
-  await drawn(() => browser.evaluate(`part.value = 100, part.dispatchEvent(new Event('input'))`));
-  assert.equal((await textOf('splats')).split(' of ')[0], all.toLocaleString('en'));
-});
-
-test('the wheel zooms without limit, drawn anew', async () => {
-  const {x, y, width, height} = await stageBox(), before = await browser.pixels('picture');
-  const percent = async () => parseFloat((await textOf('scale')).replaceAll(',', ''));
-  const fitted = await percent();
-  await drawn(() => browser.mouse('mouseWheel', x + width / 2, y + height / 2, {deltaX: 0, deltaY: -480}));
-  await browser.until(`parseFloat(scale.textContent.replaceAll(',', '')) > ${fitted * 3.9}`);
-  const after = await browser.pixels('picture'), middle = (after.height >> 1) * after.width + (after.width >> 1);
-  for (let k = 0; k < 3; k++) /* the place under the mouse stays, but for half a pixel */
-    assert(Math.abs(after.data[4 * middle + k] - before.data[4 * middle + k]) < 24);
-  await shoot('zoom');
-  for (let i = 0; i < 6; i++)
-    await browser.mouse('mouseWheel', x + width / 2, y + height / 2, {deltaX: 0, deltaY: -480});
-  await browser.until(`parseFloat(scale.textContent.replaceAll(',', '')) > 1e5`);
-  const far = await browser.pixels('picture');
-  assert(far.data.every((value, i) => i % 4 < 3 || value == 255));
-  assert(await browser.evaluate('message.hidden'));
-  await drawn(() => browser.evaluate('fit.click()'));
-  assert.equal(await percent(), fitted);
-});
-
-test('dragging moves the picture', async () => {
-  const {x, y, width, height} = await stageBox(), before = await browser.pixels('picture');
-  await browser.mouse('mousePressed', x + width / 2, y + height / 2, {button: 'left', clickCount: 1});
-  await drawn(() => browser.mouse('mouseMoved', x + width / 2 + 40, y + height / 2 + 10, {button: 'left', buttons: 1}));
-  await browser.mouse('mouseReleased', x + width / 2 + 40, y + height / 2 + 10, {button: 'left', clickCount: 1});
-  const after = await browser.pixels('picture'), at = (px, py) => 4 * (py * after.width + px);
-  const px = after.width >> 1, py = after.height >> 1;
-  for (let k = 0; k < 3; k++)
-    assert(Math.abs(after.data[at(px + 40, py + 10) + k] - before.data[at(px, py) + k]) <= 2);
-  await drawn(() => browser.evaluate('fit.click()'));
-});
-
-test('splats are shown as ellipses', async () => {
-  const drawnPixels = pixels => pixels.data.reduce((sum, value, i) => sum + (i % 4 == 3 && value > 0), 0);
-  assert.equal(drawnPixels(await browser.pixels('outlines')), 0);
-  await drawn(() => browser.evaluate('showOutlines.click()'));
-  const shown = await browser.pixels('outlines');
-  assert.equal(drawnPixels(shown), shown.width * shown.height);
-  const bright = shown.data.reduce((sum, value, i) => sum + (i % 4 < 3 && value > 100), 0);
-  assert(bright > 1000, `${bright} bright samples`);
-  await shoot('ellipses');
-  await drawn(() => browser.evaluate('showOutlines.click()'));
-});
-
-test('a photograph is encoded on the page, and shown beside other codecs', async () => {
-  if (!existsSync(join(folder, 'encode.js'))) /* a build without the encoder */
-    return;
-  await browser.evaluate(`effort.value = '0', bytes.value = '10'`);
-  await browser.choose('#chooser', join(made, 'scene.png'));
-  await browser.until(`document.getElementById('name').textContent == 'scene.png' && !photo.hidden && progress.hidden`);
-  const size = +(await textOf('size')).replace(',', '').split(' ')[0];
-  assert(size > 900 && size <= 1300, `${size} bytes`); /* an eighth of a bit for each pixel */
-  await drawn(() => browser.evaluate(`divider.value = 100, divider.dispatchEvent(new Event('input'))`));
-  const {data} = await browser.pixels('picture');
-  assert(data.some((value, i) => i % 4 == 3 && value == 255));
-  await shoot('photo');
-  await drawn(() => browser.evaluate(`other.value = 'image/webp', other.dispatchEvent(new Event('change'))`));
-  await browser.until(`/bytes/.test(otherText.textContent)`);
-  assert(+(await textOf('otherText')).replace(',', '').split(' ')[0] <= size, await textOf('otherText'));
-  await shoot('photo-webp');
-  await browser.evaluate(`bytes.value = '9', bytes.dispatchEvent(new Event('input')), encode.click()`);
-  await browser.until(`document.getElementById('bytesText').textContent == '512 bytes' && parseInt(document.getElementById('size').textContent) <= 512 && progress.hidden`);
-  await drawn(() => browser.choose('#chooser', join(made, 'scene.gscl')));
-  assert(await browser.evaluate('photo.hidden'));
-  assert.deepEqual(browser.errors.filter(it => !/samples.json/.test(it)), []);
-});
-
-test('the demonstration page lists the samples that its script makes', async () => {
-  /* A build folder with a smaller image and a quicker tool. */
-  const write = (name, command) => writeFileSync(join(made, 'build', name), `#!/bin/sh\n${command}\n`, {mode: 0o755});
-  mkdirSync(join(made, 'build/tests/sample'), {recursive: true});
-  write('gscl', `exec "${gscl}" "$@" --effort 0`);
-  write('tests/sample/make_sample', `cp "${join(made, 'wide.png')}" "$1"`);
-  execFileSync('sh', [fileURLToPath(new URL('../../host/web/demo/make_samples.sh', import.meta.url)), join(made, 'build')]);
-  await browser.open(`${site.url}/web/demo/index.html`);
-  await browser.until('stage.dataset.drawn');
-  const drawn = `[...document.querySelectorAll('#list gscl-image')].filter(it => it.shadowRoot.querySelector('canvas').width > 0).length`;
-  await browser.until(`${drawn} == 5`);
-  assert.equal(await textOf('pixels'), '160 × 40');
-  assert.deepEqual(browser.errors, []);
-});
-
-test('a file that is not valid is named, and the page goes on', async () => {
-  await browser.choose('#chooser', join(made, 'damaged.gscl'));
-  await browser.until('!message.hidden');
-  assert.match(await textOf('message'), /damaged/);
-  await drawn(() => browser.choose('#chooser', join(made, 'progressive.gscl')));
-  assert(await browser.evaluate('message.hidden'));
-  assert.deepEqual(browser.errors.filter(text => !text.includes('samples.json')), []);
 });
 
 try {

@@ -1,14 +1,17 @@
 /* The demonstration page: one picture on a stage, seen through a view that the mouse moves. */
-import {decode, info} from '../gscl.js';
-import {splats} from '../splats.js';
+import {decode, info, splats} from '../inline.js';
+import {drawPicture} from './draw.js';
+import {LINK_BYTES, fits, fragmentOf, readFragment} from './link.js';
+import {encodeBy, encodePhoto, readPhoto, reduced} from './photo.js';
 
-const LARGEST = 2 ** 23; /* pixels of the drawn picture, of which the stage shows a part */
+const LARGEST = 2 ** 40; /* pixels of a side, beyond which numbers no longer place the view */
+const LINK_PIXELS = 2 ** 15; /* of a picture that is encoded for a link */
 const REACH = 1.5; /* standard deviations at which ellipses are drawn */
 
 const at = id => document.getElementById(id);
 const stage = at('stage'), picture = at('picture'), outlines = at('outlines');
 
-let file; /* {bytes, width, height, splats}; undefined before the first one */
+let file; /* {bytes, bare, width, height, splats}; undefined before the first one */
 let view = {scale: 1, x: 0, y: 0}; /* pixels of the screen per pixel of the picture; the picture's place at the stage's corner */
 let part = {size: 0, list: null}; /* splats of the part of the file that the slider shows */
 let isFitted = true;
@@ -55,14 +58,6 @@ const moveBy = (dx, dy) => {
 
 /* ---- Drawing ----------------------------------------------------------------------------------- */
 
-/* The part of the drawn picture that the stage shows, and its place there; null where it shows none. */
-const visible = () => {
-  const [width, height] = stageSize(), fullWidth = Math.max(1, Math.round(file.width * view.scale)), fullHeight = Math.max(1, Math.round(file.height * view.scale));
-  const left = Math.round(-view.x * view.scale), top = Math.round(-view.y * view.scale);
-  const x = Math.max(0, -left), y = Math.max(0, -top), w = Math.min(width, left + fullWidth) - Math.max(0, left), h = Math.min(height, top + fullHeight) - Math.max(0, top);
-  return w > 0 && h > 0 ? {width: fullWidth, height: fullHeight, crop: {x, y, width: w, height: h}, left: Math.max(0, left), top: Math.max(0, top)} : null;
-};
-
 const prepare = canvas => {
   const [width, height] = stageSize();
   if (canvas.width != width || canvas.height != height)
@@ -108,16 +103,16 @@ const drawOther = context => {
 };
 
 const drawOnce = async () => {
-  const bytes = shownBytes(), partial = isPartial(), frame = visible(), drawn = file;
+  const bytes = shownBytes(), partial = isPartial(), drawn = file, shown = view, canvas = new OffscreenCanvas(...stageSize());
   const started = performance.now();
-  const image = frame && await decode(bytes, {...frame, partial});
+  await drawPicture(canvas.getContext('2d'), {...drawn, bytes, partial}, shown);
   const time = performance.now() - started;
   if (part.size != bytes.length || part.file != drawn)
-    part = {file: drawn, size: bytes.length, list: await splats(bytes, {partial})};
+    part = {file: drawn, size: bytes.length, list: await splats(bytes, {partial, bare: drawn.bare})};
   if (drawn != file)
     return;
   const context = prepare(picture);
-  image && context.putImageData(image, frame.left, frame.top);
+  context.drawImage(canvas, 0, 0);
   drawOther(context);
   drawOutlines();
   at('scale').textContent = `${(100 * view.scale).toLocaleString('en', {maximumSignificantDigits: 3})} %`;
@@ -140,7 +135,8 @@ const draw = async () => {
     await drawOnce().catch(error => {
       prepare(picture), prepare(outlines);
       part = {};
-      say(error.code == 'truncated' ? 'Not enough bytes yet for the size of the picture' : error.message, error.code != 'truncated');
+      const isEarly = error.code == 'truncated' && isPartial();
+      say(isEarly ? 'Not enough bytes yet for the size of the picture' : error.message, !isEarly);
     });
   }
   isDrawing = false;
@@ -149,12 +145,13 @@ const draw = async () => {
 
 /* ---- Files ------------------------------------------------------------------------------------- */
 
-const open = async (bytes, name) => {
+const open = async (bytes, name, bare = false) => {
   try {
-    file = {bytes, ...await info(bytes)};
+    file = {bytes, bare, ...await info(bytes, {bare})};
   } catch (error) {
     return say(`${name}: ${error.message}`, true);
   }
+  at('link').disabled = false;
   at('part').value = 100;
   at('name').textContent = name;
   at('size').textContent = `${whole(bytes.length)} bytes, ${(8 * bytes.length / file.width / file.height).toFixed(3)} bits per pixel`;
@@ -169,19 +166,23 @@ const openFile = async blob => {
   if (blob.type.startsWith('image/'))
     return openPhoto(blob);
   closePhoto();
+  setFragment('');
   return open(new Uint8Array(await blob.arrayBuffer()), blob.name);
 };
 const openSample = async name => {
   closePhoto();
+  setFragment('');
   const answer = await fetch(`samples/${name}`);
   return answer.ok ? open(new Uint8Array(await answer.arrayBuffer()), name) : say(`samples/${name}: ${answer.status}`, true);
 };
 
-/* ---- Photographs, by photo.js, which brings the encoder --------------------------------------------- */
+/* ---- Photographs ----------------------------------------------------------------------------------- */
 
 let stopEncode = () => {};
 const bytesWanted = () => Math.round(2 ** at('bytes').value);
 const showBytes = () => at('bytesText').textContent = `${whole(bytesWanted())} bytes`;
+
+const showEffort = () => at('effortText').textContent = at('effort').value;
 
 const closePhoto = () => {
   stopEncode();
@@ -191,18 +192,20 @@ const closePhoto = () => {
 };
 
 const showOther = async () => {
-  const type = at('other').value, shown = photo, {encodeBy} = await import('./photo.js');
+  const type = at('other').value, shown = photo;
   const other = type && shown ? await encodeBy(shown.canvas, type, file.bytes.length) : undefined;
   if (photo != shown || at('other').value != type)
     return;
   shown.other = other;
-  at('otherText').textContent = !type ? '' : other ? `${whole(other.bytes)} bytes, ${other.size}` : 'not of this browser';
+  at('otherText').textContent = !type ? '' : other ? `${whole(other.bytes)} bytes, ${other.size}` : 'not here';
   draw();
 };
 
 /* Encodes the photograph anew; an encode that goes on is stopped. */
 const encodeAgain = async () => {
-  const encoded = photo, controller = new AbortController, {encodePhoto} = await import('./photo.js');
+  if (!photo)
+    return;
+  const encoded = photo, controller = new AbortController;
   stopEncode();
   stopEncode = () => controller.abort();
   at('progress').hidden = false;
@@ -211,6 +214,7 @@ const encodeAgain = async () => {
       bytes: bytesWanted(), effort: +at('effort').value, signal: controller.signal, onProgress: ({fraction}) => at('progress').value = fraction,
     });
     at('progress').hidden = true;
+    setFragment('');
     await open(bytes, encoded.name);
     await showOther();
   } catch (error) {
@@ -224,7 +228,6 @@ const encodeAgain = async () => {
 const openPhoto = async blob => {
   closePhoto();
   try {
-    const {readPhoto} = await import('./photo.js');
     photo = {canvas: await readPhoto(blob), name: blob.name};
   } catch (error) {
     return say(`${blob.name}: ${error.message}`, true);
@@ -236,11 +239,65 @@ const openPhoto = async blob => {
   await encodeAgain();
 };
 
+/* ---- Links ----------------------------------------------------------------------------------------- */
+
+const setFragment = fragment => history.replaceState(null, '', fragment || location.href.split('#')[0]);
+
+/* The file itself where a link has room for it, else the picture encoded anew. */
+const fileOfLink = async () => {
+  if (fits(file))
+    return file;
+  const source = photo?.canvas || await canvasOf(file);
+  const {bytes} = await encodePhoto(reduced(source, LINK_PIXELS), {bytes: LINK_BYTES, bare: true, effort: +at('effort').value});
+  return {bytes, bare: true};
+};
+/* The picture of a file in few pixels. */
+const canvasOf = async ({bytes, bare, width, height}) => {
+  const factor = Math.min(1, Math.sqrt(LINK_PIXELS / (width * height))), size = [width, height].map(side => Math.max(1, Math.round(side * factor)));
+  const image = await decode(bytes, {width: size[0], height: size[1], bare}), canvas = new OffscreenCanvas(...size);
+  canvas.getContext('2d').putImageData(image, 0, 0);
+  return canvas;
+};
+const share = async () => {
+  const shared = file;
+  at('link').disabled = true;
+  at('linkText').textContent = 'Encoding ...';
+  try {
+    const {bytes, bare} = await fileOfLink();
+    if (file != shared) /* another file has come meanwhile */
+      return at('linkText').textContent = '';
+    const fragment = fragmentOf(bytes, bare);
+    setFragment(fragment);
+    await open(bytes, 'the link', bare);
+    const isCopied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
+    at('linkText').textContent = `${fragment.length} characters are the picture, ${isCopied ? 'copied' : 'in the address of the page'}`;
+    photo && await showOther();
+  } catch (error) {
+    at('linkText').textContent = error.message;
+  } finally {
+    at('link').disabled = false;
+  }
+};
+/* Returns whether the page's address has a picture. */
+const openFragment = async () => {
+  try {
+    const linked = readFragment(location.hash);
+    if (linked) {
+      closePhoto();
+      await open(linked.bytes, 'the link', linked.bare);
+    }
+    return !!linked;
+  } catch (error) {
+    say(`the link: ${error.message}`, true);
+    return true;
+  }
+};
+
 /* samples/samples.json is made by host/web/serve.sh: [{"file": "x.gscl", "title": "..."}] */
-const listSamples = async () => {
-  const answer = await fetch('samples/samples.json').catch(() => ({}));
+const listSamples = async isEmpty => {
+  const answer = location.protocol == 'file:' ? {} : await fetch('samples/samples.json').catch(() => ({}));
   if (!answer.ok)
-    return say('Drop a photograph or a .gscl file here');
+    return isEmpty && say('Drop a photograph or a .gscl file here');
   const samples = await answer.json();
   for (const {file: name, title} of samples) {
     const button = document.createElement('button'), image = document.createElement('gscl-image'), text = document.createElement('span'), size = document.createElement('small');
@@ -254,7 +311,7 @@ const listSamples = async () => {
     at('list').append(button);
   }
   at('samples').hidden = false;
-  if (!file)
+  if (isEmpty && !file)
     openSample(samples[0].file);
 };
 
@@ -320,9 +377,13 @@ at('fit').onclick = () => file && fit();
 at('part').oninput = draw;
 at('divider').oninput = draw;
 at('bytes').oninput = showBytes;
-at('encode').onclick = encodeAgain;
+at('effort').oninput = showEffort;
+at('bytes').onchange = at('effort').onchange = encodeAgain; /* when the slider is let go */
+at('link').onclick = share;
 at('other').onchange = showOther;
 at('showOutlines').onchange = draw;
 new ResizeObserver(() => file && (isFitted ? fit() : draw())).observe(stage);
+addEventListener('hashchange', openFragment);
 
-listSamples();
+showEffort();
+listSamples(!await openFragment());

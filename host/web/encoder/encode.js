@@ -5,22 +5,23 @@ import {GsclError} from './gscl.js';
 
 const OPAQUE = 'gscl-encode.wasm', WITH_ALPHA = 'gscl-encode-alpha.wasm';
 
-/* What differs in Node (encode-node.js). */
+/* What differs in Node (encode-node.js) and in the demonstration page, which has all of this in itself (demo/encoder.js). */
 let host = {
   read: async name => {
     const answer = await fetch(name == OPAQUE ? new URL('./gscl-encode.wasm', import.meta.url) : new URL('./gscl-encode-alpha.wasm', import.meta.url));
     refuse(!answer.ok, `${answer.url}: status ${answer.status}`, 'failed');
     return answer.arrayBuffer();
   },
+  open: () => new Worker(new URL('./encode-worker.js', import.meta.url), {type: 'module'}),
   start: ({onMessage, onError}) => {
-    const worker = new Worker(new URL('./encode-worker.js', import.meta.url), {type: 'module'});
+    const worker = host.open();
     worker.onmessage = ({data}) => onMessage(data);
     worker.onerror = worker.onmessageerror = event => onError(Error(event.message || 'the worker cannot be started'));
     return worker;
   },
   workers: globalThis.navigator?.hardwareConcurrency || 1,
 };
-export const useHost = it => host = it;
+export const useHost = it => host = {...host, ...it};
 
 const refuse = (isRefused, message, code = 'invalid-argument') => {
   if (isRefused)
