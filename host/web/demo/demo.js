@@ -193,11 +193,12 @@ const closePhoto = () => {
 
 const showOther = async () => {
   const type = at('other').value, shown = photo;
+  at('otherText').textContent = type ? 'Encoding ...' : '';
   const other = type && shown ? await encodeBy(shown.canvas, type, file.bytes.length) : undefined;
   if (photo != shown || at('other').value != type)
     return;
   shown.other = other;
-  at('otherText').textContent = !type ? '' : other ? `${whole(other.bytes)} bytes, ${other.size}` : 'not here';
+  at('otherText').textContent = !type ? '' : !other ? 'not here' : other.bitmap ? `${whole(other.bytes)} bytes, ${other.size}` : 'none is as small';
   draw();
 };
 

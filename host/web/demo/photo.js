@@ -2,7 +2,7 @@
 import {encode} from './encoder.js';
 
 const MAX_PIXELS = 2 ** 19; /* larger photographs are reduced, so that an encode takes seconds */
-const QUALITY_STEPS = 7; /* of a search for a quality, each by half */
+const QUALITY_STEPS = 9; /* of a search for a quality, each by half */
 
 /* A picture at another size, at least one pixel. */
 const drawn = (source, ...size) => {
@@ -57,8 +57,8 @@ const within = async (canvas, encodeAt, bytes) => {
   return best;
 };
 
-/* A file of another codec of at most as many bytes, reduced by half until it fits: {bitmap, bytes, size}; undefined where there is no encoder
- * of this type. */
+/* A file of another codec of at most as many bytes, reduced by half until it fits: {bitmap, bytes, size}, or nothing in it
+ * where none fits; undefined where there is no encoder of this type. */
 export const encodeBy = async (canvas, type, bytes) => {
   const encodeAt = encoderOf(type);
   if (!await encodeAt(drawn(canvas, 16, 16), 0))
@@ -68,5 +68,5 @@ export const encodeBy = async (canvas, type, bytes) => {
     if (blob)
       return {bitmap: await createImageBitmap(blob), bytes: blob.size, size: `${small.width} × ${small.height}`};
   }
-  return undefined;
+  return {};
 };
