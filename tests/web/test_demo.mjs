@@ -30,7 +30,7 @@ const CODEC = `onmessage = async ({data: {image, quality}}) => {
 };`;
 let hasCodec = false;
 const site = await serve({'/web/': folder, '/files/': made}, {
-  '/web/demo/avif.js': (_, response) => hasCodec ? response.writeHead(200, {'content-type': 'text/javascript'}).end(CODEC) : response.writeHead(404).end(),
+  '/web/demo/avif.js': (_, response) => hasCodec ? response.writeHead(200, {'content-type': 'text/javascript', 'cache-control': 'no-store'}).end(CODEC) : response.writeHead(404).end(),
   '/web/demo/samples/samples.json': (_, response) => response.writeHead(200, {'content-type': 'application/json'}).end('[{"file": "scene.gscl", "title": "A scene"}]'),
   '/web/demo/samples/scene.gscl': (_, response) => response.writeHead(200).end(scene),
 });
