@@ -168,6 +168,7 @@ test('a photograph is encoded on the page, and shown beside other codecs', async
 test('a codec that is not there is named', async () => {
   hasCodec = false;
   await open(served);
+  await browser.until('stage.dataset.drawn'); /* the sample, which would come in the place of the photograph */
   await dropPhoto();
   await isEncoded('photo.png');
   await slide('other', 'image/avif');

@@ -312,7 +312,7 @@ const listSamples = async isEmpty => {
     at('list').append(button);
   }
   at('samples').hidden = false;
-  if (isEmpty && !file)
+  if (isEmpty && !file && !photo)
     openSample(samples[0].file);
 };
 
