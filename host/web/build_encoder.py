@@ -3,8 +3,9 @@
         [--library FILE...] [--include FOLDER...] C_SOURCE...
 
 Writes gscl-encode.wasm, for opaque pictures, and gscl-encode-alpha.wasm, for others, into the folder: the library's sources
-without threads, with the kernels that encodes with the default profile need.  It needs clang and wasm-ld of the same version, 16 or
-newer, the headers of wasi-libc, and wasm-opt; the libraries are its libc and clang's run-time library for wasm32.
+with the kernels that encodes with the default profile need.  Their memory is imported, and shared; a module with one bit less serves
+where none can be shared (encoder/encode.js).  It needs clang and wasm-ld of the same version, 16 or newer, the headers of wasi-libc, and
+wasm-opt; the libraries are its libc and clang's run-time library for wasm32.
 """
 import argparse
 import pathlib
@@ -25,14 +26,20 @@ FIXED = ["-DBLEND=GSCL_NORMALIZED", "-DLOSS=GSCL_LOSS_KIND_L2"]
 LANES = ["-DGSCL_CPU_SPLAT_LANES=1"]
 # WebAssembly has no fused multiply-add: files are those of x86-64-v2.
 KERNELS = ["--target=wasm32", *build.FEATURES, *FIXED, *LANES, "-DSOFTWARE_FMA", "-fno-PIC", "-Wno-pass-failed"]
-HOST = ["--target=wasm32-wasi", *build.HOST, *LANES, "-DGSCL_WITH_NATIVE", "-D__thread="]  # there is one thread
+# Thread-local variables are ordinary ones: wasm_pool.c says why.
+HOST = ["--target=wasm32-wasi", *build.HOST, *LANES, "-DGSCL_WITH_NATIVE", "-matomics", "-D__thread="]
+STACK_BYTES = 1 << 20
+# Memory is that of encode-run.js, which gives it this size.  libc's objects have no atomic operations and need none: one thread alone calls
+# them.  Exported functions would run destructors, also those of threads, if nothing named the constructors, of which there are none.
+INITIAL_BYTES, MAX_BYTES = 4 << 20, 1 << 32
+MEMORY = ["--import-memory", "--shared-memory", "--no-check-features", f"--initial-memory={INITIAL_BYTES}", f"--max-memory={MAX_BYTES}",
+          "--export=__stack_pointer", "--export=__wasm_call_ctors"]
 # Most of the time passes in the fit: -Os there is a tenth of the time for 0.5 kB, -O2 not faster and 4 kB more.
 SIZE, SPEED, FAST_KINDS = "-Oz", "-Os", {"FIT"}
 KINDS = {"RENDER", "BIN", "FIT", "SCALAR_RDO", "VISUAL", "IMAGE"}
 # Modules and the channels of their kernels: colours, and whether there is alpha.  Faint colours are tried as grey.
 MODULES = {"gscl-encode.wasm": {(1, 0), (3, 0)}, "gscl-encode-alpha.wasm": {(1, 1), (3, 1)}}
-STACK_BYTES = 1 << 20
-OPTIMISE = [*build.WASM_OPT, "-Oz", "--flatten", "--rereloop", "-Oz", "-Oz"]
+OPTIMISE = [*build.WASM_OPT, *"--enable-threads --enable-mutable-globals".split(), "-Oz", "--flatten", "--rereloop", "-Oz", "-Oz"]
 
 
 def chosen(channels):
@@ -61,7 +68,7 @@ def link(name, kernels, host, options, folder):
     table = folder / f"table_of_{name}.c"
     native.write_table(table, options.clang, [PROCESSOR], programs_of)
     objects = [*(kernels[program] for program in programs_of), *host, compile_host(table, options.clang, options.include, folder)]
-    build.run([options.linker, *build.LINKING, "-z", f"stack-size={STACK_BYTES}", *build.SMALLER, *build.PASSES, *map(str, objects),
+    build.run([options.linker, *build.LINKING, *MEMORY, "-z", f"stack-size={STACK_BYTES}", *build.SMALLER, *build.PASSES, *map(str, objects),
                *options.library, "-o", str(folder / name)])
     build.run([*OPTIMISE, str(folder / name), "-o", str(options.out / name)])
 

@@ -1,8 +1,8 @@
 /* Times of the encoder of the package for web pages: node web_encode.mjs BUILD IMAGE.png
  *
  * BUILD: the build folder.  Encodes the image with 0.125 bits per pixel and the default effort, and a thumbnail of it, 128 pixels wide, into
- * 100, 200 and 300 bytes at effort 2, in Node and in those browsers that are installed: the first encode, with loading the
- * module, and the median of those that follow. */
+ * 100, 200 and 300 bytes at effort 2, each in one thread and in two, in Node and in those browsers that are installed: the first encode,
+ * with loading the module, and the median of those that follow. */
 import {readFileSync} from 'node:fs';
 import {join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
@@ -42,18 +42,21 @@ const measure = async (encode, picture, options, count) => {
 };
 
 const {width, height, samples} = readPng(readFileSync(image)), picture = {data: Uint8Array.from(samples), width, height}, thumbnail = shrink(picture, 128);
-const jobs = [[picture, {bpp: 0.125}, REPEATS.large], ...[100, 200, 300].map(bytes => [thumbnail, {bytes, effort: 2}, REPEATS.small])];
+const jobs = [[picture, {bpp: 0.125}, REPEATS.large], ...[100, 200, 300].map(bytes => [thumbnail, {bytes, effort: 2}, REPEATS.small])]
+  .flatMap(([source, options, count]) => [1, 2].map(threads => [source, {...options, threads}, count]));
 const median = list => [...list].sort((a, b) => a - b)[list.length >> 1];
 const rows = [];
 const row = (where, [{width, height}, options], {times: [first, ...later], bytes, psnr}) =>
-  rows.push(`| ${where} | ${width}x${height}, ${bytes} bytes, effort ${options.effort ?? 5} | ${first.toFixed(0)} ms | ${median(later).toFixed(0)} ms | ${psnr.toFixed(2)} |`);
+  rows.push(`| ${where} | ${width}x${height}, ${bytes} bytes, effort ${options.effort ?? 5} | ${options.threads} | ${first.toFixed(0)} ms | ${median(later).toFixed(0)} ms | ${psnr.toFixed(2)} |`);
 
 const {encode} = await import(pathToFileURL(join(folder, 'encode-node.js')));
 for (const job of jobs)
   row(`Node ${process.versions.node}`, job, await measure(encode, ...job));
 
 for (const name of installedBrowsers()) {
-  const site = await serve({'/web/': folder}, {'/page': (_, response) => response.writeHead(200, {'content-type': 'text/html'}).end('<link rel="icon" href="data:,">')});
+  const isolating = {'cross-origin-opener-policy': 'same-origin', 'cross-origin-embedder-policy': 'require-corp'};
+  const page = (_, response) => response.writeHead(200, {'content-type': 'text/html', ...isolating}).end('<link rel="icon" href="data:,">');
+  const site = await serve({'/web/': folder}, {'/page': page}, isolating);
   const browser = await startBrowser(name);
   await browser.open(`${site.url}/page`);
   for (const job of jobs) {
@@ -66,4 +69,4 @@ for (const name of installedBrowsers()) {
   await browser.close();
   site.close();
 }
-console.log(['| | picture | first | median | dB |', '|---|---|---|---|---|', ...rows].join('\n'));
+console.log(['| | picture | threads | first | median | dB |', '|---|---|---|---|---|---|', ...rows].join('\n'));

@@ -9,8 +9,8 @@ export const TIMEOUT = 600000; /* ms for one command: it ends what hangs, howeve
 
 export const pause = ms => new Promise(resolve => setTimeout(resolve, ms));
 
-/* Serves the files of folders {prefix: folder}; `handlers` {path: (request, response) => ...} come first. */
-export const serve = async (folders, handlers = {}) => {
+/* Serves the files of folders {prefix: folder}, with `headers`; `handlers` {path: (request, response) => ...} come first. */
+export const serve = async (folders, handlers = {}, headers = {}) => {
   const server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://host').pathname));
     const prefix = Object.keys(folders).find(it => path.startsWith(it)), file = prefix && join(folders[prefix], path.slice(prefix.length));
@@ -18,7 +18,7 @@ export const serve = async (folders, handlers = {}) => {
       return handlers[path](request, response);
     if (!file || !existsSync(file))
       return response.writeHead(404).end();
-    response.writeHead(200, {'content-type': TYPES[extname(file)] || 'application/octet-stream'});
+    response.writeHead(200, {'content-type': TYPES[extname(file)] || 'application/octet-stream', ...headers});
     createReadStream(file).pipe(response);
   });
   await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));

@@ -1,4 +1,5 @@
-/* The encoder of the package in Node: the files of the library, arguments, errors, progress, aborting and many calls at once.
+/* The encoder of the package in Node: the files of the library with all numbers of threads, arguments, errors, progress, aborting and many
+ * calls at once.
  *
  *     node test_encode.mjs FOLDER GOLDEN_FILES    FOLDER: host/web of the build folder; GOLDEN_FILES: the program golden_files, or '' */
 import assert from 'node:assert/strict';
@@ -9,6 +10,7 @@ import {join, resolve} from 'node:path';
 import {setTimeout as pause} from 'node:timers/promises';
 import {pathToFileURL} from 'node:url';
 import {runInNewContext} from 'node:vm';
+import {Worker} from 'node:worker_threads';
 import {gzipSync} from 'node:zlib';
 
 import {sceneOf} from './scenes.mjs';
@@ -25,6 +27,15 @@ const failure = (source, options) => encode(source, options).then(() => 'encoded
   assert(error instanceof GsclError, error.stack);
   return `${error.code}: ${error.message}`;
 });
+
+/* An encoder of its own with `workers` processors, whose workers `start` starts; `ordinary` is how they are started in Node. */
+const encoderWith = async (workers, start) => {
+  const {encode, useHost} = await import(`${pathToFileURL(join(folder, 'encode.js'))}?${Math.random()}`);
+  const ordinary = ({onMessage, onError}) => new Worker(join(folder, 'encode-worker-node.js')).on('message', onMessage).on('error', onError);
+  useHost({workers, read: async name => readFileSync(join(folder, name)), start: listeners => start(listeners, ordinary)});
+  return encode;
+};
+
 /* ---- What golden_files writes ---- */
 
 const TYPES = [, Uint8Array, Uint16Array, Float32Array]; /* by gscl_sample */
@@ -59,8 +70,12 @@ if (hasGoldens) {
   test('there are files of the library to compare with', () => assert(goldens.length >= 20, `${goldens.length}`));
   for (const {name, source, options, file} of goldens)
     test(`${name}: the bytes of the library on a processor without a fused multiply-add`, async () => {
-      const {bytes, packets, width, height} = await encode(source, options);
-      assert.deepEqual(Buffer.from(bytes), file);
+      let result;
+      for (const threads of [1, 2, 4]) {
+        result = await encode(source, {...options, threads});
+        assert.deepEqual(Buffer.from(result.bytes), file, `${threads} threads`);
+      }
+      const {packets, width, height} = result;
       assert.deepEqual([width, height], [source.width, source.height]);
       assert.equal(packets?.every(({length}) => length <= options.packets.size), options.packets && true);
     });
@@ -133,6 +148,8 @@ test('bad arguments and targets are refused in one line', async () => {
   for (const signal of [5, {}, {aborted: true}])
     await message(/^invalid-argument: signal must be an AbortSignal/, source, {signal});
   await message(/^invalid-argument: onProgress must be a function, it is 5/, source, {onProgress: 5});
+  await message(/^invalid-argument: threads must be a whole number from 1 on, it is 0/, source, {threads: 0});
+  await message(/^invalid-argument: 1025 threads: there may be 1 to 1024/, source, {threads: 1025});
   await message(/^budget-too-small: a budget of 3 bytes is too small; the smallest file of this image has 14 bytes/, source, {bytes: 3});
   await message(/^target-unreachable: /, source, {psnr: 190});
   await message(/^not-finite: /, {data: Float32Array.of(1, NaN, 0), width: 1, height: 1});
@@ -202,6 +219,79 @@ test('many encodes at once give the same bytes, with as many workers as processo
   const all = await Promise.all(Array.from({length: 12}, () => encode(sceneOf(40, 30), {bytes: 200, effort: 0})));
   for (const {bytes} of all)
     assert.deepEqual(bytes, all[0].bytes);
+});
+
+/* ---- Threads ---- */
+
+/* Large enough for launches that are worth several threads. */
+const shared = sceneOf(120, 90), OPTIONS = {bytes: 300, effort: 1}, {bytes: alone} = await encode(shared, {...OPTIONS, threads: 1});
+
+test('threads are workers, which are kept, and end where they have had much memory', async () => {
+  let started = 0, running = 0;
+  const encode = await encoderWith(4, (listeners, ordinary) => {
+    started++, running++;
+    return ordinary(listeners).on('exit', () => running--);
+  });
+  for (let i = 0; i < 30; i++)
+    assert.deepEqual((await encode(shared, {...OPTIONS, threads: 3})).bytes, alone);
+  assert(started >= 5 && started <= 20, `${started}`);
+  assert(running <= 4, `${running}`);
+});
+
+test('small pictures have the same bytes with four threads, each time', async () => {
+  for (let i = 0; i < 10; i++) {
+    const source = sceneOf(30 + i, 25), options = {bytes: 200, effort: 0};
+    assert.deepEqual((await encode(source, {...options, threads: 4})).bytes, (await encode(source, {...options, threads: 1})).bytes);
+  }
+});
+
+test('encodes at once divide the processors', async () => {
+  let started = 0;
+  const encode = await encoderWith(2, (listeners, ordinary) => (started++, ordinary(listeners)));
+  const both = [encode(shared, OPTIONS), encode(shared, OPTIONS)];
+  await Promise.race(both);
+  assert.equal(started, 2);
+  for (const {bytes} of await Promise.all(both))
+    assert.deepEqual(bytes, alone);
+});
+
+test('an encode with threads is stopped at once, and so are its workers', async () => {
+  let running = 0;
+  const encode = await encoderWith(4, (listeners, ordinary) => (running++, ordinary(listeners).on('exit', () => running--)));
+  const controller = new AbortController, stopped = encode(sceneOf(300, 200), {effort: 9, threads: 4, signal: controller.signal});
+  while (running < 4)
+    await pause(5);
+  controller.abort();
+  await assert.rejects(stopped, {name: 'AbortError'});
+  for (let i = 0; running > 0 && i < 1000; i++)
+    await pause(5);
+  assert.equal(running, 0);
+  assert.deepEqual((await encode(shared, {...OPTIONS, threads: 4})).bytes, alone);
+});
+
+test('an encode goes on without threads that cannot be started', async () => {
+  let started = 0;
+  const throwing = await encoderWith(4, (listeners, ordinary) => {
+    assert(++started == 1, 'there is no worker');
+    return ordinary(listeners);
+  });
+  assert.deepEqual((await throwing(shared, {...OPTIONS, threads: 4})).bytes, alone);
+  assert(started > 1);
+  started = 0;
+  const failing = await encoderWith(4, (listeners, ordinary) => {
+    if (++started == 1)
+      return ordinary(listeners);
+    setTimeout(() => listeners.onError(Error('there is no worker')));
+    return {postMessage() {}, terminate() {}};
+  });
+  assert.deepEqual((await failing(shared, {...OPTIONS, threads: 4})).bytes, alone);
+  assert(started > 1);
+});
+
+test('an encode fails where one of its threads does', async () => {
+  const encode = await encoderWith(4, ({onMessage, onError}, ordinary) =>
+    ordinary({onError, onMessage: message => message.isUp ? onMessage(message) || onError(Error('of a thread')) : onMessage(message)}));
+  await assert.rejects(encode(sceneOf(300, 200), {effort: 9, threads: 2}), {code: 'failed', message: 'the encoder failed: of a thread'});
 });
 
 test('a process whose encodes are done ends', () => {

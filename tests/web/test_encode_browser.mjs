@@ -15,14 +15,15 @@ const folder = resolve(process.argv[2]);
 const {encode} = await import(pathToFileURL(join(folder, 'encode-node.js')));
 const policies = {};
 const missing = new Set; /* modules that are not found */
-const page = name => (_, response) => response.writeHead(200, {'content-type': 'text/html', ...policies[name] ? {'content-security-policy': policies[name]} : {}}).end(
+const ISOLATING = {'cross-origin-opener-policy': 'same-origin', 'cross-origin-embedder-policy': 'require-corp'};
+const page = (name, headers = {}) => (_, response) => response.writeHead(200, {'content-type': 'text/html', ...headers, ...policies[name] ? {'content-security-policy': policies[name]} : {}}).end(
   '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><script type="module" src="/tests/scenes.mjs"></script><canvas></canvas>');
 const gone = name => (_, response) => missing.has(name) ? response.writeHead(503).end() : response.writeHead(307, {location: `/kept/${name}`}).end();
 policies.strict = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; worker-src 'self'";
 policies.closed = "default-src 'none'; script-src 'self'; connect-src 'self'; worker-src 'self'";
 const site = await serve({'/tests/': fileURLToPath(new URL('.', import.meta.url)), '/web/': folder, '/kept/': folder}, {
-  '/page': page('open'), '/strict': page('strict'), '/closed': page('closed'), '/web/gscl-encode.wasm': gone('gscl-encode.wasm'), '/web/gscl-encode-alpha.wasm': (request, response) => isSlow ? slow = response : gone('gscl-encode-alpha.wasm')(request, response),
-});
+  '/page': page('open'), '/isolated': page('open', ISOLATING), '/strict': page('strict'), '/closed': page('closed'), '/web/gscl-encode.wasm': gone('gscl-encode.wasm'), '/web/gscl-encode-alpha.wasm': (request, response) => isSlow ? slow = response : gone('gscl-encode-alpha.wasm')(request, response),
+}, ISOLATING);
 let isSlow = false, slow; /* the answer to a request for the module for alpha, in a test */
 const browser = await startBrowser();
 const open = path => browser.open(site.url + path);
@@ -72,6 +73,28 @@ test('an encode is stopped while its module is on the way', async () => {
     return stopped.catch(({name}) => name);`), 'AbortError');
   slow.writeHead(503).end();
   isSlow = false;
+});
+
+test('threads, where the page is isolated from other origins, give the same bytes', async () => {
+  for (const [path, workers] of [['/isolated', 2], ['/page', 1]]) {
+    await open(path);
+    const {bytes, started} = await inPage(`let started = 0;
+      window.Worker = class extends Worker { constructor(...of) { super(...of), started++; } };
+      const {bytes} = await encode(sceneOf(120, 90), {bytes: 300, effort: 1, threads: 2});
+      return {bytes: Array.from(bytes), started};`);
+    assert.deepEqual(Uint8Array.from(bytes), Uint8Array.from((await encode(sceneOf(120, 90), {bytes: 300, effort: 1, threads: 1})).bytes), path);
+    assert.equal(started, workers, path);
+  }
+});
+
+test('an encode with threads is stopped at once, and goes on without those that cannot be started', async () => {
+  await open('/isolated');
+  assert.deepEqual(await inPage(`const controller = new AbortController, stopped = encode(sceneOf(300, 200), {effort: 9, threads: 4, signal: controller.signal, onProgress: () => controller.abort()});
+    const name = await stopped.catch(({name}) => name);
+    let started = 0;
+    window.Worker = class extends Worker { constructor(script, options) { super(started++ ? '/no-worker.js' : script, options); } };
+    const {width} = await encode(sceneOf(300, 200), {effort: 1, threads: 4});
+    return [name, width, started > 1];`), ['AbortError', 300, true]);
 });
 
 test('errors have the code and the message of Node', async () => {

@@ -71,7 +71,7 @@ for (const [project, jsx] of Object.entries({react18: 'react', react19: 'react',
 test('the types need no framework', () => {
   assert.equal(check('alone', '', 'good.ts', `import {decode, GsclError} from 'gscl'; import {splats} from 'gscl/splats'; import {info} from 'gscl/inline'; import {decode as packets} from 'gscl/packets'; import {encode, type Encoded} from 'gscl/encode'; import {placeholder} from 'gscl/placeholder'; import {decode as decodeTiny, info as infoTiny} from 'gscl/tiny'; import {view, type Viewer} from 'gscl/gpu';
     const image = document.createElement('gscl-image'); image.src = 'a.gscl', image.width = 3, image.bare = true; export const width: string | null = image.width; export const all = [decode, GsclError, splats, info, packets];
-    export const encoded: Promise<Encoded> = encode(new ImageData(2, 2), {bytes: 100, tune: 'psnr', packets: {size: 100}, signal: AbortSignal.timeout(1000), onProgress: ({fraction}) => { fraction.toFixed(); }});
+    export const encoded: Promise<Encoded> = encode(new ImageData(2, 2), {bytes: 100, tune: 'psnr', threads: 2, packets: {size: 100}, signal: AbortSignal.timeout(1000), onProgress: ({fraction}) => { fraction.toFixed(); }});
     export const tiny: ImageData = decodeTiny('AdHt+lRqfz+RU4ZA', {width: 64, height: 43}); export const aspect: number = infoTiny(new Uint8Array(9)).width;
     export const url: Promise<string> = placeholder(new Uint8Array(9), {bare: true, width: 20}).then(it => it.url);
     export const viewer: Promise<Viewer> = view(document.createElement('canvas'), new Uint8Array(9), {bare: true, maxWork: 1e9}); viewer.then(it => it.draw({scale: it.width, x: 1})); export const bytes = async (): Promise<Blob> => new Blob([(await encoded).bytes]);`), '');

@@ -7,7 +7,7 @@
  *   programs.h: the compiled kernels of each processor, and which one serves which options
  *   processor.h: the kernels for the processor that this is; own_processor.c prints their name while building
  *   machine.h: the processors and the memory that this process has
- *   pool.h: threads that share a launch; one_thread.c takes the place of both where there are none
+ *   pool.h: threads that share a launch; wasm_pool.c takes the place of both in WebAssembly
  *   native_device.h, launch.h: the device of a context, its kernels and launches
  *   memory.h: its memory
  *   tunables.h: the numbers that were found by trying */

@@ -3,4 +3,4 @@ import {parentPort} from 'node:worker_threads';
 
 import {run} from './encode-run.js';
 
-parentPort.on('message', job => run(job, message => parentPort.postMessage(message)));
+parentPort.on('message', job => run(job, (...message) => parentPort.postMessage(...message)));

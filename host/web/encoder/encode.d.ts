@@ -62,6 +62,10 @@ export interface EncodeOptions {
   premultiplied?: boolean;
   /** A whole number; default 1. Equal pictures, options and seeds give equal bytes. */
   seed?: number;
+  /** Threads, 1 to 1024, where workers can share memory: in Node, and on pages that are `crossOriginIsolated`; else there is one. Encodes that
+   * run at once divide the processors among them, and those with more threads than processors these. The bytes are the same. Default: the
+   * number of processors, at most 4. */
+  threads?: number;
   /** Stops the encode at once; the promise rejects with its reason. */
   signal?: AbortSignal;
   /** Called at most twenty times a second. What it throws stops the encode and is what the promise rejects with. */

@@ -1,6 +1,7 @@
 /* encode; encode.d.ts describes it.
  *
- * Each encode runs in a worker, which ends where the encode is aborted or stops at a fault, and else waits for the next one. */
+ * Each encode runs in a worker, and in others that help it where memory can be shared.  They end where the encode is aborted or stops at a
+ * fault, and else wait for the next one. */
 import {GsclError} from './gscl.js';
 
 const OPAQUE = 'gscl-encode.wasm', WITH_ALPHA = 'gscl-encode-alpha.wasm';
@@ -32,9 +33,29 @@ const failed = error => error instanceof GsclError ? error : Object.assign(new G
 
 /* ---- Modules ---- */
 
-const modules = {}; /* promises, by name */
-const moduleOf = name => modules[name] ||= Promise.resolve(host.read(name)).then(WebAssembly.compile).catch(error => {
-  delete modules[name]; /* the next call tries again */
+/* On pages that are isolated from other origins workers can share memory, where there are addresses for as much as may be needed. */
+const IS_ISOLATED = globalThis.crossOriginIsolated !== false;
+let canShare; /* known from the first call on */
+const tryToShare = () => {
+  try {
+    return IS_ISOLATED && !!new WebAssembly.Memory({initial: 1, maximum: 65536, shared: true});
+  } catch {
+    return false;
+  }
+};
+
+/* A module declares shared memory.  The one for other memory differs in a bit, which follows the name in the import. */
+const withUnshared = bytes => {
+  bytes[String.fromCharCode(...bytes.subarray(0, 4096)).indexOf('memory\x02\x03') + 7] = 1;
+  return bytes;
+};
+
+const modules = {}; /* promises, by name and kind of memory */
+const moduleOf = (name, isShared) => modules[name + isShared] ||= Promise.resolve(host.read(name)).then(buffer => {
+  const bytes = new Uint8Array(buffer);
+  return WebAssembly.compile(isShared ? bytes : withUnshared(bytes));
+}).catch(error => {
+  delete modules[name + isShared]; /* the next call tries again */
   throw error;
 });
 
@@ -55,7 +76,7 @@ const OBJECT = ['an object', value => typeof value == 'object' && value !== null
 const OPTIONS = {
   bytes: WHOLE, bpp: NUMBER, psnr: NUMBER, ssimulacra2: NUMBER, quality: NUMBER, splats: WHOLE, effort: WHOLE,
   tune: [Object.keys(TUNES).join(', '), value => Object.keys(TUNES).includes(value)],
-  bare: FLAG, progressive: FLAG, packets: OBJECT, premultiplied: FLAG, seed: WHOLE,
+  bare: FLAG, progressive: FLAG, packets: OBJECT, premultiplied: FLAG, seed: WHOLE, threads: POSITIVE,
   signal: ['an AbortSignal', value => typeof value?.aborted == 'boolean' && typeof value.addEventListener == 'function'], onProgress: FUNCTION,
 };
 const PACKETS = {size: POSITIVE, count: POSITIVE, loss: NUMBER, identity: POSITIVE};
@@ -93,16 +114,19 @@ const hasAlpha = (data, channels, opaque) => {
   return false;
 };
 
+const MAX_THREADS = 4; /* by default */
+
 /* The settings of encode-run.js. */
 const settingsOf = ({width, height, channels, sample}, options) => {
   const {effort = 5, tune = 'auto', seed = 1, bare = false, progressive = false, premultiplied = false, packets} = options;
+  const threads = (canShare ??= tryToShare()) ? options.threads || Math.min(host.workers, MAX_THREADS) : 1;
   const targets = Object.keys(TARGETS).filter(name => name in options), [target] = targets;
   refuse(targets.length > 1, `${targets.join(' and ')} exclude each other`, 'conflict');
   refuse(packets && !packets.size, 'packets must have a size in bytes');
   const {size: packetSize = 0, count: packetCount = 0, identity: packetIdentity = 0, loss: packetLoss = 0} = packets || {};
   return {
     width, height, channels, sample, premultiplied, target: TARGETS[target] || 0, targetValue: options[target] || 0, effort, tune: TUNES[tune], seed,
-    bare, progressive, packetSize, packetCount, packetIdentity, packetLoss,
+    bare, progressive, packetSize, packetCount, packetIdentity, packetLoss, threads,
   };
 };
 
@@ -110,12 +134,12 @@ const settingsOf = ({width, height, channels, sample}, options) => {
 
 const idle = []; /* workers */
 const waiting = []; /* calls, each a function that lets it go on */
-let busy = 0;
+const running = new Int32Array(new (IS_ISOLATED ? SharedArrayBuffer : ArrayBuffer)(4)); /* the number of encodes, for their workers to read */
 
 /* Lets those go on for which there is a worker. */
 const admit = () => {
-  while (busy < host.workers && waiting.length) {
-    busy++;
+  while (running[0] < host.workers && waiting.length) {
+    running[0]++;
     waiting.shift()();
   }
 };
@@ -135,13 +159,15 @@ const acquire = signal => new Promise((resolve, reject) => {
   admit();
 });
 
-const release = worker => {
-  busy--;
-  if (worker) {
-    worker.unref?.(); /* in Node: the process may end */
-    idle.push(worker);
-  }
+const release = () => {
+  running[0]--;
   admit();
+};
+
+/* Keeps a worker for later jobs, but no more than there may be encodes. */
+const keep = worker => {
+  worker.unref?.(); /* in Node: the process may end */
+  idle.length < host.workers ? idle.push(worker) : worker.terminate();
 };
 
 /* Starts a worker, or takes one that waits.  Its listeners are those of the latest job. */
@@ -158,17 +184,23 @@ const workerFor = job => {
   return worker;
 };
 
-/* Runs a job; its worker is kept unless it failed or was aborted. */
+/* Runs a job.  Its worker and those that help it are kept unless it failed or was aborted. */
 const work = (job, transfer, {signal, onProgress}) => new Promise((resolve, reject) => {
+  const helpers = new Set;
   let worker, hasEnded;
-  const end = kept => {
+  const end = isKept => {
     if (hasEnded) /* a message was under way when the worker was stopped */
       return;
     hasEnded = true;
     signal?.removeEventListener('abort', abort);
-    if (!kept)
+    if (isKept) {
+      keep(worker);
+    } else {
       worker?.terminate();
-    release(kept ? worker : undefined);
+      helpers.forEach(it => it.terminate());
+      helpers.clear();
+    }
+    release();
   };
   const stop = error => (end(false), reject(error));
   const fail = error => stop(failed(error));
@@ -180,13 +212,44 @@ const work = (job, transfer, {signal, onProgress}) => new Promise((resolve, reje
       stop(error);
     }
   };
+  /* Starts a worker for a thread. */
+  const start = port => {
+    let isUp; /* from then on it may have a part of the work */
+    const helper = workerFor({
+      onMessage: ({result}) => {
+        isUp ||= !result;
+        if (!result || !helpers.delete(helper))
+          return;
+        result.isLast ? helper.terminate() : keep(helper);
+        if (result.code && isUp)
+          fail(Error(result.message));
+      },
+      onError: error => {
+        helper.terminate();
+        if (helpers.delete(helper) && isUp)
+          fail(error);
+      },
+    });
+    helpers.add(helper);
+    helper.postMessage({port}, [port]);
+  };
+  const tryToStart = port => {
+    try {
+      start(port);
+    } catch { /* the encode goes on without it */
+    }
+  };
   signal?.addEventListener('abort', abort);
   try {
     worker = workerFor({
-      onMessage: ({progress, result}) => {
+      onMessage: ({progress, port, result}) => {
+        if (hasEnded)
+          return;
         if (progress)
-          return hasEnded || report(progress);
-        end(result.code !== -1);
+          return report(progress);
+        if (port)
+          return tryToStart(port);
+        end(!result.isLast);
         resolve(result);
       },
       onError: fail,
@@ -244,13 +307,13 @@ export const encode = async (picture, given = {}) => {
   await acquire(signal);
   let module;
   try {
-    module = await orAborted(moduleOf(image.hasAlpha ? WITH_ALPHA : OPAQUE), signal);
+    module = await orAborted(moduleOf(image.hasAlpha ? WITH_ALPHA : OPAQUE, settings.threads > 1), signal);
     throwIfAborted();
   } catch (error) {
     release();
     throw signal?.aborted ? signal.reason : failed(error);
   }
-  return reportOf(await work({module, pixels: image.pixels, settings}, [image.pixels.buffer], options), image, options);
+  return reportOf(await work({module, pixels: image.pixels, settings, running, processors: Math.max(host.workers, settings.threads)}, [image.pixels.buffer], options), image, options);
 };
 
 export {GsclError};

@@ -1,4 +1,4 @@
-/* The encoder as a WebAssembly module, for encode-run.js: the library without threads.
+/* The encoder as a WebAssembly module, for encode-run.js: the library, whose threads are workers.
  *
  * An instance encodes one picture: encoder_allocate for its pixels, encoder_settings to fill in, encoder_encode, and then what
  * encoder_values has. */
@@ -26,6 +26,7 @@ enum setting {
     PACKET_COUNT,
     PACKET_IDENTITY,
     PACKET_LOSS,
+    THREADS,
     SETTINGS
 };
 enum value { BYTES, SIZE, SPLATS, PSNR, SSIMULACRA2, TRIALS, MESSAGE, VALUES };
@@ -103,7 +104,10 @@ static gscl_result encode(gscl_context *context, void *pixels) {
 /* Nothing is freed: the instance is dropped. */
 gscl_result encoder_encode(void *pixels) {
     gscl_context *context;
-    gscl_result result = gscl_context_create(&context, NULL);
+    gscl_context_settings s;
+    gscl_context_settings_default(&s);
+    s.threads = (int)settings[THREADS];
+    gscl_result result = gscl_context_create(&context, &s);
     if (result == GSCL_OK)
         result = encode(context, pixels);
     values[MESSAGE] = (double)(uintptr_t)gscl_context_message(context);
