@@ -13,15 +13,15 @@ import subprocess
 import tempfile
 
 ESBUILD = "esbuild --bundle --minify --charset=utf8 --target=es2022 --log-level=warning".split()
-LOADERS = "--loader:.gz=binary --loader:.txt=text".split()
+LOADERS = "--loader:.gz=binary --loader:.wasm=binary --loader:.txt=text".split()
 MODULES = ["gscl-encode.wasm", "gscl-encode-alpha.wasm"]
 SCRIPTS = ["encode.js", "encode-run.js", "encode-worker.js"]
 
 
 def copy_package(package, folder):
     """Copies what the scripts of the page import; returns whether there is an encoder."""
-    shutil.copy(package / "inline.js", folder)
-    (folder / "gscl.js").write_text("export * from './inline.js';")  # of which the encoder takes its errors
+    for name in ["gscl.js", "gscl.wasm", "gpu.js", "splats.js", "tiny.js"]:
+        shutil.copy(package / name, folder)
     if not all((package / name).exists() for name in MODULES + SCRIPTS):
         return False
     for name in SCRIPTS:

@@ -1,5 +1,5 @@
 /* The demonstration page: one picture on a stage, seen through a view that the mouse moves. */
-import {decode, info, splats} from '../inline.js';
+import {decode, info, splats} from './decoder.js';
 import {drawPicture} from './draw.js';
 import {LINK_BYTES, fits, fragmentOf, readFragment} from './link.js';
 import {encodeBy, encodePhoto, readPhoto, reduced} from './photo.js';
