@@ -1,7 +1,10 @@
 """Fields: splats of files and of other programs, and packing them."""
 
+import dataclasses
 import math
+import pathlib
 import pickle
+import re
 
 import numpy
 import pytest
@@ -26,6 +29,9 @@ def test_fields_of_files_are_packed_to_their_bytes(blend, channels):
     packed = gscl.pack(field)
     assert packed == data and packed.report.changed == 0 and math.isinf(packed.report.field_psnr)
     assert pickle.loads(pickle.dumps(packed)).report.splats == packed.report.splats == len(field.splats)
+    copy = pickle.loads(pickle.dumps(field))
+    assert copy == field == gscl.read_field(data) and hash(copy) == hash(field) and gscl.pack(copy) == data
+    assert field != dataclasses.replace(field, splats=field.splats[1:])
     bare = gscl.pack(field, bare=True)
     assert len(bare) == len(data) - 7 and numpy.array_equal(gscl.splats(bare, bare=True), field.splats)
 
@@ -104,3 +110,19 @@ def test_errors_name_the_splat():
         gscl.make_splats([[1, 1]], [1])
     with pytest.raises(TypeError, match="expected a Field, or a structured array"):
         gscl.pack(numpy.zeros((3, 9)), size=(9, 9), blend="sum")
+
+
+README = pathlib.Path(__file__).resolve().parents[2] / "host" / "python" / "README.md"
+
+
+@pytest.mark.parametrize("blend, effects", [("normalized", ["texture", "opacity"]), ("alpha", ["opacity"]), ("sum", ["texture"])])
+@pytest.mark.parametrize("channels", [1, 2, 3, 4])
+def test_program_of_the_readme_draws_fields(blend, effects, channels):
+    program = {}
+    (text,) = re.findall(r"```python\n(import gscl\nimport numpy\n.*?def draw\(.*?)```", README.read_text("utf-8"), re.DOTALL)
+    assert len(text.splitlines()) <= 40
+    exec(compile(text, "README.md", "exec"), program)
+    picture = make_picture(60, 40, channels)
+    data = gscl.encode(picture, bytes=300, effort=1, blend=blend, effects_on=effects)
+    drawn, decoded = program["draw"](gscl.read_field(data)), gscl.decode(data, dtype=float).reshape(40, 60, channels)
+    assert abs(drawn - decoded).max() < 1 / 255

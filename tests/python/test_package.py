@@ -43,7 +43,7 @@ def test_metadata():
     assert found["Description"].startswith("# gscl for Python\n")
     files = [str(file) for file in importlib.metadata.files("gscl")]
     assert any(name.endswith("/LICENSE") for name in files), files
-    assert set(found.get_all("Provides-Extra")) == {"batch"}
+    assert set(found.get_all("Provides-Extra")) == {"batch", "torch"}
 
 
 def test_is_installed():
@@ -218,5 +218,5 @@ def test_readme(picture, tmp_path, monkeypatch):
     names = {}
     for block in blocks:
         exec(block, names)
-    assert len(blocks) == 4 and names["image"].size == (64, 43) and names["shown"].shape == (128, 192, 3) and names["corner"].shape == (64, 64, 3)
+    assert len(blocks) == 6 and names["image"].size == (64, 43) and names["shown"].shape == (128, 192, 3) and names["corner"].shape == (64, 64, 3)
     assert numpy.asarray(Image.open("figure.png").convert("L")).std() > 20

@@ -34,6 +34,10 @@ def main(path: pathlib.Path) -> None:
     drawn = gscl.decode(io.BytesIO(data), dtype=float, out=decoder.image(dtype=float, out=drawn))
     ellipses = gscl.splats(encoded)
     print(rate, drawn.shape, ellipses["x"].mean(), gscl.info(path).streams["position"], gscl.compare(picture, drawn).psnr)
+    field: gscl.Field = gscl.fields.load_image_gs({"xy": numpy.zeros((0, 2))}, size=(96, 64), topk_norm=False)
+    gscl.fields.save_npz(gscl.read_field(path), path.with_suffix(".npz"))
+    table = gscl.fields.load_csv("a.csv", size=(96, 64), blend="sum", background=[0.5])
+    print(gscl.fields.tensors(table)["x"], gscl.pack(field, bytes=300).report.changed)
     try:
         gscl.decode(path, max_pixels=10**6)
     except gscl.LimitError as error:

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import Field, dataclass, fields
 from typing import Any
 
+import numpy
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record:
@@ -38,6 +40,8 @@ def _is_nan(value: Any) -> bool:
 
 
 def _comparable(value: Any) -> Any:
+    if isinstance(value, numpy.ndarray):
+        return value.shape, str(value.dtype), value.tobytes()
     return None if _is_nan(value) else value
 
 
