@@ -37,7 +37,7 @@ PLUS = {
     "slv_bound": numpy.tile([2.0, 0, 2], (COUNT, 1)),
 }
 IMAGE_GS = {"state_dict": {"xy": rows((0, 1), (0, 1)), "scale": 1 / rows((3, 8), (3, 8)), "rot": rows((-2, 2))}}
-IMAGE_GS["state_dict"]["feat"] = 0.1 + 0.7 * IMAGE_GS["state_dict"]["xy"][:, [0, 1, 0]]
+IMAGE_GS["state_dict"]["feat"] = 0.1 + 0.5 * IMAGE_GS["state_dict"]["xy"][:, [0, 1, 0]] + colours()
 WEAK = {"state_dict": {**IMAGE_GS["state_dict"], "feat": colours(0.05)}}
 FIELDS = {
     "GaussianImage, Cholesky": (CHOLESKY, gscl.fields.load_gaussianimage, other_renderers.gaussianimage, {}),
@@ -177,6 +177,7 @@ def test_tables_of_others(tmp_path):
         ("x,y,sigma1,sigma2,grey\n1,2,3,4\n", "splat 0: 4 values; there are 5 columns"),
         ("x,y,sigma1,sigma2,grey\n1,2,3,4,five\n", "could not convert string to float: 'five'"),
         ("x,y,sigma1,sigma2,grey\n1,2,3,4,5\n", "does not say the size of the picture, or its blend"),
+        ("# gscl width=9 height=9\nx,y,sigma1,sigma2,grey\n", "does not say the size of the picture, or its blend"),
         ("# gscl width=wide\n", "width=wide is not what gscl export writes"),
     ],
 )
