@@ -224,7 +224,7 @@ def row(path, program, count, options):
     cells += [f"{len(encoded):,} ({time.perf_counter() - begin:.0f} s)"]
     cells += [f"{100 * value / count:.1f} %" for value in (finest.outside, finest.divided, finest.changed)]
     if finest.changed:
-        cells[-1] += f" ({finest.changed_psnr:.1f} dB)"
+        cells[-1] += f" ({finest.changed_psnr:.1f} dB{', refused' if finest.changed_psnr < 40 else ''})"
     return "| " + " | ".join(cells) + " |"
 
 

@@ -114,6 +114,11 @@ def test_checkpoints_of_pytorch_and_tensors(tmp_path):
     path, field = tmp_path / "gaussian_model.pth.tar", gscl.fields.load_gaussianimage(CHOLESKY, size=SIZE)
     torch.save({name: torch.tensor(value) for name, value in CHOLESKY.items()}, path)
     assert numpy.array_equal(gscl.fields.load_gaussianimage(path, size=SIZE).splats, field.splats)
+    path.write_bytes(b"other")
+    with pytest.raises(gscl.InvalidArgumentError, match="is no checkpoint of tensors and numbers alone"):
+        gscl.fields.load_gaussianimage(path, size=SIZE)
+    with pytest.raises(FileNotFoundError):
+        gscl.fields.load_gaussianimage(tmp_path / "missing", size=SIZE)
     tensors = gscl.fields.tensors(field)
     assert tuple(tensors) == gscl.SPLAT_DTYPE.names and tensors["colour"].shape == (COUNT, 4)
     assert numpy.array_equal(tensors["theta"].numpy(), field.splats["theta"])

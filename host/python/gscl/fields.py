@@ -160,7 +160,12 @@ class _Values:
 
 def _load_checkpoint(path: Path) -> Mapping[str, Any]:
     torch = _torch("reading checkpoints")
-    found = torch.load(path, map_location="cpu", weights_only=True)
+    try:
+        found = torch.load(path, map_location="cpu", weights_only=True)
+    except OSError:
+        raise
+    except Exception as error:  # of pickle, of zip files, or of what is in them
+        raise InvalidArgumentError(f"{os.fspath(path)}: is no checkpoint of tensors and numbers alone") from error
     if not isinstance(found, Mapping):
         raise InvalidArgumentError(f"{os.fspath(path)}: holds a {type(found).__name__}: expected a dictionary of tensors")
     return found
