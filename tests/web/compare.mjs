@@ -8,16 +8,16 @@ export const rgbaOf = (samples, depth) => {
   return [r, g, b, a ?? peak].map(sample => sample * 255 / peak);
 };
 
-/* Fails where a sample differs by more than the page allows of every file: 1 of 255; or by more than `allowed`. */
-export const assertPixel = (data, at, expected, name, allowed = 1) => {
+/* Fails where a sample differs by more than the page allows of every file: 1 of 255. */
+export const assertPixel = (data, at, expected, name) => {
   for (let k = 0; k < 4; k++)
-    assert(Math.abs(data[at + k] - expected[k]) < allowed + 0.51, `${name}: sample ${k} at byte ${at} is ${data[at + k]}, not ${expected[k]}`);
+    assert(Math.abs(data[at + k] - expected[k]) < 1.51, `${name}: sample ${k} at byte ${at} is ${data[at + k]}, not ${expected[k]}`);
 };
 
 /* `image`: {width, height, data}; `expected`: as readPng returns it. */
-export const assertPicture = (image, expected, name, allowed) => {
+export const assertPicture = (image, expected, name) => {
   assert.deepEqual([image.width, image.height], [expected.width, expected.height], name);
   assert.equal(image.data.length, 4 * image.width * image.height, name);
   for (let i = 0; i < image.width * image.height; i++)
-    assertPixel(image.data, 4 * i, rgbaOf([...expected.samples.subarray(i * expected.channels, (i + 1) * expected.channels)], expected.depth), name, allowed);
+    assertPixel(image.data, 4 * i, rgbaOf([...expected.samples.subarray(i * expected.channels, (i + 1) * expected.channels)], expected.depth), name);
 };

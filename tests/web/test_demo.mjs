@@ -10,7 +10,6 @@ import {join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
 
 import {pause, serve, startBrowser} from './browsers.mjs';
-import {assertPicture} from './compare.mjs';
 import {sceneOf} from './scenes.mjs';
 import {runTests, test} from './tap.mjs';
 
@@ -78,7 +77,8 @@ test('the demonstration page opens a file', async () => {
   const size = [320 * scale, 240 * scale].map(Math.round);
   const crop = await browser.pixels(`(() => { const c = document.createElement('canvas'); c.width = ${size[0]}; c.height = ${size[1]};
     c.getContext('2d').drawImage(picture, -Math.round((${width} - 320 * ${scale}) / 2), -Math.round((${height} - 240 * ${scale}) / 2)); return c; })()`);
-  assertPicture(crop, await expectedOf(...size), 'fitted', 2); /* by WebGL where the browser has it */
+  const {samples} = await expectedOf(...size), mean = crop.data.reduce((sum, sample, i) => sum + Math.abs(sample - samples[i]), 0) / samples.length;
+  assert(crop.data.length == samples.length && mean < 1, `samples differ by ${mean}`); /* WebGL draws at places between pixels, too */
   await shoot('file');
 });
 
