@@ -64,6 +64,7 @@ web_package() {
         return
     fi
     tap_suite "web package with packages of npm" node tests/web/test_packages.mjs build-test/host/web build-test/packages
+    tap_suite "web package for sites" node tests/web/test_sites.mjs build-test/host/web build-test/packages
 }
 
 # The Python package, in a virtual environment.

@@ -5,49 +5,28 @@
  * It needs npm, its registry, and Chromium (CHROMIUM names it). */
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
-import {cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {cpSync, readFileSync} from 'node:fs';
 import {dirname, join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 
 import {Chromium, serve} from './chromium.mjs';
+import {projectsIn, REACT, TOOLS} from './projects.mjs';
 import {runTests, test} from './tap.mjs';
 
 const folder = resolve(process.argv[2]), work = resolve(process.argv[3]);
 const picture = fileURLToPath(new URL('../conformance/files/photograph.gscl', import.meta.url));
 const PACKAGES = {
-  tools: ['typescript@7', 'esbuild@0.28', 'vite@8', 'webpack@5', 'webpack-cli@7', 'rollup@4', '@rollup/plugin-node-resolve@16'],
+  tools: TOOLS,
   react18: ['react@18', 'react-dom@18', '@types/react@18'],
-  react19: ['react@19', 'react-dom@19', '@types/react@19'],
+  react19: REACT,
   preact10: ['preact@10'],
   preact11: ['preact@11'],
   solid: ['solid-js@1'],
   alone: [],
 };
 
-const at = (project, ...names) => join(work, project, ...names);
-const write = (project, name, text) => (mkdirSync(dirname(at(project, name)), {recursive: true}), writeFileSync(at(project, name), text));
-const tool = (name, project, ...options) => execFileSync(at('tools', 'node_modules/.bin', name), options, {cwd: at(project), stdio: 'pipe', encoding: 'utf8'});
-
-/* Installs what a project lacks.  Without an answer of the registry there is nothing to test. */
-const install = (project, names) => {
-  if (names.every(name => existsSync(at(project, 'node_modules', name.replace(/@[^@]*$/, '')))))
-    return;
-  write(project, 'package.json', JSON.stringify({private: true, type: 'module'}));
-  const {status, stderr} = spawnSync('npm', ['install', '--no-audit', '--no-fund', '--ignore-scripts', '--save-exact', ...names],
-    {cwd: at(project), encoding: 'utf8', timeout: 300_000});
-  if (status !== 0) {
-    console.log(`1..0 # SKIP npm cannot install ${names.join(' ')}: ${(stderr || 'no answer').trim().split('\n')[0]}`);
-    process.exit(0);
-  }
-};
-
-for (const [project, names] of Object.entries(PACKAGES)) {
-  install(project, names);
-  rmSync(at(project, 'node_modules/gscl'), {recursive: true, force: true});
-  const {files} = JSON.parse(readFileSync(join(folder, 'package.json')));
-  for (const name of [...files, 'package.json'])
-    cpSync(join(folder, name), at(project, 'node_modules/gscl', name));
-}
+const {at, write, tool, installAll} = projectsIn(work, folder);
+installAll(PACKAGES);
 
 /* ---- TypeScript ---- */
 
