@@ -201,6 +201,29 @@ static void test_files_are_packed_to_their_bytes(void **state) {
     }
 }
 
+/* Splats of a file that somebody has moved are no codes of its steps. */
+static void test_changed_fields_of_files(void **state) {
+    (void)state;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    assert_true(synthetic_file(90, 60, 50, &bytes, &size));
+    gscl_field field = field_of(bytes, size, false);
+    assert_true(field.has_steps);
+    field.splats[7].x += 1.3f;
+    packed p = pack(&field, NULL);
+    if (!(p.report.psnr > 30 && p.report.position_error < 0.5 && p.report.changed < 5))
+        fail_msg("%g dB, %g pixels", p.report.psnr, p.report.position_error);
+    gscl_free(p.bytes);
+    field.splats[7].sigma1 = 0.1f;
+    gscl_pack_settings settings;
+    gscl_pack_settings_default(&settings);
+    settings.tolerance = 1e-6;
+    refuse(&field, &settings, GSCL_ERROR_FIELD, "splat 7: sigma1 is 0.1 pixels");
+    field.steps.scale = 16;
+    refuse(&field, NULL, GSCL_ERROR_INVALID_ARGUMENT, "steps of the field");
+    gscl_free(field.splats), free(bytes);
+}
+
 /* ---- Fields of other programs ---- */
 
 enum { WIDTH = 96, HEIGHT = 72, SPLATS = 150 };
@@ -487,6 +510,7 @@ int main(void) {
     const struct CMUnitTest encoder_tests[] = {
         cmocka_unit_test(test_fields_of_files_are_packed_again),
         cmocka_unit_test(test_files_are_packed_to_their_bytes),
+        cmocka_unit_test(test_changed_fields_of_files),
         cmocka_unit_test(test_finest_steps),
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_refining_moves_splats),

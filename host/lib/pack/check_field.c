@@ -62,6 +62,11 @@ gscl_result gscl_pack_settings_check(const gscl_packing *p) {
 
 /* ---- The field ---- */
 
+static bool are_steps(const gscl_steps *s) {
+    return s->scale <= 15 && s->position <= 15 && s->angle <= 15 && s->luma <= 15 && s->chroma <= 15 &&
+           s->alpha <= 15 && s->opacity <= 15 && s->pivot <= GSF_MAX_SCALE_CODE;
+}
+
 static gscl_result check_kind(gscl_context *context, const gscl_field *f) {
     if (f->width == 0 || f->height == 0 || f->width > GSCL_MAX_DIMENSION || f->height > GSCL_MAX_DIMENSION)
         return gscl_fail(context, GSCL_ERROR_IMAGE_SIZE, "a field of %ux%u pixels; 1x1 to %dx%d are allowed", f->width,
@@ -75,6 +80,9 @@ static gscl_result check_kind(gscl_context *context, const gscl_field *f) {
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the field's sample is not one of its choices");
     if (f->count > 0 && !f->splats)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the field has no splats, but their number");
+    if (f->has_steps && !are_steps(&f->steps))
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the steps of the field are none; each is 0 to 15, and pivot 0 to 63");
     for (int k = 0; k < 4 && !f->has_mean_background; k++)
         if (!(f->background[k] >= 0 && f->background[k] <= 1))
             return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,

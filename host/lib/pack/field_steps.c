@@ -9,16 +9,16 @@
 #include "decode/coded_size.h"
 #include "decode/dequantise.h"
 #include "decode/quantise.h"
+#include "pack/stored_splats.h"
 #include "pack/tunables.h"
 #include "runtime/elementary.h"
 #include "runtime/stage_clock.h"
 
-#define COARSEST_CODE 15
 #define MOST_LEVELS 15 /* the code of most levels */
 
 static double octaves_of_sets(const gscl_packing *p) {
     const struct gscl_pack_tunables *t = &gscl_pack_tunables;
-    return gscl_log2(p->field->has_steps ? t->coarsest_factor : t->coarsest_factor / t->finest_factor);
+    return gscl_log2(p->has_steps ? t->coarsest_factor : t->coarsest_factor / t->finest_factor);
 }
 
 int gscl_pack_step_sets(const gscl_packing *p) {
@@ -61,7 +61,7 @@ static gsf_steps coarser_steps(const gscl_packing *p, int set) {
 gsf_steps gscl_pack_steps(const gscl_packing *p, int set) {
     const struct gscl_pack_tunables *t = &gscl_pack_tunables;
     gsf_steps steps = {.luma = MOST_LEVELS, .chroma = MOST_LEVELS, .alpha = MOST_LEVELS, .opacity = MOST_LEVELS};
-    if (p->field->has_steps)
+    if (p->has_steps)
         return coarser_steps(p, set);
     if (set > 0) {
         const double factor = t->finest_factor * gscl_exp2((double)(set - 1) / t->steps_per_octave);
@@ -109,7 +109,7 @@ static void quantise_splat(const gsf_coded_image *file, const float *params, gsf
  * the colour, change it. */
 static bool has_mean_background(const gscl_packing *p) {
     const bool is_same = p->header.blend != GSF_BLEND_SUM && p->report->outside == 0;
-    return p->field->has_mean_background && p->header.splat_count > 0 && (p->field->has_steps || is_same);
+    return p->field->has_mean_background && p->header.splat_count > 0 && (p->has_steps || is_same);
 }
 
 static void set_header(gscl_packing *p, const gsf_steps *steps) {
@@ -120,6 +120,39 @@ static void set_header(gscl_packing *p, const gsf_steps *steps) {
     file->has_mean_background = has_mean_background(p);
     for (unsigned k = 0; k < gsf_channel_count(&p->header); k++)
         file->background[k] = gscl_quantise_background(&p->header, p->background[k]);
+}
+
+static double opacity_of(const float *params) {
+    return 1 / (1 + gscl_exp(-params[GSCL_OPACITY]));
+}
+
+static bool are_alike(const float *given, const float *coded) {
+    const struct gscl_pack_tunables *t = &gscl_pack_tunables;
+    const bool is_circle = fabsf(coded[GSCL_LOG_S1] - coded[GSCL_LOG_S2]) < (float)t->rounding;
+    for (int i = 0; i < GSCL_PARAMS; i++) {
+        const bool is_place = i == GSCL_X || i == GSCL_Y, is_unused = i == GSCL_THETA && is_circle;
+        const double allowed = is_place ? t->same_place : t->rounding * (1 + fabs((double)coded[i]));
+        if (i != GSCL_OPACITY && !is_unused && !(fabs((double)given[i] - coded[i]) <= allowed))
+            return false;
+    }
+    return fabs(opacity_of(given) - opacity_of(coded)) <= t->rounding;
+}
+
+bool gscl_pack_has_codes(gscl_packing *p) {
+    const gsf_steps own = steps_of_field(&p->field->steps);
+    float given[GSCL_PARAMS], coded[GSCL_PARAMS] = {0}; /* channels that are not coded stay 0 */
+    gsf_splat splat;
+    set_header(p, &own);
+    for (size_t i = 0; i < p->field->count; i++) {
+        gscl_pack_given_params(p, i, given);
+        quantise_splat(&p->coded.file, given, &splat);
+        gscl_dequantise(&p->coded.file, &splat, coded);
+        if (coded[GSCL_WAVE_AMPLITUDE] == 0.0f)
+            coded[GSCL_WAVE_X] = coded[GSCL_WAVE_Y] = coded[GSCL_WAVE_PHASE] = 0.0f;
+        if (!are_alike(given, coded))
+            return false;
+    }
+    return true;
 }
 
 /* Codes of the stored splats, in their order. */

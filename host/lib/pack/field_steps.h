@@ -9,6 +9,9 @@ int gscl_pack_step_sets(const gscl_packing *packing);
 /* The steps of such a set for the splats of the packing. */
 gsf_steps gscl_pack_steps(const gscl_packing *packing, int set);
 
+/* Whether the splats of a field with steps are codes of these: those of a file that have not been changed. */
+bool gscl_pack_has_codes(gscl_packing *packing);
+
 /* Puts the stored splats of a field of the blend alpha into the order that the format has for them with these steps, and counts in
  * the report those that have another place. */
 gscl_result gscl_pack_take_order(gscl_packing *packing, const gsf_steps *steps);

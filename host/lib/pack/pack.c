@@ -75,8 +75,8 @@ static gscl_result draw(gscl_packing *p, bool has_report) {
 /* Splats of the blend alpha have the order of a file, which a field of one has. */
 static gscl_result take_order(gscl_packing *p) {
     const gsf_steps finest = gscl_pack_steps(p, 0);
-    return p->header.blend == GSF_BLEND_ALPHA && !p->field->has_steps && !p->layers ? gscl_pack_take_order(p, &finest)
-                                                                                    : GSCL_OK;
+    return p->header.blend == GSF_BLEND_ALPHA && !p->has_steps && !p->layers ? gscl_pack_take_order(p, &finest)
+                                                                             : GSCL_OK;
 }
 
 /* ---- The file ---- */
@@ -103,13 +103,23 @@ static gscl_result complete_report(gscl_packing *p, const packed_file *file) {
                              &p->report->psnr);
 }
 
+/* Steps of a file count as long as nobody has changed its splats. */
+static void describe(gscl_packing *p) {
+    p->has_steps = p->field->has_steps;
+    gscl_pack_describe(p);
+    if (!p->has_steps || gscl_pack_has_codes(p))
+        return;
+    p->has_steps = false;
+    gscl_pack_describe(p);
+}
+
 static gscl_result run_stages(gscl_packing *p, bool has_report, packed_file *file) {
     gscl_stage(p->context, GSCL_STAGE_PREPARE);
     GSCL_TRY(gscl_field_check(p));
     GSCL_TRY(gscl_pack_settings_check(p));
     for (const gscl_block *block = p->settings.blocks; block; block = block->next)
         p->blocks[block->type] = (gsf_bytes){block->data, block->size};
-    gscl_pack_describe(p);
+    describe(p);
     GSCL_TRY(gscl_pack_store_splats(p));
     GSCL_TRY(take_order(p));
     GSCL_TRY(draw(p, has_report));

@@ -27,6 +27,7 @@ typedef struct gscl_packing {
     gsf_bytes blocks[GSF_BLOCK_COUNT]; /* of the settings */
 
     /* Stage "prepare": the header, the background and the splats as the format can store them. */
+    bool has_steps;        /* the field has steps, whose codes its splats are */
     double largest_weight; /* of the field, in the blend NORMALIZED; else 1 */
     gsf_header header;
     float background[4]; /* of the coded channels */

@@ -186,21 +186,21 @@ static gscl_result fail_target(gscl_packing *p, double best) {
                      p->settings.target_value, best);
 }
 
-/* The coarsest steps with which the PSNR is reached; *size is that of the picture. */
-static gscl_result quantise_for_psnr(gscl_packing *p, double psnr, size_t *size) {
+/* The coarsest steps with which the PSNR is reached, or the finest where none does: then *best is their PSNR.  *size is that of the
+ * picture. */
+static gscl_result quantise_for_psnr(gscl_packing *p, double psnr, size_t *size, double *best) {
     int low = -1, high = gscl_pack_step_sets(p); /* reaches it; does not */
-    double reached, best = -INFINITY;
+    double reached;
+    *best = -INFINITY;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
         const gsf_steps steps = gscl_pack_steps(p, middle);
         GSCL_TRY(gscl_pack_quantise(p, &steps, size));
         GSCL_TRY(measure_psnr(p, &reached));
         *(reached >= psnr ? &low : &high) = middle;
-        best = fmax(best, reached);
+        *best = fmax(*best, reached);
     }
-    if (low < 0)
-        return fail_target(p, best);
-    const gsf_steps steps = gscl_pack_steps(p, low);
+    const gsf_steps steps = gscl_pack_steps(p, low < 0 ? 0 : low);
     return gscl_pack_quantise_measured(p, &steps, size);
 }
 
@@ -237,11 +237,11 @@ static gscl_result take_trial(gscl_packing *p, size_search *s, double bytes, dou
     return GSCL_OK;
 }
 
-/* Files with passes of different sizes, from that of the file without passes on, which has *size bytes. */
-static gscl_result search_size(gscl_packing *p, gscl_encoder *e, double psnr, size_t size, size_search *s) {
-    double bytes = tunables->first_share * (double)size;
-    s->high = (double)size;
-    GSCL_TRY(measure_psnr(p, &s->high_psnr));
+/* Files with passes of different sizes, from that of the file without passes on, which has `size` bytes. */
+static gscl_result search_size(gscl_packing *p, gscl_encoder *e, double psnr, double size, size_search *s) {
+    double bytes = tunables->first_share * size;
+    s->high = size;
+    s->high_psnr = psnr + tunables->psnr_excess; /* about */
     for (int trial = 0; trial < tunables->max_trials; trial++) {
         gscl_progress_stage(&e->progress, (double)trial / tunables->max_trials, (trial + 1.0) / tunables->max_trials);
         GSCL_TRY(pass_within(p, e, bytes, tunables->surpluses[0]));
@@ -253,23 +253,30 @@ static gscl_result search_size(gscl_packing *p, gscl_encoder *e, double psnr, si
     return GSCL_OK;
 }
 
-static gscl_result pass_for_psnr(gscl_packing *p, double psnr, size_t size) {
+/* `best`: PSNR without passes, with *size bytes. */
+static gscl_result pass_for_psnr(gscl_packing *p, double psnr, size_t size, double best) {
     gscl_encoder e;
     size_search search = {0};
     gscl_result result = begin_encoder(p, &e);
     if (result == GSCL_OK)
-        result = search_size(p, &e, psnr, size, &search);
+        result =
+            search_size(p, &e, psnr, best < psnr ? tunables->unreached_share * (double)size : (double)size, &search);
     gscl_source_free(&e.source);
-    if (result == GSCL_OK)
-        result = search.best.bytes ? take_file(p, &search.best) : quantise_for_psnr(p, psnr, &size);
+    if (result == GSCL_OK && search.best.bytes)
+        result = take_file(p, &search.best);
+    else if (result == GSCL_OK)
+        result = best < psnr ? fail_target(p, fmax(best, search.low_psnr)) : quantise_for_psnr(p, psnr, &size, &best);
     free(search.best.bytes);
     return result;
 }
 
 static gscl_result choose_for_psnr(gscl_packing *p, double psnr) {
+    double best;
     size_t size;
-    GSCL_TRY(quantise_for_psnr(p, psnr, &size));
-    return has_passes(p) ? pass_for_psnr(p, psnr, size) : GSCL_OK;
+    GSCL_TRY(quantise_for_psnr(p, psnr, &size, &best));
+    if (has_passes(p))
+        return pass_for_psnr(p, psnr, size, best);
+    return best < psnr ? fail_target(p, best) : GSCL_OK;
 }
 
 /* ---- All targets ---- */

@@ -26,7 +26,7 @@ static bool is_grey(const float colour[4]) {
 
 /* In the blend sum an opacity is a factor of the colour, which has finer codes; files keep theirs. */
 static bool has_folded_opacity(const gscl_packing *p) {
-    return p->header.blend == GSF_BLEND_SUM && !p->field->has_steps;
+    return p->header.blend == GSF_BLEND_SUM && !p->has_steps;
 }
 
 static void note_effects(const gscl_packing *p, const gscl_splat *s, gsf_header *header) {
@@ -71,7 +71,8 @@ void gscl_pack_describe(gscl_packing *p) {
 
 /* ---- Splats as they are ---- */
 
-static void given_params(const gscl_packing *p, const gscl_splat *s, float *params) {
+void gscl_pack_given_params(const gscl_packing *p, size_t number, float *params) {
+    const gscl_splat *s = &p->field->splats[number];
     const double factor = has_folded_opacity(p) ? s->opacity : 1;
     memset(params, 0, GSCL_PARAMS * sizeof *params);
     params[GSCL_X] = s->x;
@@ -95,7 +96,7 @@ gscl_result gscl_pack_given_splats(const gscl_packing *p, gscl_splat_list *list)
     if (!list->params)
         return gscl_fail_memory(p->context);
     for (size_t i = 0; i < list->count; i++)
-        given_params(p, &p->field->splats[i], list->params + i * GSCL_PARAMS);
+        gscl_pack_given_params(p, i, list->params + i * GSCL_PARAMS);
     return GSCL_OK;
 }
 
@@ -309,7 +310,8 @@ static double pixels_of(const gsf_header *header) {
 
 /* What drawing a splat takes, as FORMAT.md bounds it under "Limits". */
 static double work_of(const gsf_header *header, const float *params) {
-    const double a = ceil(gscl_exp(params[GSCL_LOG_S1])), b = ceil(gscl_exp(params[GSCL_LOG_S2]));
+    const double whole = 1 - 1e-6; /* an axis of n pixels is not above n by rounding */
+    const double a = ceil(gscl_exp(params[GSCL_LOG_S1]) * whole), b = ceil(gscl_exp(params[GSCL_LOG_S2]) * whole);
     return fmin(pixels_of(header), 48 * a * b + 16 * (a + b) + 16);
 }
 
@@ -317,13 +319,13 @@ static gscl_result store_splat(gscl_packing *p, size_t number, size_t *capacity)
     const gscl_splat *s = &p->field->splats[number];
     float params[GSCL_PARAMS];
     change largest = {0};
-    given_params(p, s, params);
-    if (!p->field->has_steps && draws_nothing(p, s, params)) {
+    gscl_pack_given_params(p, number, params);
+    if (!p->has_steps && draws_nothing(p, s, params)) {
         p->report->outside++;
         return GSCL_OK;
     }
     size_t parts = 1;
-    if (!p->field->has_steps) { /* splats of a file are within all bounds */
+    if (!p->has_steps) { /* splats of a file are within all bounds */
         limit_axes(s, params, &largest);
         limit_centre(p, s, params, &largest);
         limit_weight(p, s, params, &largest);

@@ -4,6 +4,7 @@
 
 struct gscl_pack_tunables {
     double rounding;      /* relative, or of the range of colours; changes of a splat up to it count as rounding */
+    double same_place;    /* pixels; centres as near to those of their codes are the same: files have units of 1/512 */
     double least_weight;  /* of the largest weight; smaller ones count as changed: half of the smallest weight that the
                             finest steps have */
     double finest_factor; /* of the default steps: those after the finest of all */
@@ -14,7 +15,9 @@ struct gscl_pack_tunables {
      * nothing is lost, 1.1 at 33 to 40 bits a splat, by up to 0.3 dB; 0.95 and 1.2 are worse than both. */
     double surpluses[2];
     double first_share; /* of the bytes without passes: the first file with passes for a PSNR */
-    int max_trials;     /* files with passes for a PSNR */
+    double
+        unreached_share; /* of the bytes of the finest steps: where these do not reach a PSNR, the most that passes get */
+    int max_trials;      /* files with passes for a PSNR */
     double psnr_excess; /* dB above the target that is accepted */
 };
 
