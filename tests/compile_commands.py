@@ -7,7 +7,7 @@ import sys
 
 build = pathlib.Path(sys.argv[1])
 commands = {}
-for name in ("host/web/compile_commands.json", "compile_commands.json"):
+for name in ("host/web/compile_commands_encoder.json", "host/web/compile_commands.json", "compile_commands.json"):
     if (build / name).exists():
         for command in json.loads((build / name).read_text()):
             commands[(pathlib.Path(command["directory"]) / command["file"]).resolve()] = command

@@ -63,9 +63,9 @@ def compile_source(source, includes, own, folder):
     return target
 
 
-def write_commands(sources, includes, target):
+def write_commands(sources, command_of, target):
     folder = pathlib.Path.cwd()
-    commands = [{"directory": str(folder), "file": str(source), "arguments": compiler(source, includes)} for source in sources]
+    commands = [{"directory": str(folder), "file": str(source), "arguments": command_of(source)} for source in sources]
     target.write_text(json.dumps(commands))
 
 
@@ -115,7 +115,7 @@ def main():
     options = parser.parse_args()
     c_sources = [path for path in options.sources if path.suffix == ".c"]
     included = {header for name in MODULES for header in build_module(c_sources, options.include, options.out / name)}
-    write_commands(c_sources, options.include, options.out / "compile_commands.json")
+    write_commands(c_sources, lambda source: compiler(source, options.include), options.out / "compile_commands.json")
     scripts = {path.name: path for path in options.sources if path.suffix == ".js"}
     build_script(scripts, ["decoder.js", "module.js", "element.js"], options.out / "gscl.js")
     build_script(scripts, ["tiny.js"], options.out / "tiny.js")

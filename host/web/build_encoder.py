@@ -5,7 +5,7 @@
 Writes gscl-encode.wasm, for opaque pictures, and gscl-encode-alpha.wasm, for others, into the folder: the library's sources
 with the kernels that encodes with the default profile need.  Their memory is imported, and shared; a module with one bit less serves
 where none can be shared (encoder/encode.js).  It needs clang and wasm-ld of the same version, 16 or newer, the headers of wasi-libc, and
-wasm-opt; the libraries are its libc and clang's run-time library for wasm32.
+wasm-opt; the libraries are its libc and clang's run-time library for wasm32.  compile_commands_encoder.json is for clang-tidy.
 """
 import argparse
 import pathlib
@@ -56,9 +56,13 @@ def compile_kernels(program, clang, folder):
     return target
 
 
+def compiler(source, clang, includes):
+    return [clang, *HOST, SIZE, *(f"-I{include}" for include in includes), "-c", str(source)]
+
+
 def compile_host(source, clang, includes, folder):
     target = folder / (str(source).strip("/").replace("/", "_").replace("..", "") + ".o")
-    build.run([clang, *HOST, SIZE, *(f"-I{include}" for include in includes), "-MD", "-MF", f"{target}.d", "-c", str(source), "-o", str(target)])
+    build.run([*compiler(source, clang, includes), "-MD", "-MF", f"{target}.d", "-o", str(target)])
     return target
 
 
@@ -83,6 +87,8 @@ def main():
     parser.add_argument("--include", action="append", default=[])
     parser.add_argument("sources", nargs="+", type=pathlib.Path)
     options = parser.parse_args()
+    build.write_commands(options.sources, lambda source: compiler(source, options.clang, options.include),
+                         options.out / "compile_commands_encoder.json")
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor() as pool:
         folder = pathlib.Path(name)
         needed = {program for channels in MODULES.values() for program in chosen(channels)}
