@@ -65,6 +65,8 @@ web_package() {
     fi
     tap_suite "web package with packages of npm" node tests/web/test_packages.mjs build-test/host/web build-test/packages
     tap_suite "web package for sites" node tests/web/test_sites.mjs build-test/host/web build-test/packages
+    [ -n "$without_whole" ] ||
+        tap_suite "web package in projects of frameworks" node tests/web/test_frameworks.mjs build-test/host/web build-test/packages
 }
 
 # The Python package, in a virtual environment.

@@ -5,7 +5,7 @@
  * It needs npm, its registry, and Chromium (CHROMIUM names it). */
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
-import {cpSync, readFileSync} from 'node:fs';
+import {cpSync, readFileSync, rmSync} from 'node:fs';
 import {dirname, join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 
@@ -124,6 +124,31 @@ test('esbuild makes a script of gscl/tiny alone', () => {
   tool('esbuild', 'tools', 'src/tiny.js', '--bundle', '--format=iife', '--minify', '--outfile=out/esbuild/tiny.js');
   assert.equal(execFileSync('node', [at('tools/out/esbuild/tiny.js')], {encoding: 'utf8'}), '[{"width":12,"height":8},96]\n');
   assert(readFileSync(at('tools/out/esbuild/tiny.js')).length < 7500);
+});
+
+/* ---- The tarball ---- */
+
+test('the tarball of npm installs, works, and bundles', async () => {
+  rmSync(at('tarball'), {recursive: true, force: true});
+  write('tarball', 'package.json', JSON.stringify({private: true, type: 'module'}));
+  const run = (program, ...options) => execFileSync(program, options, {cwd: at('tarball'), encoding: 'utf8', stdio: 'pipe'});
+  const [{filename}] = JSON.parse(run('npm', 'pack', '--json', folder));
+  run('npm', 'install', '--no-audit', '--no-fund', '--ignore-scripts', '--prefer-offline', `./${filename}`);
+  write('tarball', 'code.js', `import {decode} from 'gscl'; import {encode} from 'gscl/encode'; import {info} from 'gscl/tiny';
+    const {bytes} = await encode({data: new Uint8Array(4 * 64).fill(200), width: 8, height: 8}, {bytes: 60}); console.log((await decode(bytes)).width, info('AdHt+lRqfz+RU4ZA').width);`);
+  assert.equal(run('node', 'code.js'), '8 12\n');
+  cpSync(fileURLToPath(new URL('../conformance/pictures/photograph.png', import.meta.url)), at('tarball', 'photo.png'));
+  assert.match(run('npx', 'gscl', '--html', 'photo.png'), /^<gscl-image data="[\w-]+" bare width="\d+" height="\d+" alt=""><\/gscl-image>\n$/);
+  write('tarball', 'page.js', `import {decode} from 'gscl/inline'; import hero from './photo.png?gscl';
+    const bytes = Uint8Array.from(atob(hero.data.replace(/-/g, '+').replace(/_/g, '/')), it => it.charCodeAt()); globalThis.result = decode(bytes, {bare: true}).then(it => it.width);`);
+  write('tarball', 'vite.config.mjs', `import gscl from 'gscl/vite'; export default {build: {rollupOptions: {input: 'page.js', output: {entryFileNames: 'page.js'}}}, plugins: [gscl({width: 12})]};`);
+  tool('vite', 'tarball', 'build');
+  await open('tarball/dist/page.js');
+  assert.equal(await browser.evaluate('result'), 12);
+  write('tarball', 'plain.js', `import {info} from 'gscl/inline'; globalThis.result = fetch('/files/photograph.gscl').then(it => it.arrayBuffer()).then(info).then(it => it.splats > 0);`);
+  tool('esbuild', 'tarball', 'plain.js', '--bundle', '--outfile=dist/plain.js');
+  await open('tarball/dist/plain.js');
+  assert.equal(await browser.evaluate('result'), true);
 });
 
 /* ---- Frameworks ---- */
