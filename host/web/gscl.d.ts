@@ -59,6 +59,9 @@ export interface Splat {
   opacity: number;
   /** R, G, B and alpha; about 0..1, premultiplied. */
   colour: [number, number, number, number];
+  /** Of a splat that has one: to R, G and B at the place (dx, dy) from the centre it adds
+   * amplitude * cos(2 pi (x dx + y dy - phase)); x and y are cycles per pixel, phase is cycles. */
+  wave?: {x: number; y: number; phase: number; amplitude: number};
 }
 
 export type GsclErrorCode =

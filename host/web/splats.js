@@ -11,11 +11,12 @@ export const splats = (source, options = {}) => open(source, options, (wasm, hea
   const list = new Float32Array(wasm.memory.buffer, at, length * PARAMS);
   return Array.from({length}, (_, i) => {
     const [x, y, logSigma1, logSigma2, theta, logit, ...channels] = list.subarray(i * PARAMS, i * PARAMS + PARAMS);
-    const [r, g = r, b = r] = channels.slice(0, colours);
+    const [r, g = r, b = r] = channels.slice(0, colours), [waveX, waveY, phase, amplitude] = channels.slice(4);
     return {
       x, y, sigma1: Math.exp(logSigma1), sigma2: Math.exp(logSigma2), theta,
       opacity: hasOpacity ? 1 / (1 + Math.exp(-logit)) : 1,
       colour: [r, g, b, hasAlpha ? channels[colours] : 1],
+      ...amplitude ? {wave: {x: waveX, y: waveY, phase, amplitude}} : {},
     };
   });
 });

@@ -100,6 +100,23 @@ test('conformance set: pictures', async () => {
   assert(count > 100);
 });
 
+test('splats draw the picture, with their waves', async () => {
+  const file = fileOf('photograph'), list = await splats(file), {width, height, data} = await decode(file);
+  assert(list.some(({wave}) => wave));
+  for (let at = 0; at < width * height; at += 97) {
+    const sums = [0, 0, 0, 1 / 1024];
+    for (const {x, y, sigma1, sigma2, theta, opacity, colour, wave} of list) {
+      const dx = at % width + 0.5 - x, dy = Math.floor(at / width) + 0.5 - y, c = Math.cos(theta), s = Math.sin(theta);
+      const q = (((c * dx + s * dy) / sigma1) ** 2 + ((c * dy - s * dx) / sigma2) ** 2) / 2, weight = opacity * Math.max(0, Math.exp(-q) - Math.exp(-7));
+      const added = wave ? wave.amplitude * Math.cos(2 * Math.PI * (wave.x * dx + wave.y * dy - wave.phase)) : 0;
+      colour.slice(0, 3).forEach((it, k) => sums[k] += weight * (it + added));
+      sums[3] += weight;
+    }
+    for (let k = 0; k < 3 && sums[3] > 0.2; k++) /* of which the background is at most 1 of 200 */
+      assert(Math.abs(data[4 * at + k] - 255 * Math.min(Math.max(sums[k] / sums[3], 0), 1)) < 3, `pixel ${at}`);
+  }
+});
+
 test('info and splats of the example of FORMAT.md', async () => {
   const file = fileOf('example');
   assert.deepEqual(await info(file), {width: 12, height: 8, channels: 3, bitDepth: 8, splats: 2, layers: 1});
