@@ -201,6 +201,10 @@ size_t gsf_container_end_size(const gsf_bytes *blocks) {
     return after + (after > 0 ? GAP_SIZE + LENGTH_SIZE : 0) + GSF_CHECK_SIZE;
 }
 
+size_t gsf_container_size(const gsf_bytes *blocks) {
+    return gsf_container_start_size(blocks) + gsf_container_end_size(blocks);
+}
+
 bool gsf_blocks_are_valid(const gsf_bytes *blocks) {
     bool valid = true;
     for (unsigned i = 0; blocks && i < GSF_BLOCK_COUNT; i++)

@@ -20,6 +20,8 @@ gsf_result gsf_open_container_prefix(const uint8_t *bytes, size_t size, gsf_cont
 /* Bytes before and after the picture.  `blocks`: GSF_BLOCK_COUNT blocks, or NULL. */
 size_t gsf_container_start_size(const gsf_bytes *blocks);
 size_t gsf_container_end_size(const gsf_bytes *blocks);
+/* Both. */
+size_t gsf_container_size(const gsf_bytes *blocks);
 /* Writes what is before the picture: gsf_container_start_size bytes. */
 void gsf_put_container_start(uint8_t *bytes, const gsf_bytes *blocks);
 /* Writes what is after the picture, which ends at bytes + size: gsf_container_end_size bytes. */

@@ -59,7 +59,7 @@ static size_t frame_size(const gsf_coded_image *image) {
     const gsf_bytes none[GSF_BLOCK_COUNT] = {{NULL, 0}};
     if (image->header.packets > 0)
         return GSF_PACKET_FRAME;
-    return image->bare ? 0 : gsf_container_start_size(none) + gsf_container_end_size(none);
+    return image->bare ? 0 : gsf_container_size(none);
 }
 
 /* Resets the counters and adds the bits of the container. */
@@ -156,7 +156,7 @@ static size_t max_splits(const gsf_coded_image *image) {
 static size_t container_size(const gsf_coded_image *image) {
     if (image->header.packets > 0)
         return GSF_PACKET_FRAME;
-    return image->bare ? 0 : gsf_container_start_size(image->blocks) + gsf_container_end_size(image->blocks);
+    return image->bare ? 0 : gsf_container_size(image->blocks);
 }
 
 /* No symbol costs more than 17 bits: a frequency is at least 1 of 2^16, and dividing the range loses less than a bit.

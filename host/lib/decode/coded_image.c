@@ -197,6 +197,12 @@ gscl_kernel_options gscl_coded_image_options(const gsf_header *header) {
                                                                    : GSCL_SHAPE_ISOTROPIC};
 }
 
+void gscl_forget_effects_without_splats(gsf_header *header) {
+    if (header->splat_count == 0)
+        header->enhancement_layers = header->has_opacity = header->has_rotation = header->has_anisotropy =
+            header->has_texture = false;
+}
+
 uint32_t gscl_coded_image_channels(const gsf_header *header) {
     static const uint32_t channels[] = {[GSF_GREY] = 1, [GSF_GREY_ALPHA] = 2, [GSF_RGB] = 3, [GSF_RGBA] = 4};
     return channels[header->layout];

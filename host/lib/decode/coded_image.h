@@ -43,6 +43,8 @@ gscl_result gscl_coded_image_fail(gscl_context *context, gscl_result result, con
 
 /* The options of the kernels that draw the coded image (the loss stays 0). */
 gscl_kernel_options gscl_coded_image_options(const gsf_header *header);
+/* Clears the effects of splats in a header that has none: they are not coded. */
+void gscl_forget_effects_without_splats(gsf_header *header);
 /* Channels of the decoded image, 1..4. */
 uint32_t gscl_coded_image_channels(const gsf_header *header);
 

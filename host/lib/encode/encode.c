@@ -192,10 +192,7 @@ static gscl_result encode_to_target(gscl_encoder *e, const gscl_image *image) {
 
 /* Writes encoder->coded as a new file. */
 static gscl_result write_file(gscl_encoder *e, encoded_file *file) {
-    gsf_header *header = &e->coded.file.header;
-    if (header->splat_count == 0)
-        header->enhancement_layers = header->has_opacity = header->has_rotation = header->has_anisotropy =
-            header->has_texture = false;
+    gscl_forget_effects_without_splats(&e->coded.file.header);
     e->coded.file.bare = e->settings.bare;
     e->coded.file.blocks = e->settings.bare ? NULL : e->blocks;
     gscl_stage(e->context, GSCL_STAGE_WRITE);

@@ -67,8 +67,8 @@ static size_t container_size(const gscl_encoder *e, size_t *blocks) {
     *blocks = 0;
     if (e->settings.bare || e->settings.packet_size > 0)
         return 0;
-    const size_t all = gsf_container_start_size(e->blocks) + gsf_container_end_size(e->blocks);
-    *blocks = all - gsf_container_start_size(NULL) - gsf_container_end_size(NULL);
+    const size_t all = gsf_container_size(e->blocks);
+    *blocks = all - gsf_container_size(NULL);
     return all;
 }
 

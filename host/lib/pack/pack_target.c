@@ -29,18 +29,13 @@ bool gscl_pack_needs_reference(const gscl_packing *p) {
 
 /* PSNR of packing->coded as its decoder draws it. */
 static gscl_result measure_psnr(gscl_packing *p, double *psnr) {
-    uint8_t *bytes;
-    size_t size;
-    GSCL_TRY(gscl_coded_image_write(&p->coded, &bytes, &size));
-    const gscl_result result = gscl_file_quality(p->context, bytes, size, true, p->reference, GSCL_TARGET_PSNR, psnr);
-    free(bytes);
-    return result;
+    return gscl_coded_quality(p->context, &p->coded, p->reference, GSCL_TARGET_PSNR, psnr);
 }
 
 /* ---- Bytes ---- */
 
 static size_t container_size(const gscl_packing *p) {
-    return p->settings.bare ? 0 : gsf_container_start_size(p->blocks) + gsf_container_end_size(p->blocks);
+    return p->settings.bare ? 0 : gsf_container_size(p->blocks);
 }
 
 static gscl_result fail_budget(gscl_packing *p, double budget) {
@@ -106,13 +101,6 @@ static int refining_steps(const gscl_packing *p) {
     return p->settings.refine > 0 ? gscl_effort_presets[p->settings.refine].steps : 0;
 }
 
-/* Passes may drop all splats of a field that has nothing of the reference. */
-static void forget_effects_without_splats(gsf_header *header) {
-    if (header->splat_count == 0)
-        header->enhancement_layers = header->has_opacity = header->has_rotation = header->has_anisotropy =
-            header->has_texture = false;
-}
-
 /* packing->coded becomes a picture of at most this many bytes, whose codes passes have chosen.  They begin with steps in which
  * the field has somewhat more bytes. */
 static gscl_result pass_within(gscl_packing *p, gscl_encoder *e, double bytes, double surplus) {
@@ -125,7 +113,7 @@ static gscl_result pass_within(gscl_packing *p, gscl_encoder *e, double bytes, d
     const gscl_result result = gscl_encode_given(e, (size_t)bytes, refining_steps(p));
     p->coded = e->coded;
     e->coded = (gscl_coded_image){0};
-    forget_effects_without_splats(&p->coded.file.header);
+    gscl_forget_effects_without_splats(&p->coded.file.header); /* of a field that has nothing of the reference */
     return result;
 }
 
@@ -136,14 +124,17 @@ typedef struct tried_file {
     double psnr;
 } tried_file;
 
+/* Takes packing->coded, of this PSNR, in place of another. */
+static gscl_result keep_file(gscl_packing *p, double psnr, tried_file *kept) {
+    free(kept->bytes);
+    *kept = (tried_file){.psnr = psnr};
+    return gscl_coded_image_write(&p->coded, &kept->bytes, &kept->size);
+}
+
 static gscl_result keep_better(gscl_packing *p, tried_file *best) {
     double psnr;
     GSCL_TRY(measure_psnr(p, &psnr));
-    if (best->bytes && psnr <= best->psnr)
-        return GSCL_OK;
-    free(best->bytes);
-    *best = (tried_file){.psnr = psnr};
-    return gscl_coded_image_write(&p->coded, &best->bytes, &best->size);
+    return best->bytes && psnr <= best->psnr ? GSCL_OK : keep_file(p, psnr, best);
 }
 
 /* packing->coded becomes what this file holds. */
@@ -186,22 +177,33 @@ static gscl_result fail_target(gscl_packing *p, double best) {
                      p->settings.target_value, best);
 }
 
-/* The coarsest steps with which the PSNR is reached, or the finest where none does: then *best is their PSNR.  *size is that of the
- * picture. */
-static gscl_result quantise_for_psnr(gscl_packing *p, double psnr, size_t *size, double *best) {
+/* A field without passes. */
+typedef struct plain_file {
+    int set; /* of steps: the coarsest that reaches the PSNR, or the finest where none does */
+    size_t size;
+    double best_psnr; /* of all sets that were tried */
+} plain_file;
+
+static gscl_result find_steps_for_psnr(gscl_packing *p, double psnr, plain_file *plain) {
     int low = -1, high = gscl_pack_step_sets(p); /* reaches it; does not */
     double reached;
-    *best = -INFINITY;
+    plain->best_psnr = -INFINITY;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
         const gsf_steps steps = gscl_pack_steps(p, middle);
-        GSCL_TRY(gscl_pack_quantise(p, &steps, size));
+        GSCL_TRY(gscl_pack_quantise(p, &steps, &plain->size));
         GSCL_TRY(measure_psnr(p, &reached));
         *(reached >= psnr ? &low : &high) = middle;
-        *best = fmax(*best, reached);
+        plain->best_psnr = fmax(plain->best_psnr, reached);
     }
-    const gsf_steps steps = gscl_pack_steps(p, low < 0 ? 0 : low);
-    return gscl_pack_quantise_measured(p, &steps, size);
+    plain->set = low < 0 ? 0 : low;
+    return GSCL_OK;
+}
+
+/* packing->coded becomes the field in these steps. */
+static gscl_result take_plain(gscl_packing *p, plain_file *plain) {
+    const gsf_steps steps = gscl_pack_steps(p, plain->set);
+    return gscl_pack_quantise_measured(p, &steps, &plain->size);
 }
 
 /* The search for the fewest bytes with which passes reach the PSNR. */
@@ -229,9 +231,7 @@ static gscl_result take_trial(gscl_packing *p, size_search *s, double bytes, dou
         s->low_psnr = reached;
         return GSCL_OK;
     }
-    free(s->best.bytes);
-    s->best = (tried_file){.psnr = reached};
-    GSCL_TRY(gscl_coded_image_write(&p->coded, &s->best.bytes, &s->best.size));
+    GSCL_TRY(keep_file(p, reached, &s->best));
     s->high = (double)s->best.size;
     s->high_psnr = reached;
     return GSCL_OK;
@@ -253,30 +253,29 @@ static gscl_result search_size(gscl_packing *p, gscl_encoder *e, double psnr, do
     return GSCL_OK;
 }
 
-/* `best`: PSNR without passes, with *size bytes. */
-static gscl_result pass_for_psnr(gscl_packing *p, double psnr, size_t size, double best) {
+static gscl_result pass_for_psnr(gscl_packing *p, double psnr, plain_file *plain) {
+    const bool is_reached = plain->best_psnr >= psnr;
     gscl_encoder e;
     size_search search = {0};
     gscl_result result = begin_encoder(p, &e);
     if (result == GSCL_OK)
-        result =
-            search_size(p, &e, psnr, best < psnr ? tunables->unreached_share * (double)size : (double)size, &search);
+        result = search_size(p, &e, psnr, (is_reached ? 1 : tunables->unreached_share) * (double)plain->size, &search);
     gscl_source_free(&e.source);
     if (result == GSCL_OK && search.best.bytes)
         result = take_file(p, &search.best);
     else if (result == GSCL_OK)
-        result = best < psnr ? fail_target(p, fmax(best, search.low_psnr)) : quantise_for_psnr(p, psnr, &size, &best);
+        result = is_reached ? take_plain(p, plain) : fail_target(p, fmax(plain->best_psnr, search.low_psnr));
     free(search.best.bytes);
     return result;
 }
 
 static gscl_result choose_for_psnr(gscl_packing *p, double psnr) {
-    double best;
-    size_t size;
-    GSCL_TRY(quantise_for_psnr(p, psnr, &size, &best));
+    plain_file plain;
+    GSCL_TRY(find_steps_for_psnr(p, psnr, &plain));
+    GSCL_TRY(take_plain(p, &plain));
     if (has_passes(p))
-        return pass_for_psnr(p, psnr, size, best);
-    return best < psnr ? fail_target(p, best) : GSCL_OK;
+        return pass_for_psnr(p, psnr, &plain);
+    return plain.best_psnr < psnr ? fail_target(p, plain.best_psnr) : GSCL_OK;
 }
 
 /* ---- All targets ---- */

@@ -241,12 +241,12 @@ static void limit_colour(const gsf_header *header, float *colour, change *larges
 }
 
 static void limit_wave(const gscl_splat *s, float *params, change *largest) {
+    if (params[GSCL_WAVE_AMPLITUDE] == 0.0f)
+        return;
     const double frequency = gscl_hypot(params[GSCL_WAVE_X], params[GSCL_WAVE_Y]);
     const change named = {
         .name = "the wavelength", .unit = " pixels", .value = 1 / frequency, .least = 2.5, .most = 236.0};
     const change too_strong = {.name = "wave_amplitude", .unit = "", .value = s->wave_amplitude, .least = 0, .most = 1};
-    if (params[GSCL_WAVE_AMPLITUDE] == 0.0f)
-        return;
     if (params[GSCL_WAVE_AMPLITUDE] < 0) { /* half a turn later it is the same wave */
         params[GSCL_WAVE_AMPLITUDE] = -params[GSCL_WAVE_AMPLITUDE];
         params[GSCL_WAVE_PHASE] += 0.5f;
@@ -362,8 +362,6 @@ gscl_result gscl_pack_store_splats(gscl_packing *p) {
     for (size_t i = 0; i < count; i++)
         GSCL_TRY(store_splat(p, i, &capacity));
     p->header.splat_count = (uint32_t)p->stored.count;
-    if (p->stored.count == 0)
-        p->header.enhancement_layers = p->header.has_opacity = p->header.has_rotation = p->header.has_anisotropy =
-            p->header.has_texture = false;
+    gscl_forget_effects_without_splats(&p->header);
     return check_work(p);
 }

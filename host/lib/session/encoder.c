@@ -67,13 +67,18 @@ gscl_result gscl_file_quality(gscl_context *context, const uint8_t *bytes, size_
     return result == GSCL_ERROR_OUT_OF_MEMORY ? gscl_fail_memory(context) : result;
 }
 
-gscl_result gscl_encoder_quality(gscl_encoder *e, const gscl_image *image, gscl_target measure, double *quality) {
+gscl_result gscl_coded_quality(gscl_context *context, gscl_coded_image *coded, const gscl_image *image,
+                               gscl_target measure, double *quality) {
     uint8_t *bytes;
     size_t size;
-    GSCL_TRY(gscl_coded_image_write(&e->coded, &bytes, &size));
-    gscl_result result = gscl_file_quality(e->context, bytes, size, true, image, measure, quality);
+    GSCL_TRY(gscl_coded_image_write(coded, &bytes, &size));
+    gscl_result result = gscl_file_quality(context, bytes, size, true, image, measure, quality);
     free(bytes);
     return result;
+}
+
+gscl_result gscl_encoder_quality(gscl_encoder *e, const gscl_image *image, gscl_target measure, double *quality) {
+    return gscl_coded_quality(e->context, &e->coded, image, measure, quality);
 }
 
 gscl_result gscl_file_size(gscl_context *context, gscl_coded_image *coded, size_t *size) {

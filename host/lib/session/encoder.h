@@ -82,7 +82,10 @@ static inline bool gscl_target_is_quality(gscl_target target) {
     return target == GSCL_TARGET_PSNR || target == GSCL_TARGET_SSIMULACRA2;
 }
 
-/* Quality of encoder->coded as its decoder draws it, against the image; `measure`: a target that is a quality. */
+/* Quality of a coded image as its decoder draws it, against an image of the decode's kind; `measure`: a target that is a quality. */
+gscl_result gscl_coded_quality(gscl_context *context, gscl_coded_image *coded, const gscl_image *image,
+                               gscl_target measure, double *quality);
+/* The same of encoder->coded as its decoder draws it, against the image; `measure`: a target that is a quality. */
 gscl_result gscl_encoder_quality(gscl_encoder *encoder, const gscl_image *image, gscl_target measure, double *quality);
 /* The same of a file, against an image of the decode's kind. */
 gscl_result gscl_file_quality(gscl_context *context, const uint8_t *bytes, size_t size, bool bare,
