@@ -11,6 +11,7 @@
 #include "cli/exit_code.h"
 #include "cli/gscl_input.h"
 #include "cli/message.h"
+#include "cli/names.h"
 #include "cli/options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
@@ -36,8 +37,6 @@ static const char *const columns[] = {"x",       "y",      "sigma1",     "sigma2
                                       "wave_x",  "wave_y", "wave_phase", "wave_amplitude", "layer"};
 #define COLUMN_COUNT (sizeof columns / sizeof *columns)
 
-static const char *const blend_names[] = {"auto", "normalized", "alpha", "sum"};
-
 /* What is needed to draw the splats besides, as one line that gscl pack reads. */
 static void write_description(output_file *output, const gscl_field *f) {
     char text[512];
@@ -45,7 +44,7 @@ static void write_description(output_file *output, const gscl_field *f) {
         snprintf(text, sizeof text,
                  "comment gscl width=%u height=%u channels=%u bits=%d blend=%s background=%.9g,%.9g,%.9g,%.9g%s "
                  "cutoff=%g background_weight=%.9g largest_alpha=%g",
-                 f->width, f->height, f->channels, f->sample == GSCL_SAMPLE_U8 ? 8 : 16, blend_names[f->blend],
+                 f->width, f->height, f->channels, f->sample == GSCL_SAMPLE_U8 ? 8 : 16, blend_words[f->blend],
                  (double)f->background[0], (double)f->background[1], (double)f->background[2], (double)f->background[3],
                  f->has_mean_background ? " mean" : "", GSCL_SPLAT_CUTOFF, GSCL_BACKGROUND_WEIGHT, GSCL_LARGEST_ALPHA);
     output_write(output, text, (size_t)length);

@@ -16,8 +16,6 @@
 #define MIN_OPACITY (1.0 / 400)   /* an ellipse with less is not visible */
 #define RADIUS 3.7416573867739413 /* of an ellipse, standard deviations: where the exponent is -7 */
 #define TAIL 9.118819655545162e-4 /* exp(-7), by which all weights are reduced */
-#define BACKGROUND_WEIGHT (1.0 / 1024)
-#define MAX_ALPHA 0.999
 
 /* What has been painted so far at one pixel of the grid. */
 typedef struct cell {
@@ -86,7 +84,7 @@ static double opacity_of(const painter *p, double weight, double before) {
     case GSCL_BLEND_NORMALIZED:
         return weight / (weight + before);
     case GSCL_BLEND_ALPHA:
-        return fmin(weight, MAX_ALPHA);
+        return fmin(weight, GSCL_LARGEST_ALPHA);
     default:
         return weight;
     }
@@ -124,7 +122,7 @@ static void choose_opacities(const painter *p, footprint *f) {
             total += weight;
         }
     }
-    const double mean = total > 0.0 ? before / total : BACKGROUND_WEIGHT;
+    const double mean = total > 0.0 ? before / total : GSCL_BACKGROUND_WEIGHT;
     const double part = p->blend == GSCL_BLEND_SUM ? part_for_sum(p, f) : 1.0;
     for (int i = 0; i <= STOPS; i++) {
         const double analytic = opacity_of(p, weight_at(f, RADIUS * i / STOPS), mean);
@@ -190,7 +188,7 @@ static void show(const painter *p, const footprint *f) {
 static void clear_cells(const painter *p, const double background[3]) {
     for (size_t i = 0; i < (size_t)p->width * p->height; i++) {
         cell *at = &p->cells[i];
-        at->weight = p->blend == GSCL_BLEND_ALPHA ? 1.0f : (float)BACKGROUND_WEIGHT;
+        at->weight = p->blend == GSCL_BLEND_ALPHA ? 1.0f : (float)GSCL_BACKGROUND_WEIGHT;
         for (int c = 0; c < 3; c++)
             at->target[c] = at->shown[c] = (float)background[c];
     }
@@ -198,7 +196,7 @@ static void clear_cells(const painter *p, const double background[3]) {
 
 /* How much of the background is in sight at a pixel. */
 static double background_part(const painter *p, const cell *at) {
-    return p->blend == GSCL_BLEND_NORMALIZED ? BACKGROUND_WEIGHT / at->weight
+    return p->blend == GSCL_BLEND_NORMALIZED ? GSCL_BACKGROUND_WEIGHT / at->weight
            : p->blend == GSCL_BLEND_ALPHA    ? at->weight
                                              : 1.0;
 }
