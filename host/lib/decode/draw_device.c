@@ -12,11 +12,11 @@
 #include "runtime/queue.h"
 #include "runtime/stage_clock.h"
 
-/* Rows of a band: whole rows of tiles, as many as its samples and, where there is a callback, its work allow. */
+/* Rows of a band: whole rows of tiles, as many as its bytes and, where there is a callback, its work allow. */
 static uint32_t rows_of_band(const gscl_coded_image *coded, const gscl_frame *f, const gscl_output *o,
                              const gscl_draw_progress *progress) {
     const struct gscl_decode_tunables *t = &gscl_decode_tunables;
-    double rows = (double)t->band_samples / ((double)f->width * o->drawn.channels);
+    double rows = (double)t->band_bytes / (double)gscl_image_row_size(&o->drawn);
     if (progress->callback)
         rows = fmin(rows, t->band_work * f->height / ((double)gscl_frame_work(&coded->file, f) + 1));
     rows = rows < GSCL_TILE ? GSCL_TILE : floor(rows / GSCL_TILE) * GSCL_TILE;

@@ -1,7 +1,7 @@
 #include "decode/tunables.h"
 
 const struct gscl_decode_tunables gscl_decode_tunables = {
-    .band_samples = 16 << 20,
+    .band_bytes = 16 << 20,
     .band_work = 5e7,
 
     .software_pixels = 65536,

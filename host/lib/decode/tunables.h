@@ -5,9 +5,9 @@
 #include <stdint.h>
 
 struct gscl_decode_tunables {
-    /* Samples of a band of the drawn image: a larger image is drawn in several bands, so that the device needs room for
+    /* Bytes of a band of the drawn image: a larger image is drawn in several bands, so that the device needs room for
      * one band only. */
-    int band_samples;
+    int band_bytes;
     /* Evaluations of a band where the caller has a callback: a tenth of a second of a core. */
     double band_work;
 
