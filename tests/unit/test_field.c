@@ -328,6 +328,28 @@ static void test_strong_colours_are_divided(void **state) {
     gscl_free(p.bytes);
 }
 
+/* Centres beyond the sides and the corners by up to two standard deviations, and one whose wave would show a wrong phase. */
+static void test_centres_outside_the_picture(void **state) {
+    (void)state;
+    const double places[][2] = {{-6, 20}, {40, -5}, {103, 50}, {60, 81}, {-5, -4}, {102, -3}, {-3, 78}, {99, 77}};
+    for (gscl_blend blend = GSCL_BLEND_NORMALIZED; blend <= GSCL_BLEND_SUM; blend += 2) {
+        const gscl_field field = foreign_field(blend);
+        gscl_pack_settings settings = settings_for(GSCL_TARGET_AUTO, 0);
+        settings.tolerance = 1;
+        for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+            splats[i].x = (float)places[i][0], splats[i].y = (float)places[i][1];
+            splats[i].sigma1 = 7, splats[i].sigma2 = 4;
+        }
+        splats[8].x = -1, splats[8].y = 36, splats[8].sigma1 = splats[8].sigma2 = 20;
+        splats[8].wave_x = 0.25f, splats[8].wave_y = 0.02f, splats[8].wave_amplitude = 0.3f;
+        const packed p = pack(&field, &settings);
+        assert_int_equal(p.report.changed, 9);
+        if (p.report.changed_psnr < 50)
+            fail_msg("blend %d: %g dB", (int)blend, p.report.changed_psnr);
+        gscl_free(p.bytes);
+    }
+}
+
 static void test_changes_are_within_the_tolerance(void **state) {
     (void)state;
     gscl_field field = foreign_field(GSCL_BLEND_NORMALIZED);
@@ -515,6 +537,7 @@ int main(void) {
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_refining_moves_splats),
         cmocka_unit_test(test_strong_colours_are_divided),
+        cmocka_unit_test(test_centres_outside_the_picture),
         cmocka_unit_test(test_changes_are_within_the_tolerance),
         cmocka_unit_test(test_order_of_alpha),
         cmocka_unit_test(test_bad_numbers_name_their_splat),

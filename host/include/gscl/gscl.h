@@ -789,7 +789,9 @@ GSCL_API bool gscl_splat_set_covariance(gscl_splat *splat, double xx, double xy,
  * of the blend SUM whose colour is too strong becomes several equal ones, which draw the same; and then
  *  - axes below 1/2 pixel or above 2^15 pixels, or of a ratio above 256, colours that are still too strong, centres outside
  *    the image, weights below a 32nd of the largest one, and an order of the blend ALPHA that is not that of the format (longest
- *    first) are *changed*: the picture must not differ by more than the tolerance.
+ *    first) are *changed*: the picture must not differ by more than the tolerance.  A centre outside goes to the side of the
+ *    image; there the splat becomes narrower and weaker, so that it draws much the same.  In the blend NORMALIZED the file gets
+ *    opacities for it, where the field has none.
  * Waves are taken to the nearest that the format has. */
 
 #define GSCL_MAX_REFINE 9

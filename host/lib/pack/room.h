@@ -8,6 +8,7 @@
  *   pack_state.h: the state that the stages share
  *   check_field.h: which fields are valid
  *   stored_splats.h: the splats as the format can store them
+ *   cut_splat.h: those whose centres are outside the picture
  *   field_rendering.h: the picture that a field is
  *   field_steps.h: the steps of the quantiser, from the finest to the coarsest
  *   pack_target.h: files for a target, without and with rate-distortion passes

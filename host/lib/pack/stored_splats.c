@@ -9,6 +9,7 @@
 #include "decode/blend.h"
 #include "decode/dequantise.h"
 #include "decode/ycocg.h"
+#include "pack/cut_splat.h"
 #include "pack/tunables.h"
 #include "runtime/elementary.h"
 
@@ -29,10 +30,31 @@ static bool has_folded_opacity(const gscl_packing *p) {
     return p->header.blend == GSF_BLEND_SUM && !p->has_steps;
 }
 
+/* How far the cells of the finest steps reach, which cover a side: in pixels, for a splat of this major axis. */
+static double reach_of_cells(uint32_t side, double major) {
+    const double cell = fmax(8.0 / 256, major * 2 / 32);
+    return ceil(side / cell) * cell;
+}
+
+/* The largest coordinates that the centre of a splat can have. */
+static void limits_of_centre(const gsf_header *header, const gscl_splat *s, double most[2]) {
+    const double major = fmin(fmax(fmax(s->sigma1, s->sigma2), 0.5), GSCL_MAX_DIMENSION);
+    most[0] = reach_of_cells(header->width, major);
+    most[1] = reach_of_cells(header->height, major);
+}
+
+/* Whether a splat has its centre where the format has none, and has to get another one: see cut_splat.h. */
+static bool is_outside(const gscl_packing *p, const gscl_splat *s) {
+    double most[2];
+    limits_of_centre(&p->header, s, most);
+    return !p->has_steps && (s->x < 0 || s->y < 0 || s->x > most[0] || s->y > most[1]);
+}
+
 static void note_effects(const gscl_packing *p, const gscl_splat *s, gsf_header *header) {
+    const bool is_cut = is_outside(p, s);
     header->has_chroma = header->has_chroma || (p->field->channels > 2 && !is_grey(s->colour));
-    header->has_opacity = header->has_opacity || (!has_folded_opacity(p) && s->opacity != 1.0f);
-    header->has_anisotropy = header->has_anisotropy || s->sigma1 != s->sigma2;
+    header->has_opacity = header->has_opacity || (!has_folded_opacity(p) && (is_cut || s->opacity != 1.0f));
+    header->has_anisotropy = header->has_anisotropy || is_cut || s->sigma1 != s->sigma2;
     header->has_texture = header->has_texture || s->wave_amplitude != 0.0f;
     if (s->layer > header->enhancement_layers)
         header->enhancement_layers = (uint8_t)s->layer;
@@ -71,8 +93,7 @@ void gscl_pack_describe(gscl_packing *p) {
 
 /* ---- Splats as they are ---- */
 
-void gscl_pack_given_params(const gscl_packing *p, size_t number, float *params) {
-    const gscl_splat *s = &p->field->splats[number];
+static void set_params(const gscl_packing *p, const gscl_splat *s, float *params) {
     const double factor = has_folded_opacity(p) ? s->opacity : 1;
     memset(params, 0, GSCL_PARAMS * sizeof *params);
     params[GSCL_X] = s->x;
@@ -89,6 +110,10 @@ void gscl_pack_given_params(const gscl_packing *p, size_t number, float *params)
     params[GSCL_WAVE_Y] = s->wave_y;
     params[GSCL_WAVE_PHASE] = s->wave_phase;
     params[GSCL_WAVE_AMPLITUDE] = (float)(s->wave_amplitude * factor);
+}
+
+void gscl_pack_given_params(const gscl_packing *p, size_t number, float *params) {
+    set_params(p, &p->field->splats[number], params);
 }
 
 gscl_result gscl_pack_given_splats(const gscl_packing *p, gscl_splat_list *list) {
@@ -124,8 +149,9 @@ static double limited(double value, double least, double most, change named, cha
     return result;
 }
 
-/* Axes: each within its range, and the shorter one at least 1/256 of the longer one. */
-static void limit_axes(const gscl_splat *s, float *params, change *largest) {
+/* Axes: each within its range, and the shorter one at least 1/256 of the longer one.  Returns the part of the weight with which
+ * a splat that has grown draws as much as before. */
+static double limit_axes(const gscl_splat *s, float *params, change *largest) {
     const change names[] = {{.name = "sigma1", .unit = " pixels", .value = s->sigma1, .least = 0.5, .most = 32768},
                             {.name = "sigma2", .unit = " pixels", .value = s->sigma2, .least = 0.5, .most = 32768}};
     const double most = (double)GSCL_LOG_LARGEST_AXIS;
@@ -141,51 +167,43 @@ static void limit_axes(const gscl_splat *s, float *params, change *largest) {
         a = b - aspect;
     else
         b = a - aspect;
+    const double growth = a + b - params[GSCL_LOG_S1] - params[GSCL_LOG_S2];
     params[GSCL_LOG_S1] = (float)a;
     params[GSCL_LOG_S2] = (float)b;
+    return gscl_exp(-fmax(growth, 0));
 }
 
-/* How far the cells of the finest steps reach, which cover a side: in pixels, for a splat of this major axis. */
-static double reach_of_cells(uint32_t side, double major) {
-    const double cell = fmax(8.0 / 256, major * 2 / 32);
-    return ceil(side / cell) * cell;
+/* Brings the centre of a splat to the sides that it lies beyond.  Returns its weight there. */
+static double limit_centre(const gscl_packing *p, const gscl_splat *s, float *params, change *largest) {
+    double most[2];
+    if (!is_outside(p, s))
+        return 1;
+    limits_of_centre(&p->header, s, most);
+    gscl_splat inside = *s;
+    const gscl_cut cut = gscl_cut_at_sides(&inside, most);
+    const bool is_y = cut.by_y > cut.by_x;
+    const change moved = {
+        .name = is_y ? "y" : "x", .unit = " pixels", .value = is_y ? s->y : s->x, .least = 0, .most = most[is_y]};
+    note_amount(gscl_hypot(cut.by_x, cut.by_y), moved, largest);
+    set_params(p, &inside, params);
+    return cut.weight;
 }
 
-/* The nearest centre that the format has, as the splat measures distances: where one coordinate is limited, the other follows
- * along the splat. */
-static void limit_centre(const gscl_packing *p, const gscl_splat *s, float *params, change *largest) {
-    const double c = gscl_cos(s->theta), n = gscl_sin(s->theta);
-    const double a = gscl_exp(params[GSCL_LOG_S1]), b = gscl_exp(params[GSCL_LOG_S2]);
-    const double xx = c * c * a * a + n * n * b * b, yy = n * n * a * a + c * c * b * b, xy = c * n * (a * a - b * b);
-    const double most_x = reach_of_cells(p->header.width, fmax(a, b)),
-                 most_y = reach_of_cells(p->header.height, fmax(a, b));
-    double dx = fmin(fmax(s->x, 0), most_x) - s->x, dy = fmin(fmax(s->y, 0), most_y) - s->y;
-    const bool is_y = dy != 0;
-    const change moved = {.name = is_y ? "y" : "x",
-                          .unit = " pixels",
-                          .value = is_y ? s->y : s->x,
-                          .least = 0,
-                          .most = is_y ? most_y : most_x};
-    if (dx == 0)
-        dx = fmin(fmax(s->x + dy * xy / yy, 0), most_x) - s->x;
-    else if (dy == 0)
-        dy = fmin(fmax(s->y + dx * xy / xx, 0), most_y) - s->y;
-    const double distance = gscl_hypot((c * dx + n * dy) / a, (c * dy - n * dx) / b);
-    params[GSCL_X] = (float)(s->x + dx);
-    params[GSCL_Y] = (float)(s->y + dy);
-    note_amount(distance, moved, largest);
-}
-
-static void limit_weight(const gscl_packing *p, const gscl_splat *s, float *params, change *largest) {
-    const change weight = {.name = "opacity",
-                           .unit = "",
-                           .value = s->opacity,
-                           .least = tunables->least_weight * p->largest_weight,
-                           .most = p->largest_weight};
-    if (!p->header.has_opacity)
+/* Leaves a splat this share of its weight or, in the blend sum, of its colour.  Without either it keeps its weight. */
+static void weaken(const gscl_packing *p, const gscl_splat *s, double share, float *params, change *largest) {
+    const double weight = s->opacity * share / p->largest_weight;
+    const change named = {.name = "opacity",
+                          .unit = "",
+                          .value = s->opacity * share,
+                          .least = tunables->least_weight * p->largest_weight,
+                          .most = p->largest_weight};
+    if (p->header.has_opacity)
+        params[GSCL_OPACITY] = gscl_logit(limited(weight, tunables->least_weight, 1, named, largest));
+    if (!has_folded_opacity(p))
         return;
-    const double given = s->opacity / p->largest_weight;
-    params[GSCL_OPACITY] = gscl_logit(limited(given, tunables->least_weight, 1, weight, largest));
+    for (int k = 0; k < 4; k++)
+        params[GSCL_COLOUR + k] = (float)(params[GSCL_COLOUR + k] * share);
+    params[GSCL_WAVE_AMPLITUDE] = (float)(params[GSCL_WAVE_AMPLITUDE] * share);
 }
 
 /* How many times the strongest colour that the format has in the blend sum a splat's colour is. */
@@ -326,9 +344,9 @@ static gscl_result store_splat(gscl_packing *p, size_t number, size_t *capacity)
     }
     size_t parts = 1;
     if (!p->has_steps) { /* splats of a file are within all bounds */
-        limit_axes(s, params, &largest);
-        limit_centre(p, s, params, &largest);
-        limit_weight(p, s, params, &largest);
+        const double cut_share = limit_centre(p, s, params, &largest);
+        const double grown_share = limit_axes(s, params, &largest);
+        weaken(p, s, cut_share * grown_share, params, &largest);
         limit_colour(&p->header, params + GSCL_COLOUR, &largest);
         limit_wave(s, params, &largest);
         parts = divide(&p->header, params);
