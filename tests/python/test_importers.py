@@ -1,9 +1,12 @@
 """Fields of other programs and of tables: gscl.fields."""
 
+import io
 import math
 import os
+import pickle
 import subprocess
 import sys
+import types
 
 import numpy
 import pytest
@@ -119,9 +122,24 @@ def test_checkpoints_of_pytorch_and_tensors(tmp_path):
         gscl.fields.load_gaussianimage(path, size=SIZE)
     with pytest.raises(FileNotFoundError):
         gscl.fields.load_gaussianimage(tmp_path / "missing", size=SIZE)
+    with open(path, "rb") as file, pytest.raises(gscl.InvalidArgumentError, match="^/.*gaussian_model.pth.tar: is no checkpoint"):
+        gscl.fields.load_gaussianimage(file, size=SIZE)
     tensors = gscl.fields.tensors(field)
     assert tuple(tensors) == gscl.SPLAT_DTYPE.names and tensors["colour"].shape == (COUNT, 4)
     assert numpy.array_equal(tensors["theta"].numpy(), field.splats["theta"])
+
+
+def test_checkpoints_are_read_from_open_files(monkeypatch):
+    """PyTorch, which need not be there, is replaced by what reads a pickled dictionary of arrays."""
+    torch = types.SimpleNamespace(load=lambda file, *, map_location, weights_only: pickle.load(file))
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    for checkpoint, load, _, options in FIELDS.values():
+        field = load(io.BytesIO(pickle.dumps(checkpoint)), size=SIZE, **options)
+        assert field == load(checkpoint, size=SIZE, **options)
+    with pytest.raises(gscl.InvalidArgumentError, match="^is no checkpoint of tensors and numbers alone"):
+        gscl.fields.load_image_gs(io.BytesIO(b"other"), size=SIZE)
+    with pytest.raises(gscl.InvalidArgumentError, match="^holds a list: expected a dictionary"):
+        gscl.fields.load_image_gs(io.BytesIO(pickle.dumps([1])), size=SIZE)
 
 
 # ---- Tables ----------------------------------------------------------------------------------------
@@ -138,6 +156,36 @@ def test_npz_has_all_of_a_field(tmp_path):
         field = gscl.fields.load_npz(tmp_path / "field.npz")
         assert field.splats.tobytes() == gscl.read_field(data).splats.tobytes()
         assert gscl.pack(field) == data
+
+
+def test_tables_in_open_files():
+    """They are read from where they stand; errors name the files that have a name."""
+    (data, *_) = some_files()
+    field, memory = gscl.read_field(data), io.BytesIO()
+    memory.write(b"before")
+    gscl.fields.save_npz(field, memory)
+    memory.seek(len(b"before"))
+    assert gscl.fields.load_npz(memory) == field
+    csv = b"# gscl width=60 height=40 blend=sum\nx,y,sigma1,sigma2,grey\n1,2,3,4,0.5\n"
+    ply = b"ply\nformat ascii 1.0\nelement vertex 1\n" + b"".join(b"property float %s\n" % name for name in b"x y sigma1 sigma2 grey".split())
+    same = gscl.fields.load_csv(io.BytesIO(csv)), gscl.fields.load_ply(io.BytesIO(ply + b"end_header\n1 2 3 4 0.5\n"), size=(60, 40), blend="sum")
+    assert same[0] == same[1] and len(same[0].splats) == 1
+    named = io.BytesIO(b"other")
+    named.name = "place/field"
+    for load, message in {
+        gscl.fields.load_npz: "is no NPZ file of arrays of numbers",
+        gscl.fields.load_csv: "has no column x, y",
+        gscl.fields.load_ply: "is no PLY file",
+    }.items():
+        with pytest.raises(gscl.InvalidArgumentError, match=f"^{message}"):
+            load(io.BytesIO(b"other"))
+        named.seek(0)
+        with pytest.raises(gscl.InvalidArgumentError, match=f"^place/field: {message}"):
+            load(named)
+    with pytest.raises(gscl.InvalidArgumentError, match="^is no text in UTF-8"):
+        gscl.fields.load_csv(io.BytesIO(b"\xff"))
+    with pytest.raises(TypeError, match="open it in binary mode"):
+        gscl.fields.load_csv(io.StringIO("x"))
 
 
 @pytest.mark.skipif(not os.access(GSCL, os.X_OK), reason="needs the tool in GSCL")

@@ -36,6 +36,10 @@ def main(path: pathlib.Path) -> None:
     print(rate, drawn.shape, ellipses["x"].mean(), gscl.info(path).streams["position"], gscl.compare(picture, drawn).psnr)
     field: gscl.Field = gscl.fields.load_image_gs({"xy": numpy.zeros((0, 2))}, size=(96, 64), topk_norm=False)
     gscl.fields.save_npz(gscl.read_field(path), path.with_suffix(".npz"))
+    memory = io.BytesIO()
+    gscl.fields.save_npz(gscl.fields.load_npz(path), memory)
+    with path.open("rb") as file:
+        print(gscl.fields.load_gaussianimage(file, size=(96, 64)), gscl.fields.load_ply(memory))
     table = gscl.fields.load_csv("a.csv", size=(96, 64), blend="sum", background=[0.5])
     print(gscl.fields.tensors(table)["x"], gscl.pack(field, bytes=300).report.changed)
     try:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import io
-from typing import IO, Any, Protocol, TypeGuard, cast
+import os
+from typing import IO, Any, Protocol, TypeGuard, Union, cast
 
 
 class BinaryFile(Protocol):
     """An open binary file: anything whose method `read` returns bytes."""
 
     def read(self, size: int = -1, /) -> bytes: ...
+
+
+StoredFile = Union[str, "os.PathLike[str]", BinaryFile]
+"""A file: its path, or open in binary mode, from where it stands."""
 
 
 def is_file(value: Any) -> TypeGuard[BinaryFile]:
@@ -26,6 +31,14 @@ def read_all(file: BinaryFile) -> bytes:
     data = file.read()
     _require_binary(file, isinstance(data, str))
     return data
+
+
+def read_stored(file: StoredFile) -> tuple[bytes, str]:
+    """The bytes of a file, and its name for messages; "" where it has none.  Raises OSError."""
+    if isinstance(file, (str, os.PathLike)):
+        with open(file, "rb") as opened:
+            return opened.read(), os.fspath(file)
+    return read_all(file), name_of(file)
 
 
 def with_seek(file: BinaryFile) -> IO[bytes]:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple, Union
 
 from gscl._binding import ffi, lib
 from gscl._errors import DamagedError, TruncatedError, check
-from gscl._files import BinaryFile, is_file, name_of, read_all
+from gscl._files import StoredFile, is_file, read_stored
 from gscl._names import BLENDS, BLOCKS, PROFILES, SAMPLES, effects_of, word_of
 from gscl._packets import Buffer, is_packet, join
 from gscl._records import Record
 
-File = Union[Buffer, str, "os.PathLike[str]", BinaryFile, Sequence[Buffer]]
+File = Union[Buffer, StoredFile, Sequence[Buffer]]
 """The bytes of a gscl file, its path, or an open binary file, from where it stands.  The file may be a list of packets, or one
 packet; and packets may come as a list or tuple of their bytes.  Those that are damaged, repeated or of another picture than the
 first one are left out."""
@@ -39,15 +39,12 @@ def read(file: File, bare: bool = False) -> Content:
 
 
 def _read_bytes(file: File) -> tuple[Buffer, str]:
-    if isinstance(file, (str, os.PathLike)):
-        with open(file, "rb") as opened:
-            return opened.read(), os.fspath(file)
     if isinstance(file, (bytes, bytearray, memoryview)):
         return file, ""
     if isinstance(file, (list, tuple)):
         return _joined(file), ""
-    if is_file(file):
-        return read_all(file), name_of(file)
+    if isinstance(file, (str, os.PathLike)) or is_file(file):
+        return read_stored(file)
     raise TypeError(f"expected bytes, a path or an open file, or packets, not {type(file).__name__}")
 
 

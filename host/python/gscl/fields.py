@@ -3,24 +3,27 @@
     field = gscl.fields.load_gaussianimage("gaussian_model.pth.tar", size=(768, 512))
     data = gscl.pack(field, psnr=32, reference="photo.png")
 
-Checkpoints are files of PyTorch (`pip install 'gscl[torch]'`), or dictionaries of their arrays, which need nothing.
+A file is a path, or open in binary mode, from where it stands.  Checkpoints are files of PyTorch, for which there is
+`pip install 'gscl[torch]'`, or dictionaries of their arrays, which need nothing.
 """
 
 from __future__ import annotations
 
 import csv
 import importlib
+import io
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Union
+from typing import IO, Any, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from gscl._errors import InvalidArgumentError
 from gscl._fields import SPLAT_DTYPE, Field, _background, _complete, make_splats
+from gscl._files import StoredFile, read_stored
 from gscl._names import BLENDS, Blend, number_of
 
 __all__ = [
@@ -34,8 +37,7 @@ __all__ = [
     "tensors",
 ]
 
-Path = Union[str, "os.PathLike[str]"]
-Checkpoint = Union[Path, Mapping[str, Any]]
+Checkpoint = Union[StoredFile, Mapping[str, Any]]
 """A file that torch.save wrote, or what it holds: arrays or tensors by their names."""
 
 _HALF_PIXEL = 0.5
@@ -158,17 +160,21 @@ class _Values:
         return self[name, columns] if name in self else numpy.ones((len(self["_xyz", 2]), columns))
 
 
-def _load_checkpoint(path: Path) -> Mapping[str, Any]:
+def _load_checkpoint(file: StoredFile) -> Mapping[str, Any]:
     torch = _torch("reading checkpoints")
+    content, source = read_stored(file)
     try:
-        found = torch.load(path, map_location="cpu", weights_only=True)
-    except OSError:
-        raise
+        found = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
     except Exception as error:  # of pickle, of zip files, or of what is in them
-        raise InvalidArgumentError(f"{os.fspath(path)}: is no checkpoint of tensors and numbers alone") from error
+        raise _wrong(source, "is no checkpoint of tensors and numbers alone") from error
     if not isinstance(found, Mapping):
-        raise InvalidArgumentError(f"{os.fspath(path)}: holds a {type(found).__name__}: expected a dictionary of tensors")
+        raise _wrong(source, f"holds a {type(found).__name__}: expected a dictionary of tensors")
     return found
+
+
+def _wrong(source: str, what: str) -> InvalidArgumentError:
+    """source: the name of the file; "" where it has none."""
+    return InvalidArgumentError(f"{source}: {what}" if source else what)
 
 
 def _torch(purpose: str) -> Any:
@@ -200,23 +206,26 @@ _SHAPES = (("sigma1", "sigma2"), ("cov_xx", "cov_xy", "cov_yy"), ("l11", "l21", 
 _OTHERS = ("wave_x", "wave_y", "wave_phase", "wave_amplitude", "layer")
 
 
-def save_npz(field: Field, path: Path) -> None:
+def save_npz(field: Field, file: str | os.PathLike[str] | IO[bytes]) -> None:
     """Writes a field as NPZ: a key for each column of `gscl export`, and for what else it takes to draw them.
 
-    load_npz reads it without any loss: what pack makes of both is the same.
+    load_npz reads it without any loss: what pack makes of both is the same.  Raises OSError.
     """
+    if isinstance(file, (str, os.PathLike)):
+        with open(file, "wb") as opened:
+            save_npz(field, opened)
+        return
     rows = _complete(field.splats)
     values: dict[str, Any] = {name: rows[name] for name in rows.dtype.names or () if name != "colour"}
     values |= {name: rows["colour"][:, i] for i, name in enumerate(("red", "green", "blue", "alpha"))}
     values |= {name: getattr(field, name) for name in ("width", "height", "channels", "blend", "background")}
     values |= {"mean": field.has_mean_background, "bits": 16 if field.dtype == "uint16" else 8}
     values |= {} if field.steps is None else {"steps": field.steps}
-    with open(path, "wb") as file:
-        numpy.savez_compressed(file, **values)
+    numpy.savez_compressed(file, **values)
 
 
 def load_npz(
-    path: Path,
+    file: StoredFile,
     *,
     size: tuple[int, int] | None = None,
     blend: Blend | None = None,
@@ -225,16 +234,26 @@ def load_npz(
     """Reads a field as save_npz writes it, or with fewer keys: those of the columns that load_csv needs.
 
     size, blend, background: as of pack; what the file does not say.
+
+    Raises InvalidArgumentError for other contents, and OSError.
     """
-    with numpy.load(path, allow_pickle=False) as file:
-        values = {name: file[name] for name in file.files}
+    content, source = read_stored(file)
+    values = _arrays(content, source)
     scalars = {name: values.pop(name) for name in _DESCRIPTION if name in values}
     said = {name: value.tolist() for name, value in scalars.items()}
-    return _field(path, values, said, size, blend, background)
+    return _field(source, values, said, size, blend, background)
+
+
+def _arrays(content: bytes, source: str) -> dict[str, NDArray[Any]]:
+    try:
+        with numpy.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except Exception as error:  # of zip files, of what is in them, or of what is no zip file
+        raise _wrong(source, "is no NPZ file of arrays of numbers") from error
 
 
 def load_csv(
-    path: Path,
+    file: StoredFile,
     *,
     size: tuple[int, int] | None = None,
     blend: Blend | None = None,
@@ -244,18 +263,24 @@ def load_csv(
     and blue, or grey; and, where there are any, alpha, opacity or weight, and the other columns of `gscl export`.
 
     size, blend, background: as of pack; a table says them in a line "# gscl width=768 height=512 blend=sum", or not at all.
+
+    Raises InvalidArgumentError for other contents, and OSError.
     """
     said: dict[str, Any] = {}
-    with open(path, newline="", encoding="utf-8") as file:
-        lines = [line for line in file if not _is_comment(line, said, path) and line.strip()]
+    content, source = read_stored(file)
+    try:
+        text = content.decode()
+    except UnicodeDecodeError as error:
+        raise _wrong(source, "is no text in UTF-8") from error
+    lines = [line for line in io.StringIO(text, newline="") if not _is_comment(line, said, source) and line.strip()]
     rows = list(csv.reader(lines, skipinitialspace=True))
     if not rows:
-        raise InvalidArgumentError(f"{os.fspath(path)}: has no line with the names of its columns")
-    return _field(path, _columns(path, rows[0], rows[1:]), said, size, blend, background)
+        raise _wrong(source, "has no line with the names of its columns")
+    return _field(source, _columns(source, rows[0], rows[1:]), said, size, blend, background)
 
 
 def load_ply(
-    path: Path,
+    file: StoredFile,
     *,
     size: tuple[int, int] | None = None,
     blend: Blend | None = None,
@@ -264,28 +289,29 @@ def load_ply(
     """Reads the vertices of a PLY file, text or binary, with the properties that load_csv takes as columns.
 
     size, blend, background: as of pack; what the file does not say in a comment, as `gscl export` writes it.
+
+    Raises InvalidArgumentError for other contents, and OSError.
     """
-    with open(path, "rb") as file:
-        content = file.read()
+    content, source = read_stored(file)
     end = content.find(b"end_header")
     if not content.startswith(b"ply") or end < 0:
-        raise InvalidArgumentError(f"{os.fspath(path)}: is no PLY file: no ply at its start, or no end_header")
+        raise _wrong(source, "is no PLY file: no ply at its start, or no end_header")
     said: dict[str, Any] = {}
-    count, properties, form = _read_header(path, content[:end].decode("ascii", "replace"), said)
+    count, properties, form = _read_header(source, content[:end].decode("ascii", "replace"), said)
     body = content[content.index(b"\n", end) + 1 :]
     if form == "ascii":
         rows = [line.split() for line in body.decode("ascii", "replace").splitlines()[:count]]
-        columns = _columns(path, [name for name, _ in properties], rows)
+        columns = _columns(source, [name for name, _ in properties], rows)
     else:
         order = "<" if form == "binary_little_endian" else ">"
         kind = numpy.dtype([(name, order + code) for name, code in properties])
         if len(body) < count * kind.itemsize:
-            raise InvalidArgumentError(f"{os.fspath(path)}: is incomplete: {count} splats take {kind.itemsize} bytes each")
+            raise _wrong(source, f"is incomplete: {count} splats take {kind.itemsize} bytes each")
         table = numpy.frombuffer(body, kind, count)
         columns = {name: table[name] for name, _ in properties}
     if len(next(iter(columns.values()), ())) != count:
-        raise InvalidArgumentError(f"{os.fspath(path)}: is incomplete: it has fewer than {count} splats")
-    return _field(path, columns, said, size, blend, background)
+        raise _wrong(source, f"is incomplete: it has fewer than {count} splats")
+    return _field(source, columns, said, size, blend, background)
 
 
 _PLY_TYPES = {
@@ -298,13 +324,13 @@ _PLY_TYPES = {
 }  # fmt: skip
 
 
-def _read_header(path: Path, text: str, said: dict[str, Any]) -> tuple[int, list[tuple[str, str]], str]:
+def _read_header(source: str, text: str, said: dict[str, Any]) -> tuple[int, list[tuple[str, str]], str]:
     """The number of vertices, which come first, the names and types of their properties, and the form of the numbers."""
     count, properties, form, elements = 0, list[tuple[str, str]](), "", list[str]()
     for line in text.splitlines():
         words = line.split()
         if words[:1] == ["comment"]:
-            _read_description(words[1:], said, path)
+            _read_description(words[1:], said, source)
         elif words[:1] == ["format"] and len(words) > 1:
             form = words[1]
         elif words[:1] == ["element"] and len(words) == 3 and words[2].isdecimal():
@@ -312,23 +338,23 @@ def _read_header(path: Path, text: str, said: dict[str, Any]) -> tuple[int, list
             count = int(words[2]) if len(elements) == 1 else count
         elif words[:1] == ["property"] and len(elements) == 1:
             if len(words) != 3 or words[1] not in _PLY_TYPES:
-                raise InvalidArgumentError(f"{os.fspath(path)}: '{line.strip()}' is no property of a splat")
+                raise _wrong(source, f"'{line.strip()}' is no property of a splat")
             properties.append((words[2], _PLY_TYPES[words[1]]))
     if elements[:1] != ["vertex"] or form not in ("ascii", "binary_little_endian", "binary_big_endian"):
-        raise InvalidArgumentError(f"{os.fspath(path)}: its first element is not vertex, or its format is not known")
+        raise _wrong(source, "its first element is not vertex, or its format is not known")
     return count, properties, form
 
 
-def _columns(path: Path, names: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, NDArray[Any]]:
+def _columns(source: str, names: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, NDArray[Any]]:
     for number, row in enumerate(rows):
         if len(row) != len(names):
-            raise InvalidArgumentError(f"{os.fspath(path)}: splat {number}: {len(row)} values; there are {len(names)} columns")
+            raise _wrong(source, f"splat {number}: {len(row)} values; there are {len(names)} columns")
     known = {"x", "y", "theta", "red", "green", "blue", "grey", "alpha", "opacity", "weight", *_OTHERS}.union(*_SHAPES)
     chosen = [(i, name.strip().lower()) for i, name in enumerate(names) if name.strip().lower() in known]
     try:
         return {name: numpy.array([float(row[i]) for row in rows]) for i, name in chosen}
     except ValueError as error:
-        raise InvalidArgumentError(f"{os.fspath(path)}: {error}") from None
+        raise _wrong(source, str(error)) from None
 
 
 # ---- What a table says besides ---------------------------------------------------------------------
@@ -336,13 +362,13 @@ def _columns(path: Path, names: Sequence[str], rows: Sequence[Sequence[str]]) ->
 _DESCRIPTION = ("width", "height", "channels", "bits", "blend", "background", "mean", "steps")
 
 
-def _is_comment(line: str, said: dict[str, Any], path: Path) -> bool:
+def _is_comment(line: str, said: dict[str, Any], source: str) -> bool:
     if line.startswith("#"):
-        _read_description(line.lstrip("# ").split(), said, path)
+        _read_description(line.lstrip("# ").split(), said, source)
     return line.startswith("#")
 
 
-def _read_description(words: Sequence[str], said: dict[str, Any], path: Path) -> None:
+def _read_description(words: Sequence[str], said: dict[str, Any], source: str) -> None:
     """The words of a comment that begins with gscl."""
     if words[:1] != ["gscl"]:
         return
@@ -360,11 +386,11 @@ def _read_description(words: Sequence[str], said: dict[str, Any], path: Path) ->
             elif word == "mean":
                 said[name] = True
         except ValueError:
-            raise InvalidArgumentError(f"{os.fspath(path)}: {word} is not what gscl export writes there") from None
+            raise _wrong(source, f"{word} is not what gscl export writes there") from None
 
 
 def _field(
-    path: Path,
+    source: str,
     columns: Mapping[str, NDArray[Any]],
     said: Mapping[str, Any],
     size: tuple[int, int] | None,
@@ -372,11 +398,11 @@ def _field(
     background: Sequence[float] | None,
 ) -> Field:
     """The field of columns, and of what the file or else the caller says about them."""
-    splats = _splats(path, columns)
+    splats = _splats(source, columns)
     size = size or ((said["width"], said["height"]) if "width" in said and "height" in said else None)
     name = blend or said.get("blend")
     if size is None or name in (None, "auto"):
-        raise InvalidArgumentError(f"{os.fspath(path)}: does not say the size of the picture, or its blend: pass size and blend")
+        raise _wrong(source, "does not say the size of the picture, or its blend: pass size and blend")
     number_of("blend", BLENDS, name)
     channels = said.get("channels") or (1 if "grey" in columns else 3) + ("alpha" in columns and _has_alpha(splats))
     given = Field(size[0], size[1], channels, name, splats, _background(said.get("background", (0,))))
@@ -390,13 +416,13 @@ def _has_alpha(splats: NDArray[numpy.void]) -> bool:
     return bool((splats["colour"][:, 3] != 1).any())
 
 
-def _splats(path: Path, columns: Mapping[str, NDArray[Any]]) -> NDArray[numpy.void]:
+def _splats(source: str, columns: Mapping[str, NDArray[Any]]) -> NDArray[numpy.void]:
     forms = [form for form in _SHAPES if all(name in columns for name in form)]
     missing = [name for name in ("x", "y") if name not in columns]
     missing += [] if forms else ["sigma1 and sigma2 (or cov_xx, cov_xy, cov_yy, or l11, l21, l22)"]
     missing += [] if "grey" in columns else [name for name in ("red", "green", "blue") if name not in columns]
     if missing:
-        raise InvalidArgumentError(f"{os.fspath(path)}: has no column {', '.join(missing)}")
+        raise _wrong(source, f"has no column {', '.join(missing)}")
     colours = ["grey"] if "red" not in columns else ["red", "green", "blue"]
     centre, colour = _stacked(columns, ("x", "y")), _stacked(columns, [*colours, *(["alpha"] if "alpha" in columns else [])])
     opacity = columns.get("opacity", columns.get("weight", 1.0))
