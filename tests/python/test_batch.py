@@ -22,7 +22,7 @@ from PIL import Image
 import gscl
 import gscl.batch
 from conftest import make_picture
-from gscl.batch import _machine, _plan, _storage
+from gscl.batch import _conversions, _machine, _plan, _storage
 from gscl.batch.__main__ import main as batch_main
 
 FAST = {"effort": 0, "bytes": 200}
@@ -320,7 +320,7 @@ def test_resume(run, memory, encoder, encoded):
 def test_task_that_ran_already(thread, memory, encoder):
     """A task whose rows are there does nothing, as when its worker dies after it wrote them."""
     memory.pipe_file("/in/a", b"a")
-    job = gscl.batch._work.Job("0001-0", "memory:///out", "memory:///report", encoder=encoder)
+    job = gscl.batch._work.Job("0001-0", "memory:///out", "memory:///report", _conversions.Encoding({}, encoder))
     line = '["memory:///in/a", "memory:///out/a.gscl", ""]\n'
     counts = [thread.submit(gscl.batch._work.do_task, job, "0", line, pure=False).result() for _ in "12"]
     assert counts[0] == counts[1] == {"ok": 1, "exists": 0, "failed": 0, "bytes": len(encoder.encoded)}
@@ -334,7 +334,7 @@ def test_two_pictures_with_one_output(run, memory):
         ["memory://in/a.png", "memory://in/a.jpg", "memory://in/b.png", "memory://in/../x"], root="memory://in"
     )
     assert (summary.ok, summary.failed) == (2, 2)
-    assert "another picture has the output a.gscl" in table()["memory:///in/a.jpg"]["error"]
+    assert "another file has the output a.gscl" in table()["memory:///in/a.jpg"]["error"]
 
 
 def test_shards(run, memory):
@@ -372,7 +372,13 @@ def test_targets_that_small_pictures_miss():
 def test_threads(run, memory, monkeypatch, encoded, threads, expected):
     """A picture takes one thread, unless the caller says otherwise, which changes no file: a run with another number goes on."""
     used = []
-    monkeypatch.setattr(gscl.batch._work, "encode", lambda picture, *, threads, **_: used.append(threads) or encoded)
+
+    def encode(picture, *, threads, progress=None, **_):
+        if not progress:  # which the test of settings passes
+            used.append(threads)
+        return encoded
+
+    monkeypatch.setattr(_conversions, "encode", encode)
     with io.BytesIO() as file:
         Image.fromarray(make_picture(32, 32)).save(file, "png")
         for name in "ab":
@@ -428,8 +434,8 @@ def test_an_exception_ends_the_run(run, memory):
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        run("memory://in/*", progress=stop, task_pictures=1)
-    run("memory://in/*", task_pictures=1)
+        run("memory://in/*", progress=stop, task_files=1)
+    run("memory://in/*", task_files=1)
     assert len(table()) == 40
 
 
@@ -476,6 +482,7 @@ def test_a_server_moves(tmp_path):
     [
         ("/p/a.b.png", "/p", "/p/a.b.png", "a.b.gscl"),
         ("x/a", "/p", "/p/x/a", "x/a.gscl"),
+        ("x/model.pth.tar", "/p", "/p/x/model.pth.tar", "x/model.gscl"),
         ("/q/a.png", "/p", "/q/a.png", "q/a.gscl"),
         ("/p2/a.png", "/p", "/p2/a.png", "p2/a.gscl"),
         (".hidden", "/p", "/p/.hidden", ".hidden.gscl"),
@@ -485,7 +492,7 @@ def test_a_server_moves(tmp_path):
     ],
 )
 def test_names(name, root, source, output):
-    assert _plan.locate(name, root) == (source, output)
+    assert _plan.locate(name, root, ".gscl") == (source, output)
 
 
 def test_glob_matches_as_fsspec_does(tmp_path):
@@ -494,7 +501,7 @@ def test_glob_matches_as_fsspec_does(tmp_path):
         (tmp_path / name).write_text("")
     for pattern in "**/*.png", "*.png", "*/*.png", "a/**", "?/?/c.*", "**/[[]x].png", "none/*":
         expected = [name for name in fsspec.filesystem("file").glob(f"{tmp_path}/{pattern}") if os.path.isfile(name)]
-        assert sorted(_plan.list_pictures(f"{tmp_path}/{pattern}")) == sorted(expected), pattern
+        assert sorted(_plan.list_sources(f"{tmp_path}/{pattern}")) == sorted(expected), pattern
 
 
 def test_places_of_devices(tmp_path, monkeypatch):

@@ -8,9 +8,10 @@ Needs the packages of `pip install gscl[batch]`.  As a program: python -m gscl.b
 """
 
 try:
+    from gscl.batch._conversions import encode_file
+    from gscl.batch._functions import run
     from gscl.batch._report import SCHEMA, read_report
-    from gscl.batch._run import BatchProgress, Summary, run
-    from gscl.batch._work import encode_file
+    from gscl.batch._run import BatchProgress, Summary
 except ModuleNotFoundError as error:
     raise ImportError(f"gscl.batch needs further packages: pip install 'gscl[batch]': {error}") from error
 

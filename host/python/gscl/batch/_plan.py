@@ -1,4 +1,4 @@
-"""Which pictures a run encodes, in a temporary file of the caller's machine: a line a picture."""
+"""Which files a run converts, in a temporary file of the caller's machine: a line for each."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from fsspec.utils import glob_translate  # type: ignore[import-untyped]
 
 from gscl.batch import _storage
 
-Pictures = Union[str, Iterable[str]]
+Sources = Union[str, Iterable[str]]
 """A glob ("s3://bucket/photos/**/*.jpg"), a manifest (a file of one URL or path a line), or URLs and paths."""
 
-SUFFIX = ".gscl"
 _GLOB = re.compile(r"[*?\[]")
+_SUFFIX = re.compile(r"(?<=.)(\.pth\.tar|\.[^.]*)\Z")  # a checkpoint has two
 
 
 def printable(name: str) -> str:
@@ -32,14 +32,14 @@ def digest(name: str) -> bytes:
     return hashlib.blake2b(printable(name).encode(), digest_size=16).digest()
 
 
-def list_pictures(pictures: Pictures) -> Iterator[str]:
-    """The URLs or paths of all pictures, one after the other.  Raises OSError."""
-    if not isinstance(pictures, str):
-        yield from pictures
-    elif _GLOB.search(pictures):
-        yield from _match(pictures)
+def list_sources(sources: Sources) -> Iterator[str]:
+    """The URLs or paths of all files, one after the other.  Raises OSError."""
+    if not isinstance(sources, str):
+        yield from sources
+    elif _GLOB.search(sources):
+        yield from _match(sources)
     else:
-        with fsspec.open(pictures, "rt", encoding="utf-8", errors="surrogateescape", compression="infer") as lines:
+        with fsspec.open(sources, "rt", encoding="utf-8", errors="surrogateescape", compression="infer") as lines:
             yield from (name for name in (line.rstrip("\r\n") for line in lines) if name)
 
 
@@ -66,18 +66,18 @@ def _match(pattern: str) -> Iterator[str]:
                 yield str(filesystem.unstrip_protocol(found))
 
 
-def default_root(pictures: Pictures) -> str:
+def default_root(sources: Sources) -> str:
     """The folder that a glob begins with; "" for lists."""
-    if not isinstance(pictures, str) or not (found := _GLOB.search(pictures)):
+    if not isinstance(sources, str) or not (found := _GLOB.search(sources)):
         return ""
-    first, chain, rest = pictures.partition("::")
+    first, chain, rest = sources.partition("::")
     return first[: found.start()].rpartition("/")[0] + chain + rest
 
 
-def locate(name: str, root: str) -> tuple[str, str]:
-    """The URL or absolute path of a picture, and the name of its output in the folder of outputs: that of the picture
-    below `root`, or all of it if it is elsewhere.  A relative name is one below `root`, or the current folder.  Raises
-    ValueError.
+def locate(name: str, root: str, suffix: str) -> tuple[str, str]:
+    """The URL or absolute path of a file, and the name of its output in the folder of outputs: that of the file below
+    `root`, or all of it if it is elsewhere, with another suffix.  A relative name is one below `root`, or the current
+    folder.  Raises ValueError.
     """
     first, chain, rest = name.partition("::")
     if "://" not in first and not first.startswith("/"):
@@ -90,8 +90,7 @@ def locate(name: str, root: str) -> tuple[str, str]:
     parts = [part for part in below.split("/") if part not in ("", ".")]
     if ".." in parts or not parts:
         raise ValueError("the name leads out of the folder of outputs: expected one without '..'")
-    stem = parts[-1].rpartition(".")[0] or parts[-1]
-    return source, "/".join([*parts[:-1], stem + SUFFIX])
+    return source, "/".join([*parts[:-1], _SUFFIX.sub("", parts[-1]) + suffix])
 
 
 @dataclass
@@ -101,7 +100,7 @@ class Plan:
     file: IO[str]
     count: int = 0
     done: int = 0
-    """Pictures whose row of an earlier run says that they are done."""
+    """Files whose row of an earlier run says that they are done."""
     repeated: int = 0
     """Names that were given more than once."""
     seen: dict[bytes, bytes] = field(default_factory=dict, repr=False)
@@ -116,19 +115,24 @@ class Plan:
 
 
 def make_plan(
-    file: IO[str], pictures: Pictures, out: str, root: str | None, shard: tuple[int, int], is_done: set[bytes]
+    file: IO[str],
+    sources: Sources,
+    out: str,
+    suffix: str,
+    root: str | None,
+    shard: tuple[int, int],
+    is_done: set[bytes],
 ) -> Plan:
-    """Lists the pictures of this shard, each once, in an empty file.  Two that would have the same output are not both
-    encoded: the second gets an error.  Takes about 200 bytes of memory a picture while it works, and
-    none afterwards.
+    """Lists the sources of this shard, each once, in an empty file.  Two that would have the same output are not both
+    converted: the second gets an error.  Takes about 200 bytes of memory for each while it works, and none afterwards.
     """
-    root = default_root(pictures) if root is None else root
+    root = default_root(sources) if root is None else root
     root = _storage.absolute(root) if root else ""
     plan = Plan(file)
     index, count = shard
-    for given in list_pictures(pictures):
+    for given in list_sources(sources):
         try:
-            (source, name), error = locate(given, root), ""
+            (source, name), error = locate(given, root, suffix), ""
         except ValueError as reason:
             source, name, error = given, "", str(reason)
         key, own = digest(name or source), digest(source)
@@ -138,7 +142,7 @@ def make_plan(
             if plan.seen[key] == own[:8]:
                 plan.repeated += 1
                 continue
-            error = f"another picture has the output {name}, too: rename one of them"
+            error = f"another file has the output {name}, too: rename one of them"
         else:
             plan.seen[key] = own[:8]
         if not error and own in is_done:

@@ -1,6 +1,6 @@
 """The report of a batch: a folder of Parquet files, each of the rows of one task.
 
-A file is named RUN-TASK.parquet and appears whole.  Runs are numbered, so that the row of a picture that failed and
+A file is named RUN-TASK.parquet and appears whole.  Runs are numbered, so that the row of a file that failed and
 was tried again in a later run is the one of the file that sorts last.
 """
 
@@ -112,7 +112,7 @@ def _read_parts(report: str, columns: Sequence[str] | None) -> Iterator[Any]:
 
 
 def read_report(report: str, columns: Sequence[str] | None = None) -> Any:
-    """The rows of a report as a pyarrow.Table with each picture once: the row of the last run that tried it.
+    """The rows of a report as a pyarrow.Table with each source once: the row of the last run that tried it.
 
     report: the URL of the report's folder; it may be in use.
     columns: those to read; None for all.
@@ -131,7 +131,7 @@ def read_report(report: str, columns: Sequence[str] | None = None) -> Any:
 
 
 def read_done(report: str) -> set[bytes]:
-    """Digests of the pictures that need no encode: about 100 bytes of memory each."""
+    """Digests of the sources that need no more work: about 100 bytes of memory each."""
     done: set[bytes] = set()
     for table in _read_parts(report, ["source", "status"]):
         for source, status in zip(table["source"].to_pylist(), table["status"].to_pylist()):

@@ -9,23 +9,21 @@ import logging
 import math
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import dask
 import distributed
-import numpy
 
-from gscl._encode import encode
-from gscl._devices import HOST
-from gscl._errors import BudgetTooSmallError, CancelledError, InvalidArgumentError, NoEncoderError, TargetUnreachableError
+from gscl._errors import InvalidArgumentError
 from gscl.batch import _report, _storage, _work
-from gscl.batch._plan import Pictures, Plan, make_plan
-from gscl.batch._work import Encoder, Job
+from gscl.batch._conversions import Conversion
+from gscl.batch._plan import Plan, Sources, make_plan
+from gscl.batch._work import Job
 
 TASKS_AHEAD = 2  # tasks in the scheduler for each encoder, so that none waits for the next task
-TASK_PICTURES = 100  # the most in a task
+TASK_FILES = 100  # the most in a task
 LAST_TASKS = 4  # tasks for each encoder that the rest of a run is divided into, so that all encoders end together
 RECOUNT_INTERVAL = 5.0  # seconds after which the workers are counted again
 
@@ -38,7 +36,7 @@ class BatchProgress(NamedTuple):
     failed: int
     """Of the tasks that ended."""
     encoders: int
-    """At work on all workers."""
+    """Of all workers: how many files they convert at the same time."""
     elapsed_s: float
 
 
@@ -47,13 +45,13 @@ class Summary:
     """What a run did."""
 
     ok: int
-    """Pictures encoded."""
+    """Files whose outputs were written."""
     exists: int
-    """Pictures whose outputs were there, and whole."""
+    """Files whose outputs were there, and whole."""
     failed: int
-    """Pictures that cannot be encoded; their rows say why."""
+    """Files that cannot be converted; their rows say why."""
     skipped: int
-    """Pictures that the report had as done before this run."""
+    """Files that the report had as done before this run."""
     repeated: int
     """Names that were given more than once."""
     bytes: int
@@ -61,73 +59,37 @@ class Summary:
     seconds: float
 
 
-def run(
-    pictures: Pictures,
+def convert_all(
+    conversion: Conversion,
+    sources: Sources,
     out: str,
     report: str,
     *,
-    client: distributed.Client | None = None,
-    workers: int | None = None,
-    encoders: int | None = None,
-    threads: int | None = None,
-    devices: tuple[str, ...] | list[str] = (),
-    root: str | None = None,
-    shard: tuple[int, int] = (1, 1),
-    retries: int = 2,
-    overwrite: bool = False,
-    task_pictures: int = TASK_PICTURES,
-    encoder: Encoder | None = None,
-    progress: Callable[[BatchProgress], None] | None = None,
-    **settings: Any,
+    client: distributed.Client | None,
+    workers: int | None,
+    encoders: int | None,
+    threads: int | None,
+    devices: Sequence[str],
+    root: str | None,
+    shard: tuple[int, int],
+    retries: int,
+    overwrite: bool,
+    task_files: int,
+    progress: Callable[[BatchProgress], None] | None,
 ) -> Summary:
-    """Encodes many pictures on the workers of a Dask cluster.
-
-    pictures: a glob, a manifest, or a list, whose names are paths or URLs of fsspec.  A glob begins at its first "*",
-        "?" or "[", and "**" stands for any folders; a manifest is a UTF-8 text, or a compressed one, with a name in
-        each line.
-    out: the folder of the outputs, which keeps the tree of the pictures: NAME.gscl for NAME.png.
-    report: the folder of the report, which read_report reads.  It has a row a picture: source, output; status: "ok",
-        "exists" (the output was there, and whole) or "failed"; error; source_bytes, bytes; width, height, splats, psnr;
-        ssimulacra2, where it is the target; seconds, attempts, worker, device, and the time when it was finished.
-    client: of the cluster; None starts worker processes on this machine for the time of the call.
-    workers, encoders: with no client, how many processes, and how many pictures each encodes at the same time; None
-        for as many as the machine has cores, in all.  With a client, each worker has as many encoders as Dask gave it
-        threads.
-    threads: of each encode on the device "host".  None for one, as other pictures take the other cores; where no client is
-        given and pictures are fewer than encoders, for an even share of the cores.  An encoder of the caller's own does
-        not get it.
-    devices: ids or parts of names of OpenCL devices, which the workers of a machine share evenly, or "host"; empty for the
-        GPUs of the default platform or, if it has none, the default device, which is "host".
-    root: the folder in `pictures` that `out` stands for.  Relative names of a manifest are below it.  None for the
-        folder that a glob begins with and, with a manifest, for the current folder; names elsewhere keep their whole
-        path.
-    shard: (i, n) for the i-th of n parts, 1..n, of all pictures.
-    retries: further attempts for errors that may pass: those of storage and of OpenCL.
-    overwrite: whether to encode pictures again whose outputs exist or whose rows say that they are done.
-    task_pictures: the most pictures in a task, and rows in a file of the report.
-    encoder: replaces gscl.encode; called with the bytes of a picture's file and, by name, `device` and the settings;
-        returns what gscl.encode returns, or gscl.Encoded(data, report).
-    progress: called about once a second, in the calling thread.  An exception in it ends the run.
-    settings: arguments of gscl.encode.
-
-    A picture that cannot be encoded is a row, and the run goes on.  A run that ended early, in whatever way, is
-    completed by the same call: pictures whose rows say that they are done, or whose outputs are whole, are not encoded
-    again; failed ones are.  Outputs and files of the report are written whole or not at all.
-
-    Raises a subclass of gscl.Error for settings that no picture can have and for machines without a device, and OSError
-    where names cannot be listed or the report not be written.
-    """
-    if not 1 <= shard[0] <= shard[1] or retries < 0 or task_pictures < 1:
-        raise InvalidArgumentError(f"shard {shard}, retries {retries}, task_pictures {task_pictures}: out of range")
-    if encoder is None:
-        _check_settings({"threads": threads or 0, **settings})
+    """Converts many files: gscl.batch.run explains the arguments."""
+    if not 1 <= shard[0] <= shard[1] or retries < 0 or task_files < 1:
+        raise InvalidArgumentError(f"shard {shard}, retries {retries}, task_files {task_files}: out of range")
+    conversion.check(threads or 0)
     out, report = _storage.absolute(out), _storage.absolute(report)
-    job = Job(_report.next_run(report), out, report, settings, encoder, tuple(devices), retries, overwrite)
+    job = Job(_report.next_run(report), out, report, conversion, tuple(devices), retries, overwrite)
+    settings = {"conversion": conversion.name, "out": out, **conversion.settings()}
     started = time.monotonic()
     try:
-        _report.check_settings(report, {"out": out, **settings}, _storage.temporary_folder(report, job.run))
+        _report.check_settings(report, settings, _storage.temporary_folder(report, job.run))
         with tempfile.TemporaryFile("w+", encoding="ascii", prefix="gscl-plan-") as file:
-            plan = make_plan(file, pictures, out, root, shard, set() if overwrite else _report.read_done(report))
+            is_done = set() if overwrite else _report.read_done(report)
+            plan = make_plan(file, sources, out, conversion.suffix, root, shard, is_done)
             totals = {_report.OK: 0, _report.EXISTS: 0, _report.FAILED: 0, "bytes": 0}
             if plan.count:
                 if client is None:
@@ -135,29 +97,19 @@ def run(
                     threads = threads or share
                 job = dataclasses.replace(job, threads=threads or 1)
                 with _connected(client, workers, encoders) as connected:
-                    _Run(connected, job, plan, totals, task_pictures, progress).complete()
+                    _Run(connected, job, plan, totals, task_files, progress).complete()
     finally:
         for folder in {out, report}:
             _storage.clean(folder, job.run)
     return Summary(skipped=plan.done, repeated=plan.repeated, seconds=time.monotonic() - started, **totals)
 
 
-def _check_settings(settings: Mapping[str, Any]) -> None:
-    """Raises what every picture would raise.  The library checks settings before anything else of an encode, which ends
-    there: by the callback, or because "host" has no kernels, or because of a target that only a picture of this size
-    misses."""
-    try:
-        encode(numpy.zeros((8, 8), numpy.uint8), device=HOST, progress=lambda state: False, **settings)
-    except (CancelledError, NoEncoderError, BudgetTooSmallError, TargetUnreachableError):
-        pass
-
-
-def _divide(pictures: int, workers: int | None, encoders: int | None) -> tuple[int, int, int]:
-    """Processes on this machine, pictures that each encodes at the same time, and threads for each picture."""
+def _divide(files: int, workers: int | None, encoders: int | None) -> tuple[int, int, int]:
+    """Processes on this machine, files that each converts at the same time, and threads for each file."""
     cores = dask.system.CPU_COUNT  # that this process may use
     workers = workers or max(1, cores // (encoders or 1))
     encoders = encoders or max(1, cores // workers)
-    return workers, encoders, max(1, cores // min(workers * encoders, pictures))
+    return workers, encoders, max(1, cores // min(workers * encoders, files))
 
 
 @contextlib.contextmanager
@@ -179,7 +131,7 @@ def _connected(client: Any, workers: int | None, encoders: int | None) -> Iterat
 
 
 class _Run:
-    """Submits tasks as others end, so that the scheduler has a few for each encoder whatever the number of pictures."""
+    """Submits tasks as others end, so that the scheduler has a few for each encoder whatever the number of files."""
 
     def __init__(
         self,
@@ -187,22 +139,22 @@ class _Run:
         job: Job,
         plan: Plan,
         totals: dict[str, int],
-        task_pictures: int,
+        task_files: int,
         progress: Callable[[BatchProgress], None] | None,
     ) -> None:
         self.client, self.job, self.plan, self.totals = client, job, plan, totals
-        self.task_pictures, self.progress = task_pictures, progress
+        self.task_files, self.progress = task_files, progress
         self.started = self.told = time.monotonic()
         self.encoders, self.counted = 0, -math.inf
         self.left = plan.count
         self.tasks = 0
-        self.lines: dict[Any, tuple[str, str]] = {}  # the task and the pictures of a future
-        self.suspects: list[tuple[str, str]] = []  # tasks of one picture whose workers died, with others at work on them
+        self.lines: dict[Any, tuple[str, str]] = {}  # the task and the files of a future
+        self.suspects: list[tuple[str, str]] = []  # tasks of one file whose workers died, with others at work on them
         self.alone = False  # whether the task under way is a suspect, and the only one
-        self.under_way: dict[str, int] = {}  # pictures done in tasks that have not ended
+        self.under_way: dict[str, int] = {}  # files done in tasks that have not ended
 
     def complete(self) -> None:
-        """Returns when each picture of the plan has a row, and `totals` has the sums of the rows."""
+        """Returns when each file of the plan has a row, and `totals` has the sums of the rows."""
         self.client.subscribe_topic(self.job.topic(), self._hear)
         as_completed: Any = distributed.as_completed  # has no types
         futures = as_completed(loop=self.client.loop)
@@ -211,7 +163,7 @@ class _Run:
             while self.lines:
                 self._wait(futures)
                 self._fill(futures)
-            # A worker dies with all its pictures.  Which of them kills it shows when each is the only one under way.
+            # A worker dies with all its files.  Which of them kills it shows when each is the only one under way.
             self.alone = True
             for task, line in self.suspects:
                 self._submit(futures, f"{task}.alone", line)
@@ -232,7 +184,7 @@ class _Run:
             self.counted = time.monotonic()
         encoders = max(1, self.encoders)
         while self.left and len(self.lines) < TASKS_AHEAD * encoders:
-            size = min(self.task_pictures, math.ceil(self.left / (LAST_TASKS * encoders)))
+            size = min(self.task_files, math.ceil(self.left / (LAST_TASKS * encoders)))
             self._submit(futures, f"{self.tasks:06d}", self.plan.take(size))
             self.tasks += 1
             self.left -= size
@@ -264,7 +216,7 @@ class _Run:
         elif not isinstance(error, distributed.KilledWorker):
             raise error
         elif lines.count("\n") > 1:
-            # One of these pictures may kill the workers: each becomes a task of its own.
+            # One of these files may kill the workers: each becomes a task of its own.
             for i, line in enumerate(lines.splitlines(keepends=True)):
                 self._submit(futures, f"{task}.{i:06d}", line)
         elif not self.alone:
@@ -273,7 +225,7 @@ class _Run:
             self._give_up(task, lines)
 
     def _give_up(self, task: str, line: str) -> None:
-        """Writes the row of a picture that kills each worker that tries it."""
+        """Writes the row of a file that kills each worker that tries it."""
         source, output, _ = json.loads(line)
         row = _work.empty_row(source, output, "")
         row["error"] = "the worker died of it, and so did others"

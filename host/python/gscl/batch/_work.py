@@ -1,38 +1,24 @@
-"""What a worker does: it encodes the pictures of a task, one after the other, and writes their rows."""
+"""What a worker does: it converts the files of a task, one after the other, and writes their rows."""
 
 from __future__ import annotations
 
-import io
 import json
-import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import TypeVar
 
 import distributed
-from PIL import Image, UnidentifiedImageError
 
-from gscl._encode import Encoded, encode
-from gscl._errors import (
-    AmbiguousDeviceError,
-    DeviceError,
-    FileError,
-    NoEncoderError,
-    NoPlatformError,
-    UnknownDeviceError,
-)
-from gscl._inspect import info
+from gscl._errors import AmbiguousDeviceError, DeviceError, NoEncoderError, NoPlatformError, UnknownDeviceError
 from gscl.batch import _machine, _report, _storage
+from gscl.batch._conversions import Conversion, Figures
 from gscl.batch._plan import printable
 from gscl.batch._report import EXISTS, FAILED, OK, Row
 
 Result = TypeVar("Result")
 
-Encoder = Callable[..., Encoded]
-"""Called with the bytes of a picture's file, and by name with `device` and the settings of the run."""
-
-# Errors that each picture would have on this machine: the task fails, and Dask tries it on another one.
+# Errors that each file would have on this machine: the task fails, and Dask tries it on another one.
 _OF_THE_MACHINE = (NoPlatformError, UnknownDeviceError, AmbiguousDeviceError, NoEncoderError)
 # Errors of storage that trying again does not mend.
 _LASTING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, PermissionError, ValueError, ImportError)
@@ -52,32 +38,20 @@ class Job:
     run: str
     out: str
     report: str
-    settings: dict[str, Any] = field(default_factory=dict)
-    encoder: Encoder | None = None
+    conversion: Conversion
     devices: tuple[str, ...] = ()
     retries: int = 2
     overwrite: bool = False
     threads: int = 1
-    """Of each encode on the device "host"."""
+    """Of each file on the device "host"."""
 
     def topic(self) -> str:
         """Of the events that tell the caller about progress."""
         return f"gscl-{self.run}"
 
 
-def encode_file(picture: bytes, *, device: str | None, threads: int = 1, **settings: Any) -> Encoded:
-    """The encoder of a run that has no other one.  It takes one thread, as workers have an encoder for each core."""
-    try:
-        image = Image.open(io.BytesIO(picture))
-    except UnidentifiedImageError:
-        raise UnidentifiedImageError("not an image that Pillow reads") from None
-    with image:
-        encoded: Encoded = encode(image, device=device, threads=threads, **settings)
-        return encoded
-
-
 def do_task(job: Job, task: str, lines: str) -> dict[str, int]:
-    """Encodes the pictures of these lines of a plan, and returns what their rows count to.
+    """Converts the files of these lines of a plan, and returns what their rows count to.
 
     A task runs again where its worker died.  Then it finds the outputs that were written, or all rows.
     """
@@ -87,10 +61,10 @@ def do_task(job: Job, task: str, lines: str) -> dict[str, int]:
         return _report.count(part.to_pylist())
     worker, encoders, tell = _surroundings(job, task)
     _machine.prepare(encoders)
-    device = _machine.choose_device(job.devices)
+    device = _machine.choose_device(job.devices) if job.conversion.has_device else None
     rows = []
     for line in lines.splitlines():
-        rows.append(do_picture(job, *json.loads(line), worker=worker, device=device))
+        rows.append(do_file(job, *json.loads(line), worker=worker, device=device))
         tell(len(rows))
     _report.write_part(url, rows, _storage.temporary_folder(job.report, job.run))
     return _report.count(rows)
@@ -110,8 +84,8 @@ def _surroundings(job: Job, task: str) -> tuple[str, int, Callable[[int], None]]
     return f"{worker.name} {worker.address}", worker.state.nthreads, tell
 
 
-def do_picture(job: Job, source: str, output: str, error: str, *, worker: str, device: str | None) -> Row:
-    """Encodes a picture, unless its output exists whole, and returns its row."""
+def do_file(job: Job, source: str, output: str, error: str, *, worker: str, device: str | None) -> Row:
+    """Converts a file, unless its output exists whole, and returns its row."""
     row = empty_row(source, output, worker)
     started = time.perf_counter()
     try:
@@ -159,8 +133,8 @@ def _complete(row: Row, job: Job, source: str, output: str, device: str | None) 
     while True:
         row["attempts"] += 1
         try:
-            if job.overwrite or not _exists(row, output, bool(job.settings.get("bare"))):
-                _encode(row, job, source, output, device)
+            if job.overwrite or not _exists(row, job, output):
+                _convert(row, job, source, output, device)
             return
         except TransientError:
             if row["attempts"] > job.retries:
@@ -178,32 +152,35 @@ def _stored(function: Callable[[], Result]) -> Result:
         raise TransientError from error
 
 
-def _exists(row: Row, output: str, bare: bool) -> bool:
-    """Whether the output exists and is a whole gscl file."""
+def _exists(row: Row, job: Job, output: str) -> bool:
+    """Whether the output exists and is whole."""
     try:
         data = _stored(lambda: _storage.read(output))
-        found = info(data, bare=bare)
-    except (FileNotFoundError, FileError):
+    except FileNotFoundError:
         return False
-    row["status"], row["bytes"], row["splats"] = EXISTS, len(data), found.splats
-    row["width"], row["height"] = found.width, found.height
+    try:
+        figures = job.conversion.examine(data)
+    except ValueError:
+        return False
+    _fill_in(row, EXISTS, data, figures)
     return True
 
 
-def _encode(row: Row, job: Job, source: str, output: str, device: str | None) -> None:
-    picture = _stored(lambda: _storage.read(source))
-    row["source_bytes"], row["device"] = len(picture), device or "default"
+def _convert(row: Row, job: Job, source: str, output: str, device: str | None) -> None:
+    data = _stored(lambda: _storage.read(source))
+    row["source_bytes"] = len(data)
+    row["device"] = (device or "default") if job.conversion.has_device else None
     try:
-        if job.encoder:
-            encoded = job.encoder(picture, device=device, **job.settings)
-        else:
-            encoded = encode_file(picture, device=device, threads=job.threads, **job.settings)
+        made, figures = job.conversion.convert(data, source, device=device, threads=job.threads)
     except _OF_THE_MACHINE:
         raise
     except (DeviceError, MemoryError) as error:
         raise TransientError from error
-    found, report = info(encoded, bare=bool(job.settings.get("bare")), header_only=True), encoded.report
-    _stored(lambda: _storage.write_whole(output, encoded, _storage.temporary_folder(job.out, job.run)))
-    row["status"], row["bytes"], row["splats"], row["psnr"] = OK, len(encoded), report.splats, report.psnr
-    row["ssimulacra2"] = None if math.isnan(report.ssimulacra2) else report.ssimulacra2
-    row["width"], row["height"] = found.width, found.height
+    _stored(lambda: _storage.write_whole(output, made, _storage.temporary_folder(job.out, job.run)))
+    _fill_in(row, OK, made, figures)
+
+
+def _fill_in(row: Row, status: str, output: bytes, figures: Figures) -> None:
+    row["status"], row["bytes"] = status, len(output)
+    row["width"], row["height"], row["splats"] = figures.width, figures.height, figures.splats
+    row["psnr"], row["ssimulacra2"] = figures.psnr, figures.ssimulacra2

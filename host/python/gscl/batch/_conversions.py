@@ -1,0 +1,119 @@
+"""What a run makes of each of its files."""
+
+from __future__ import annotations
+
+import abc
+import functools
+import io
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy
+from PIL import Image, UnidentifiedImageError
+
+from gscl._devices import HOST
+from gscl._encode import Encoded, encode
+from gscl._errors import BudgetTooSmallError, CancelledError, NoEncoderError, TargetUnreachableError
+from gscl._inspect import info
+
+Encoder = Callable[..., Encoded]
+"""Called with the bytes of a picture's file, and by name with `device` and the settings of the run."""
+
+
+class Figures(NamedTuple):
+    """What the row of a file says about its output, besides bytes."""
+
+    width: int
+    height: int
+    splats: int
+    psnr: float | None = None
+    ssimulacra2: float | None = None
+
+
+class Conversion(abc.ABC):
+    """What a run makes of each of its files.  Each worker has a copy."""
+
+    name: ClassVar[str]
+    """In the settings of a report."""
+    suffix: ClassVar[str]
+    """Of the names of outputs."""
+    has_device: ClassVar[bool]
+    """Whether it computes on a device."""
+
+    @abc.abstractmethod
+    def settings(self) -> dict[str, Any]:
+        """What outputs depend on: a report is of one conversion with the same settings."""
+
+    @abc.abstractmethod
+    def check(self, threads: int) -> None:
+        """Raises what every file would raise.  threads: of the device "host"; 0 for the default."""
+
+    @abc.abstractmethod
+    def convert(self, data: bytes, source: str, *, device: str | None, threads: int) -> tuple[bytes, Figures]:
+        """The output for the bytes of a file, whose name is `source`."""
+
+    @abc.abstractmethod
+    def examine(self, output: bytes) -> Figures:
+        """Figures of an output that is there.  Raises ValueError where it is not whole."""
+
+
+def _check_arguments(function: Callable[..., object], first: object, threads: int, arguments: dict[str, Any]) -> None:
+    """Raises what a call with these arguments raises before its work.  The library checks settings first, and ends there: by the
+    callback, or because "host" has no kernels, or because of a target that only a picture of this size misses."""
+    try:
+        function(first, device=HOST, threads=threads, progress=lambda state: False, **arguments)
+    except (CancelledError, NoEncoderError, BudgetTooSmallError, TargetUnreachableError):
+        pass
+
+
+@dataclass(frozen=True)
+class Encoding(Conversion):
+    """Encodes pictures."""
+
+    arguments: dict[str, Any]
+    """Of the encoder, by their names."""
+    encoder: Encoder | None = None
+    """None for encode_file."""
+
+    name = "encode"
+    suffix = ".gscl"
+    has_device = True
+
+    def settings(self) -> dict[str, Any]:
+        return self.arguments
+
+    def check(self, threads: int) -> None:
+        if self.encoder is None:
+            _check_arguments(encode, numpy.zeros((8, 8), numpy.uint8), threads, self.arguments)
+
+    def convert(self, data: bytes, source: str, *, device: str | None, threads: int) -> tuple[bytes, Figures]:
+        encoder = self.encoder or functools.partial(encode_file, threads=threads)
+        encoded = encoder(data, device=device, **self.arguments)
+        found, report = info(encoded, bare=_is_bare(self.arguments), header_only=True), encoded.report
+        ssimulacra2 = None if math.isnan(report.ssimulacra2) else report.ssimulacra2
+        return encoded, Figures(found.width, found.height, report.splats, report.psnr, ssimulacra2)
+
+    def examine(self, output: bytes) -> Figures:
+        return _examine_file(output, _is_bare(self.arguments))
+
+
+def encode_file(picture: bytes, *, device: str | None, threads: int = 1, **settings: Any) -> Encoded:
+    """The encoder of a run that has no other one.  It takes one thread, as workers have an encoder for each core."""
+    try:
+        image = Image.open(io.BytesIO(picture))
+    except UnidentifiedImageError:
+        raise UnidentifiedImageError("not an image that Pillow reads") from None
+    with image:
+        encoded: Encoded = encode(image, device=device, threads=threads, **settings)
+        return encoded
+
+
+def _is_bare(arguments: dict[str, Any]) -> bool:
+    return bool(arguments.get("bare"))
+
+
+def _examine_file(output: bytes, is_bare: bool) -> Figures:
+    found = info(output, bare=is_bare)
+    return Figures(found.width, found.height, found.splats)
