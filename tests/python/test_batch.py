@@ -4,12 +4,14 @@ import collections
 import io
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+import types
 
 import distributed
 import fsspec
@@ -437,6 +439,196 @@ def test_an_exception_ends_the_run(run, memory):
         run("memory://in/*", progress=stop, task_files=1)
     run("memory://in/*", task_files=1)
     assert len(table()) == 40
+
+
+# ---- Fields --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def blends():
+    """A file in each blend."""
+    channels = {"normalized": 3, "sum": 1, "alpha": 4}
+    return {
+        blend: gscl.encode(make_picture(60, 40, count), bytes=300, effort=0, blend=blend)
+        for blend, count in channels.items()
+    }
+
+
+def npz_of(data):
+    with io.BytesIO() as memory:
+        gscl.fields.save_npz(gscl.read_field(data), memory)
+        return memory.getvalue()
+
+
+COLOURS = "red", "green", "blue", "alpha"
+
+
+def table_of(data):
+    """The description of a field, the names of its columns and its rows, as `gscl export` writes them."""
+    field = gscl.read_field(data)
+    said = [f"{name}={getattr(field, name)}" for name in ("width", "height", "channels", "blend")]
+    said += ["background=" + ",".join(map(repr, field.background)), "steps=" + ",".join(map(str, field.steps))]
+    said += ["mean"] * field.has_mean_background
+    columns = {name: field.splats[name] for name in gscl.SPLAT_DTYPE.names if name != "colour"}
+    columns |= {name: field.splats["colour"][:, i] for i, name in enumerate(COLOURS)}
+    return "gscl " + " ".join(said), list(columns), [list(map(str, row)) for row in zip(*columns.values())]
+
+
+def csv_of(data):
+    said, names, rows = table_of(data)
+    return "\n".join(["# " + said, *(",".join(row) for row in [names, *rows]), ""]).encode()
+
+
+def ply_of(data):
+    said, names, rows = table_of(data)
+    head = ["ply", "format ascii 1.0", "comment " + said, f"element vertex {len(rows)}"]
+    head += [f"property float {name}" for name in names]
+    return "\n".join([*head, "end_header", *(" ".join(row) for row in rows), ""]).encode()
+
+
+def rows_by_name(report):
+    return {row["source"].rpartition("/")[2]: row for row in gscl.batch.read_report(report).to_pylist()}
+
+
+def contents(memory, folder):
+    return {name: memory.cat_file(name) for name in memory.find(folder)}
+
+
+def test_fields_are_packed_and_unpacked(thread, memory, blends):
+    """To the bytes of the files that they are of; what is no field becomes a row."""
+    first, second, third = blends.values()
+    for name, content in {
+        "a/1.npz": npz_of(first),
+        "a/2.csv": csv_of(second),
+        "3.PLY": ply_of(third),
+        "damaged.npz": npz_of(first)[:-30],
+        "bad.csv": b"x,y\n1,2\n",
+        "other.txt": b"",
+    }.items():
+        memory.pipe_file(f"/in/{name}", content)
+
+    def pack(report="memory://report", sources="memory://in/**", out="memory://packed", **options):
+        return gscl.batch.pack(sources, out, report, client=thread, **options)
+
+    summary = pack()
+    assert (summary.ok, summary.failed) == (3, 3)
+    packed = {"/packed/a/1.gscl": first, "/packed/a/2.gscl": second, "/packed/3.gscl": third}
+    assert contents(memory, "/packed") == packed
+    rows = rows_by_name("memory://report")
+    assert {name: row["error"] for name, row in rows.items() if row["status"] == "failed"} == {
+        "damaged.npz": "InvalidArgumentError: memory:///in/damaged.npz: is no NPZ file of arrays of numbers",
+        "bad.csv": "InvalidArgumentError: memory:///in/bad.csv: has no column sigma1 and sigma2 (or cov_xx, cov_xy, cov_yy, "
+        "or l11, l21, l22), red, green, blue",
+        "other.txt": "InvalidArgumentError: the name ends with none of .npz, .csv, .ply: give a loader",
+    }
+    row, report = rows["1.npz"], gscl.pack(gscl.read_field(first)).report
+    assert (row["width"], row["height"], row["splats"], row["psnr"]) == (60, 40, report.splats, report.psnr)
+    assert (row["source_bytes"], row["bytes"], row["ssimulacra2"]) == (len(npz_of(first)), len(first), None)
+    assert row["device"] == "default" and row["seconds"] > 0
+
+    again = pack()
+    assert (again.ok, again.exists, again.skipped, again.failed) == (0, 0, 3, 3)
+    memory.pipe_file("/packed/3.gscl", third[:-1])
+    anew = pack("memory://other")
+    assert (anew.ok, anew.exists, anew.failed) == (1, 2, 3) and contents(memory, "/packed") == packed
+    with pytest.raises(gscl.ConflictError, match="blend None, now 'sum'"):
+        pack(blend="sum")
+
+    def unpack(report):
+        return gscl.batch.unpack("memory://packed/**/*.gscl", "memory://unpacked", report, client=thread)
+
+    memory.pipe_file("/packed/bad.gscl", third[:-1])
+    summary = unpack("memory://unpacking")
+    assert (summary.ok, summary.failed) == (3, 1)
+    rows = rows_by_name("memory://unpacking")
+    assert rows["bad.gscl"]["error"].startswith(("TruncatedError: ", "DamagedError: "))
+    row = rows["2.gscl"]
+    assert (row["status"], row["output"], row["device"]) == ("ok", "memory:///unpacked/a/2.npz", None)
+    assert (row["width"], row["height"], row["splats"], row["psnr"]) == (60, 40, gscl.info(second).splats, None)
+    assert row["bytes"] == memory.size("/unpacked/a/2.npz") and row["source_bytes"] == len(second)
+    assert unpack("memory://unpacking").skipped == 3
+    memory.pipe_file("/unpacked/3.npz", memory.cat_file("/unpacked/3.npz")[:-1])
+    anew = unpack("memory://unpacking-anew")
+    assert (anew.ok, anew.exists, anew.failed) == (1, 2, 1)
+    assert pack("memory://repacking", "memory://unpacked/**", "memory://repacked").ok == 3
+    assert set(contents(memory, "/repacked").values()) == set(packed.values())
+
+
+def test_settings_of_packing(thread, memory, blends):
+    """Those of gscl.pack, and what a table does not say."""
+    content = csv_of(blends["sum"]).split(b"\n", 1)[1]  # without its description
+    memory.pipe_file("/in/a.txt", content)
+    options = {"size": (80, 50), "blend": "normalized", "background": (0.5,)}
+    settings = {"bytes": 200, "channels": 3, "bare": True}
+    sources = ["memory://in/a.txt"]
+    for ok, exists in (1, 0), (0, 1):
+        summary = gscl.batch.pack(
+            sources, "memory://out", f"memory://report{ok}", loader="csv", client=thread, root="memory://in", **options, **settings
+        )
+        assert (summary.ok, summary.exists) == (ok, exists)
+    expected = gscl.pack(gscl.fields.load_csv(io.BytesIO(content), **options), **settings)
+    assert memory.cat_file("/out/a.gscl") == expected and len(expected) <= 200
+    assert gscl.batch.unpack("memory://out/*", "memory://npz", "memory://r1", client=thread).failed == 1
+    assert gscl.batch.unpack("memory://out/*", "memory://npz", "memory://r2", client=thread, bare=True).ok == 1
+    assert gscl.fields.load_npz(io.BytesIO(memory.cat_file("/npz/a.npz"))) == gscl.read_field(expected, bare=True)
+
+
+def test_checkpoints_are_packed(thread, memory, monkeypatch):
+    """PyTorch, which need not be there, is replaced by what reads a pickled dictionary of arrays."""
+    torch = types.SimpleNamespace(load=lambda file, *, map_location, weights_only: pickle.load(file))
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    model = {"_xyz": numpy.zeros((1, 2)), "_cholesky": numpy.full((1, 3), 4.0), "_features_dc": numpy.ones((1, 3))}
+    for name in "a", "b":
+        memory.pipe_file(f"/in/{name}/gaussian_model.pth.tar", pickle.dumps(model))
+    memory.pipe_file("/in/c/gaussian_model.pth.tar", b"other")
+    sizes = {"a": (64, 48), "b": (32, 24)}
+
+    def load(file):
+        return gscl.fields.load_gaussianimage(file, size=sizes[file.name.split("/")[-2]])
+
+    for out, options in ("by-name", {"loader": "gaussianimage", "size": (64, 48)}), ("by-function", {"loader": load}):
+        summary = gscl.batch.pack("memory://in/**", f"memory://{out}", f"memory://report-{out}", client=thread, **options)
+        assert (summary.ok, summary.failed) == (2, 1)
+    (failed,) = [row for row in gscl.batch.read_report("memory://report-by-name").to_pylist() if row["error"]]
+    assert failed["error"].endswith("/in/c/gaussian_model.pth.tar: is no checkpoint of tensors and numbers alone")
+    expected = {name: gscl.pack(gscl.fields.load_gaussianimage(model, size=size)) for name, size in sizes.items()}
+    assert memory.cat_file("/by-name/a/gaussian_model.gscl") == expected["a"]
+    assert memory.cat_file("/by-function/b/gaussian_model.gscl") == expected["b"]
+
+
+@pytest.mark.parametrize(
+    "settings, error, message",
+    [
+        ({"loader": "jpeg"}, gscl.InvalidArgumentError, "loader: 'jpeg': expected one of npz, csv, ply, gaussianimage, "),
+        ({"loader": "image_gs"}, gscl.ConflictError, "image_gs: takes size"),
+        ({"loader": "image_gs", "size": (9, 9), "blend": "sum"}, gscl.ConflictError, "no blend"),
+        ({"loader": print, "size": (9, 9)}, gscl.ConflictError, "size: a function as loader"),
+        ({"size": (9, 0)}, gscl.ImageSizeError, "9x0"),
+        ({"blend": "add"}, gscl.InvalidArgumentError, "blend: 'add'"),
+        ({"background": (1, 2)}, gscl.InvalidArgumentError, "background: 2 values"),
+        ({"bytes": 9, "psnr": 30}, gscl.ConflictError, "bytes, psnr"),
+        ({"tolerance": 2}, gscl.InvalidArgumentError, "tolerance"),
+        ({"refine": 3}, gscl.ConflictError, "refine"),
+        ({"reference": "a.png"}, gscl.InvalidArgumentError, "each field is its own reference"),
+        ({"effort": 3}, TypeError, "effort"),
+    ],
+)
+def test_wrong_settings_of_packing(memory, settings, error, message):
+    """They end the run before it begins."""
+    with pytest.raises(error, match=message):
+        gscl.batch.pack([], "memory://out", "memory://report", **settings)
+    assert not memory.exists("/report")
+
+
+def test_targets_that_small_fields_miss(memory):
+    for number, target in enumerate(({"bytes": 9}, {"bpp": 0.01}, {"psnr": 150.0, "refine": 2})):
+        assert gscl.batch.pack([], "memory://out", f"memory://{number}", **target).failed == 0
+
+
+def test_packing_checkpoints_needs_pytorch(memory, monkeypatch):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    with pytest.raises(ImportError, match=r"packing checkpoints needs PyTorch: pip install 'gscl\[torch\]'"):
+        gscl.batch.pack([], "memory://out", "memory://report", loader="gaussianimage", size=(9, 9))
 
 
 # ---- Files ---------------------------------------------------------------------------------------

@@ -7,7 +7,8 @@ from typing import Any
 
 import distributed
 
-from gscl.batch._conversions import Encoder, Encoding
+from gscl._names import Blend
+from gscl.batch._conversions import Encoder, Encoding, Loader, LoaderName, Packing, Unpacking
 from gscl.batch._plan import Sources
 from gscl.batch._run import TASK_FILES, BatchProgress, Summary, convert_all
 
@@ -78,6 +79,111 @@ def run(
         encoders=encoders,
         threads=threads,
         devices=devices,
+        root=root,
+        shard=shard,
+        retries=retries,
+        overwrite=overwrite,
+        task_files=task_files,
+        progress=progress,
+    )
+
+
+def pack(
+    fields: Sources,
+    out: str,
+    report: str,
+    *,
+    loader: Loader | LoaderName | None = None,
+    size: tuple[int, int] | None = None,
+    blend: Blend | None = None,
+    background: Sequence[float] | None = None,
+    client: distributed.Client | None = None,
+    workers: int | None = None,
+    encoders: int | None = None,
+    threads: int | None = None,
+    devices: Sequence[str] = (),
+    root: str | None = None,
+    shard: tuple[int, int] = (1, 1),
+    retries: int = 2,
+    overwrite: bool = False,
+    task_files: int = TASK_FILES,
+    progress: Callable[[BatchProgress], None] | None = None,
+    **settings: Any,
+) -> Summary:
+    """Packs many fields of Gaussians as files: NAME.gscl for NAME.npz, NAME.csv, NAME.ply, NAME.pth.tar, NAME.pt.
+
+    fields: as the pictures of run.
+    out, report, and the arguments from client to progress: as of run.
+    loader: what reads them: the name of a function of gscl.fields without load_: "npz", "csv", "ply", "gaussianimage",
+        "gaussianimage_plus" or "image_gs"; or a function that is called with a file, open, whose `name` is its URL or path, and
+        returns a gscl.Field.  None for npz, csv or ply, as each name ends.
+    size: (width, height) of all pictures, pixels: for checkpoints, which do not say it, and for tables that do not, or not the
+        right one.  Where checkpoints have several sizes, a function as loader knows that of each name.
+    blend, background: as of gscl.pack, for tables that do not say them, or not the right ones.
+    settings: arguments of gscl.pack but for reference: each field is its own.
+
+    A row's psnr is that of the file against the field.  All else is as in run.
+
+    Raises a subclass of gscl.Error for settings that no field can have and for machines without a device, ImportError where
+    checkpoints need PyTorch, and OSError where names cannot be listed or the report not be written.
+    """
+    given = {"size": size, "blend": blend, "background": background}
+    return convert_all(
+        Packing(settings, loader, {name: value for name, value in given.items() if value is not None}),
+        fields,
+        out,
+        report,
+        client=client,
+        workers=workers,
+        encoders=encoders,
+        threads=threads,
+        devices=devices,
+        root=root,
+        shard=shard,
+        retries=retries,
+        overwrite=overwrite,
+        task_files=task_files,
+        progress=progress,
+    )
+
+
+def unpack(
+    files: Sources,
+    out: str,
+    report: str,
+    *,
+    bare: bool = False,
+    client: distributed.Client | None = None,
+    workers: int | None = None,
+    encoders: int | None = None,
+    root: str | None = None,
+    shard: tuple[int, int] = (1, 1),
+    retries: int = 2,
+    overwrite: bool = False,
+    task_files: int = TASK_FILES,
+    progress: Callable[[BatchProgress], None] | None = None,
+) -> Summary:
+    """Reads the fields of many files: NAME.npz for NAME.gscl, as gscl.fields.save_npz writes it.
+
+    files: as the pictures of run.
+    out, report, and the arguments from client to progress: as of run.
+    bare: whether the files were made with `bare`.
+
+    Packing the outputs gives the bytes of the files again, but for their metadata.  Rows have neither psnr nor device.  All
+    else is as in run.
+
+    Raises OSError where names cannot be listed or the report not be written.
+    """
+    return convert_all(
+        Unpacking(bare),
+        files,
+        out,
+        report,
+        client=client,
+        workers=workers,
+        encoders=encoders,
+        threads=None,
+        devices=(),
         root=root,
         shard=shard,
         retries=retries,
