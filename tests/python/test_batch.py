@@ -25,6 +25,7 @@ import gscl
 import gscl.batch
 from conftest import make_picture
 from gscl.batch import _conversions, _machine, _plan, _storage
+from gscl.batch.__main__ import _KINDS as batch_kinds
 from gscl.batch.__main__ import main as batch_main
 
 FAST = {"effort": 0, "bytes": 200}
@@ -537,6 +538,8 @@ def test_fields_are_packed_and_unpacked(thread, memory, blends):
     def unpack(report):
         return gscl.batch.unpack("memory://packed/**/*.gscl", "memory://unpacked", report, client=thread)
 
+    with pytest.raises(gscl.ConflictError, match="conversion 'pack', now 'unpack'"):
+        unpack("memory://report")
     memory.pipe_file("/packed/bad.gscl", third[:-1])
     summary = unpack("memory://unpacking")
     assert (summary.ok, summary.failed) == (3, 1)
@@ -560,10 +563,16 @@ def test_settings_of_packing(thread, memory, blends):
     memory.pipe_file("/in/a.txt", content)
     options = {"size": (80, 50), "blend": "normalized", "background": (0.5,)}
     settings = {"bytes": 200, "channels": 3, "bare": True}
-    sources = ["memory://in/a.txt"]
     for ok, exists in (1, 0), (0, 1):
         summary = gscl.batch.pack(
-            sources, "memory://out", f"memory://report{ok}", loader="csv", client=thread, root="memory://in", **options, **settings
+            ["memory://in/a.txt"],
+            "memory://out",
+            f"memory://report{ok}",
+            loader="csv",
+            client=thread,
+            root="memory://in",
+            **options,
+            **settings,
         )
         assert (summary.ok, summary.exists) == (ok, exists)
     expected = gscl.pack(gscl.fields.load_csv(io.BytesIO(content), **options), **settings)
@@ -741,6 +750,43 @@ def test_program(tmp_path):
     assert statuses(tmp_path / "report") == {"ok": 24, "failed": 1}
 
 
+def test_program_packs_and_unpacks(tmp_path, blends):
+    """What was packed is unpacked; a second run does nothing."""
+    fields = tmp_path / "fields"
+    fields.mkdir()
+    for name, content in {"1.npz": npz_of(blends["sum"]), "2.csv": csv_of(blends["alpha"]), "3.csv": b"bad"}.items():
+        (fields / name).write_bytes(content)
+    packed, unpacked = tmp_path / "packed", tmp_path / "unpacked"
+    pack = "--pack", f"{fields}/*", "--out", packed, "--report", tmp_path / "packing", "--workers", 1, "--device", "host"
+    done = batch(*pack)
+    assert (done.returncode, done.stdout[:45]) == (1, "2 packed, 0 existed, 0 done before, 1 failed;"), done.stderr
+    assert "100% 3/3, 1 failed" in done.stderr
+    assert [path.read_bytes() for path in sorted(packed.iterdir())] == [blends["sum"], blends["alpha"]]
+    (fields / "3.csv").unlink()
+    done = batch(*pack, "--quiet")
+    assert (done.returncode, done.stdout[:45]) == (0, "0 packed, 0 existed, 2 done before, 0 failed;"), done.stderr
+    done = batch("--unpack", f"{packed}/*", "--out", unpacked, "--report", tmp_path / "unpacking", "--workers", 1)
+    assert (done.returncode, done.stdout[:47]) == (0, "2 unpacked, 0 existed, 0 done before, 0 failed;"), done.stderr
+    assert [gscl.pack(gscl.fields.load_npz(path)) for path in sorted(unpacked.iterdir())] == list(blends.values())[1:]
+
+
+def test_options_of_packing(monkeypatch, capsys):
+    """They are the arguments of gscl.batch.pack."""
+    given = {}
+
+    def pack(*_, **options):
+        given.update(options)
+        return gscl.batch.Summary(1, 2, 3, 4, 5, 6, 7)
+
+    monkeypatch.setitem(batch_kinds, "pack", batch_kinds["pack"]._replace(call=pack))
+    arguments = "--pack x --out o --report r --loader csv --size 80x50 --blend sum --background 0.5,0,1 --no-passes --refine 2"
+    status, output, _ = main(capsys, *arguments.split(), *"--tolerance 0.1 --psnr 30 --bare --threads 2 --device host".split())
+    assert (status, output) == (1, "1 packed, 2 existed, 4 done before, 3 failed; 6 bytes, 7.0 s\n")
+    expected = {"loader": "csv", "size": (80, 50), "blend": "sum", "background": (0.5, 0, 1), "passes": False, "refine": 2}
+    expected |= {"tolerance": 0.1, "psnr": 30, "bare": True, "threads": 2, "devices": ["host"]}
+    assert expected.items() <= given.items() and not {"effort", "bytes", "exif"} & set(given)
+
+
 def main(capsys, *arguments):
     """The program in this process: its status, output and errors."""
     with pytest.raises(SystemExit) as ended:
@@ -748,17 +794,30 @@ def main(capsys, *arguments):
     return (ended.value.code, *capsys.readouterr())
 
 
-def test_wrong_commands(tmp_path, capsys):
+def test_wrong_commands(tmp_path, capsys, monkeypatch):
     paths = "--out", tmp_path / "out", "--report", tmp_path / "report"
     for arguments, text in {
         ("x",): "--out",
         ("x", *paths, "--shard", "3/2"): "3/2",
         ("x", *paths, "--bytes", "1", "--bpp", "1"): "not allowed with",
+        ("x", *paths, "--pack", "--unpack"): "not allowed with",
+        ("x", *paths, "--pack", "--effort", "1", "--exif"): "--effort, --exif: has no meaning with --pack",
+        ("x", *paths, "--unpack", "--bytes", "9"): "--bytes: has no meaning with --unpack",
+        ("x", *paths, "--unpack", "--device", "host"): "--device: has no meaning with --unpack",
+        ("x", *paths, "--no-passes"): "--no-passes: has no meaning without --pack",
+        ("x", *paths, "--pack", "--size", "9"): "expected WxH",
+        ("x", *paths, "--pack", "--loader", "jpeg"): "jpeg",
         ("x", *paths, "--scheduler", "tcp://127.0.0.1:1", "--workers", "2"): "dask worker",
     }.items():
         status, _, errors = main(capsys, *arguments)
         assert status == 2 and text in errors
-    for name, options, text in (tmp_path / "nothing.txt", (), "nothing.txt"), ("x", ("--seed", "-1"), "seed"):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    for name, options, text in (
+        (tmp_path / "nothing.txt", (), "nothing.txt"),
+        ("x", ("--seed", "-1"), "seed"),
+        ("x", ("--pack", "--tolerance", "2"), "tolerance"),
+        ("x", ("--pack", "--loader", "image_gs", "--size", "9x9"), "needs PyTorch"),
+    ):
         status, _, errors = main(capsys, name, *paths, *options)
         assert status == 1 and text in errors and errors.count("\n") == 1
     assert "a glob, in quotes" in main(capsys, "--help")[1]

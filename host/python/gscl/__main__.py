@@ -12,13 +12,12 @@ import os
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
 from typing import BinaryIO
 
 from PIL import Image
 
 import gscl
-from gscl._arguments import add_targets
+from gscl._arguments import add_targets, numbers
 from gscl._colours import Colours, require_conversion, to_srgb
 from gscl._inspect import readable_metadata
 
@@ -64,8 +63,8 @@ def _add_encode(parser: argparse.ArgumentParser) -> None:
 
 def _add_decode(parser: argparse.ArgumentParser) -> None:
     _add_places(parser, "OUT.png")
-    parser.add_argument("--size", metavar="WxH", type=_numbers("WxH", "x"), help="draw at this size (default: as encoded)")
-    parser.add_argument("--crop", metavar="X,Y,W,H", type=_numbers("X,Y,W,H", ","), help="write only this part of the drawn image")
+    parser.add_argument("--size", metavar="WxH", type=numbers("WxH", "x"), help="draw at this size (default: as encoded)")
+    parser.add_argument("--crop", metavar="X,Y,W,H", type=numbers("X,Y,W,H", ","), help="write only this part of the drawn image")
     parser.add_argument("--partial", action="store_true", help="draw what has come of a file that is cut off")
     parser.add_argument("--bare", action="store_true", help="the file was made with --bare")
     parser.add_argument("--max-pixels", metavar="N", type=int, default=_MAX_PIXELS, help="refuse to draw more (default %(default)s)")
@@ -78,16 +77,6 @@ def _add_places(parser: argparse.ArgumentParser, output: str) -> None:
     parser.add_argument("-o", "--output", metavar=output, required=True)
     parser.add_argument("--device", metavar="D", help='of "python -m gscl devices"')
     parser.add_argument("--threads", metavar="N", type=int, default=0, help="of the device host (default: all that there are)")
-
-
-def _numbers(form: str, separator: str) -> Callable[[str], tuple[int, ...]]:
-    def parse(text: str) -> tuple[int, ...]:
-        parts = text.split(separator)
-        if len(parts) != len(form.split(separator)) or not all(part.isdecimal() for part in parts):
-            raise argparse.ArgumentTypeError(f"{text!r}: expected {form}")
-        return tuple(int(part) for part in parts)
-
-    return parse
 
 
 # ---- Commands ------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 
 
 def add_targets(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
@@ -14,3 +15,15 @@ def add_targets(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> No
     target.add_argument("--psnr", metavar="DB", type=float, help="PSNR to reach in dB")
     target.add_argument("--ssimulacra2", metavar="X", type=float, help="SSIMULACRA 2 to reach")
     target.add_argument("--splats", metavar="N", type=int, help="number of splats")
+
+
+def numbers(form: str, separator: str) -> Callable[[str], tuple[int, ...]]:
+    """A type of options that are whole numbers in this form, which the error names."""
+
+    def parse(text: str) -> tuple[int, ...]:
+        parts = text.split(separator)
+        if len(parts) != len(form.split(separator)) or not all(part.isdecimal() for part in parts):
+            raise argparse.ArgumentTypeError(f"{text!r}: expected {form}")
+        return tuple(int(part) for part in parts)
+
+    return parse
