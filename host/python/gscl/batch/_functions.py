@@ -169,8 +169,8 @@ def unpack(
     out, report, and the arguments from client to progress: as of run.
     bare: whether the files were made with `bare`.
 
-    Packing the outputs gives the bytes of the files again, but for their metadata.  Rows have neither psnr nor device.  All
-    else is as in run.
+    Packing an output without a target gives the bytes of its file again, but for metadata, which an output does not have, and
+    where the file is a list of packets or has the profile "paper".  Rows have neither psnr nor device.  All else is as in run.
 
     Raises OSError where names cannot be listed or the report not be written.
     """
