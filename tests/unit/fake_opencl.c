@@ -69,7 +69,14 @@ static cl_context CL_API_CALL fake_create_context(const cl_context_properties *p
                                                   cl_int *error) {
     fake.notice = notice;
     fake.notice_data = data;
+    fake.contexts++;
     return real.clCreateContext(properties, count, devices, notice, data, error);
+}
+
+static cl_int CL_API_CALL fake_build(cl_program program, cl_uint count, const cl_device_id *devices,
+                                     const char *options, void(CL_CALLBACK *built)(cl_program, void *), void *data) {
+    fake.builds++;
+    return real.clBuildProgram(program, count, devices, options, built, data);
 }
 
 static cl_int CL_API_CALL fake_launch(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
@@ -89,5 +96,6 @@ void fake_opencl_install(void) {
     gscl_cl.clGetDeviceInfo = fake_get_device_info;
     gscl_cl.clGetPlatformInfo = fake_get_platform_info;
     gscl_cl.clCreateContext = fake_create_context;
+    gscl_cl.clBuildProgram = fake_build;
     gscl_cl.clEnqueueNDRangeKernel = fake_launch;
 }

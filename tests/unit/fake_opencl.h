@@ -18,6 +18,7 @@ typedef struct fake_opencl {
     cl_int launch_error;         /* result of clEnqueueNDRangeKernel instead of a launch; 0: it launches */
     fake_notice notice;          /* argument of the last clCreateContext */
     void *notice_data;
+    int contexts, builds; /* calls of clCreateContext and clBuildProgram */
 } fake_opencl;
 
 extern fake_opencl fake;

@@ -11,6 +11,7 @@
 
 #include "devices.h"
 #include "fake_opencl.h"
+#include "runtime/launch.h"
 #include "runtime/text.h"
 
 #define LONG_NAME 300 /* bytes */
@@ -213,21 +214,65 @@ static void keep_log(void *opaque, gscl_log_level level, const char *message) {
     snprintf(log->text, sizeof log->text, "%s", message);
 }
 
-static void test_notices_are_logged(void **state) {
-    (void)state;
-    last_log log;
+/* A context whose notices go to the log. */
+static gscl_context *logged_context(last_log *log) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
     settings.device = "0.0";
     settings.log = keep_log;
-    settings.log_opaque = &log;
+    settings.log_opaque = log;
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
-    assert_true(fake.notice != NULL);
-    fake.notice("a page fault", NULL, 0, fake.notice_data);
-    assert_int_equal(log.level, GSCL_LOG_WARNING);
-    assert_string_equal(log.text, "OpenCL: a page fault");
+    return context;
+}
+
+static void notify(const char *text, const last_log *log) {
+    char expected[128];
+    fake.notice(text, NULL, 0, fake.notice_data);
+    snprintf(expected, sizeof expected, "OpenCL: %s", text);
+    assert_int_equal(log->level, GSCL_LOG_WARNING);
+    assert_string_equal(log->text, expected);
+}
+
+static void test_notices_are_logged(void **state) {
+    (void)state;
+    last_log log;
+    gscl_context *context = logged_context(&log);
+    notify("a page fault", &log);
     gscl_context_free(&context);
+}
+
+static void build_something(gscl_context *context) {
+    const gscl_kernel_options plain = {.colours = 1};
+    gscl_kernel *kernel;
+    assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_BENCHMARK, &plain, "multiply_add", &kernel), GSCL_OK);
+}
+
+/* One OpenCL context and one build of each program serve all contexts of a device that are open, until the last one ends. */
+static void test_contexts_share_a_device(void **state) {
+    (void)state;
+    last_log logs[2];
+    gscl_context *first = logged_context(&logs[0]), *second = logged_context(&logs[1]);
+    assert_int_equal(fake.contexts, 1);
+    build_something(first);
+    const int builds = fake.builds;
+    assert_int_equal(builds, 1);
+    build_something(second);
+    assert_int_equal(fake.builds, builds);
+    gscl_context_free(&first);
+    build_something(second);
+    notify("a page fault", &logs[1]);
+    gscl_context *third = logged_context(&logs[0]);
+    build_something(third);
+    gscl_context_free(&second);
+    gscl_context_free(&third);
+    assert_int_equal(fake.contexts, 1);
+    assert_int_equal(fake.builds, builds);
+    third = logged_context(&logs[0]);
+    build_something(third);
+    gscl_context_free(&third);
+    assert_int_equal(fake.contexts, 2);
+    assert_int_equal(fake.builds, 2 * builds);
 }
 
 static void test_appended_text_is_whole(void **state) {
@@ -258,6 +303,7 @@ int main(void) {
         cmocka_unit_test_setup(test_every_description_is_checked, fake_nothing),
         cmocka_unit_test_setup(test_ambiguous_devices_are_named, fake_nothing),
         cmocka_unit_test_setup(test_notices_are_logged, fake_nothing),
+        cmocka_unit_test_setup(test_contexts_share_a_device, fake_nothing),
         cmocka_unit_test_setup(test_appended_text_is_whole, fake_nothing),
     };
     fake_opencl_install();

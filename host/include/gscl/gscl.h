@@ -193,7 +193,8 @@ static inline void gscl_context_settings_default(gscl_context_settings *settings
     gscl_context_settings_init(settings, sizeof *settings);
 }
 
-/* A device that is open, with its compiled kernels, its buffers and the text of the last error. */
+/* A device that is open, with its compiled kernels, its buffers and the text of the last error.  Contexts of a process on the
+ * same OpenCL device share its compiled kernels and work at the same time; each belongs to one thread at a time. */
 typedef struct gscl_context gscl_context;
 
 /* Opens a device.  `settings` may be NULL for the defaults.  When this fails, *context is a context for

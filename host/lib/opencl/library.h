@@ -34,6 +34,7 @@
     DO(clReleaseKernel)           \
     DO(clReleaseMemObject)        \
     DO(clReleaseProgram)          \
+    DO(clRetainProgram)           \
     DO(clSetKernelArg)
 
 /* Their addresses, once gscl_opencl_library has returned NULL; a test may put others in their place. */

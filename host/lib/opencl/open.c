@@ -7,20 +7,10 @@
 #include "opencl/opencl_device.h"
 #include "opencl/program_cache.h"
 #include "opencl/programs.h"
-
-/* Logs a notice of the OpenCL implementation, which may call this function at any time and from any thread. */
-static void CL_CALLBACK log_notice(const char *text, const void *details, size_t size, void *context) {
-    (void)details;
-    (void)size;
-    gscl_log(context, GSCL_LOG_WARNING, "OpenCL: %s", text ? text : "");
-}
+#include "opencl/shared_device.h"
 
 static gscl_result create_queue(gscl_context *context, gscl_opencl_device *device) {
     cl_int error;
-    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)device->platform, 0};
-    device->context = gscl_cl.clCreateContext(properties, 1, &device->id, log_notice, context, &error);
-    if (error != CL_SUCCESS)
-        return gscl_cl_fail(context, error, "clCreateContext", "");
     const cl_command_queue_properties queue_properties = device->times ? CL_QUEUE_PROFILING_ENABLE : 0;
     device->queue = gscl_cl.clCreateCommandQueue(device->context, device->id, queue_properties, &error);
     if (error != CL_SUCCESS)
@@ -33,6 +23,7 @@ gscl_result gscl_opencl_open(gscl_context *context, const gscl_listed_device *li
     gscl_opencl_device *device = context->device = calloc(1, sizeof *device);
     if (!device)
         return gscl_fail_memory(context);
+    device->owner = context;
     device->platform = listed->platform;
     device->id = listed->handle;
     device->quirks = listed->quirks;
@@ -40,6 +31,7 @@ gscl_result gscl_opencl_open(gscl_context *context, const gscl_listed_device *li
     GSCL_TRY(gscl_program_cache_open(context, settings->cache_folder));
     if (context->timings)
         GSCL_TRY(gscl_opencl_times_create(context)); /* before the queue, which then measures */
+    GSCL_TRY(gscl_shared_device_join(context));
     return create_queue(context, device);
 }
 
@@ -51,8 +43,7 @@ void gscl_opencl_close(gscl_context *context) {
     gscl_opencl_times_free(context);
     if (device->queue)
         gscl_cl.clReleaseCommandQueue(device->queue);
-    if (device->context)
-        gscl_cl.clReleaseContext(device->context);
+    gscl_shared_device_leave(context);
     gscl_program_cache_close(context);
     free(device);
     context->device = NULL;

@@ -7,14 +7,18 @@
 #include "opencl/quirks.h"
 #include "runtime/context.h"
 
-struct gscl_program;      /* program.h */
-struct gscl_prefetch;     /* prefetch.c */
-struct gscl_kernel_times; /* kernel_times.c */
+struct gscl_shared_device; /* shared_device.c */
+struct gscl_program;       /* program.h */
+struct gscl_prefetch;      /* prefetch.c */
+struct gscl_kernel_times;  /* kernel_times.c */
 
 typedef struct gscl_opencl_device {
     cl_platform_id platform;
     cl_device_id id;
-    cl_context context;
+    struct gscl_shared_device *shared;    /* with others that have the device open; NULL: not joined yet */
+    struct gscl_opencl_device *next_user; /* of the shared device, which guards it */
+    const gscl_context *owner;
+    cl_context context; /* of the shared device */
     cl_command_queue queue;
     const gscl_quirks *quirks;       /* of the implementation */
     bool own_builtins;               /* programs declare built-in functions with cl/builtins.h (program.c) */

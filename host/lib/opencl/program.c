@@ -8,6 +8,7 @@
 #include "opencl/kernel_sources.h"
 #include "opencl/opencl_device.h"
 #include "opencl/program_cache.h"
+#include "opencl/shared_device.h"
 #include "opencl/tunables.h"
 #include "runtime/stage_clock.h"
 
@@ -141,7 +142,8 @@ void gscl_program_keep(gscl_context *context, struct gscl_program *program) {
     gscl_opencl(context)->programs = program;
 }
 
-gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program) {
+/* Takes the program from the cache, or builds it. */
+static gscl_result make_new(gscl_context *context, struct gscl_program *program) {
     const double start = gscl_now();
     program_sources sources;
     char key[GSCL_PROGRAM_KEY_SIZE];
@@ -158,5 +160,14 @@ gscl_result gscl_program_make(gscl_context *context, struct gscl_program *progra
         gscl_program_save(context, key, program->program);
     gscl_log(context, GSCL_LOG_DEBUG, "%s a program in %.0f ms: %s", found ? "loaded" : "built",
              1e3 * (gscl_now() - start), program->options);
+    return result;
+}
+
+gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program) {
+    program->program = gscl_shared_program_take(context, program->kind, program->options);
+    if (program->program)
+        return GSCL_OK;
+    const gscl_result result = make_new(context, program);
+    gscl_shared_program_give(context, program->kind, program->options, result == GSCL_OK ? program->program : NULL);
     return result;
 }

@@ -36,7 +36,8 @@ struct gscl_program *gscl_program_find(const gscl_context *context, gscl_program
 /* Gives a built program to the context. */
 void gscl_program_keep(gscl_context *context, struct gscl_program *program);
 
-/* Takes the program from the cache (program_cache.h), or builds it and tells the caller of it. */
+/* Takes the program from another context of the device (shared_device.h) or from the cache (program_cache.h), or builds it and
+ * tells the caller of it. */
 gscl_result gscl_program_make(gscl_context *context, struct gscl_program *program);
 
 #endif

@@ -9,6 +9,7 @@
  *   quirks.h: what some OpenCL implementations need otherwise
  *   device_list.h: the OpenCL devices of the machine
  *   opencl_device.h, open.h: the device of a context, opening and closing it
+ *   shared_device.h: what contexts of a device share
  *   memory.h: memory of the device
  *   launch.h, kernel_times.h: launches, and the times that they take
  *   build_options.h: the options that kernels are specialised for, as macros
