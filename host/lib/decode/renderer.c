@@ -304,8 +304,8 @@ gscl_result gscl_renderer_samples(gscl_renderer *r, gscl_sample_layout layout, v
     GSCL_TRY(gscl_renderer_project(r));
     for (;;) {
         GSCL_TRY(gscl_renderer_bin(r, false));
-        GSCL_TRY(gscl_renderer_begin_lengths(r));
         GSCL_TRY(launch_samples(r, layout));
+        GSCL_TRY(gscl_renderer_begin_lengths(r)); /* after the launch, as a driver may wait for the device in it */
         GSCL_TRY(read_samples(r, row, pixels, stride));
         const int32_t largest = largest_row(r);
         if (largest <= r->row_capacity)

@@ -82,7 +82,6 @@ static gscl_result rdo_draw(rdo_pass *p) {
     GSCL_TRY(gscl_renderer_set_steps(r, NULL));
     GSCL_TRY(gscl_fit_replace(p->fit, rdo->params, p->count, p->background));
     GSCL_TRY(gscl_renderer_bin(r, false));
-    GSCL_TRY(gscl_renderer_begin_lengths(r));
     GSCL_TRY(gscl_renderer_reserve_image(r));
     GSCL_TRY(gscl_buffer_reserve_image(r->context, &rdo->weights, plane));
     GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_SCALAR_RDO, &r->options, "rdo_begin", &kernel));
@@ -119,7 +118,8 @@ static void rdo_take_codes(rdo_pass *p) {
     file->header.splat_count = kept;
 }
 
-/* The pass on the device, up to the codes.  They and the lengths of the lists are read at once. */
+/* The pass on the device, up to the codes.  They and the lengths of the lists are read at once, after the last launch: a driver
+ * may wait for the device in any call that reads into memory of the host. */
 static gscl_result rdo_visit_all(rdo_pass *p, double lambda_scale) {
     gscl_scalar_rdo *rdo = p->rdo;
     gscl_context *context = p->fit->context;
@@ -130,6 +130,7 @@ static gscl_result rdo_visit_all(rdo_pass *p, double lambda_scale) {
     GSCL_TRY(gscl_kernel_find(context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)
         GSCL_TRY(rdo_visit_group(p, group));
+    GSCL_TRY(gscl_renderer_begin_lengths(&p->fit->renderer));
     return gscl_buffer_read(context, &rdo->device_codes, 0, rdo->codes, p->count * sizeof *rdo->codes);
 }
 
