@@ -5,21 +5,18 @@ from __future__ import annotations
 import builtins
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Union, overload
+from typing import Any, Union, overload
 
 from gscl._binding import ffi, lib
 from gscl._devices import context_on
-from gscl._errors import ConflictError, InvalidArgumentError, assign, check
+from gscl._errors import InvalidArgumentError, assign, check, set_target
 from gscl._images import Picture, Source, load, to_struct
 from gscl._names import BLENDS, BLOCKS, LOSSES, PROFILES, TUNES
 from gscl._names import Blend, Effect, Loss, Profile, Tune
 from gscl._names import bits_of, effects_of, number_of, word_of
-from gscl._packets import Buffer, split
+from gscl._packets import split
 from gscl._progress import ProgressCallback, call, interruptible
-from gscl._records import Record
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
+from gscl._records import Record, Reported
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,24 +73,8 @@ class EncodeReport(Record):
     """Empty unless the argument `trace` asks for it."""
 
 
-class Encoded(bytes):
+class Encoded(Reported[EncodeReport]):
     """What encode returns: the bytes of the file, with a report."""
-
-    report: EncodeReport
-
-    def __new__(cls, data: Buffer, report: EncodeReport) -> Self:
-        encoded = super().__new__(cls, data)
-        encoded.report = report
-        return encoded
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (bytes(self), self.report)
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {len(self)} bytes, {self.report!r}>"
-
-    def __str__(self) -> str:
-        return repr(self)
 
 
 class EncodedPackets(Encoded):
@@ -254,7 +235,7 @@ def encode(
         lib.GSCL_TARGET_QUALITY: ("quality", quality),
         lib.GSCL_TARGET_SPLATS: ("splats", splats),
     }
-    _set_target(settings, targets)
+    set_target(settings, targets)
     settings.tune = number_of("tune", TUNES, tune)
     settings.profile = number_of("profile", PROFILES, profile)
     settings.blend = number_of("blend", BLENDS, blend)
@@ -292,15 +273,6 @@ def encode(
 
 def _keep(*owners: Any) -> None:
     """Keeps memory until here."""
-
-
-def _set_target(settings: Any, targets: dict[int, tuple[str, float | None]]) -> None:
-    chosen = [(number, name, value) for number, (name, value) in targets.items() if value is not None]
-    if len(chosen) > 1:
-        raise ConflictError("more than one target: " + ", ".join(name for _, name, _ in chosen))
-    for number, _, value in chosen:
-        settings.target = number
-        settings.target_value = value
 
 
 def _set_packet_size(settings: Any, size: int) -> None:

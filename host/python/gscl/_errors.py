@@ -197,3 +197,13 @@ def assign(struct: Any, field: str, value: Any, name: str = "") -> None:
         setattr(struct, field, value)
     except OverflowError:
         raise InvalidArgumentError(f"{name or field}: {value} is out of range") from None
+
+
+def set_target(settings: Any, targets: dict[int, tuple[str, float | None]]) -> None:
+    """Sets the target of settings: the one that has a value, of names and values by the library's numbers."""
+    chosen = [(number, name, value) for number, (name, value) in targets.items() if value is not None]
+    if len(chosen) > 1:
+        raise ConflictError("more than one target: " + ", ".join(name for _, name, _ in chosen))
+    for number, _, value in chosen:
+        settings.target = number
+        settings.target_value = value

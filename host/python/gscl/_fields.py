@@ -5,23 +5,19 @@ from __future__ import annotations
 import builtins
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from gscl._binding import ffi, lib
 from gscl._devices import context_on
-from gscl._errors import ConflictError, InvalidArgumentError, assign, check
+from gscl._errors import ConflictError, InvalidArgumentError, assign, check, set_target
 from gscl._images import Picture, load, to_struct
 from gscl._inspect import File, read, read_settings
 from gscl._names import BLENDS, SAMPLES, Blend, number_of, word_of
-from gscl._packets import Buffer
 from gscl._progress import ProgressCallback, call, interruptible
-from gscl._records import Record
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
+from gscl._records import Record, Reported
 
 SPLAT_DTYPE = numpy.dtype(
     [
@@ -226,24 +222,8 @@ class PackReport(Record):
     seconds: float
 
 
-class Packed(bytes):
+class Packed(Reported[PackReport]):
     """What pack returns: the bytes of the file, with a report."""
-
-    report: PackReport
-
-    def __new__(cls, data: Buffer, report: PackReport) -> Self:
-        packed = super().__new__(cls, data)
-        packed.report = report
-        return packed
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (bytes(self), self.report)
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {len(self)} bytes, {self.report!r}>"
-
-    def __str__(self) -> str:
-        return repr(self)
 
 
 def pack(
@@ -287,11 +267,7 @@ def pack(
     settings = ffi.new("gscl_pack_settings *")
     lib.gscl_pack_settings_init(settings, ffi.sizeof("gscl_pack_settings"))
     targets = {lib.GSCL_TARGET_BYTES: ("bytes", bytes), lib.GSCL_TARGET_BPP: ("bpp", bpp), lib.GSCL_TARGET_PSNR: ("psnr", psnr)}
-    chosen = [(number, name, value) for number, (name, value) in targets.items() if value is not None]
-    if len(chosen) > 1:
-        raise ConflictError("more than one target: " + ", ".join(name for _, name, _ in chosen))
-    for number, _, value in chosen:
-        settings.target, settings.target_value = number, value
+    set_target(settings, targets)
     settings.passes, settings.bare, settings.tolerance = passes, bare, tolerance
     assign(settings, "refine", refine)
     keep: list[Any] = []

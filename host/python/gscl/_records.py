@@ -5,9 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import Field, dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy
+
+from gscl._packets import Buffer
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,6 +38,29 @@ class Record:
 
     def _values(self) -> Iterator[tuple[Field[Any], Any]]:
         return ((field, getattr(self, field.name)) for field in fields(self))
+
+
+Report = TypeVar("Report", bound=Record)
+
+
+class Reported(bytes, Generic[Report]):
+    """Base of the bytes of a file that have a report of how they were made."""
+
+    report: Report
+
+    def __new__(cls, data: Buffer, report: Report) -> Self:
+        made = super().__new__(cls, data)
+        made.report = report
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (bytes(self), self.report)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self)} bytes, {self.report!r}>"
+
+    def __str__(self) -> str:
+        return repr(self)
 
 
 def _is_nan(value: Any) -> bool:
