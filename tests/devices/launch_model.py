@@ -1,0 +1,65 @@
+"""A model of the time that launches of kernels take on an NVIDIA H100, from their numbers of work-groups alone.
+
+Nothing here was measured on a GPU.  The assumptions, each as a low and a high number, between which the time should lie:
+
+ - launches depend on each other, and the next begins GAP after the one before it has ended,
+ - a launch takes at least its LATENCY: the longest chain of dependent instructions of one work-item, at 5 cycles for each
+   instruction, 30 for each access of local memory and 500 for each of global memory at 1.7 GHz,
+ - a launch of many work-groups takes the COST of each where all 132 multiprocessors work,
+ - rdo_visit takes its latency once for each RESIDENT groups: its registers leave room for four groups on a multiprocessor,
+ - a wait of the host for the device takes WAIT, with what the host does before the device has work again.
+"""
+MULTIPROCESSORS = 132
+GAP = (2.5, 6.0)  # microseconds, as all below
+WAIT = (15.0, 40.0)
+RESIDENT = 4 * MULTIPROCESSORS
+
+LATENCY = {
+    "rdo_visit": (90, 300),
+    "place_splats": (15, 40),
+    "fit_tiles": (10, 16),
+    "rdo_begin": (8, 14),
+    "raster_samples": (8, 14),
+    "raster_forward": (6, 12),
+    "control_fit": (5, 10),
+    "visual_terms_row": (5, 8),
+    "bin_bands": (4, 9),
+    "bin": (4, 8),
+    "sum_loss": (4, 8),
+    "step_splats": (4, 7),
+    "visual_shares": (4, 6),
+    "bin_count": (3, 5),
+    "number_links": (3, 6),
+    "project": (3, 4),
+}
+OTHER_LATENCY = (2.5, 4)
+
+# Nanoseconds of each work-group.
+COST = {
+    "fit_tiles": (18, 36),
+    "rdo_begin": (5.2, 9.8),
+    "raster_samples": (5.9, 10.4),
+    "raster_forward": (5.2, 9.8),
+    "bin": (3.3, 5.2),
+    "step_splats": (2, 3.5),
+    "bin_count": (2, 3.3),
+    "number_links": (1.5, 3),
+}
+OTHER_COST = (0.5, 1)
+
+
+def launch_us(kernel, groups, bound):
+    """Microseconds of a launch with the gap before it; bound 0: low, 1: high."""
+    latency = LATENCY.get(kernel, OTHER_LATENCY)[bound]
+    if kernel == "rdo_visit":
+        return GAP[bound] + latency * -(-groups // RESIDENT)
+    return GAP[bound] + max(latency, 1e-3 * COST.get(kernel, OTHER_COST)[bound] * groups)
+
+
+def kernel_ms(kernel, groups):
+    """(low, high) milliseconds of launches of a kernel with these numbers of work-groups."""
+    return tuple(1e-3 * sum(launch_us(kernel, count, bound) for count in groups) for bound in (0, 1))
+
+
+def waits_ms(count):
+    return tuple(1e-3 * WAIT[bound] * count for bound in (0, 1))
