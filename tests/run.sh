@@ -38,6 +38,7 @@ build_lane() {
     check "no data races" sh tests/check_threads.sh build-thread
     check "valgrind" sh tests/check_valgrind.sh build-test
     check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
+    check "measurements of a GPU, without one" sh tests/devices/test_gpu_day.sh build-test
     python_package
     web_package
     image_files
