@@ -1,0 +1,44 @@
+"""What the kernels of the GPU mapping may take at most on each device (compilers.py).  The limits are the figures of the day on
+which they were written: lower them where a kernel shrinks, and never raise them."""
+
+# Bytes of private memory of a work-item of rdo_visit, by the use of its program (list_programs.c).  The aim is 512, because a
+# device reserves this memory for all work-items that it can run at once, in each of its contexts: 1 KiB takes 270 MB of an H100.
+RDO_STACK = {
+    "encode": {"PTX": 1640, "sm_75": 1648, "sm_90": 1648, "gfx90a": 3424, "gfx1100": 3856},
+    "encode, waves": {"PTX": 5704, "sm_75": 5856, "sm_90": 5856, "gfx90a": 7824, "gfx1100": 8640},
+}
+
+# Kinds of programs whose kernels spill no vector register.
+UNSPILLED = {"render", "fit", "bin"}
+# But fit_tiles on gfx1100: clang 15 takes only 128 of its 256 vector registers, whatever the size of the work-groups.  The
+# registers that it spills, by the use of the program, and those of all others at most.
+SPILLED = {"encode": 74, "encode, waves": 151}
+SPILLED_BY_OTHERS = 207
+
+
+def spilled_limit(program, kernel, device):
+    """None where there is none."""
+    if program.kind not in UNSPILLED:
+        return None
+    if (device, kernel) == ("gfx1100", "fit_tiles"):
+        return SPILLED.get(program.use, SPILLED_BY_OTHERS)
+    return 0
+
+
+def stack_limit(program, kernel, device):
+    """None where there is none."""
+    return RDO_STACK.get(program.use, {}).get(device) if kernel == "rdo_visit" else None
+
+
+def breaches(program, kernels):
+    """What a program's kernels take above the limits, in words; `kernels`: {kernel: {device: {column: number}}}"""
+    if program.mapping != "gpu":
+        return
+    for kernel, devices in kernels.items():
+        for device, figures in devices.items():
+            spilled, most = figures.get("spilled", 0), spilled_limit(program, kernel, device)
+            if most is not None and spilled > most:
+                yield f"{kernel} spills {spilled} on {device}, {most} at most"
+            stack, most = figures.get("stack", figures.get("scratch", 0)), stack_limit(program, kernel, device)
+            if most is not None and stack > most:
+                yield f"{kernel} takes {stack} bytes of private memory on {device}, {most} at most"
