@@ -3,9 +3,9 @@
 Nothing here was measured on a GPU.  The assumptions, each as a low and a high number, between which the time should lie:
 
  - launches depend on each other, and the next begins GAP after the one before it has ended,
- - a launch takes at least its LATENCY: the longest chain of dependent instructions of one work-item, at 5 cycles for each
-   instruction, 30 for each access of local memory and 500 for each of global memory at 1.7 GHz,
- - a launch of many work-groups takes the COST of each where all 132 multiprocessors work,
+ - a launch takes at least its LATENCY, which was estimated by reading the kernel: the longest chain of instructions of one
+   work-item that depend on each other,
+ - a launch of many work-groups takes the COST of each, estimated in the same way, where all 132 multiprocessors work,
  - rdo_visit takes its latency once for each RESIDENT groups: its registers leave room for four groups on a multiprocessor,
  - a wait of the host for the device takes WAIT, with what the host does before the device has work again.
 """
