@@ -1,7 +1,8 @@
 /* Projection in double precision, for measuring the accuracy of single precision (host/lib/measure/accuracy.c). */
 
 /* Projects splats at full size, as `project` does in single precision, but always as rotated splats. */
-__kernel void project_double(__global const float *restrict params, int count, __global real *restrict projected) {
+__kernel GROUP_OF(GSCL_SPLATS_PER_GROUP) void project_double(__global const float *restrict params, int count,
+                                                             __global real *restrict projected) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     __global const float *p = params + (size_t)i * GSCL_PARAMS;

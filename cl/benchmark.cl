@@ -3,7 +3,7 @@
 #define CHAINS GSCL_BENCHMARK_CHAINS
 
 /* Multiply-adds without access to memory: 2 * CHAINS * GSCL_BENCHMARK_LENGTH * LANES operations a work-item. */
-__kernel void multiply_add(float factor, __global float *restrict sums) {
+__kernel GROUP_OF(GSCL_BENCHMARK_GROUP) void multiply_add(float factor, __global float *restrict sums) {
     pix chains[CHAINS], sum = (pix)(0.0f);
     UNROLL
     for (int j = 0; j < CHAINS; j++) chains[j] = pix_offsets() + (float)(j + (int)get_global_id(0));
@@ -17,7 +17,7 @@ __kernel void multiply_add(float factor, __global float *restrict sums) {
 }
 
 /* Each work-item reads and writes one pixel vector. */
-__kernel void copy(__global const float *restrict from, __global float *restrict to) {
+__kernel GROUP_OF(GSCL_BENCHMARK_GROUP) void copy(__global const float *restrict from, __global float *restrict to) {
     size_t at = get_global_id(0) * LANES;
     PIX_STORE(PIX_LOAD(from + at), to + at);
 }

@@ -89,8 +89,8 @@ int2 tiles_of_row(__global const float *restrict projected, __global const float
 #if BIN_ITEMS == 1
 /* Lists the splats of each band of `band_rows` rows of tiles.  One work-group per band; a list has room for `count`
  * splats. */
-__kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
-                        __global int *restrict listed_counts) {
+__kernel GROUP_OF(BAND_ITEMS) void bin_bands(__global const int4 *restrict boxes, int count, int band_rows,
+                                             __global int *restrict listed, __global int *restrict listed_counts) {
     int band = (int)get_group_id(0), first = band * band_rows, n = 0;
     listed += (size_t)band * count;
     for (int i = 0; i < count; i++)
@@ -99,11 +99,13 @@ __kernel void bin_bands(__global const int4 *restrict boxes, int count, int band
 }
 
 /* Fills the lists of one row of tiles. */
-__kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                  __global const int4 *restrict boxes, __global const int *restrict listed,
-                  __global const int *restrict listed_counts, __global const gscl_link_grid *restrict grids,
-                  gscl_bin_settings t, __global uint *restrict entries, __global int2 *restrict tile_ranges,
-                  __global int *restrict row_totals, __global int *restrict links) {
+__kernel GROUP_OF(BIN_ITEMS) void bin(__global const float *restrict projected,
+                                      __global const float *restrict ellipse_bounds,
+                                      __global const int4 *restrict boxes, __global const int *restrict listed,
+                                      __global const int *restrict listed_counts,
+                                      __global const gscl_link_grid *restrict grids, gscl_bin_settings t,
+                                      __global uint *restrict entries, __global int2 *restrict tile_ranges,
+                                      __global int *restrict row_totals, __global int *restrict links) {
     const int tiles_x = t.tiles_x, ty = (int)get_group_id(0);
     __global int2 *ranges = tile_ranges + (size_t)ty * tiles_x;
     splat_source source = source_of_row(listed, listed_counts, t, ty);
@@ -141,8 +143,8 @@ __kernel void bin(__global const float *restrict projected, __global const float
     }
 }
 #else
-__kernel void bin_bands(__global const int4 *restrict boxes, int count, int band_rows, __global int *restrict listed,
-                        __global int *restrict listed_counts) {
+__kernel GROUP_OF(BAND_ITEMS) void bin_bands(__global const int4 *restrict boxes, int count, int band_rows,
+                                             __global int *restrict listed, __global int *restrict listed_counts) {
     __local long sums[BAND_ITEMS];
     int item = (int)get_local_id(0), band = (int)get_group_id(0), first = band * band_rows, n = 0;
     listed += (size_t)band * count;
@@ -165,10 +167,11 @@ bool touches_tile(__global const float *restrict projected, __global const float
 }
 
 /* Counts the splats of each tile.  One work-group per tile. */
-__kernel void bin_count(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                        __global const int4 *restrict boxes, __global const int *restrict listed,
-                        __global const int *restrict listed_counts, gscl_bin_settings t,
-                        __global int *restrict tile_counts) {
+__kernel GROUP_OF(BIN_ITEMS) void bin_count(__global const float *restrict projected,
+                                            __global const float *restrict ellipse_bounds,
+                                            __global const int4 *restrict boxes, __global const int *restrict listed,
+                                            __global const int *restrict listed_counts, gscl_bin_settings t,
+                                            __global int *restrict tile_counts) {
     __local long sums[BIN_ITEMS];
     const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x;
     splat_source source = source_of_row(listed, listed_counts, t, ty);
@@ -191,12 +194,14 @@ bool entry_of_tile(__global const float *restrict projected, __global const floa
 
 /* Fills the list of each tile behind those of the tiles to its left.  One work-group per tile; lists that would not fit
  * are cut short. */
-__kernel void bin(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
-                  __global const int4 *restrict boxes, __global const int *restrict listed,
-                  __global const int *restrict listed_counts, __global const gscl_link_grid *restrict grids,
-                  gscl_bin_settings t, __global const int *restrict tile_counts, __global uint *restrict entries,
-                  __global int2 *restrict tile_ranges, __global int *restrict row_totals,
-                  __global int *restrict links) {
+__kernel GROUP_OF(BIN_ITEMS) void bin(__global const float *restrict projected,
+                                      __global const float *restrict ellipse_bounds,
+                                      __global const int4 *restrict boxes, __global const int *restrict listed,
+                                      __global const int *restrict listed_counts,
+                                      __global const gscl_link_grid *restrict grids, gscl_bin_settings t,
+                                      __global const int *restrict tile_counts, __global uint *restrict entries,
+                                      __global int2 *restrict tile_ranges, __global int *restrict row_totals,
+                                      __global int *restrict links) {
     __local long sums[BIN_ITEMS];
     const int tile = (int)get_group_id(0), tx = tile % t.tiles_x, ty = tile / t.tiles_x, item = (int)get_local_id(0);
     const int base = ty * t.row_capacity, end = base + t.row_capacity;

@@ -24,8 +24,8 @@ float from_stored(int book, int dim, float value) {
 
 /* Rounds words to values of the file: `levels` + 1 uniform values from the least to the largest of each dimension
  * (paper eq. 7-8).  One work-item for each dimension of the book. */
-__kernel void book_quantise(__global const float *restrict words, int book, int count, int levels,
-                            __global float *restrict stored) {
+__kernel GROUP_OF(GSCL_BOOK_GROUP) void book_quantise(__global const float *restrict words, int book, int count,
+                                                      int levels, __global float *restrict stored) {
     int dim = (int)get_global_id(0);
     float low = MAXFLOAT, high = -MAXFLOAT;
     for (int i = 0; i < count; i++) {
@@ -42,9 +42,11 @@ __kernel void book_quantise(__global const float *restrict words, int book, int 
 }
 
 /* The parameters to draw: positions on their grid, shapes and colours from the words. */
-__kernel void book_apply(__global const float *restrict learnt, __global const int2 *restrict indices,
-                         __global const float *restrict shapes, __global const float *restrict colours, int count,
-                         float2 cell, int2 last_cell, __global float *restrict params) {
+__kernel GROUP_OF(GSCL_SPLATS_PER_GROUP) void book_apply(__global const float *restrict learnt,
+                                                         __global const int2 *restrict indices,
+                                                         __global const float *restrict shapes,
+                                                         __global const float *restrict colours, int count, float2 cell,
+                                                         int2 last_cell, __global float *restrict params) {
     int i = (int)get_global_id(0);
     if (i >= count) return;
     __global const float *from = learnt + (size_t)i * GSCL_PARAMS;
@@ -59,10 +61,11 @@ __kernel void book_apply(__global const float *restrict learnt, __global const i
 }
 
 /* One step of Adam for each word of a book, from the gradients of its members, added in their order. */
-__kernel void book_step(__global float *restrict words, __global float *restrict first_moment,
-                        __global float *restrict second_moment, __global const int2 *restrict indices,
-                        __global const float *restrict gradients, gscl_word_step_settings settings,
-                        gscl_limits limits) {
+__kernel GROUP_OF(GSCL_BOOK_GROUP) void book_step(__global float *restrict words, __global float *restrict first_moment,
+                                                  __global float *restrict second_moment,
+                                                  __global const int2 *restrict indices,
+                                                  __global const float *restrict gradients,
+                                                  gscl_word_step_settings settings, gscl_limits limits) {
     const int book = settings.book, w = (int)get_global_id(0);
     if (w >= settings.words) return;
     int dims = book == GSCL_BOOK_SHAPE ? GSCL_BOOK_SHAPE_DIMS : COLOUR_DIMS;
@@ -94,10 +97,10 @@ __kernel void book_step(__global float *restrict words, __global float *restrict
 }
 
 /* One step of Adam for the positions alone. */
-__kernel void position_step(__global float *restrict learnt, __global float *restrict first_moment,
-                            __global float *restrict second_moment, __global int *restrict ages,
-                            __global const float *restrict params, __global const float *restrict gradients,
-                            gscl_word_step_settings settings, gscl_limits limits) {
+__kernel GROUP_OF(GSCL_SPLATS_PER_GROUP) void position_step(
+    __global float *restrict learnt, __global float *restrict first_moment, __global float *restrict second_moment,
+    __global int *restrict ages, __global const float *restrict params, __global const float *restrict gradients,
+    gscl_word_step_settings settings, gscl_limits limits) {
     int i = (int)get_global_id(0);
     if (i >= settings.splats) return;
     int age = ++ages[i];

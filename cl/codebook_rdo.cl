@@ -153,13 +153,12 @@ int2 word_rdo_move(int2 cell, int move) {
  * at the same barriers.  The shape stays, since another shape would change the drawing order.  A splat that is not worth
  * its bits is dropped: its shape becomes -1.  `boxes`: first and last column, first and last row of the pixels that may
  * change for each splat. */
-__kernel void word_rdo(__global const int *restrict batch, __global int2 *restrict cells,
-                       __global int2 *restrict indices, __global const int4 *restrict boxes,
-                       __global const float *restrict shapes, __global const float *restrict colours,
-                       __global const float *restrict shape_bits, __global const float *restrict colour_bits,
-                       __global float *restrict rendering, __global float *restrict front,
-                       __global float *restrict transmittance, __global const float *restrict target,
-                       gscl_word_rdo_settings settings) {
+__kernel GROUP_OF(RDO_ITEMS) void word_rdo(
+    __global const int *restrict batch, __global int2 *restrict cells, __global int2 *restrict indices,
+    __global const int4 *restrict boxes, __global const float *restrict shapes, __global const float *restrict colours,
+    __global const float *restrict shape_bits, __global const float *restrict colour_bits,
+    __global float *restrict rendering, __global float *restrict front, __global float *restrict transmittance,
+    __global const float *restrict target, gscl_word_rdo_settings settings) {
     __local float shared[RDO_SHARED];
     const int i = batch[get_group_id(0)];
     const int4 box = boxes[i];

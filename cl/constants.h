@@ -22,6 +22,16 @@
 
 /* A tile is the unit of binning and of work: one work-group draws one tile. */
 #define GSCL_TILE 16
+/* Work-items of the work-groups of kernels (GROUP_OF in macros.h), as far as they are no build options
+ * (host/lib/runtime/mapping.h): of a group that draws a tile, whose work-items take `rows` rows of `lanes` pixels; of one
+ * that takes GSCL_SPLATS_PER_GROUP splats, whose work-items take `splat_lanes` of them; and of kernels whose work-items take a
+ * pixel of an image, or a dimension or a word of a codebook, each; of the benchmark. */
+#define GSCL_TILE_ITEMS(lanes, rows) ((GSCL_TILE / (lanes)) * (GSCL_TILE / (rows)))
+#define GSCL_SPLATS_PER_GROUP 32
+#define GSCL_SPLAT_ITEMS(splat_lanes) (GSCL_SPLATS_PER_GROUP / (splat_lanes))
+#define GSCL_IMAGE_GROUP 64
+#define GSCL_BOOK_GROUP 1
+#define GSCL_BENCHMARK_GROUP 64
 /* Splats whose links are counted together (links.cl). */
 #define GSCL_LINK_BLOCK 64
 /* Splats of a tile that are summed one after another when an image is drawn (raster.cl). */

@@ -1,9 +1,10 @@
 /* Drawing an image of splats. */
 
 /* Draws all tiles into CHANNELS planes. */
-__kernel void raster_forward(__global const real *restrict splats, __global const uint *restrict entries,
-                             __global const int2 *restrict tile_ranges, __constant float *background,
-                             __global real *restrict image, gscl_image_shape shape) {
+__kernel GROUP_OF(ITEMS) void raster_forward(__global const real *restrict splats,
+                                             __global const uint *restrict entries,
+                                             __global const int2 *restrict tile_ranges, __constant float *background,
+                                             __global real *restrict image, gscl_image_shape shape) {
     pixel_block p = pixel_block_of(get_group_id(0), shape);
     const size_t plane = plane_size(shape);
     canvas c;

@@ -277,11 +277,12 @@ void backward_splats(const tile_splats *t, backward *b, pix px, float py, int ro
  * rendering.
  * A tile whose loss per pixel is below the threshold is skipped for the next GSCL_SKIP_STEPS steps, in which its slots
  * are 0 and its loss stays the same.  `skip_until`: for each tile the step with which it is computed again. */
-__kernel void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
-                        __global const int2 *restrict tile_ranges, __constant float *background,
-                        __global const float *restrict target, gscl_fit_settings settings,
-                        __global const gscl_fit_control *restrict control, __global float *restrict slots,
-                        __global float *restrict tile_loss, __global int *restrict skip_until) {
+__kernel GROUP_OF(ITEMS) void fit_tiles(__global const float *restrict splats, __global const uint *restrict entries,
+                                        __global const int2 *restrict tile_ranges, __constant float *background,
+                                        __global const float *restrict target, gscl_fit_settings settings,
+                                        __global const gscl_fit_control *restrict control,
+                                        __global float *restrict slots, __global float *restrict tile_loss,
+                                        __global int *restrict skip_until) {
 #if SHARES_SPLATS
     __local shared_backward shared_state;
 #endif

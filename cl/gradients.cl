@@ -1,10 +1,10 @@
 /* The two parts of a step of the fit (step.cl) alone: gradients, and Adam with gradients that were made from them. */
 
 /* Writes the gradients of splats, GSCL_PARAMS floats each.  Those of parameters that are not fitted are left as they are. */
-__kernel void gather_gradients(__global const float *restrict params, __global const float *restrict steps,
-                               gscl_gather_settings settings, __global const float *restrict projected,
-                               __global const gscl_link_grid *restrict grids, __global const int *restrict links,
-                               __global const float *restrict slots, __global float *restrict gradients) {
+__kernel GROUP_OF(STEP_ITEMS) void gather_gradients(
+    __global const float *restrict params, __global const float *restrict steps, gscl_gather_settings settings,
+    __global const float *restrict projected, __global const gscl_link_grid *restrict grids,
+    __global const int *restrict links, __global const float *restrict slots, __global float *restrict gradients) {
     __local float shared[SLOT_ITEMS];
     vfloat gradient[FITTED];
     const size_t i = FIRST_SPLAT;
@@ -15,12 +15,13 @@ __kernel void gather_gradients(__global const float *restrict params, __global c
 }
 
 /* One step of Adam from the gradients, then the projection of the (quantised) result, for SPLAT_LANES splats. */
-__kernel void adam_step(__global float *restrict params, __global float *restrict first_moment,
-                        __global float *restrict second_moment, __global int *restrict ages,
-                        __global const float *restrict gradients, __global const float *restrict steps,
-                        gscl_adam_settings settings, __global const gscl_fit_control *restrict control,
-                        __global float *restrict projected, __global float *restrict ellipse_bounds,
-                        __global int4 *restrict boxes) {
+__kernel GROUP_OF(SPLAT_ITEMS) void adam_step(__global float *restrict params, __global float *restrict first_moment,
+                                              __global float *restrict second_moment, __global int *restrict ages,
+                                              __global const float *restrict gradients,
+                                              __global const float *restrict steps, gscl_adam_settings settings,
+                                              __global const gscl_fit_control *restrict control,
+                                              __global float *restrict projected,
+                                              __global float *restrict ellipse_bounds, __global int4 *restrict boxes) {
     const size_t i = get_global_id(0) * SPLAT_LANES;
     if (i >= (size_t)settings.splats) return;
     const int lanes_used = min(settings.splats - (int)i, SPLAT_LANES);

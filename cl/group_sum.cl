@@ -1,4 +1,6 @@
-/* Sums over the work-items of a group, whose number is a power of 2: trees in a fixed order. */
+/* Sums over the work-items of a group, whose number is a power of 2: trees in a fixed order.
+ *
+ * Build option SUM_ITEMS, the work-items of a group of kernels that only sum: 1 on CPUs. */
 
 /* Replaces each of `count` numbers by its sum over all work-items.  `sums` has room for `count` numbers of each of them, and
  * is free for other use after a barrier. */

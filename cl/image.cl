@@ -1,8 +1,9 @@
 /* Image planes for the fit: pyramid levels and per-pixel error. */
 
 /* Halves a plane by averaging 2x2 pixels; an odd last row or column is averaged with itself. */
-__kernel void halve(__global const float *restrict from, ulong from_at, int from_width, int from_height,
-                    __global float *restrict to, ulong to_at, int width, int height) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void halve(__global const float *restrict from, ulong from_at, int from_width,
+                                               int from_height, __global float *restrict to, ulong to_at, int width,
+                                               int height) {
     int i = (int)get_global_id(0);
     if (i >= width * height) return;
     from += from_at;
@@ -15,8 +16,9 @@ __kernel void halve(__global const float *restrict from, ulong from_at, int from
 
 /* The residual of planes against those of half the size, interpolated with their slopes: squared difference per sample,
  * for each pixel of the smaller planes. */
-__kernel void level_residual(__global const float *restrict planes, __global const float *restrict half_size,
-                             int channels, int width, int height, __global float *restrict map) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void level_residual(__global const float *restrict planes,
+                                                        __global const float *restrict half_size, int channels,
+                                                        int width, int height, __global float *restrict map) {
     int half_width = (width + 1) / 2, half_height = (height + 1) / 2, at = (int)get_global_id(0);
     if (at >= half_width * half_height) return;
     int x = at % half_width, y = at / half_width;
@@ -65,15 +67,16 @@ float error_of_pixel(__global const float *restrict rendering, __global const fl
 }
 
 /* Squared error of each pixel. */
-__kernel void squared_error(__global const float *restrict rendering, __global const float *restrict target,
-                            int channels, int weighted, int count, __global float *restrict error) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void squared_error(__global const float *restrict rendering,
+                                                       __global const float *restrict target, int channels,
+                                                       int weighted, int count, __global float *restrict error) {
     int i = (int)get_global_id(0);
     if (i < count) error[i] = error_of_pixel(rendering, target, channels, weighted, count, i);
 }
 
 /* Adds `share` times a plane that is 2^shift times smaller to the plane at to[to_at]. */
-__kernel void add_enlarged(__global const float *restrict from, gscl_enlargement t, __global float *restrict to,
-                           ulong to_at) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void add_enlarged(__global const float *restrict from, gscl_enlargement t,
+                                                      __global float *restrict to, ulong to_at) {
     int i = (int)get_global_id(0);
     if (i >= t.width * t.height) return;
     int x = min((i % t.width) >> t.shift, t.from_width - 1), y = min((i / t.width) >> t.shift, t.from_height - 1);
@@ -82,8 +85,9 @@ __kernel void add_enlarged(__global const float *restrict from, gscl_enlargement
 
 /* Raises the contrast of `channels` planes around local means.  Gains and means are planes of half the size
  * (ssim_contrast_gains). */
-__kernel void raise_contrast(__global const float *restrict from, __global const float *restrict gains, int channels,
-                             int width, int height, __global float *restrict to) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void raise_contrast(__global const float *restrict from,
+                                                        __global const float *restrict gains, int channels, int width,
+                                                        int height, __global float *restrict to) {
     int i = (int)get_global_id(0);
     if (i >= width * height) return;
     int half_width = (width + 1) / 2, half_height = (height + 1) / 2;

@@ -31,7 +31,8 @@ long tiles_of_item(__global const int4 *restrict boxes, int first, int end) {
 }
 
 /* The tiles of the boxes of each block of GSCL_LINK_BLOCK splats.  One work-group per block. */
-__kernel void count_links(__global const int4 *restrict boxes, int count, __global long *restrict block_links) {
+__kernel GROUP_OF(LINK_ITEMS) void count_links(__global const int4 *restrict boxes, int count,
+                                               __global long *restrict block_links) {
     __local long sums[LINK_ITEMS];
     const int first = (int)get_group_id(0) * GSCL_LINK_BLOCK, end = min(first + GSCL_LINK_BLOCK, count);
     group_scan(tiles_of_item(boxes, first, end), LINK_ITEMS, sums);
@@ -50,10 +51,10 @@ long links_before(int first, __global const int4 *restrict boxes, int block, __g
 
 /* Numbers the links of LINK_SPLATS splats and sets them to -1.  `block`: GSCL_LINK_BLOCK, or more than `count`, which
  * needs no counts of blocks.  *needed: links of all splats, at most 2^31 - 1. */
-__kernel void number_links(__global const int4 *restrict boxes, int count, int block,
-                           __global const long *restrict block_links, int capacity,
-                           __global gscl_link_grid *restrict grids, __global int *restrict links,
-                           __global int *restrict needed) {
+__kernel GROUP_OF(LINK_ITEMS) void number_links(__global const int4 *restrict boxes, int count, int block,
+                                                __global const long *restrict block_links, int capacity,
+                                                __global gscl_link_grid *restrict grids, __global int *restrict links,
+                                                __global int *restrict needed) {
     __local long sums[LINK_ITEMS];
     const int item = (int)get_local_id(0);
     const int first = (int)get_group_id(0) * LINK_SPLATS, end = min(first + LINK_SPLATS, count);

@@ -12,6 +12,7 @@
 #define get_local_id(dimension) ((size_t)0)
 #define get_local_size(dimension) ((size_t)1)
 #define barrier(fences) ((void)0)
+#define GROUP_OF(items)
 
 /* The options of the launch that this thread works on (options.h), laid out as gscl_native_options
  * (host/lib/native/programs.h). */

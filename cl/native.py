@@ -24,7 +24,7 @@ from programs import COMMON, FILES, programs
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 # A kernel's name and parameters in preprocessed text.
-KERNEL = re.compile(r"__kernel void (\w+)\(([^)]*)\)")
+KERNEL = re.compile(r"__kernel\s+void (\w+)\(([^)]*)\)")
 LANGUAGE = ["-x", "cl", "-cl-std=CL1.2", "-D__OPENCL_VERSION__=120"]
 # The types of OpenCL C without its built-in functions, which native.h has.
 TYPES = ["-cl-no-stdinc", "-include", "opencl-c-base.h"]

@@ -3,9 +3,9 @@
  * 256 / LANES work-items draws a tile.  Some implementations get other values of both (host/lib/opencl/quirks.c).
  *
  * Build options, each where the kernels depend on it (host/lib/opencl/build_options.c): LANES, ROWS, COLOURS (1 or 3),
- * ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE, BLEND, WEIGHTED (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl).  The
- * options DOUBLE, EXPONENTIAL, EARLY_STOP and GSCL_SUPPORT serve measurements of accuracy only
- * (host/lib/measure/accuracy.c). */
+ * ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE, BLEND, WEIGHTED (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl), and
+ * CHUNK_ITEMS, the work-items of a group that take a pixel vector each.  The options DOUBLE, EXPONENTIAL, EARLY_STOP and
+ * GSCL_SUPPORT serve measurements of accuracy only (host/lib/measure/accuracy.c). */
 #ifdef DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef double real;
@@ -24,7 +24,7 @@ typedef float real;
 #define CHANNELS (COLOURS + ALPHA_CHANNEL)
 #define ITEMS_X (GSCL_TILE / LANES)
 #define ITEMS_Y (GSCL_TILE / ROWS)
-#define ITEMS (ITEMS_X * ITEMS_Y)
+#define ITEMS GSCL_TILE_ITEMS(LANES, ROWS)
 #define ROTATION (SHAPE == GSCL_SHAPE_ROTATED)
 #define ANISOTROPY (SHAPE != GSCL_SHAPE_ISOTROPIC)
 

@@ -15,8 +15,8 @@ float edge_strength_at(__global const float *restrict planes, gscl_placement_set
     return sqrt(sum);
 }
 
-__kernel void edge_strength(__global const float *restrict planes, gscl_placement_settings t,
-                            __global float *restrict strength) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void edge_strength(__global const float *restrict planes, gscl_placement_settings t,
+                                                       __global float *restrict strength) {
     int i = (int)get_global_id(0);
     if (i < t.width * t.height) strength[i] = edge_strength_at(planes, t, i % t.width, i / t.width);
 }
@@ -40,8 +40,8 @@ void sum_windows(__global const float *restrict from, int stride, int count, int
 }
 
 /* Sums over rows, of GSCL_BOX_LENGTH pixels a work-item.  `flags`: counts the values that are not 0. */
-__kernel void box_rows(__global const float *restrict from, gscl_placement_settings t, int radius, int flags,
-                       __global float *restrict to) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void box_rows(__global const float *restrict from, gscl_placement_settings t,
+                                                  int radius, int flags, __global float *restrict to) {
     const int parts = (t.width + GSCL_BOX_LENGTH - 1) / GSCL_BOX_LENGTH;
     const int item = (int)get_global_id(0), y = item / parts;
     if (y >= t.height) return;
@@ -50,8 +50,8 @@ __kernel void box_rows(__global const float *restrict from, gscl_placement_setti
 }
 
 /* Sums over columns, likewise. */
-__kernel void box_columns(__global const float *restrict from, gscl_placement_settings t, int radius,
-                          __global float *restrict to) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void box_columns(__global const float *restrict from, gscl_placement_settings t,
+                                                     int radius, __global float *restrict to) {
     const int item = (int)get_global_id(0), x = item % t.width, first = item / t.width * GSCL_BOX_LENGTH;
     if (first < t.height) sum_windows(from + x, t.width, t.height, radius, first, 0, to + x);
 }
@@ -67,9 +67,10 @@ bool matches_background(__global const float *restrict planes, __global const fl
 /* The density of the first splats: half of them follow edges, half are spread evenly, but for a flat background away from
  * edges, where they would cost time without any gain.  `total`: the strength of all edges.  `density` has, where there is
  * such a background, the number of pixels nearby at edges. */
-__kernel void seed_density(__global const float *restrict planes, __global const float *restrict background,
-                           gscl_placement_settings t, __global const float *restrict total,
-                           __global float *restrict density) {
+__kernel GROUP_OF(GSCL_IMAGE_GROUP) void seed_density(__global const float *restrict planes,
+                                                      __global const float *restrict background,
+                                                      gscl_placement_settings t, __global const float *restrict total,
+                                                      __global float *restrict density) {
     int i = (int)get_global_id(0), pixels = t.width * t.height;
     if (i >= pixels) return;
     bool needs_splats = t.has_background == 0 || density[i] > 0.0f || !matches_background(planes, background, t, i);
@@ -109,9 +110,9 @@ int2 own_columns(size_t group, gscl_placement_settings t) {
 }
 
 /* Weights of columns, and of all columns of each work-group. */
-__kernel void weigh_columns(__global const float *restrict density, gscl_placement_settings t,
-                            __global const float *restrict total, __global ulong *restrict weights,
-                            __global ulong *restrict group_weights) {
+__kernel GROUP_OF(SUM_ITEMS) void weigh_columns(__global const float *restrict density, gscl_placement_settings t,
+                                                __global const float *restrict total, __global ulong *restrict weights,
+                                                __global ulong *restrict group_weights) {
     __local long sums[GSCL_SUM_ITEMS];
     const int2 own = own_columns(get_group_id(0), t);
     const int items = (int)get_local_size(0);
@@ -122,8 +123,8 @@ __kernel void weigh_columns(__global const float *restrict density, gscl_placeme
 }
 
 /* Adds to the weight of each column those before it in the walk. */
-__kernel void add_columns(gscl_placement_settings t, __global const ulong *restrict group_weights,
-                          __global ulong *restrict weights) {
+__kernel GROUP_OF(SUM_ITEMS) void add_columns(gscl_placement_settings t, __global const ulong *restrict group_weights,
+                                              __global ulong *restrict weights) {
     __local long sums[GSCL_SUM_ITEMS];
     const int2 own = own_columns(get_group_id(0), t);
     const int items = (int)get_local_size(0);
@@ -209,9 +210,11 @@ void follow_edge(gscl_placement_settings t, const float *tensor, __global float 
 
 /* Makes the new splats, a work-group each: at a random point of its pixel, with the pixel's colour.  Where splats have an
  * angle it lies along the edge at the pixel, if there is one, and is elongated. */
-__kernel void place_splats(__global const float *restrict planes, __global const float *restrict density,
-                           gscl_placement_settings t, __global const float *restrict total,
-                           __global const ulong *restrict weights, ulong seed, __global float *restrict params) {
+__kernel GROUP_OF(SUM_ITEMS) void place_splats(__global const float *restrict planes,
+                                               __global const float *restrict density, gscl_placement_settings t,
+                                               __global const float *restrict total,
+                                               __global const ulong *restrict weights, ulong seed,
+                                               __global float *restrict params) {
     __local float sums[3 * GSCL_SUM_ITEMS];
     __local int pixel; /* of the level */
     const int i = (int)get_group_id(0), item = (int)get_local_id(0);

@@ -57,9 +57,11 @@ ALWAYS_INLINE void store_pixels(pix *values, gscl_sample_layout layout, __global
 }
 
 /* Like raster_forward, into an image in memory with packed rows. */
-__kernel void raster_samples(__global const float *restrict splats, __global const uint *restrict entries,
-                             __global const int2 *restrict tile_ranges, __constant float *background,
-                             gscl_image_shape shape, gscl_sample_layout layout, __global uchar *restrict samples) {
+__kernel GROUP_OF(ITEMS) void raster_samples(__global const float *restrict splats,
+                                             __global const uint *restrict entries,
+                                             __global const int2 *restrict tile_ranges, __constant float *background,
+                                             gscl_image_shape shape, gscl_sample_layout layout,
+                                             __global uchar *restrict samples) {
     pixel_block p = pixel_block_of(get_group_id(0), shape);
     canvas c;
     canvas_draw(&c, p, splats, entries, tile_ranges[p.tile], background);

@@ -164,10 +164,12 @@ bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context 
 /* Visits the splats of one group, each with a work-group of RDO_ITEMS work-items: once, and again where a splat moved, at
  * most pass.settings.visits times.  The major code of a splat that is not worth its bits becomes -1.  *error: of the
  * picture before the pass. */
-__kernel void rdo_visit(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
-                        __global gscl_codes *restrict all, __global const gscl_rdo_tables *restrict tables,
-                        __global float *restrict rendering, __global float *restrict weights,
-                        __global const float *restrict target, __global const float *restrict error) {
+__kernel GROUP_OF(RDO_ITEMS) void rdo_visit(gscl_rdo_pass pass, __global const gscl_rdo_task *restrict tasks,
+                                            __global gscl_codes *restrict all,
+                                            __global const gscl_rdo_tables *restrict tables,
+                                            __global float *restrict rendering, __global float *restrict weights,
+                                            __global const float *restrict target,
+                                            __global const float *restrict error) {
     __local float shared[RDO_SHARED];
     const gscl_rdo_task task = tasks[pass.start + (int)get_group_id(0)];
     rdo_visit_context v;
@@ -194,9 +196,10 @@ __kernel void rdo_visit(gscl_rdo_pass pass, __global const gscl_rdo_task *restri
 }
 
 /* Draws the rendering and the sums of weights that a pass starts from. */
-__kernel void rdo_begin(__global const float *restrict splats, __global const uint *restrict entries,
-                        __global const int2 *restrict tile_ranges, __constant float *background,
-                        __global float *restrict rendering, __global float *restrict weights, gscl_image_shape shape) {
+__kernel GROUP_OF(ITEMS) void rdo_begin(__global const float *restrict splats, __global const uint *restrict entries,
+                                        __global const int2 *restrict tile_ranges, __constant float *background,
+                                        __global float *restrict rendering, __global float *restrict weights,
+                                        gscl_image_shape shape) {
     pixel_block p = pixel_block_of(get_group_id(0), shape);
     const size_t plane = plane_size(shape);
     canvas c;

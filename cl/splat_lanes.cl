@@ -4,6 +4,8 @@
  * Build option SPLAT_LANES: 16 on CPUs, where a single splat takes as long as a vector of them; 1 on GPUs, and in
  * programs that process splats one by one.  Bounds in clamp, min and max are vectors too, because Oclgrind evaluates
  * scalar ones wrongly. */
+#define SPLAT_ITEMS GSCL_SPLAT_ITEMS(SPLAT_LANES) /* of a group */
+
 #if SPLAT_LANES == 16
 typedef float16 vfloat; /* one value per splat */
 typedef int16 vint;

@@ -40,8 +40,9 @@ pix window_mask(gscl_ssim_shape s, int x, int y) {
 }
 
 /* Horizontal sums of x, y, xx, yy, xy.  `moments`: five padded images. */
-__kernel void ssim_blur_rows(__global const float *restrict rendering, __global const float *restrict target,
-                             gscl_ssim_shape shape, __global float *restrict moments) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_blur_rows(__global const float *restrict rendering,
+                                                   __global const float *restrict target, gscl_ssim_shape shape,
+                                                   __global float *restrict moments) {
     int x, y, k;
     if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix m[5];
@@ -72,8 +73,9 @@ void window_moments(pix *restrict m, __global const float *restrict moments, gsc
 }
 
 /* Derivatives of each window's SSIM by E[x], E[xx] and E[xy]: three padded images, zero where there is no window. */
-__kernel void ssim_window_derivatives(__global const float *restrict moments, gscl_ssim_shape shape,
-                                      __global float *restrict derivatives) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_window_derivatives(__global const float *restrict moments,
+                                                            gscl_ssim_shape shape,
+                                                            __global float *restrict derivatives) {
     int x, y, k;
     if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix m[5];
@@ -93,8 +95,8 @@ __kernel void ssim_window_derivatives(__global const float *restrict moments, gs
 }
 
 /* Transposed vertical blur of three maps: each pixel's sum over the windows that begin above it. */
-__kernel void ssim_blur_columns(__global const float *restrict maps, gscl_ssim_shape shape,
-                                __global float *restrict sums) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_blur_columns(__global const float *restrict maps, gscl_ssim_shape shape,
+                                                      __global float *restrict sums) {
     int x, y, k;
     if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     size_t at = padded_index(shape, x, y, k), image = padded_size(shape);
@@ -116,9 +118,11 @@ pix map_sum(__global const float *restrict sums, size_t at) {
 
 /* Finishes the blur and writes the derivative of the loss by the rendering, times the number of samples.
  * `ssim_share` is w / 2 times samples by windows, so that both terms are means; `l1_share` is 1 - w. */
-__kernel void ssim_derivative(__global const float *restrict sums, __global const float *restrict rendering,
-                              __global const float *restrict target, gscl_ssim_shape shape, float l1_share,
-                              float ssim_share, __global float *restrict derivative) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_derivative(__global const float *restrict sums,
+                                                    __global const float *restrict rendering,
+                                                    __global const float *restrict target, gscl_ssim_shape shape,
+                                                    float l1_share, float ssim_share,
+                                                    __global float *restrict derivative) {
     int x, y, k;
     if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     size_t padded = padded_index(shape, x, y, k), image = padded_size(shape);
@@ -144,8 +148,8 @@ __kernel void ssim_derivative(__global const float *restrict sums, __global cons
 
 /* Evaluates each window: writes three padded images, MAP_...  `moments`: ssim_blur_rows of the rendering and the
  * target; without a rendering, of the target with itself. */
-__kernel void ssim_evaluate_windows(__global const float *restrict moments, gscl_ssim_shape shape, int has_rendering,
-                                    __global float *restrict maps) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_evaluate_windows(__global const float *restrict moments, gscl_ssim_shape shape,
+                                                          int has_rendering, __global float *restrict maps) {
     int x, y, k;
     if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix m[5];
@@ -177,8 +181,8 @@ pix window_cover(gscl_ssim_shape s, int x, int y) {
 
 /* The weight of each pixel's squared error: the mean over the windows that cover it, added over channels.  Images
  * without windows have the same weight everywhere. */
-__kernel void ssim_weights(__global const float *restrict sums, gscl_ssim_shape shape, int has_rendering,
-                           __global float *restrict weights) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_weights(__global const float *restrict sums, gscl_ssim_shape shape,
+                                                 int has_rendering, __global float *restrict weights) {
     int x, y, unused;
     if (!ssim_position(get_global_id(0), shape, 1, &x, &y, &unused)) return;
     __global const float *map = sums + MAP_WEIGHT * padded_size(shape);
@@ -191,8 +195,8 @@ __kernel void ssim_weights(__global const float *restrict sums, gscl_ssim_shape 
 }
 
 /* The contrast gain and the mean at each pixel: `channels` planes of gains, then as many of means. */
-__kernel void ssim_contrast_gains(__global const float *restrict sums, gscl_ssim_shape shape,
-                                  __global float *restrict gains) {
+__kernel GROUP_OF(CHUNK_ITEMS) void ssim_contrast_gains(__global const float *restrict sums, gscl_ssim_shape shape,
+                                                        __global float *restrict gains) {
     int x, y, k;
     if (!ssim_position(get_global_id(0), shape, shape.channels, &x, &y, &k)) return;
     pix cover = window_cover(shape, x, y);

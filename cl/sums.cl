@@ -25,8 +25,9 @@ void share_sums(__global const float *restrict numbers, int count, __local float
 }
 
 /* Squared error of the pixels of each work-group, `share` neighbours; the last group may have fewer. */
-__kernel void sum_squared_error(__global const float *restrict rendering, __global const float *restrict target,
-                                int channels, int weighted, int count, int share, __global float *restrict group_sums) {
+__kernel GROUP_OF(SUM_ITEMS) void sum_squared_error(__global const float *restrict rendering,
+                                                    __global const float *restrict target, int channels, int weighted,
+                                                    int count, int share, __global float *restrict group_sums) {
     __local float sums[GSCL_SUM_ITEMS];
     int first = (int)get_group_id(0) * share, end = min(count - first, share);
     FOR_SHARES(j) {
@@ -40,8 +41,8 @@ __kernel void sum_squared_error(__global const float *restrict rendering, __glob
 }
 
 /* The sum of a plane's values, likewise. */
-__kernel void sum_plane(__global const float *restrict plane, int count, int share,
-                        __global float *restrict group_sums) {
+__kernel GROUP_OF(SUM_ITEMS) void sum_plane(__global const float *restrict plane, int count, int share,
+                                            __global float *restrict group_sums) {
     __local float sums[GSCL_SUM_ITEMS];
     int first = (int)get_group_id(0) * share, end = min(count - first, share);
     share_sums(plane + first, end, sums);
@@ -49,16 +50,16 @@ __kernel void sum_plane(__global const float *restrict plane, int count, int sha
 }
 
 /* Adds up the sums of groups, and `factor` times another number.  One work-group. */
-__kernel void sum_groups(__global const float *restrict group_sums, int count, float factor,
-                         __global const float *restrict other, __global float *restrict total) {
+__kernel GROUP_OF(SUM_ITEMS) void sum_groups(__global const float *restrict group_sums, int count, float factor,
+                                             __global const float *restrict other, __global float *restrict total) {
     __local float sums[GSCL_SUM_ITEMS];
     share_sums(group_sums, count, sums);
     if (get_local_id(0) == 0) *total = factor == 0.0f ? sums[0] : fma(factor, *other, sums[0]);
 }
 
 /* The mean loss of a step from those of its tiles.  One work-group.  `scale`: 1 / samples. */
-__kernel void sum_loss(__global const float *restrict tile_loss, int count, float scale,
-                       __global gscl_fit_control *restrict control) {
+__kernel GROUP_OF(SUM_ITEMS) void sum_loss(__global const float *restrict tile_loss, int count, float scale,
+                                           __global gscl_fit_control *restrict control) {
     __local float sums[GSCL_SUM_ITEMS];
     share_sums(tile_loss, count, sums);
     if (get_local_id(0) == 0) control->loss = sums[0] * scale;
@@ -66,9 +67,10 @@ __kernel void sum_loss(__global const float *restrict tile_loss, int count, floa
 
 /* Bounds the axes where the lists of the tiles are long, sets the threshold of skipped tiles, and counts low splats.  One
  * work-group. */
-__kernel void control_fit(__global const int *restrict row_totals, int rows,
-                          __global const float *restrict ellipse_bounds, gscl_control_settings settings,
-                          __global gscl_fit_control *restrict control) {
+__kernel GROUP_OF(SUM_ITEMS) void control_fit(__global const int *restrict row_totals, int rows,
+                                              __global const float *restrict ellipse_bounds,
+                                              gscl_control_settings settings,
+                                              __global gscl_fit_control *restrict control) {
     __local float sums[2 * GSCL_SUM_ITEMS];
     FOR_SHARES(j) {
         float own = 0.0f, own_low = 0.0f;

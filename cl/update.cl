@@ -148,8 +148,9 @@ void clamp_params(vfloat *restrict p, gscl_limits b) {
         p[GSCL_COLOUR + k] = clamp(p[GSCL_COLOUR + k], (vfloat)(b.colour_min), (vfloat)(b.colour_max));
 }
 
-/* The first splat of a work-item, or of its group. */
+/* The first splat of a work-item, or of its group, and the work-items of a group. */
 #define FIRST_SPLAT (SLOT_ITEMS > 1 ? get_group_id(0) : get_global_id(0) * SPLAT_LANES)
+#define STEP_ITEMS (SLOT_ITEMS > 1 ? SLOT_ITEMS : SPLAT_ITEMS)
 
 /* The gradients of the splats of a work-item, as they were drawn: of splat `i` and the ones after it, *lanes_used in all.
  * False for a work-item that has nothing left to do: it is behind the last splat, or another of its work-group goes on. */

@@ -93,8 +93,8 @@ pix luminance_of(__global const float *restrict planes, size_t plane) {
     return sum;
 }
 
-__kernel void visual_luminance(__global const float *restrict planes, gscl_visual_scale s,
-                               __global float *restrict luminance) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_luminance(__global const float *restrict planes, gscl_visual_scale s,
+                                                     __global float *restrict luminance) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = plain_at(s, x, y);
@@ -102,8 +102,8 @@ __kernel void visual_luminance(__global const float *restrict planes, gscl_visua
 }
 
 /* Likewise, halved: the mean of 2x2 pixels; an odd last row or column counts twice.  `s`: the half size. */
-__kernel void visual_luminance_half(__global const float *restrict planes, int width, int height, gscl_visual_scale s,
-                                    __global float *restrict luminance) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_luminance_half(__global const float *restrict planes, int width, int height,
+                                                          gscl_visual_scale s, __global float *restrict luminance) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t plane = (size_t)width * height;
@@ -125,8 +125,8 @@ __kernel void visual_luminance_half(__global const float *restrict planes, int w
 }
 
 /* Luminance to luma, a padded plane. */
-__kernel void visual_luma(__global const float *restrict luminance, gscl_visual_scale s,
-                          __global float *restrict luma) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_luma(__global const float *restrict luminance, gscl_visual_scale s,
+                                                __global float *restrict luma) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     pix value = cube_root(PIX_LOAD(luminance + plain_at(s, x, y)) + CONE_BIAS) + LUMA_OFFSET;
@@ -134,8 +134,9 @@ __kernel void visual_luma(__global const float *restrict luminance, gscl_visual_
 }
 
 /* Horizontal sums of y, y y and x y of padded planes: three padded planes. */
-__kernel void visual_blur_rows(__global const float *restrict rendering, __global const float *restrict target,
-                               gscl_visual_scale s, __global float *restrict rows) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_blur_rows(__global const float *restrict rendering,
+                                                     __global const float *restrict target, gscl_visual_scale s,
+                                                     __global float *restrict rows) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = padded_plane(s);
@@ -160,8 +161,8 @@ pix column_sum(__global const float *restrict rows, size_t at, int stride) {
 }
 
 /* The target's mean and variance: two plain planes, from visual_blur_rows of the target with itself. */
-__kernel void visual_statistics(__global const float *restrict rows, gscl_visual_scale s,
-                                __global float *restrict statistics) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_statistics(__global const float *restrict rows, gscl_visual_scale s,
+                                                      __global float *restrict statistics) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = padded_plane(s), to = plain_at(s, x, y);
@@ -197,10 +198,12 @@ visual_terms terms_of(__global const float *restrict moments, __global const flo
 }
 
 /* Finishes the moments of a row (three plain planes) and adds up its terms: GSCL_VISUAL_SUMS sums. */
-__kernel void visual_terms_row(__global const float *restrict rows, __global const float *restrict statistics,
-                               __global const float *restrict rendering, __global const float *restrict target,
-                               gscl_visual_scale s, __global float *restrict moments,
-                               __global float *restrict row_sums) {
+__kernel GROUP_OF(SUM_ITEMS) void visual_terms_row(__global const float *restrict rows,
+                                                   __global const float *restrict statistics,
+                                                   __global const float *restrict rendering,
+                                                   __global const float *restrict target, gscl_visual_scale s,
+                                                   __global float *restrict moments,
+                                                   __global float *restrict row_sums) {
     __local float shared[GSCL_VISUAL_SUMS * GSCL_SUM_ITEMS];
     const int y = (int)get_group_id(0), step = (int)get_local_size(0) * LANES;
     pix sums[GSCL_VISUAL_SUMS];
@@ -233,8 +236,9 @@ __kernel void visual_terms_row(__global const float *restrict rows, __global con
 
 /* The derivative of the loss by a map's value v is shares[2 j] + shares[2 j + 1] v^3, by an error shares[PEAKS] times
  * its 5th power.  Also adds the loss of the scale to *loss.  One work-group. */
-__kernel void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s, gscl_visual_weights weights,
-                            float unit, __global float *restrict shares, __global float *restrict loss) {
+__kernel GROUP_OF(SUM_ITEMS) void visual_shares(__global const float *restrict row_sums, gscl_visual_scale s,
+                                                gscl_visual_weights weights, float unit,
+                                                __global float *restrict shares, __global float *restrict loss) {
     __local float shared[GSCL_VISUAL_SUMS * GSCL_SUM_ITEMS];
     /* Copied, because Mesa's compiler fails on a run-time index into a struct that was passed by value. */
     const float by_sum[GSCL_VISUAL_SUMS] = {weights.weight[0], weights.weight[1], weights.weight[2], weights.weight[3],
@@ -260,10 +264,12 @@ __kernel void visual_shares(__global const float *restrict row_sums, gscl_visual
 
 /* Derivatives by the rendering's mean, its E[y y] and E[x y], and the curvature under the windows: four padded planes
  * that are blurred next.  Directly by the rendering, first and second: two plain planes. */
-__kernel void visual_maps(__global const float *restrict moments, __global const float *restrict statistics,
-                          __global const float *restrict rendering, __global const float *restrict target,
-                          gscl_visual_scale s, __global const float *restrict shares, __global float *restrict maps,
-                          __global float *restrict direct) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_maps(__global const float *restrict moments,
+                                                __global const float *restrict statistics,
+                                                __global const float *restrict rendering,
+                                                __global const float *restrict target, gscl_visual_scale s,
+                                                __global const float *restrict shares, __global float *restrict maps,
+                                                __global float *restrict direct) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     visual_terms t = terms_of(moments, statistics, rendering, target, s, x, y);
@@ -291,8 +297,8 @@ __kernel void visual_maps(__global const float *restrict moments, __global const
 }
 
 /* Horizontal sums of the four maps. */
-__kernel void visual_blur_maps(__global const float *restrict maps, gscl_visual_scale s,
-                               __global float *restrict rows) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_blur_maps(__global const float *restrict maps, gscl_visual_scale s,
+                                                     __global float *restrict rows) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     for (int j = 0; j < 4; j++) {
@@ -326,10 +332,12 @@ size_t half_plane(gscl_visual_scale s) { return (size_t)((s.width + 1) / 2) * ((
 
 /* The derivative and the curvature by luminance, two plain planes, with those of the next smaller scale.  `rows`: the
  * result of visual_blur_maps.  `has`: HAS_... */
-__kernel void visual_by_luminance(__global const float *restrict rows, __global const float *restrict direct,
-                                  __global const float *restrict rendering, __global const float *restrict target,
-                                  gscl_visual_scale s, __global const float *restrict smaller, int has,
-                                  __global float *restrict by_luminance) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_by_luminance(__global const float *restrict rows,
+                                                        __global const float *restrict direct,
+                                                        __global const float *restrict rendering,
+                                                        __global const float *restrict target, gscl_visual_scale s,
+                                                        __global const float *restrict smaller, int has,
+                                                        __global float *restrict by_luminance) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = padded_at(s, x, y), plane = plain_plane(s), to = plain_at(s, x, y);
@@ -357,9 +365,10 @@ pix load_by_luminance(__global const float *restrict by_luminance, int is_half, 
 }
 
 /* The derivative by the sRGB samples of the rendering, CHANNELS planes: of the visual loss, plus the samples' error. */
-__kernel void visual_derivative(__global const float *restrict by_luminance, int is_half,
-                                __global const float *restrict rendering, __global const float *restrict target,
-                                gscl_visual_scale s, __global float *restrict derivative) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_derivative(__global const float *restrict by_luminance, int is_half,
+                                                      __global const float *restrict rendering,
+                                                      __global const float *restrict target, gscl_visual_scale s,
+                                                      __global float *restrict derivative) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = plain_at(s, x, y), plane = plain_plane(s);
@@ -373,9 +382,9 @@ __kernel void visual_derivative(__global const float *restrict by_luminance, int
 
 /* The quadratic model, behind CHANNELS planes of the target: the weight of the squared error of luma, and its target.
  * This luma is the mean of sRGB samples by their shares. */
-__kernel void visual_model(__global const float *restrict by_luminance, int is_half,
-                           __global const float *restrict rendering, gscl_visual_scale s, float curvature_share,
-                           __global float *restrict model) {
+__kernel GROUP_OF(CHUNK_ITEMS) void visual_model(__global const float *restrict by_luminance, int is_half,
+                                                 __global const float *restrict rendering, gscl_visual_scale s,
+                                                 float curvature_share, __global float *restrict model) {
     int x, y;
     if (!visual_position(get_global_id(0), s, &x, &y)) return;
     size_t at = plain_at(s, x, y), plane = plain_plane(s);

@@ -10,8 +10,9 @@ static gscl_result round_book(gscl_codebook *c, int which) {
     gscl_kernel *kernel;
     GSCL_TRY(
         gscl_kernel_find(c->fit->context, GSCL_PROGRAM_CODEBOOK, &c->fit->renderer.options, "book_quantise", &kernel));
-    return GSCL_LAUNCH(c->fit->context, kernel, (size_t)gscl_codebook_dims(c, which), 1, GSCL_ARG_BUFFER(book->learnt),
-                       GSCL_ARG(number), GSCL_ARG(count), GSCL_ARG(levels), GSCL_ARG_BUFFER(book->stored));
+    return GSCL_LAUNCH(c->fit->context, kernel, (size_t)gscl_codebook_dims(c, which), GSCL_BOOK_GROUP,
+                       GSCL_ARG_BUFFER(book->learnt), GSCL_ARG(number), GSCL_ARG(count), GSCL_ARG(levels),
+                       GSCL_ARG_BUFFER(book->stored));
 }
 
 gscl_result gscl_codebook_project(gscl_codebook *c) {
@@ -52,7 +53,7 @@ static gscl_result step_book(gscl_codebook *c, int which) {
     const gscl_word_step_settings settings = step_settings(c, which);
     gscl_kernel *kernel;
     GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_CODEBOOK, &f->renderer.options, "book_step", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, (size_t)book->count, 1, GSCL_ARG_BUFFER(book->learnt),
+    return GSCL_LAUNCH(f->context, kernel, (size_t)book->count, GSCL_BOOK_GROUP, GSCL_ARG_BUFFER(book->learnt),
                        GSCL_ARG_BUFFER(book->first_moment), GSCL_ARG_BUFFER(book->second_moment),
                        GSCL_ARG_BUFFER(c->indices), GSCL_ARG_BUFFER(f->gradients), GSCL_ARG(settings),
                        GSCL_ARG(f->limits));

@@ -185,11 +185,11 @@ static gscl_result list_bands(gscl_renderer *r, int32_t *band_rows) {
 static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
     gscl_kernel *kernel;
     GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, 1, GSCL_ARG_BUFFER(r->projected),
-                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
-                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals),
-                       GSCL_ARG_BUFFER(links->links));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)r->view.tiles_y, gscl_bin_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids),
+                       GSCL_ARG(settings), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
+                       GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG_BUFFER(links->links));
 }
 
 /* Fills the lists by a work-group for each tile. */

@@ -107,10 +107,9 @@ static inline gscl_image_shape gscl_renderer_shape(const gscl_renderer *r) {
 static inline size_t gscl_groups(size_t count, size_t size) {
     return (count + size - 1) / size;
 }
-#define GSCL_SPLATS_PER_GROUP 32
 /* Work-items of a group that handles GSCL_SPLATS_PER_GROUP splats with kernels of this program. */
 static inline size_t gscl_splat_group_size(const gscl_context *context, gscl_program_kind kind) {
-    return GSCL_SPLATS_PER_GROUP / (size_t)gscl_splat_lanes(context, kind);
+    return GSCL_SPLAT_ITEMS((size_t)gscl_splat_lanes(context, kind));
 }
 /* Buffers of splats have room for whole vectors of them. */
 static inline size_t gscl_room_for_splats(size_t count) {

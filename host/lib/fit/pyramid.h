@@ -38,9 +38,7 @@ size_t gscl_pyramid_pixels(const gscl_pyramid *pyramid, int level);
 gscl_result gscl_pyramid_halve(const gscl_pyramid *pyramid, int level, size_t channel, const gscl_buffer *from,
                                const gscl_buffer *to);
 
-/* A kernel of cl/image.cl, whose program has no options. */
+/* A kernel of cl/image.cl, whose program does not depend on the image. */
 gscl_result gscl_image_kernel(gscl_context *context, const char *name, gscl_kernel **kernel);
-/* Work-items of a group of these kernels, which take one pixel each. */
-#define GSCL_IMAGE_GROUP 64
 
 #endif

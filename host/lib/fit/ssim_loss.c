@@ -9,7 +9,6 @@
 #define WINDOW GSCL_SSIM_WINDOW
 #define MOMENTS 5
 #define MAPS 3
-#define GROUP 16 /* work-items; few, so that small levels still occupy all cores */
 
 void gscl_ssim_free(gscl_ssim *s) {
     gscl_buffer_free(&s->moments);
@@ -25,7 +24,7 @@ static gscl_ssim_shape ssim_shape(const gscl_kernel_options *options, int width,
 }
 
 static size_t ssim_groups(const gscl_context *context, const gscl_ssim_shape *shape) {
-    return gscl_chunk_groups(context, shape->width, shape->height * shape->channels, GROUP);
+    return gscl_chunk_groups(context, shape->width, shape->height * shape->channels);
 }
 
 static gscl_result ssim_kernel(gscl_context *context, const gscl_kernel_options *options, const char *name,
@@ -55,8 +54,9 @@ static gscl_result ssim_blur_rows(gscl_ssim *s, gscl_context *context, const gsc
     gscl_kernel *kernel;
     GSCL_TRY(ssim_kernel(context, options, "ssim_blur_rows", &kernel));
     GSCL_TRY(ssim_reserve(s, context, shape));
-    return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(*first),
-                       GSCL_ARG_BUFFER(*second), GSCL_ARG(*shape), GSCL_ARG_BUFFER(s->moments));
+    return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), gscl_chunk_group_size(context),
+                       GSCL_ARG_BUFFER(*first), GSCL_ARG_BUFFER(*second), GSCL_ARG(*shape),
+                       GSCL_ARG_BUFFER(s->moments));
 }
 
 /* Blurs the maps along y; the sums replace the moments. */
@@ -64,8 +64,8 @@ static gscl_result ssim_blur_columns(gscl_ssim *s, gscl_context *context, const 
                                      const gscl_ssim_shape *shape) {
     gscl_kernel *kernel;
     GSCL_TRY(ssim_kernel(context, options, "ssim_blur_columns", &kernel));
-    return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(s->maps), GSCL_ARG(*shape),
-                       GSCL_ARG_BUFFER(s->moments));
+    return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), gscl_chunk_group_size(context),
+                       GSCL_ARG_BUFFER(s->maps), GSCL_ARG(*shape), GSCL_ARG_BUFFER(s->moments));
 }
 
 /* Finishes the derivative from the blurred maps. */
@@ -81,9 +81,9 @@ static gscl_result ssim_finish(gscl_ssim *s, gscl_context *context, const gscl_k
     size_t samples = (size_t)shape->width * (size_t)shape->height * (size_t)shape->channels;
     GSCL_TRY(gscl_buffer_reserve_image(context, derivative, samples * sizeof(float)));
     GSCL_TRY(ssim_kernel(context, options, "ssim_derivative", &kernel));
-    return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(s->moments),
-                       GSCL_ARG_BUFFER(*rendering), GSCL_ARG_BUFFER(*target), GSCL_ARG(*shape), GSCL_ARG(l1_share),
-                       GSCL_ARG(ssim_share), GSCL_ARG_BUFFER(*derivative));
+    return GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), gscl_chunk_group_size(context),
+                       GSCL_ARG_BUFFER(s->moments), GSCL_ARG_BUFFER(*rendering), GSCL_ARG_BUFFER(*target),
+                       GSCL_ARG(*shape), GSCL_ARG(l1_share), GSCL_ARG(ssim_share), GSCL_ARG_BUFFER(*derivative));
 }
 
 gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
@@ -93,8 +93,8 @@ gscl_result gscl_ssim_derivative(gscl_ssim *s, gscl_context *context, const gscl
     gscl_kernel *kernel;
     GSCL_TRY(ssim_blur_rows(s, context, options, &shape, rendering, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_window_derivatives", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), GROUP, GSCL_ARG_BUFFER(s->moments),
-                         GSCL_ARG(shape), GSCL_ARG_BUFFER(s->maps)));
+    GSCL_TRY(GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), gscl_chunk_group_size(context),
+                         GSCL_ARG_BUFFER(s->moments), GSCL_ARG(shape), GSCL_ARG_BUFFER(s->maps)));
     GSCL_TRY(ssim_blur_columns(s, context, options, &shape));
     return ssim_finish(s, context, options, &shape, rendering, target, weight, derivative);
 }
@@ -107,8 +107,9 @@ static gscl_result ssim_evaluate(gscl_ssim *s, gscl_context *context, const gscl
     const int32_t has_rendering = rendering != NULL;
     GSCL_TRY(ssim_blur_rows(s, context, options, shape, rendering ? rendering : target, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_evaluate_windows", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), GROUP, GSCL_ARG_BUFFER(s->moments),
-                         GSCL_ARG(*shape), GSCL_ARG(has_rendering), GSCL_ARG_BUFFER(s->maps)));
+    GSCL_TRY(GSCL_LAUNCH(context, kernel, ssim_groups(context, shape), gscl_chunk_group_size(context),
+                         GSCL_ARG_BUFFER(s->moments), GSCL_ARG(*shape), GSCL_ARG(has_rendering),
+                         GSCL_ARG_BUFFER(s->maps)));
     return ssim_blur_columns(s, context, options, shape);
 }
 
@@ -121,8 +122,9 @@ gscl_result gscl_ssim_weights(gscl_ssim *s, gscl_context *context, const gscl_ke
     GSCL_TRY(ssim_evaluate(s, context, options, &shape, rendering, target));
     GSCL_TRY(ssim_kernel(context, options, "ssim_weights", &kernel));
     GSCL_TRY(gscl_buffer_reserve_image(context, weights, (size_t)width * (size_t)height * sizeof(float)));
-    return GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), GROUP, GSCL_ARG_BUFFER(s->moments),
-                       GSCL_ARG(shape), GSCL_ARG(has_rendering), GSCL_ARG_BUFFER(*weights));
+    return GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), gscl_chunk_group_size(context),
+                       GSCL_ARG_BUFFER(s->moments), GSCL_ARG(shape), GSCL_ARG(has_rendering),
+                       GSCL_ARG_BUFFER(*weights));
 }
 
 gscl_result gscl_ssim_contrast_gains(gscl_ssim *s, gscl_context *context, const gscl_kernel_options *options, int width,
@@ -132,6 +134,6 @@ gscl_result gscl_ssim_contrast_gains(gscl_ssim *s, gscl_context *context, const 
     size_t plane = (size_t)width * (size_t)height * sizeof(float);
     GSCL_TRY(ssim_kernel(context, options, "ssim_contrast_gains", &kernel));
     GSCL_TRY(gscl_buffer_reserve_image(context, gains, 2 * (size_t)shape.channels * plane));
-    return GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), GROUP, GSCL_ARG_BUFFER(s->moments),
-                       GSCL_ARG(shape), GSCL_ARG_BUFFER(*gains));
+    return GSCL_LAUNCH(context, kernel, ssim_groups(context, &shape), gscl_chunk_group_size(context),
+                       GSCL_ARG_BUFFER(s->moments), GSCL_ARG(shape), GSCL_ARG_BUFFER(*gains));
 }

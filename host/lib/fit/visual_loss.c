@@ -7,7 +7,6 @@
 #include "fit/tunables.h"
 #include "runtime/mapping.h"
 
-#define GROUP 16   /* work-items; few, so that small scales still occupy all cores */
 #define MIN_SIDE 8 /* pixels of the smallest scale */
 
 /* The weights of SSIMULACRA 2.1 in luma: of the mean and the 4-norm of structure, artefacts and lost detail.  Those below
@@ -78,7 +77,7 @@ static gscl_result find_kernel(const visual_step *s, const char *name, gscl_kern
 }
 
 static size_t pixel_groups(const visual_step *s) {
-    return gscl_chunk_groups(s->context, s->shape.width, s->shape.height, GROUP);
+    return gscl_chunk_groups(s->context, s->shape.width, s->shape.height);
 }
 
 /* Makes padded planes, whose margins are zeros. */
@@ -99,12 +98,12 @@ static gscl_result make_first_luminance(const visual_step *s, const gscl_buffer 
     gscl_kernel *kernel;
     if (s->scale == c->level) {
         GSCL_TRY(find_kernel(s, "visual_luminance", &kernel));
-        return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(*planes), GSCL_ARG(s->shape),
-                           GSCL_ARG_BUFFER(s->buffers->luminance));
+        return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context),
+                           GSCL_ARG_BUFFER(*planes), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->luminance));
     }
     GSCL_TRY(find_kernel(s, "visual_luminance_half", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(*planes), GSCL_ARG(width),
-                       GSCL_ARG(height), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->luminance));
+    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context), GSCL_ARG_BUFFER(*planes),
+                       GSCL_ARG(width), GSCL_ARG(height), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->luminance));
 }
 
 /* The first scale with buffers: the level, if it has terms, or the next. */
@@ -131,15 +130,15 @@ static gscl_result make_luma(const visual_step *s, gscl_buffer *luma) {
     gscl_kernel *kernel;
     GSCL_TRY(reserve_padded(s, luma, 1));
     GSCL_TRY(find_kernel(s, "visual_luma", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(s->buffers->luminance),
-                       GSCL_ARG(s->shape), GSCL_ARG_BUFFER(*luma));
+    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context),
+                       GSCL_ARG_BUFFER(s->buffers->luminance), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(*luma));
 }
 
 static gscl_result blur_rows(const visual_step *s, const gscl_buffer *luma) {
     gscl_kernel *kernel;
     GSCL_TRY(reserve_padded(s, &s->buffers->rows, 4));
     GSCL_TRY(find_kernel(s, "visual_blur_rows", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(*luma),
+    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context), GSCL_ARG_BUFFER(*luma),
                        GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->rows));
 }
 
@@ -151,8 +150,8 @@ static gscl_result make_statistics(const visual_step *s) {
     GSCL_TRY(blur_rows(s, &s->buffers->target));
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &s->buffers->statistics, 2 * plain_bytes(s)));
     GSCL_TRY(find_kernel(s, "visual_statistics", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(s->buffers->rows),
-                       GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->statistics));
+    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context),
+                       GSCL_ARG_BUFFER(s->buffers->rows), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->statistics));
 }
 
 /* Measures the target of the comparison's level. */
@@ -209,13 +208,13 @@ static gscl_result differentiate_terms(const visual_step *s) {
     GSCL_TRY(reserve_padded(s, &s->buffers->maps, 4));
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &v->direct, 2 * plain_bytes(s)));
     GSCL_TRY(find_kernel(s, "visual_maps", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(v->moments),
-                         GSCL_ARG_BUFFER(s->buffers->statistics), GSCL_ARG_BUFFER(s->buffers->luma),
-                         GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(v->shares),
-                         GSCL_ARG_BUFFER(s->buffers->maps), GSCL_ARG_BUFFER(v->direct)));
+    GSCL_TRY(GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context),
+                         GSCL_ARG_BUFFER(v->moments), GSCL_ARG_BUFFER(s->buffers->statistics),
+                         GSCL_ARG_BUFFER(s->buffers->luma), GSCL_ARG_BUFFER(s->buffers->target), GSCL_ARG(s->shape),
+                         GSCL_ARG_BUFFER(v->shares), GSCL_ARG_BUFFER(s->buffers->maps), GSCL_ARG_BUFFER(v->direct)));
     GSCL_TRY(find_kernel(s, "visual_blur_maps", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(s->buffers->maps),
-                       GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->rows));
+    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context),
+                       GSCL_ARG_BUFFER(s->buffers->maps), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(s->buffers->rows));
 }
 
 /* The derivative by the luminance of a scale, with those of smaller scales. */
@@ -237,9 +236,9 @@ static gscl_result differentiate_scale(const visual_step *s, bool has_smaller) {
             buffers[i] = &v->loss;
     GSCL_TRY(gscl_buffer_reserve_image(s->context, &s->buffers->by_luminance, 2 * plain_bytes(s)));
     GSCL_TRY(find_kernel(s, "visual_by_luminance", &kernel));
-    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), GROUP, GSCL_ARG_BUFFER(*buffers[0]),
-                       GSCL_ARG_BUFFER(*buffers[1]), GSCL_ARG_BUFFER(*buffers[2]), GSCL_ARG_BUFFER(*buffers[3]),
-                       GSCL_ARG(s->shape), GSCL_ARG_BUFFER(*buffers[4]), GSCL_ARG(has),
+    return GSCL_LAUNCH(s->context, kernel, pixel_groups(s), gscl_chunk_group_size(s->context),
+                       GSCL_ARG_BUFFER(*buffers[0]), GSCL_ARG_BUFFER(*buffers[1]), GSCL_ARG_BUFFER(*buffers[2]),
+                       GSCL_ARG_BUFFER(*buffers[3]), GSCL_ARG(s->shape), GSCL_ARG_BUFFER(*buffers[4]), GSCL_ARG(has),
                        GSCL_ARG_BUFFER(s->buffers->by_luminance));
 }
 
@@ -270,7 +269,7 @@ gscl_result gscl_visual_derivative(gscl_visual *v, const gscl_visual_comparison 
     GSCL_TRY(differentiate(v, c));
     GSCL_TRY(gscl_buffer_reserve_image(s.context, derivative, channels * plain_bytes(&s)));
     GSCL_TRY(find_kernel(&s, "visual_derivative", &kernel));
-    return GSCL_LAUNCH(s.context, kernel, pixel_groups(&s), GROUP,
+    return GSCL_LAUNCH(s.context, kernel, pixel_groups(&s), gscl_chunk_group_size(s.context),
                        GSCL_ARG_BUFFER(v->scales[c->level + is_half].by_luminance), GSCL_ARG(is_half),
                        GSCL_ARG_BUFFER(*c->rendering), GSCL_ARG_BUFFER(c->pyramid->levels[c->level]), GSCL_ARG(s.shape),
                        GSCL_ARG_BUFFER(*derivative));
@@ -283,7 +282,7 @@ gscl_result gscl_visual_model(gscl_visual *v, const gscl_visual_comparison *c, f
     gscl_kernel *kernel;
     GSCL_TRY(differentiate(v, c));
     GSCL_TRY(find_kernel(&s, "visual_model", &kernel));
-    return GSCL_LAUNCH(s.context, kernel, pixel_groups(&s), GROUP,
+    return GSCL_LAUNCH(s.context, kernel, pixel_groups(&s), gscl_chunk_group_size(s.context),
                        GSCL_ARG_BUFFER(v->scales[c->level + is_half].by_luminance), GSCL_ARG(is_half),
                        GSCL_ARG_BUFFER(*c->rendering), GSCL_ARG(s.shape), GSCL_ARG(share), GSCL_ARG_BUFFER(*model));
 }

@@ -19,7 +19,6 @@
 #define MAX_SERIES 12
 #define MAX_REPETITIONS 1000
 #define MULTIPLY_ADD_FLOP (2.0 * GSCL_BENCHMARK_CHAINS * GSCL_BENCHMARK_LENGTH) /* of each lane (cl/benchmark.cl) */
-#define GROUP_SIZE 64                                                           /* work-items */
 
 /* Samples of one kernel, or of a whole run, in seconds. */
 typedef struct series {
@@ -98,8 +97,8 @@ static gscl_result run_multiply_add(bench *b, void *opaque) {
     gscl_kernel *kernel;
     float factor = 0.999f;
     GSCL_TRY(gscl_kernel_find(b->context, GSCL_PROGRAM_BENCHMARK, &options, "multiply_add", &kernel));
-    return GSCL_LAUNCH(b->context, kernel, gscl_measure_tunables.multiply_add_items / GROUP_SIZE, GROUP_SIZE,
-                       GSCL_ARG(factor), GSCL_ARG_BUFFER(*sums));
+    return GSCL_LAUNCH(b->context, kernel, gscl_measure_tunables.multiply_add_items / GSCL_BENCHMARK_GROUP,
+                       GSCL_BENCHMARK_GROUP, GSCL_ARG(factor), GSCL_ARG_BUFFER(*sums));
 }
 
 static gscl_result run_copy(bench *b, void *opaque) {
@@ -108,8 +107,8 @@ static gscl_result run_copy(bench *b, void *opaque) {
     gscl_kernel *kernel;
     GSCL_TRY(gscl_kernel_find(b->context, GSCL_PROGRAM_BENCHMARK, &options, "copy", &kernel));
     size_t items = gscl_measure_tunables.copy_bytes / sizeof(float) / (size_t)gscl_mapping_lanes(b->context);
-    return GSCL_LAUNCH(b->context, kernel, items / GROUP_SIZE, GROUP_SIZE, GSCL_ARG_BUFFER(buffers[0]),
-                       GSCL_ARG_BUFFER(buffers[1]));
+    return GSCL_LAUNCH(b->context, kernel, items / GSCL_BENCHMARK_GROUP, GSCL_BENCHMARK_GROUP,
+                       GSCL_ARG_BUFFER(buffers[0]), GSCL_ARG_BUFFER(buffers[1]));
 }
 
 static gscl_result measure_device(bench *b, gscl_buffer *buffers) {

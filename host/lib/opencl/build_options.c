@@ -52,6 +52,10 @@ static void append_mapping(gscl_text *text, const gscl_context *context, gscl_pr
         gscl_text_append(text, " -DBAND_ITEMS=%zu -DBIN_ITEMS=%zu -DLINK_ITEMS=%zu -DLINK_SPLATS=%zu",
                          gscl_band_group_size(context), gscl_bin_group_size(context), gscl_link_group_size(context),
                          gscl_link_splats(context));
+    if (kind == GSCL_PROGRAM_SSIM || kind == GSCL_PROGRAM_VISUAL)
+        gscl_text_append(text, " -DCHUNK_ITEMS=%zu", gscl_chunk_group_size(context));
+    if (kind == GSCL_PROGRAM_VISUAL || kind == GSCL_PROGRAM_IMAGE)
+        gscl_text_append(text, " -DSUM_ITEMS=%zu", gscl_sum_group_size(context));
     if (traits->has_loss)
         gscl_text_append(text, " -DCACHED_ROWS=%d -DSLOT_ITEMS=%zu", gscl_mapping_cached_rows(context),
                          gscl_slot_group_size(context));

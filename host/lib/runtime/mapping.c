@@ -41,7 +41,7 @@ int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind) {
 }
 
 size_t gscl_tile_group_size(const gscl_context *context) {
-    return (size_t)(GSCL_TILE / gscl_mapping_lanes(context)) * (size_t)(GSCL_TILE / gscl_mapping_rows(context));
+    return GSCL_TILE_ITEMS((size_t)gscl_mapping_lanes(context), (size_t)gscl_mapping_rows(context));
 }
 
 size_t gscl_band_group_size(const gscl_context *context) {
@@ -72,8 +72,14 @@ size_t gscl_sum_group_size(const gscl_context *context) {
     return has_wide_groups(context) ? GSCL_SUM_ITEMS : 1;
 }
 
-size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size) {
+size_t gscl_chunk_group_size(const gscl_context *context) {
+    const struct gscl_runtime_tunables *t = &gscl_runtime_tunables;
+    return (size_t)(context->gpu_mapping ? t->gpu_chunk_items : t->cpu_chunk_items);
+}
+
+size_t gscl_chunk_groups(const gscl_context *context, int width, int rows) {
     const int lanes = gscl_mapping_lanes(context);
     const size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;
+    const size_t group_size = gscl_chunk_group_size(context);
     return (chunks + group_size - 1) / group_size;
 }

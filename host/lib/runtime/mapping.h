@@ -44,7 +44,9 @@ size_t gscl_slot_group_size(const gscl_context *context);
 size_t gscl_rdo_group_size(const gscl_context *context);
 /* Work-items of a group that sums (cl/group_sum.cl): a power of 2, at most GSCL_SUM_ITEMS. */
 size_t gscl_sum_group_size(const gscl_context *context);
-/* Groups of `group_size` work-items in which each takes one pixel vector of `rows` rows of `width` pixels. */
-size_t gscl_chunk_groups(const gscl_context *context, int width, int rows, size_t group_size);
+/* Work-items of a group that take one pixel vector each (cl/visual.cl, cl/ssim.cl), and the groups that take `rows` rows of
+ * `width` pixels. */
+size_t gscl_chunk_group_size(const gscl_context *context);
+size_t gscl_chunk_groups(const gscl_context *context, int width, int rows);
 
 #endif

@@ -11,8 +11,11 @@ struct gscl_runtime_tunables {
                             mapping; 512 take 32 KB */
     int cpu_splat_lanes; /* splats: handled at once by a work-item of a fit, CPU mapping; 1 or GSCL_MAX_SPLAT_LANES */
     int cpu_link_splats; /* splats: whose links to entries of lists a work-item numbers, CPU mapping */
+    int cpu_chunk_items; /* work-items: of a group that take a pixel vector each, CPU mapping; few, so that small images
+                            still occupy all cores */
     int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 1, 4 or 16 */
     int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
+    int gpu_chunk_items; /* work-items: of a group that take a pixel vector each, GPU mapping; a whole number of waves */
     int gpu_band_items;  /* work-items: of a group that lists the splats of a band, GPU mapping; a power of 2 */
     int gpu_bin_items;   /* work-items: of a group that fills the list of a tile, GPU mapping; a power of 2 */
     int gpu_link_items;  /* work-items: of a group that numbers the links of a splat, GPU mapping; a power of 2 */
