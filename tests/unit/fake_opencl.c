@@ -52,6 +52,8 @@ static cl_int CL_API_CALL fake_get_device_info(cl_device_id device, cl_device_in
         return copy_info(&no, sizeof no, size, value, needed);
     if (parameter == CL_DEVICE_TYPE && fake.device_type)
         return copy_info(&fake.device_type, sizeof fake.device_type, size, value, needed);
+    if (parameter == CL_DEVICE_MAX_WORK_GROUP_SIZE && fake.largest_group)
+        return copy_info(&fake.largest_group, sizeof fake.largest_group, size, value, needed);
     if (parameter == CL_DEVICE_NAME && fake.device_name)
         return copy_info(fake.device_name, strlen(fake.device_name) + 1, size, value, needed);
     return real.clGetDeviceInfo(device == SECOND_DEVICE ? first_device : device, parameter, size, value, needed);
@@ -79,6 +81,14 @@ static cl_int CL_API_CALL fake_build(cl_program program, cl_uint count, const cl
     return real.clBuildProgram(program, count, devices, options, built, data);
 }
 
+static cl_int CL_API_CALL fake_get_kernel_group_info(cl_kernel kernel, cl_device_id device,
+                                                     cl_kernel_work_group_info parameter, size_t size, void *value,
+                                                     size_t *needed) {
+    if (parameter == CL_KERNEL_WORK_GROUP_SIZE && fake.largest_kernel_group)
+        return copy_info(&fake.largest_kernel_group, sizeof fake.largest_kernel_group, size, value, needed);
+    return real.clGetKernelWorkGroupInfo(kernel, device, parameter, size, value, needed);
+}
+
 static cl_int CL_API_CALL fake_launch(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
                                       const size_t *offset, const size_t *global_size, const size_t *group_size,
                                       cl_uint wait_count, const cl_event *waits, cl_event *event) {
@@ -97,5 +107,6 @@ void fake_opencl_install(void) {
     gscl_cl.clGetPlatformInfo = fake_get_platform_info;
     gscl_cl.clCreateContext = fake_create_context;
     gscl_cl.clBuildProgram = fake_build;
+    gscl_cl.clGetKernelWorkGroupInfo = fake_get_kernel_group_info;
     gscl_cl.clEnqueueNDRangeKernel = fake_launch;
 }

@@ -14,6 +14,8 @@ typedef struct fake_opencl {
     cl_device_type device_type;              /* 0: the real one */
     bool second_device;                      /* each platform has one more device, a copy of its first */
     bool first_unavailable, second_unavailable;
+    size_t largest_group;        /* of all devices, in work-items; 0: the real one */
+    size_t largest_kernel_group; /* of all kernels, in work-items; 0: the real one */
     cl_device_info failing_info; /* clGetDeviceInfo fails for this parameter; 0: for none */
     cl_int launch_error;         /* result of clEnqueueNDRangeKernel instead of a launch; 0: it launches */
     fake_notice notice;          /* argument of the last clCreateContext */

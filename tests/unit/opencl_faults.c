@@ -56,6 +56,9 @@ WRAP_MAKER(cl_program, clCreateProgramWithSource, FAULT_OPENCL,
 WRAP(clBuildProgram, (cl_program p, cl_uint n, const cl_device_id *d, const char *options, built call, void *data),
      (p, n, d, options, call, data))
 WRAP_MAKER(cl_kernel, clCreateKernel, FAULT_OPENCL, (cl_program p, const char *name, cl_int *error), (p, name, error))
+WRAP(clGetKernelWorkGroupInfo,
+     (cl_kernel k, cl_device_id d, cl_kernel_work_group_info what, size_t size, void *value, size_t *needed),
+     (k, d, what, size, value, needed))
 WRAP_MAKER(cl_mem, clCreateBuffer, FAULT_BUFFER,
            (cl_context c, cl_mem_flags flags, size_t size, void *host, cl_int *error), (c, flags, size, host, error))
 WRAP(clSetKernelArg, (cl_kernel k, cl_uint i, size_t size, const void *value), (k, i, size, value))
@@ -118,6 +121,7 @@ void opencl_faults_install(void) {
     gscl_cl.clCreateProgramWithSource = fail_clCreateProgramWithSource;
     gscl_cl.clBuildProgram = fail_clBuildProgram;
     gscl_cl.clCreateKernel = fail_clCreateKernel;
+    gscl_cl.clGetKernelWorkGroupInfo = fail_clGetKernelWorkGroupInfo;
     gscl_cl.clCreateBuffer = fail_clCreateBuffer;
     gscl_cl.clSetKernelArg = fail_clSetKernelArg;
     gscl_cl.clEnqueueNDRangeKernel = fail_clEnqueueNDRangeKernel;

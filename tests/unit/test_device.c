@@ -182,6 +182,7 @@ static void test_every_description_is_checked(void **state) {
         CL_DEVICE_COMPILER_AVAILABLE,
         CL_DEVICE_GLOBAL_MEM_SIZE,
         CL_DEVICE_MAX_MEM_ALLOC_SIZE,
+        CL_DEVICE_MAX_WORK_GROUP_SIZE,
     };
     for (size_t i = 0; i < sizeof parameters / sizeof *parameters; i++) {
         char message[512];
@@ -201,6 +202,30 @@ static void test_ambiguous_devices_are_named(void **state) {
     assert_int_equal(try_device("accelerator", message), GSCL_ERROR_AMBIGUOUS_DEVICE);
     assert_non_null(strstr(message, "0.0 (Fast accelerator"));
     assert_non_null(strstr(message, "...), 0.1 (Fast accelerator"));
+}
+
+/* A device is refused before any kernel is built or launched. */
+static void test_small_groups_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        gscl_mapping mapping;
+        const char *message;
+    } cases[] = {
+        {GSCL_MAPPING_GPU, "Rare has work-groups of at most 32 work-items, and kernels of the GPU mapping need 64"},
+        {GSCL_MAPPING_CPU, "Rare has work-groups of at most 32 work-items, and kernels of the CPU mapping need 64"},
+    };
+    fake.device_name = "Rare";
+    fake.largest_group = 32;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        gscl_context *context;
+        gscl_context_settings settings;
+        gscl_context_settings_default(&settings);
+        settings.device = "0.0";
+        settings.mapping = cases[i].mapping;
+        assert_int_equal(gscl_context_create(&context, &settings), GSCL_ERROR_GROUP_SIZE);
+        assert_string_equal(gscl_context_message(context), cases[i].message);
+        gscl_context_free(&context);
+    }
 }
 
 typedef struct last_log {
@@ -302,6 +327,7 @@ int main(void) {
         cmocka_unit_test_setup(test_the_default_device, fake_nothing),
         cmocka_unit_test_setup(test_every_description_is_checked, fake_nothing),
         cmocka_unit_test_setup(test_ambiguous_devices_are_named, fake_nothing),
+        cmocka_unit_test_setup(test_small_groups_are_refused, fake_nothing),
         cmocka_unit_test_setup(test_notices_are_logged, fake_nothing),
         cmocka_unit_test_setup(test_contexts_share_a_device, fake_nothing),
         cmocka_unit_test_setup(test_appended_text_is_whole, fake_nothing),

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -73,6 +74,21 @@ static void test_failed_launch_names_its_kernel(void **state) {
     assert_non_null(strstr(gscl_context_message(context), "CL_INVALID_WORK_GROUP_SIZE (-54)"));
 }
 
+/* As where a kernel takes more registers than a group of its size has: the launch would fail without saying why. */
+static void test_too_small_groups_name_the_kernel(void **state) {
+    gscl_context *context = *state;
+    char expected[256];
+    gscl_kernel *kernel;
+    fake.largest_kernel_group = 32;
+    assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_BENCHMARK, &plain, "copy", &kernel), GSCL_ERROR_GROUP_SIZE);
+    snprintf(expected, sizeof expected,
+             "%s runs the kernel copy in work-groups of at most 32 work-items, and it needs 64",
+             gscl_context_device(context)->device_name);
+    assert_string_equal(gscl_context_message(context), expected);
+    fake.largest_kernel_group = 64;
+    assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_BENCHMARK, &plain, "copy", &kernel), GSCL_OK);
+}
+
 static void test_resources_are_not_memory(void **state) {
     gscl_context *context = *state;
     fake.launch_error = CL_OUT_OF_RESOURCES;
@@ -110,6 +126,7 @@ int main(void) {
         cmocka_unit_test_setup(test_right_arguments, fake_nothing),
         cmocka_unit_test_setup(test_wrong_number_of_arguments, fake_nothing),
         cmocka_unit_test_setup(test_failed_launch_names_its_kernel, fake_nothing),
+        cmocka_unit_test_setup(test_too_small_groups_name_the_kernel, fake_nothing),
         cmocka_unit_test_setup(test_resources_are_not_memory, fake_nothing),
         cmocka_unit_test_setup(test_every_error_has_a_name, fake_nothing),
         cmocka_unit_test_setup(test_long_build_options_are_refused, fake_nothing),

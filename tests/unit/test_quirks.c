@@ -1,5 +1,5 @@
-/* The table of quirks, and the kernels that other implementations than PoCL get: here PoCL runs them, under the name of
- * each implementation (tests/devices runs them on the implementations themselves). */
+/* The table of quirks, and the kernels that other implementations and devices than PoCL's get: here PoCL runs them, under the
+ * name of each implementation (tests/devices runs them on the implementations themselves). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,14 +25,19 @@ typedef struct {
     size_t size;
 } file;
 
-static gscl_context *open_as(const char *platform_name, gscl_mapping mapping) {
+static gscl_context *open_opencl(gscl_mapping mapping) {
     gscl_context *context;
     gscl_context_settings settings;
     gscl_context_settings_default(&settings);
     settings.device = first_opencl_device();
     settings.mapping = mapping;
-    fake = (fake_opencl){.platform_name = platform_name};
     assert_int_equal(gscl_context_create(&context, &settings), GSCL_OK);
+    return context;
+}
+
+static gscl_context *open_as(const char *platform_name, gscl_mapping mapping) {
+    fake = (fake_opencl){.platform_name = platform_name};
+    gscl_context *context = open_opencl(mapping);
     fake = (fake_opencl){0};
     return context;
 }
@@ -132,6 +137,28 @@ static void test_mesa_has_no_single_work_items(void **state) {
     gscl_context_free(&unknown);
 }
 
+/* On a device of smaller groups the lists of bands are made by smaller groups, and are the same. */
+static void test_files_do_not_depend_on_the_largest_group(void **state) {
+    (void)state;
+    gscl_context *contexts[2];
+    file files[2];
+    gscl_image source = synthetic_image(SYNTHETIC_SHAPES, WIDTH, HEIGHT, 3, GSCL_SAMPLE_U8);
+    for (size_t i = 0; i < 2; i++) {
+        fake = (fake_opencl){.largest_group = i == 0 ? 4096 : 64};
+        contexts[i] = open_opencl(GSCL_MAPPING_GPU);
+        fake = (fake_opencl){0};
+        assert_int_equal(gscl_band_group_size(contexts[i]), i == 0 ? 256 : 64);
+        files[i] = encode_with(contexts[i], &source);
+    }
+    assert_int_equal(files[0].size, files[1].size);
+    assert_memory_equal(files[0].bytes, files[1].bytes, files[0].size);
+    for (size_t i = 0; i < 2; i++) {
+        gscl_free(files[i].bytes);
+        gscl_context_free(&contexts[i]);
+    }
+    synthetic_image_free(&source);
+}
+
 static void test_versions_are_told_apart(void **state) {
     (void)state;
     const char *const pocl = "Portable Computing Language";
@@ -145,9 +172,13 @@ static void test_versions_are_told_apart(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_versions_are_told_apart), cmocka_unit_test(test_lanes_follow_the_platform),
-        cmocka_unit_test(test_rusticl_cpu_mapping),     cmocka_unit_test(test_rusticl_gpu_mapping),
-        cmocka_unit_test(test_intel_cpu_mapping),       cmocka_unit_test(test_mesa_has_no_single_work_items),
+        cmocka_unit_test(test_versions_are_told_apart),
+        cmocka_unit_test(test_lanes_follow_the_platform),
+        cmocka_unit_test(test_rusticl_cpu_mapping),
+        cmocka_unit_test(test_rusticl_gpu_mapping),
+        cmocka_unit_test(test_intel_cpu_mapping),
+        cmocka_unit_test(test_mesa_has_no_single_work_items),
+        cmocka_unit_test(test_files_do_not_depend_on_the_largest_group),
     };
     fake_opencl_install();
     return cmocka_run_group_tests(tests, NULL, NULL);

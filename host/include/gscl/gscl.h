@@ -91,17 +91,18 @@ typedef enum gscl_result {
     GSCL_ERROR_DEVICE_FAILED = 14,    /* an OpenCL call failed */
     GSCL_ERROR_KERNEL_BUILD = 15,     /* the device's compiler rejected a kernel */
     GSCL_ERROR_NO_ENCODER = 16,       /* this needs kernels, and the context or the library only decodes */
-    GSCL_ERROR_NOT_GSCL = 20,         /* not a gscl file */
-    GSCL_ERROR_NEWER_VERSION = 21,    /* written in a newer format version */
-    GSCL_ERROR_TRUNCATED = 22,        /* the file ends too early */
-    GSCL_ERROR_DAMAGED = 23,          /* the check at the end does not match */
-    GSCL_ERROR_CORRUPT = 24,          /* the check matches, but the file breaks a rule of the format */
-    GSCL_ERROR_LIMIT = 25,            /* decoding needs more than max_pixels or max_work; the message has the figures */
-    GSCL_ERROR_UNKNOWN_BLOCK = 26,    /* a block of a type unknown here that a reader must understand */
-    GSCL_ERROR_OTHER_PICTURE = 27,    /* a packet of another picture than those before it */
-    GSCL_ERROR_IMAGE_SIZE = 30,       /* an image without pixels or larger than GSCL_MAX_DIMENSION */
-    GSCL_ERROR_IMAGE_NOT_FINITE = 31, /* NaN or infinite samples */
-    GSCL_ERROR_BUDGET_TOO_SMALL = 40, /* the message names the smallest possible size */
+    GSCL_ERROR_GROUP_SIZE = 17,    /* the device has too small work-groups for a kernel; the message has both sizes */
+    GSCL_ERROR_NOT_GSCL = 20,      /* not a gscl file */
+    GSCL_ERROR_NEWER_VERSION = 21, /* written in a newer format version */
+    GSCL_ERROR_TRUNCATED = 22,     /* the file ends too early */
+    GSCL_ERROR_DAMAGED = 23,       /* the check at the end does not match */
+    GSCL_ERROR_CORRUPT = 24,       /* the check matches, but the file breaks a rule of the format */
+    GSCL_ERROR_LIMIT = 25,         /* decoding needs more than max_pixels or max_work; the message has the figures */
+    GSCL_ERROR_UNKNOWN_BLOCK = 26, /* a block of a type unknown here that a reader must understand */
+    GSCL_ERROR_OTHER_PICTURE = 27, /* a packet of another picture than those before it */
+    GSCL_ERROR_IMAGE_SIZE = 30,    /* an image without pixels or larger than GSCL_MAX_DIMENSION */
+    GSCL_ERROR_IMAGE_NOT_FINITE = 31,   /* NaN or infinite samples */
+    GSCL_ERROR_BUDGET_TOO_SMALL = 40,   /* the message names the smallest possible size */
     GSCL_ERROR_TARGET_UNREACHABLE = 41, /* no file reaches the quality of the settings, or it cannot be measured */
     GSCL_ERROR_CONFLICT = 42,           /* settings that exclude each other */
     GSCL_ERROR_FIELD = 43               /* a field of splats that the format does not have */
@@ -199,7 +200,8 @@ typedef struct gscl_context gscl_context;
 
 /* Opens a device.  `settings` may be NULL for the defaults.  When this fails, *context is a context for
  * gscl_context_message alone, or NULL if memory does not allow one; the caller frees it in either case.
- * Errors: GSCL_ERROR_NO_PLATFORM, _UNKNOWN_DEVICE, _AMBIGUOUS_DEVICE, _DEVICE_FAILED, _INVALID_ARGUMENT. */
+ * Errors: GSCL_ERROR_NO_PLATFORM, _UNKNOWN_DEVICE, _AMBIGUOUS_DEVICE, _DEVICE_FAILED, _INVALID_ARGUMENT, and _GROUP_SIZE, with
+ * which calls that run kernels fail, too: another mapping may have smaller groups. */
 GSCL_API GSCL_CHECKED gscl_result gscl_context_create(gscl_context **context, const gscl_context_settings *settings);
 /* Frees a context and sets *context to NULL. */
 GSCL_API void gscl_context_free(gscl_context **context);

@@ -80,6 +80,16 @@ static gscl_result device_fail_none(gscl_context *context, const gscl_device_lis
                      names[0] ? names : "none that can be used");
 }
 
+/* Fails where the device has too small work-groups for the mapping: before any work, rather than at a launch. */
+static gscl_result check_groups(gscl_context *context) {
+    const size_t largest = context->largest_group, needed = gscl_mapping_largest_group(context);
+    if (largest == 0 || needed <= largest)
+        return GSCL_OK;
+    return gscl_fail(context, GSCL_ERROR_GROUP_SIZE,
+                     "%s has work-groups of at most %zu work-items, and kernels of the %s mapping need %zu",
+                     context->info.device_name, largest, context->gpu_mapping ? "GPU" : "CPU", needed);
+}
+
 static gscl_result device_open_listed(gscl_context *context, const gscl_listed_device *device,
                                       const gscl_context_settings *settings) {
     context->backend = device->backend;
@@ -87,12 +97,14 @@ static gscl_result device_open_listed(gscl_context *context, const gscl_listed_d
     context->is_host = device->kind == GSCL_DEVICE_HOST;
     context->is_cpu = device->kind == GSCL_DEVICE_CPU || context->is_host;
     context->shapes = device->shapes;
+    context->largest_group = device->largest_group;
     context->gpu_mapping =
         settings->mapping == GSCL_MAPPING_AUTO ? gscl_mapping_auto(context) : settings->mapping == GSCL_MAPPING_GPU;
     if (context->is_host && context->gpu_mapping)
         return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
                          "the kernels of the device \"host\" have the CPU mapping; choose an OpenCL device for the GPU "
                          "mapping");
+    GSCL_TRY(check_groups(context));
     if (settings->timing)
         GSCL_TRY(gscl_timing_create(context));
     return context->backend->open(context, device, settings);

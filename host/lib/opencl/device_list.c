@@ -83,6 +83,7 @@ static cl_int device_describe_numbers(gscl_listed_device *d) {
     cl_bool available = CL_FALSE, has_compiler = CL_FALSE;
     cl_ulong memory = 0, allocation = 0;
     cl_uint units = 0;
+    size_t largest_group = 0;
     cl_device_type type = 0;
     const struct {
         cl_device_info parameter;
@@ -95,6 +96,7 @@ static cl_int device_describe_numbers(gscl_listed_device *d) {
         {CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units},
         {CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory},
         {CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof allocation, &allocation},
+        {CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof largest_group, &largest_group},
     };
     for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
         const cl_int error =
@@ -107,6 +109,7 @@ static cl_int device_describe_numbers(gscl_listed_device *d) {
     d->info.compute_units = units;
     d->info.memory_bytes = memory;
     d->info.max_allocation_bytes = allocation;
+    d->largest_group = largest_group;
     if (!available)
         snprintf(d->unusable, sizeof d->unusable, "is not available");
     else if (!has_compiler)

@@ -24,6 +24,7 @@
     DO(clGetDeviceInfo)           \
     DO(clGetEventProfilingInfo)   \
     DO(clGetKernelInfo)           \
+    DO(clGetKernelWorkGroupInfo)  \
     DO(clGetPlatformIDs)          \
     DO(clGetPlatformInfo)         \
     DO(clGetProgramBuildInfo)     \

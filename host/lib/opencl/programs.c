@@ -33,12 +33,33 @@ static gscl_result get_program(gscl_context *context, gscl_program_kind kind, co
     return GSCL_OK;
 }
 
+/* Fails where the device cannot run the kernel in groups of the size that it requires (GROUP_OF in cl/macros.h), which may take
+ * more registers or local memory than there are. */
+static gscl_result check_group(gscl_context *context, const gscl_opencl_kernel *kernel) {
+    const cl_device_id id = gscl_opencl(context)->id;
+    size_t needed[3] = {0}, largest = 0;
+    GSCL_CL(context, clGetKernelWorkGroupInfo, kernel->kernel, id, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, sizeof needed,
+            needed, NULL);
+    GSCL_CL(context, clGetKernelWorkGroupInfo, kernel->kernel, id, CL_KERNEL_WORK_GROUP_SIZE, sizeof largest, &largest,
+            NULL);
+    if (needed[0] <= largest)
+        return GSCL_OK;
+    return gscl_fail(context, GSCL_ERROR_GROUP_SIZE,
+                     "%s runs the kernel %s in work-groups of at most %zu work-items, and it needs %zu",
+                     context->info.device_name, kernel->base.name, largest, needed[0]);
+}
+
 static gscl_result create_kernel(gscl_context *context, struct gscl_program *program, const char *name,
                                  gscl_opencl_kernel *kernel) {
     cl_int error;
     *kernel = (gscl_opencl_kernel){.base = {.name = name, .may_build = program->is_new}};
     kernel->kernel = gscl_cl.clCreateKernel(program->program, name, &error);
-    return error == CL_SUCCESS ? GSCL_OK : gscl_cl_fail(context, error, "clCreateKernel", "");
+    if (error != CL_SUCCESS)
+        return gscl_cl_fail(context, error, "clCreateKernel", "");
+    const gscl_result result = check_group(context, kernel);
+    if (result != GSCL_OK)
+        gscl_cl.clReleaseKernel(kernel->kernel);
+    return result;
 }
 
 gscl_result gscl_opencl_kernel_find(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,

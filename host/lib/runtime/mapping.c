@@ -45,7 +45,10 @@ size_t gscl_tile_group_size(const gscl_context *context) {
 }
 
 size_t gscl_band_group_size(const gscl_context *context) {
-    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
+    size_t items = has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
+    while (items > 1 && context->largest_group && items > context->largest_group)
+        items /= 2;
+    return items;
 }
 
 size_t gscl_bin_group_size(const gscl_context *context) {
@@ -82,4 +85,23 @@ size_t gscl_chunk_groups(const gscl_context *context, int width, int rows) {
     const size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;
     const size_t group_size = gscl_chunk_group_size(context);
     return (chunks + group_size - 1) / group_size;
+}
+
+size_t gscl_mapping_largest_group(const gscl_context *context) {
+    const size_t sizes[] = {GSCL_SPLATS_PER_GROUP,
+                            GSCL_IMAGE_GROUP,
+                            GSCL_BOOK_GROUP,
+                            GSCL_BENCHMARK_GROUP,
+                            gscl_tile_group_size(context),
+                            gscl_band_group_size(context),
+                            gscl_bin_group_size(context),
+                            gscl_link_group_size(context),
+                            gscl_slot_group_size(context),
+                            gscl_rdo_group_size(context),
+                            gscl_sum_group_size(context),
+                            gscl_chunk_group_size(context)};
+    size_t largest = 0;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        largest = sizes[i] > largest ? sizes[i] : largest;
+    return largest;
 }

@@ -30,7 +30,8 @@ int gscl_mapping_cached_rows(const gscl_context *context);
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind);
 /* Work-items of a group that draws one tile. */
 size_t gscl_tile_group_size(const gscl_context *context);
-/* Work-items of a group that lists the splats of a band of rows of tiles (cl/bin.cl). */
+/* Work-items of a group that lists the splats of a band of rows of tiles (cl/bin.cl), a power of 2.  The lists do not depend on
+ * it: on a device of smaller groups it is as large as they are. */
 size_t gscl_band_group_size(const gscl_context *context);
 /* Work-items of a group that lists the splats of a tile; 1 where a work-item lists those of a row of tiles. */
 size_t gscl_bin_group_size(const gscl_context *context);
@@ -48,5 +49,8 @@ size_t gscl_sum_group_size(const gscl_context *context);
  * `width` pixels. */
 size_t gscl_chunk_group_size(const gscl_context *context);
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows);
+
+/* The most work-items of a group of any kernel. */
+size_t gscl_mapping_largest_group(const gscl_context *context);
 
 #endif

@@ -40,6 +40,8 @@ const char *gscl_result_text(gscl_result result) {
         return "the OpenCL device could not build the kernels";
     case GSCL_ERROR_NO_ENCODER:
         return "this needs kernels for the processor or an OpenCL device, and the context or the library has neither";
+    case GSCL_ERROR_GROUP_SIZE:
+        return "the OpenCL device has too small work-groups";
     case GSCL_ERROR_NOT_GSCL:
         return "not a gscl file";
     case GSCL_ERROR_NEWER_VERSION:

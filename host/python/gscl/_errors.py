@@ -84,6 +84,12 @@ class NoEncoderError(DeviceError):
     code = 16
 
 
+class GroupSizeError(DeviceError):
+    """The device has too small work-groups for a kernel."""
+
+    code = 17
+
+
 class FileError(Error, ValueError):
     """Base class of errors in gscl files."""
 
