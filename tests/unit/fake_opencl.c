@@ -42,12 +42,30 @@ static cl_int CL_API_CALL fake_get_device_ids(cl_platform_id platform, cl_device
     return CL_SUCCESS;
 }
 
+/* Copies one of the numbers; CL_INVALID_DEVICE for other parameters. */
+static cl_int copy_number(const fake_numbers *numbers, cl_device_info parameter, size_t size, void *to,
+                          size_t *needed) {
+    switch (parameter) {
+    case CL_DEVICE_HOST_UNIFIED_MEMORY:
+        return copy_info(&numbers->shares_memory, sizeof numbers->shares_memory, size, to, needed);
+    case CL_DEVICE_GLOBAL_MEM_SIZE:
+        return copy_info(&numbers->memory, sizeof numbers->memory, size, to, needed);
+    case CL_DEVICE_MAX_COMPUTE_UNITS:
+        return copy_info(&numbers->units, sizeof numbers->units, size, to, needed);
+    default:
+        return CL_INVALID_DEVICE;
+    }
+}
+
 static cl_int CL_API_CALL fake_get_device_info(cl_device_id device, cl_device_info parameter, size_t size, void *value,
                                                size_t *needed) {
     const bool unavailable = device == SECOND_DEVICE ? fake.second_unavailable : fake.first_unavailable;
+    const fake_numbers *numbers = device == SECOND_DEVICE ? &fake.second : &fake.first;
     const cl_bool no = CL_FALSE;
     if (fake.failing_info && parameter == fake.failing_info)
         return CL_OUT_OF_RESOURCES;
+    if (numbers->is_read && copy_number(numbers, parameter, size, value, needed) == CL_SUCCESS)
+        return CL_SUCCESS;
     if (parameter == CL_DEVICE_AVAILABLE && unavailable)
         return copy_info(&no, sizeof no, size, value, needed);
     if (parameter == CL_DEVICE_TYPE && fake.device_type)

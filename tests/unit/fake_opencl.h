@@ -8,12 +8,21 @@
 
 typedef void(CL_CALLBACK *fake_notice)(const char *text, const void *details, size_t size, void *data);
 
+/* What one device says of itself. */
+typedef struct fake_numbers {
+    bool is_read; /* else those of the real device are */
+    cl_bool shares_memory;
+    cl_ulong memory; /* bytes */
+    cl_uint units;
+} fake_numbers;
+
 /* With all fields zero every call reaches the real implementation. */
 typedef struct fake_opencl {
     const char *device_name, *platform_name; /* NULL: the real ones */
     cl_device_type device_type;              /* 0: the real one */
     bool second_device;                      /* each platform has one more device, a copy of its first */
     bool first_unavailable, second_unavailable;
+    fake_numbers first, second;
     size_t largest_group;        /* of all devices, in work-items; 0: the real one */
     size_t largest_kernel_group; /* of all kernels, in work-items; 0: the real one */
     cl_device_info failing_info; /* clGetDeviceInfo fails for this parameter; 0: for none */

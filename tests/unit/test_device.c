@@ -171,6 +171,55 @@ static void test_the_default_device(void **state) {
     }
 }
 
+/* The id of the device that is listed as the default, which need not be one that can be opened. */
+static void read_listed_default(char id[16]) {
+    gscl_device_info *devices;
+    assert_int_equal(gscl_list_devices(&devices), GSCL_OK);
+    for (const gscl_device_info *d = devices; d; d = d->next)
+        if (d->is_default)
+            snprintf(id, 16, "%s", d->id);
+    gscl_free(devices);
+}
+
+/* Of two GPUs: memory of its own, then memory, then compute units, then the first. */
+static void test_the_default_of_two_gpus(void **state) {
+    (void)state;
+    const cl_ulong small = (cl_ulong)8 << 30, large = (cl_ulong)64 << 30;
+    const struct {
+        fake_numbers first, second;
+        bool is_second;
+    } cases[] = {
+        {{true, true, large, 96}, {true, false, small, 20}, true},
+        {{true, false, small, 20}, {true, true, large, 96}, false},
+        {{true, false, small, 96}, {true, false, large, 20}, true},
+        {{true, false, large, 20}, {true, false, small, 96}, false},
+        {{true, true, small, 20}, {true, true, large, 20}, true},
+        {{true, false, small, 20}, {true, false, small, 96}, true},
+        {{true, false, small, 20}, {true, false, small, 20}, false},
+    };
+    fake.device_type = CL_DEVICE_TYPE_GPU;
+    fake.second_device = true;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char id[16] = "";
+        fake.first = cases[i].first;
+        fake.second = cases[i].second;
+        read_listed_default(id);
+        assert_string_equal(id, cases[i].is_second ? "0.1" : "0.0");
+    }
+}
+
+/* What they say of themselves counts among GPUs only. */
+static void test_accelerators_keep_their_order(void **state) {
+    (void)state;
+    char id[16] = "";
+    fake.device_type = CL_DEVICE_TYPE_ACCELERATOR;
+    fake.second_device = true;
+    fake.first = (fake_numbers){true, true, 1 << 30, 1};
+    fake.second = (fake_numbers){true, false, (cl_ulong)64 << 30, 96};
+    read_listed_default(id);
+    assert_string_equal(id, "0.0");
+}
+
 static void test_every_description_is_checked(void **state) {
     (void)state;
     static const cl_device_info parameters[] = {
@@ -325,6 +374,8 @@ int main(void) {
         cmocka_unit_test_setup(test_unavailable_device_is_refused, fake_nothing),
         cmocka_unit_test_setup(test_no_available_device, fake_nothing),
         cmocka_unit_test_setup(test_the_default_device, fake_nothing),
+        cmocka_unit_test_setup(test_the_default_of_two_gpus, fake_nothing),
+        cmocka_unit_test_setup(test_accelerators_keep_their_order, fake_nothing),
         cmocka_unit_test_setup(test_every_description_is_checked, fake_nothing),
         cmocka_unit_test_setup(test_ambiguous_devices_are_named, fake_nothing),
         cmocka_unit_test_setup(test_small_groups_are_refused, fake_nothing),

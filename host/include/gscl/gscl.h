@@ -168,14 +168,16 @@ typedef void (*gscl_build_callback)(void *opaque, bool begins);
 #define GSCL_MAX_THREADS 1024
 
 typedef struct gscl_context_settings {
-    size_t struct_size;   /* set by gscl_context_settings_default */
-    const char *device;   /* "P.D", or a part of a device or platform name, or GSCL_HOST_DEVICE; default NULL: the first
-                              GPU, else the first accelerator, else GSCL_HOST_DEVICE where it encodes, else the first
-                              CPU of OpenCL.  With GSCL_MAPPING_GPU: of OpenCL devices only */
-    gscl_mapping mapping; /* default AUTO */
-    bool timing;          /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
-    gscl_log_callback log;     /* default NULL: no log */
-    void *log_opaque;          /* first argument of `log` */
+    size_t struct_size; /* set by gscl_context_settings_default */
+    const char *device; /* "P.D", or a part of a device or platform name, or GSCL_HOST_DEVICE; default NULL: a GPU, else
+                              the first accelerator, else GSCL_HOST_DEVICE where it encodes, else the first CPU of OpenCL.
+                              Of several GPUs one with memory of its own rather than the processor's, then the one with
+                              the most memory, then the most compute units, then the first in the list.  With
+                              GSCL_MAPPING_GPU: of OpenCL devices only */
+    gscl_mapping mapping;  /* default AUTO */
+    bool timing;           /* whether gscl_context_timings (gscl/measure.h) has data; default false.  It costs time */
+    gscl_log_callback log; /* default NULL: no log */
+    void *log_opaque;      /* first argument of `log` */
     const char *cache_folder;  /* where kernels that were built are kept for later contexts, made when it is missing;
                                  default NULL: nowhere.  Any number of processes may use a folder at a time; only those
                                  who may run programs as this user should be able to write to it.  It takes at most

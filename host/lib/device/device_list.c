@@ -15,23 +15,62 @@ static int device_preference(const gscl_listed_device *d, gscl_mapping mapping) 
                                                 : 1;
 }
 
-static void device_list_mark_default(gscl_device_list *list, gscl_mapping mapping) {
-    static const char *const reasons[] = {"", "the first CPU; there is no GPU or accelerator",
-                                          "kernels are compiled already; there is no GPU or accelerator",
-                                          "the first accelerator; there is no GPU", "the first GPU"};
+/* Whether GPU `a` comes before GPU `b`, whatever their order in the list. */
+static bool is_better_gpu(const gscl_listed_device *a, const gscl_listed_device *b) {
+    if (a->shares_memory != b->shares_memory)
+        return b->shares_memory;
+    if (a->info.memory_bytes != b->info.memory_bytes)
+        return a->info.memory_bytes > b->info.memory_bytes;
+    return a->info.compute_units > b->info.compute_units;
+}
+
+/* The default device; NULL where none can be used. */
+static gscl_listed_device *find_default(const gscl_device_list *list, gscl_mapping mapping) {
     int best_preference = 0;
     gscl_listed_device *best = NULL;
     for (size_t i = 0; i < list->count; i++) {
-        const int preference = device_preference(&list->devices[i], mapping);
-        if (preference > best_preference) {
-            best = &list->devices[i];
+        gscl_listed_device *device = &list->devices[i];
+        const int preference = device_preference(device, mapping);
+        const bool is_better =
+            preference > best_preference ||
+            (best && preference == best_preference && device->kind == GSCL_DEVICE_GPU && is_better_gpu(device, best));
+        if (is_better) {
+            best = device;
             best_preference = preference;
         }
     }
-    if (!best)
+    return best;
+}
+
+static int count_usable_gpus(const gscl_device_list *list) {
+    int count = 0;
+    for (size_t i = 0; i < list->count; i++)
+        count += list->devices[i].kind == GSCL_DEVICE_GPU && !list->devices[i].unusable[0];
+    return count;
+}
+
+/* Why a device is the default. */
+static const char *default_reason(const gscl_device_list *list, const gscl_listed_device *device) {
+    switch (device->kind) {
+    case GSCL_DEVICE_GPU:
+        return count_usable_gpus(list) == 1 ? "the only GPU"
+               : device->shares_memory      ? "the GPU with the most memory, which all share with the processor"
+                                            : "the GPU with the most memory of its own";
+    case GSCL_DEVICE_ACCELERATOR:
+        return "the first accelerator; there is no GPU";
+    case GSCL_DEVICE_HOST:
+        return "kernels are compiled already; there is no GPU or accelerator";
+    default:
+        return "the first CPU; there is no GPU or accelerator";
+    }
+}
+
+static void device_list_mark_default(gscl_device_list *list, gscl_mapping mapping) {
+    gscl_listed_device *device = find_default(list, mapping);
+    if (!device)
         return;
-    best->info.is_default = true;
-    snprintf(best->info.why_default, sizeof best->info.why_default, "%s", reasons[best_preference]);
+    device->info.is_default = true;
+    snprintf(device->info.why_default, sizeof device->info.why_default, "%s", default_reason(list, device));
 }
 
 static gscl_result device_list_append(gscl_device_list *list, const gscl_backend *backend) {

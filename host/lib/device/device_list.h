@@ -4,10 +4,11 @@
 
 #include "runtime/device_list.h"
 
-/* Lists the devices of all implementations, those that cannot be used too.  At most one is the default, and it can be used: the
- * first GPU; else the first accelerator; else the processor with kernels that were compiled with the library, unless the GPU
- * mapping is asked for, which it does not have; else the first other device.  Fails when the host has no memory left; the list
- * may be freed in either case. */
+/* Lists the devices of all implementations, those that cannot be used too.  At most one is the default, and it can be used: a
+ * GPU, of several one with memory of its own, then the one with the most memory, then the most compute units, then the first;
+ * else the first accelerator; else the processor with kernels that were compiled with the library, unless the GPU mapping is
+ * asked for, which it does not have; else the first other device.  Fails when the host has no memory left; the list may be freed
+ * in either case. */
 gscl_result gscl_device_list_create(gscl_device_list *list, gscl_mapping mapping);
 
 /* Lists GSCL_HOST_DEVICE alone, if the library has kernels for it, and leaves OpenCL alone: its loader takes a tenth of a second,

@@ -78,6 +78,15 @@ static gscl_device_kind kind_of_type(cl_device_type type) {
                                                : GSCL_DEVICE_OTHER;
 }
 
+/* Whether the device says that its memory is the host's.  OpenCL 2.0 advises against the question, so that no answer counts as
+ * no. */
+static bool shares_memory(const gscl_listed_device *d) {
+    cl_bool is_unified = CL_FALSE;
+    return gscl_cl.clGetDeviceInfo(d->handle, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof is_unified, &is_unified, NULL) ==
+               CL_SUCCESS &&
+           is_unified;
+}
+
 /* Reads the numbers that decide how a device is used, and whether it can be. */
 static cl_int device_describe_numbers(gscl_listed_device *d) {
     cl_bool available = CL_FALSE, has_compiler = CL_FALSE;
@@ -109,6 +118,7 @@ static cl_int device_describe_numbers(gscl_listed_device *d) {
     d->info.compute_units = units;
     d->info.memory_bytes = memory;
     d->info.max_allocation_bytes = allocation;
+    d->shares_memory = shares_memory(d);
     d->largest_group = largest_group;
     if (!available)
         snprintf(d->unusable, sizeof d->unusable, "is not available");

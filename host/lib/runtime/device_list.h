@@ -24,6 +24,7 @@ typedef struct gscl_listed_device {
     gscl_device_info info;            /* is_default and why_default are set by the room `device` */
     const gscl_work_shapes *shapes;   /* NULL where the device cannot be queried */
     const struct gscl_quirks *quirks; /* of an OpenCL implementation; NULL where it cannot be queried */
+    bool shares_memory;               /* its memory is the host's: an integrated GPU, or a CPU */
     size_t largest_group;             /* work-items of a work-group, at most; 0: no limit */
     char unusable[96];                /* why kernels cannot run on it: "is not available"; empty when they can */
 } gscl_listed_device;

@@ -217,8 +217,8 @@ def encode(
     cicp: code points of primaries and transfer function (ITU-T H.273) to store.  Colours are not converted.
     trace: whether the report has the convergence trace.
     progress: called several times a second; returns False to cancel, which raises CancelledError.
-    device: "host", this processor; "P.D" or a part of the name of an OpenCL device; None for the default: the first GPU, else the
-        first accelerator, else "host".
+    device: "host", this processor; "P.D" or a part of the name of an OpenCL device; None for the default: a GPU, else the first
+        accelerator, else "host".
     threads: of the device "host"; 0 for as many as the process may run, which encodes that run at the same time share.  The
         file does not depend on it.
 

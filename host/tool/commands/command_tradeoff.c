@@ -29,8 +29,7 @@ typedef struct tradeoff_options {
 } tradeoff_options;
 
 #define PURPOSE "'gscl tradeoff' builds kernels of several precisions, which needs an OpenCL device"
-#define DEVICE_HELP_OF_TRADEOFF \
-    "OpenCL device: its number P.D or part of its name (default: the first GPU, else the first one)"
+#define DEVICE_HELP_OF_TRADEOFF "OpenCL device: its number P.D or part of its name (default: a GPU, else the first one)"
 
 static option_outcome parse_tradeoff(tradeoff_options *tradeoff, int argc, char **argv, int *first) {
     const option_spec options[] = {
