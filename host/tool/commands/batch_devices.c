@@ -8,7 +8,13 @@
 #include "cli/exit_code.h"
 #include "cli/message.h"
 
-#define LARGE_IMAGE (4u << 20) /* pixels; a larger image is encoded alone on its device, for its memory */
+/* Bytes of a device's memory that an encode takes for each pixel, at most.  Buffers of 1 and 4 megapixels were measured to take 45
+ * to 63 bytes with the default settings, at efforts 0 and 1; 92 at 1 bit per pixel, 96 with --tune ssim, and 183 with the paper
+ * profile. */
+#define ENCODE_BYTES 200
+/* The part of a device's memory that encodes may take: 1 / MEMORY_PART.  Drivers, private memory of kernels and other processes
+ * need some, too. */
+#define MEMORY_PART 2
 
 static device_choice worker_choice(const batch_worker *worker) {
     device_choice choice = worker->batch->choice;
@@ -25,6 +31,12 @@ static int default_jobs(const device_choice *choice, const gscl_device_info *inf
     return threads < BATCH_MAX_WORKERS ? (int)threads : BATCH_MAX_WORKERS;
 }
 
+/* The most pixels of an image of which all workers of a device can encode one at the same time; 0 where nothing is known of its
+ * memory. */
+static uint64_t shared_pixels(const gscl_device_info *info, int workers) {
+    return info ? info->memory_bytes / MEMORY_PART / ENCODE_BYTES / (uint64_t)workers : 0;
+}
+
 /* Stores a device, for which there is room; `jobs` as for batch_devices_create. */
 static void add_device(batch_devices *devices, const gscl_device_info *info, int jobs) {
     batch_device *device = &devices->devices[devices->count++];
@@ -32,6 +44,7 @@ static void add_device(batch_devices *devices, const gscl_device_info *info, int
         memcpy(device->id, info->id, sizeof info->id);
     device->is_host = is_host_device(device->id);
     device->worker_count = jobs > 0 ? jobs : default_jobs(&devices->choice, info);
+    device->shared_pixels = shared_pixels(info, device->worker_count);
     devices->worker_count += (size_t)device->worker_count;
 }
 
@@ -172,7 +185,7 @@ void batch_worker_begin(batch_worker *worker, const gscl_image *image) {
     pthread_mutex_lock(&worker->batch->lock);
     worker->is_busy = true;
     worker->device->running++;
-    worker->device->has_large = (uint64_t)image->width * image->height > LARGE_IMAGE;
+    worker->device->has_large = (uint64_t)image->width * image->height > worker->device->shared_pixels;
     pthread_mutex_unlock(&worker->batch->lock);
 }
 

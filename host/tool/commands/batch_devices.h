@@ -33,9 +33,10 @@ typedef struct batch_device {
     char id[sizeof((gscl_device_info *)0)->id]; /* empty: the one of the user's choice, which cannot be opened */
     bool is_host;
     int worker_count;
-    int running, finished; /* images */
-    bool has_large;        /* the image that began last is so large that it is encoded alone */
-    batch_worker *workers; /* its part of those of the batch */
+    uint64_t shared_pixels; /* an image of more pixels is encoded alone, for the device's memory */
+    int running, finished;  /* images */
+    bool has_large;         /* the image that began last is encoded alone */
+    batch_worker *workers;  /* its part of those of the batch */
 } batch_device;
 
 typedef struct batch_devices {

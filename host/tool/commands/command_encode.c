@@ -123,8 +123,8 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .min_integer = 1,
          .max_integer = BATCH_MAX_WORKERS,
          .help =
-             "images to encode at a time on each device (default: on host as many as it has threads, else 2); above 4 "
-             "megapixels one at a time"},
+             "images to encode at a time on each device (default: on host as many as it has threads, else 2); one at a "
+             "time where an image takes more than its share of the device's memory"},
         {.name = "skip-existing",
          .kind = OPTION_FLAG,
          .value = &batch->skip_existing,
