@@ -1,6 +1,7 @@
 /* Gradients of one step of the fit over a tile: a forward pass that renders it, the loss, and a backward pass from the
  * loss to every splat of the tile.  Where a single work-item draws the tile, it takes one splat after another.  Where
- * many do, they share the splats: each adds up a splat of its own over all pixels, so that no sum crosses work-items.
+ * many do, they share the splats: each adds up a column of the tile's pixel vectors for a splat, and those of a splat add
+ * their columns in a fixed order.
  * In `alpha` a splat depends on those behind it, and all work-items add up the same splat. */
 
 /* Per-pixel state of the backward pass. */
@@ -76,7 +77,7 @@ pix backward_begin(backward *b, const canvas *c, pixel_block p, __global const f
 }
 
 #if ITEMS > 1
-#define SHARES_SPLATS (BLEND != GSCL_ALPHA) /* each work-item takes other splats */
+#define SHARES_SPLATS (BLEND != GSCL_ALPHA) /* work-items take different splats */
 #else
 #define SHARES_SPLATS 0
 #endif
@@ -99,24 +100,18 @@ float8 pix_sum_8(const pix *restrict s) {
     return (float8)(c.lo, d.lo) + (float8)(c.hi, d.hi);
 }
 #define SUMS LARGER(MAX_SLOT, 8) /* no fewer than pix_sum_8 reads */
-#else
-#define SUMS MAX_SLOT
-#endif
 
 /* Stores the sums of one work-item. */
 void slot_store(__global float *restrict slot, const pix *restrict sums) {
-#if ITEMS == 1
     float first[8];
     vstore8(pix_sum_8(sums), 0, first);
     UNROLL
     for (int k = 0; k < MAX_SLOT; k++)
         if (k < SLOT) slot[k] = k < 8 ? first[k] : pix_sum(sums[k]);
-#else
-    UNROLL
-    for (int k = 0; k < MAX_SLOT; k++)
-        if (k < SLOT) slot[k] = pix_sum(sums[k]);
-#endif
 }
+#else
+#define SUMS MAX_SLOT
+#endif
 
 /* Adds one row of one splat to its sums. */
 ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, pix dx, float dy,
@@ -180,51 +175,80 @@ typedef struct {
 } tile_splats;
 
 #if SHARES_SPLATS
-/* The backward pass's state of a tile, for all its work-items. */
+/* The backward pass's state of a tile, for all its work-items: vectors, so that they are aligned to their size.  Work-items
+ * side by side read a row of vectors at a time, so that rows need no padding against conflicts of memory banks. */
 typedef struct {
-    float slope[CHANNELS][GSCL_TILE * GSCL_TILE], dot[GSCL_TILE * GSCL_TILE];
+    pix slope[CHANNELS][GSCL_TILE * ITEMS_X], dot[GSCL_TILE * ITEMS_X];
+    /* Of ITEMS_X sums those of each work-item.  A vector of padding after each sum's keeps those that are read at once in
+     * different memory banks. */
+    pix parts[ITEMS_X][ITEMS + 1];
 } shared_backward;
 
 /* Shares a work-item's state.  Pixels outside the image have slopes of 0. */
-void backward_share(__local shared_backward *shared, const backward *b, int x0, int row0) {
+void backward_share(__local shared_backward *shared, const backward *b, int column, int row0) {
     for (int r = 0; r < ROWS; r++) {
-        int at = (row0 + r) * GSCL_TILE + x0;
-        PIX_STORE(b->dot[r], shared->dot + at);
+        int at = (row0 + r) * ITEMS_X + column;
+        shared->dot[at] = b->dot[r];
         UNROLL
-        for (int k = 0; k < CHANNELS; k++) PIX_STORE(b->slope[k][r], shared->slope[k] + at);
+        for (int k = 0; k < CHANNELS; k++) shared->slope[k][at] = b->slope[k][r];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-/* Writes the slots of the splats of this work-item; (px, py): the first pixel vector of the tile. */
-void backward_splats(const tile_splats *t, __local const shared_backward *shared, pix px, float py) {
-    for (int i = t->range.x + (int)get_local_id(0); i < t->range.y; i += ITEMS) {
-        uint entry = t->entries[i];
-        __global const float *projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
-        int first = (int)GSCL_ENTRY_FIRST_ROW(entry), last = (int)GSCL_ENTRY_LAST_ROW(entry);
+/* Adds a column of pixel vectors to the sums of a splat; (px, py): the first pixel vector of the tile. */
+void slot_add_column(pix *sums, __local const shared_backward *shared, int column, uint entry, pix px, float py,
+                     __global const float *projected) {
+    int first = (int)GSCL_ENTRY_FIRST_ROW(entry), last = (int)GSCL_ENTRY_LAST_ROW(entry);
+    pix dx = px + ((float)(column * LANES) - projected[GSCL_PROJECTED_X]);
+    float dy = py - projected[GSCL_PROJECTED_Y];
+    splat_weight s;
+    weight_begin(&s, dx, dy + (float)first, projected);
+    for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
+        const int at = r * ITEMS_X + column;
+        backward b;
+        b.dot[0] = shared->dot[at];
+        UNROLL
+        for (int k = 0; k < CHANNELS; k++) b.slope[k][0] = shared->slope[k][at];
+        weight_evaluate(&s);
+        slot_add_row(sums, &b, 0, s, dx, dy + (float)r, projected);
+    }
+    slot_end(sums, s);
+}
+
+/* Stores the slot of a splat, of which ITEMS_X work-items side by side have summed a column each: one of ITEMS_X sums at a time
+ * is the share of each, which adds the columns from left to right.  `slot`: NULL if there is no splat. */
+void slot_store(__global float *slot, const pix *sums, __local shared_backward *shared) {
+    const int item = (int)get_local_id(0), column = item % ITEMS_X;
+    UNROLL
+    for (int first = 0; first < SLOT; first += ITEMS_X) {
+        UNROLL
+        for (int k = 0; k < ITEMS_X; k++)
+            if (first + k < SLOT) shared->parts[k][item] = sums[first + k];
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (slot && first + column < SLOT) {
+            pix total = (pix)(0.0f);
+            UNROLL
+            for (int x = 0; x < ITEMS_X; x++) total += shared->parts[column][item - column + x];
+            slot[first + column] = pix_sum(total);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE); /* before the next sums take the place of these */
+    }
+}
+
+/* Writes the slots of all splats, ITEMS_Y of them at a time; (px, py): the first pixel vector of the tile. */
+void backward_splats(const tile_splats *t, __local shared_backward *shared, pix px, float py) {
+    const int column = (int)get_local_id(0) % ITEMS_X;
+    for (int begin = t->range.x; begin < t->range.y; begin += ITEMS_Y) { /* the same for all, because of the barriers */
+        const int i = begin + (int)get_local_id(0) / ITEMS_X;
         pix sums[SUMS];
         UNROLL
         for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);
-        for (int x = 0; x < GSCL_TILE; x += LANES) {
-            pix dx = px + ((float)x - projected[GSCL_PROJECTED_X]), part[SUMS];
-            float dy = py - projected[GSCL_PROJECTED_Y];
-            splat_weight s;
-            UNROLL
-            for (int k = 0; k < SUMS; k++) part[k] = (pix)(0.0f);
-            weight_begin(&s, dx, dy + (float)first, projected);
-            for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
-                backward b;
-                b.dot[0] = PIX_LOAD(shared->dot + r * GSCL_TILE + x);
-                UNROLL
-                for (int k = 0; k < CHANNELS; k++) b.slope[k][0] = PIX_LOAD(shared->slope[k] + r * GSCL_TILE + x);
-                weight_evaluate(&s);
-                slot_add_row(part, &b, 0, s, dx, dy + (float)r, projected);
-            }
-            slot_end(part, s);
-            UNROLL
-            for (int k = 0; k < SUMS; k++) sums[k] += part[k];
+        if (i < t->range.y) {
+            const uint entry = t->entries[i];
+            slot_add_column(sums, shared, column, entry, px, py,
+                            t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED);
         }
-        slot_store(t->slots + (size_t)i * SLOT, sums);
+        slot_store(i < t->range.y ? t->slots + (size_t)i * SLOT : NULL, sums, shared);
     }
 }
 #else
@@ -285,8 +309,8 @@ __kernel GROUP_OF(ITEMS) void fit_tiles(__global const float *restrict splats, _
                                         __global int *restrict skip_until) {
 #if SHARES_SPLATS
     __local shared_backward shared_state;
-#endif
-#if ITEMS > 1
+    __local float *shared = (__local float *)shared_state.parts;
+#elif ITEMS > 1
     __local float shared[MAX_SLOT * ITEMS];
 #else
     __local float *shared = NULL;
@@ -319,7 +343,7 @@ __kernel GROUP_OF(ITEMS) void fit_tiles(__global const float *restrict splats, _
     pix loss = backward_begin(&b, &c, p, target, settings);
     tile_splats t = {splats, entries, slots, range};
 #if SHARES_SPLATS
-    backward_share(&shared_state, &b, p.x & (GSCL_TILE - 1), p.row0);
+    backward_share(&shared_state, &b, (int)get_local_id(0) % ITEMS_X, p.row0);
     backward_splats(&t, &shared_state, pix_offsets() + ((float)(p.x & -GSCL_TILE) + 0.5f),
                     (float)(p.y & -GSCL_TILE) + 0.5f);
 #else

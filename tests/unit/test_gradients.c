@@ -23,6 +23,7 @@
 #define HEIGHT 37
 #define SAMPLES (WIDTH * HEIGHT * 4)
 #define SPLATS 12
+#define CROWD 40 /* at tiles of which a work-group takes fewer at a time (backward_splats in cl/fit.cl) */
 #define MANY 400
 
 /* ---- Scenes ---- */
@@ -86,9 +87,9 @@ static fit_case *ordinary_case(int blend, int colours, int alpha_channel, int op
 
 typedef struct {
     oracle_fit fit;
-    double params[SPLATS * ORACLE_PARAMS];
+    double params[CROWD * ORACLE_PARAMS];
     double target[SAMPLES], planes[SAMPLES], weights[WIDTH * HEIGHT], luma_target[WIDTH * HEIGHT];
-    double gradient[SPLATS * ORACLE_PARAMS];
+    double gradient[CROWD * ORACLE_PARAMS];
     double loss;
 } reference;
 
@@ -272,6 +273,17 @@ static void test_alpha(void **state) {
 static void test_sum(void **state) {
     (void)state;
     check_all_options(GSCL_SUM, 0);
+}
+
+static void test_crowded_tiles(void **state) {
+    (void)state;
+    for (int blend = GSCL_NORMALIZED; blend <= GSCL_SUM; blend++) {
+        fit_case *c = ordinary_case(blend, 3, 0, 1, GSCL_LOSS_KIND_L2, 0);
+        c->count = CROWD;
+        for (size_t i = SPLATS; i < c->count; i++)
+            ordinary_splat(c->params + i * GSCL_PARAMS);
+        check_case(c, ALLOWED);
+    }
 }
 
 static void test_blurred_levels(void **state) {
@@ -669,6 +681,7 @@ int main(void) {
         cmocka_unit_test(test_normalized),
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_sum),
+        cmocka_unit_test(test_crowded_tiles),
         cmocka_unit_test(test_blurred_levels),
         cmocka_unit_test(test_shapes),
         cmocka_unit_test(test_a_step_is_its_parts),
