@@ -120,7 +120,7 @@ ALWAYS_INLINE void slot_add_row(pix *sums, backward *b, int r, splat_weight s, p
     pix by_share = (pix)(0.0f); /* dL/dshare: the derivative by this splat's part of the blend */
     UNROLL
     for (int k = 0; k < CHANNELS; k++)
-        by_share = fma((pix)(projected[GSCL_PROJECTED_COLOUR + k]), b->slope[k][r], by_share);
+        by_share = fma((pix)(PROJECTED(projected, GSCL_PROJECTED_COLOUR + k)), b->slope[k][r], by_share);
     pix by_wave = (pix)(0.0f); /* dL/dwave */
     if (TEXTURE) {
         UNROLL
@@ -199,8 +199,8 @@ void backward_share(__local shared_backward *shared, const backward *b, int colu
 void slot_add_column(pix *sums, __local const shared_backward *shared, int column, uint entry, pix px, float py,
                      __global const float *projected) {
     int first = (int)GSCL_ENTRY_FIRST_ROW(entry), last = (int)GSCL_ENTRY_LAST_ROW(entry);
-    pix dx = px + ((float)(column * LANES) - projected[GSCL_PROJECTED_X]);
-    float dy = py - projected[GSCL_PROJECTED_Y];
+    pix dx = px + ((float)(column * LANES) - PROJECTED(projected, GSCL_PROJECTED_X));
+    float dy = py - PROJECTED(projected, GSCL_PROJECTED_Y);
     splat_weight s;
     weight_begin(&s, dx, dy + (float)first, projected);
     for (int r = first; r <= last; r++, weight_next_row(&s, projected)) {
@@ -264,8 +264,8 @@ void backward_splats(const tile_splats *t, backward *b, pix px, float py, int ro
         __global const float *restrict projected = t->splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
         int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
-        pix dx = px - projected[GSCL_PROJECTED_X];
-        float dy = py - projected[GSCL_PROJECTED_Y];
+        pix dx = px - PROJECTED(projected, GSCL_PROJECTED_X);
+        float dy = py - PROJECTED(projected, GSCL_PROJECTED_Y);
         pix sums[SUMS];
         UNROLL
         for (int k = 0; k < SUMS; k++) sums[k] = (pix)(0.0f);

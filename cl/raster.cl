@@ -9,6 +9,15 @@
 /* Whether the rows of a splat are, of which a tile's splats before it have `row`. */
 #define ARE_CACHED(row) ((row) + ROWS <= CACHED_ROWS)
 
+/* Value `k`, a constant, of a row of projected splats.  Rows are aligned to their size.  A GPU loads four values at once where its
+ * compiler knows that: it is told by loads of whole vectors, of which it makes one for all values of a vector. */
+#if LANES == 4
+real vector_value(REALS(4) v, int i) { return i == 0 ? v.x : i == 1 ? v.y : i == 2 ? v.z : v.w; }
+#define PROJECTED(row, k) vector_value(((__global const REALS(4) *)(row))[(k) / 4], (k) % 4)
+#else
+#define PROJECTED(row, k) ((row)[k])
+#endif
+
 /* A splat's weight at a row of pixels, before opacity, and its frame coordinates.  An axis-aligned splat is the product
  * of a Gaussian of the column and a Gaussian of the row, which is updated from row to row by multiplication. */
 typedef struct {
@@ -23,18 +32,20 @@ typedef struct {
 /* Begins at a row that the outline touches, `dx` and `dy` from the centre. */
 ALWAYS_INLINE void weight_begin(splat_weight *s, pix dx, real dy, __global const real *projected) {
     if (ROTATION) {
-        s->u = fma(dx, (pix)(projected[GSCL_PROJECTED_UX]), (pix)(dy * projected[GSCL_PROJECTED_UY]));
-        s->v = fma(dx, (pix)(projected[GSCL_PROJECTED_VX]), (pix)(dy * projected[GSCL_PROJECTED_VY]));
+        s->u = fma(dx, (pix)(PROJECTED(projected, GSCL_PROJECTED_UX)),
+                   (pix)(dy * PROJECTED(projected, GSCL_PROJECTED_UY)));
+        s->v = fma(dx, (pix)(PROJECTED(projected, GSCL_PROJECTED_VX)),
+                   (pix)(dy * PROJECTED(projected, GSCL_PROJECTED_VY)));
         return;
     }
-    real step = projected[GSCL_PROJECTED_VY], v = dy * step;
-    s->u = dx * projected[GSCL_PROJECTED_UX];
+    real step = PROJECTED(projected, GSCL_PROJECTED_VY), v = dy * step;
+    s->u = dx * PROJECTED(projected, GSCL_PROJECTED_UX);
     s->v = (pix)(v);
     /* Exactly 0 outside the support: `row` may be rounded to more than 1 and would then give a gradient there. */
     s->column = select((pix)(0.0f), pix_exp2(-s->u * s->u), PIX_MASK(s->u * s->u < (pix)(SUPPORT2)));
     s->row = exp2(-v * v);
-    s->row_ratio = exp2(fmin(-2.0f * v * step, (real)(64.0f))) * projected[GSCL_PROJECTED_ROW_STEP];
-    s->row_bend = projected[GSCL_PROJECTED_ROW_STEP] * projected[GSCL_PROJECTED_ROW_STEP];
+    s->row_ratio = exp2(fmin(-2.0f * v * step, (real)(64.0f))) * PROJECTED(projected, GSCL_PROJECTED_ROW_STEP);
+    s->row_bend = PROJECTED(projected, GSCL_PROJECTED_ROW_STEP) * PROJECTED(projected, GSCL_PROJECTED_ROW_STEP);
 }
 
 /* Sets the weight from a Gaussian. */
@@ -51,12 +62,12 @@ void weight_evaluate(splat_weight *s) {
 /* Goes on to the next row. */
 void weight_next_row(splat_weight *s, __global const real *restrict projected) {
     if (ROTATION) {
-        s->u += projected[GSCL_PROJECTED_UY];
+        s->u += PROJECTED(projected, GSCL_PROJECTED_UY);
     } else {
         s->row *= s->row_ratio;
         s->row_ratio *= s->row_bend;
     }
-    s->v += projected[GSCL_PROJECTED_VY];
+    s->v += PROJECTED(projected, GSCL_PROJECTED_VY);
 }
 
 /* Rotated splats with a larger ROW_STEP: where the last of 16 rows lies inside the support, the Gaussian of the first is at
@@ -69,7 +80,7 @@ void weight_next_row(splat_weight *s, __global const real *restrict projected) {
  * which gradients bear, but not those of `alpha`, which divide by what a splat lets through.  What is only drawn takes
  * weight_evaluate. */
 ALWAYS_INLINE void gauss_rows(pix *rows, splat_weight s, int count, __global const real *projected) {
-    const real step = projected[GSCL_PROJECTED_ROW_STEP];
+    const real step = PROJECTED(projected, GSCL_PROJECTED_ROW_STEP);
     const bool is_exact = BLEND == GSCL_ALPHA || step < SMOOTH_ROW_STEP;
     if (!ROTATION || is_exact) {
         for (int r = 0; r < count; r++, weight_next_row(&s, projected)) {
@@ -79,7 +90,8 @@ ALWAYS_INLINE void gauss_rows(pix *rows, splat_weight s, int count, __global con
         return;
     }
     pix exponent = fma(-s.u, s.u, -s.v * s.v);
-    pix slope = -2.0f * fma(s.u, (pix)(projected[GSCL_PROJECTED_UY]), s.v * projected[GSCL_PROJECTED_VY]);
+    pix slope =
+        -2.0f * fma(s.u, (pix)(PROJECTED(projected, GSCL_PROJECTED_UY)), s.v * PROJECTED(projected, GSCL_PROJECTED_VY));
     pix gauss = pix_exp2_wide(fmax(exponent, (pix)(-124.0f)));
     pix ratio = pix_exp2_wide(clamp(slope, (pix)(-64.0f), (pix)(64.0f))) * step;
     /* Lanes that are too far away to get into the support stay as small as they are. */
@@ -94,10 +106,11 @@ ALWAYS_INLINE void gauss_rows(pix *rows, splat_weight s, int count, __global con
 
 /* A splat's wave at a row of pixels, `dx` and `dy` from its centre, delayed by `turns`; 0 for a splat without one. */
 pix wave_at(pix dx, real dy, real turns, __global const real *restrict projected) {
-    real amplitude = projected[GSCL_PROJECTED_WAVE_AMPLITUDE];
+    real amplitude = PROJECTED(projected, GSCL_PROJECTED_WAVE_AMPLITUDE);
     if (!(amplitude > 0.0f)) return (pix)(0.0f);
-    return amplitude * pix_wave(dx, dy, projected[GSCL_PROJECTED_WAVE_X], projected[GSCL_PROJECTED_WAVE_Y],
-                                turns + projected[GSCL_PROJECTED_WAVE_PHASE]);
+    return amplitude * pix_wave(dx, dy, PROJECTED(projected, GSCL_PROJECTED_WAVE_X),
+                                PROJECTED(projected, GSCL_PROJECTED_WAVE_Y),
+                                turns + PROJECTED(projected, GSCL_PROJECTED_WAVE_PHASE));
 }
 
 #define WITH_OPACITY(weight, projected) (OPACITY ? (weight) * (projected)[GSCL_PROJECTED_OPACITY] : (weight))
@@ -141,8 +154,8 @@ ALWAYS_INLINE void canvas_add_row(canvas *c, int r, pix weight, pix dx, real dy,
     }
     UNROLL
     for (int k = 0; k < CHANNELS; k++)
-        c->colour[k][r] = fma(w, (pix)(projected[GSCL_PROJECTED_COLOUR + k]), c->colour[k][r]);
-    if (!TEXTURE || !(projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f)) return;
+        c->colour[k][r] = fma(w, (pix)(PROJECTED(projected, GSCL_PROJECTED_COLOUR + k)), c->colour[k][r]);
+    if (!TEXTURE || !(PROJECTED(projected, GSCL_PROJECTED_WAVE_AMPLITUDE) > 0.0f)) return;
     pix wave = w * wave_at(dx, dy, 0.0f, projected);
     UNROLL
     for (int k = 0; k < COLOURS; k++) c->colour[k][r] += wave;
@@ -161,8 +174,8 @@ void canvas_blend(canvas *c, pix px, real py, int row0, __global const real *res
         __global const real *restrict projected = splats + (size_t)GSCL_ENTRY_SPLAT(entry) * GSCL_PROJECTED;
         int first = max((int)GSCL_ENTRY_FIRST_ROW(entry) - row0, 0);
         int last = min((int)GSCL_ENTRY_LAST_ROW(entry) - row0, ROWS - 1);
-        pix dx = px - projected[GSCL_PROJECTED_X];
-        real dy = py - projected[GSCL_PROJECTED_Y];
+        pix dx = px - PROJECTED(projected, GSCL_PROJECTED_X);
+        real dy = py - PROJECTED(projected, GSCL_PROJECTED_Y);
         splat_weight s;
         weight_begin(&s, dx, dy + (float)first, projected);
         if (cached && ARE_CACHED(row)) {
