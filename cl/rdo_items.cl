@@ -59,3 +59,39 @@ ALWAYS_INLINE void items_sum(const pix *sums, int count, float *totals, __local 
     for (int k = 0; k < count; k++) totals[k] = pix_sum(sums[k]);
     items_add(totals, count, shared);
 }
+
+/* The number that comes with the least cost of all work-items, the lowest of several; at most 2^24. */
+int items_least(float cost, int number, __local float *restrict shared) {
+#if RDO_ITEMS > 1
+    shared[RDO_ITEM] = cost;
+    shared[RDO_ITEMS + RDO_ITEM] = (float)number;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int j = 0; j < RDO_ITEMS; j++) {
+        float other = shared[j];
+        int other_number = (int)shared[RDO_ITEMS + j];
+        if (other < cost || (other == cost && other_number < number)) {
+            cost = other;
+            number = other_number;
+        }
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
+    return number;
+}
+
+#if RDO_ITEMS > 1
+/* Numbers what all work-items have, in their order: the first number of this work-item, that of the next one, and
+ * how many there are of all. */
+int3 items_number(int count, __local float *restrict shared) {
+    int3 numbers = (int3)(0);
+    shared[RDO_ITEM] = as_float(count);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int j = 0; j < RDO_ITEMS; j++) {
+        if (j == RDO_ITEM) numbers.x = numbers.z;
+        numbers.z += as_int(shared[j]);
+        if (j == RDO_ITEM) numbers.y = numbers.z;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return numbers;
+}
+#endif

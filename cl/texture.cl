@@ -118,12 +118,38 @@ typedef struct {
     pix error_cos, error_sin;
 } scan_state;
 
-/* Adds the pixels of a vector, given as s e, to all waves; `dx`, `dy`: its first pixel from the centre. */
-void scan_add(scan_state *restrict states, int waves, pix shared_error, int lanes, float dx, float dy) {
+/* A work-item has the states from its own number on, RDO_ITEMS apart, so that those of a group's fit into registers. */
+#define SCAN_STATES (SCANNED_WAVES * VECTORS)
+#define OWN_STATES ((SCAN_STATES + RDO_ITEMS - 1) / RDO_ITEMS)
+#define STATE_NUMBER(own) ((own)*RDO_ITEMS + RDO_ITEM)
+#if RDO_ITEMS > 1
+#define FOR_OWN_STATES(own, count)             \
+    UNROLL                                     \
+    for (int own = 0; own < OWN_STATES; own++) \
+        if (STATE_NUMBER(own) < (count))
+#else
+#define FOR_OWN_STATES(own, count) for (int own = 0; own < (count); own++)
+#endif
+
+void scan_begin(scan_state *restrict states, int count, gscl_view view) {
+    FOR_OWN_STATES(own, count) {
+        int i = STATE_NUMBER(own);
+        pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
+        float cycles = wave_frequency(i / VECTORS) / view.inv_scale;
+        states[own].step_x = cycles * pix_cos_turns(direction);
+        states[own].step_y = cycles * pix_cos_turns(direction - 0.25f);
+        states[own].turn_cos = pix_cos_turns(states[own].step_x);
+        states[own].turn_sin = pix_cos_turns(states[own].step_x - 0.25f);
+        states[own].error_cos = states[own].error_sin = (pix)(0.0f);
+    }
+}
+
+/* Adds the pixels of a vector, given as s e, to all states; `dx`, `dy`: its first pixel from the centre. */
+void scan_add(scan_state *restrict states, int count, pix shared_error, int lanes, float dx, float dy) {
     float products[LANES];
     PIX_STORE(shared_error, products);
-    for (int i = 0; i < waves * VECTORS; i++) {
-        scan_state *s = states + i;
+    FOR_OWN_STATES(own, count) {
+        scan_state *s = states + own;
         pix turns = fma((pix)(dx), s->step_x, dy * s->step_y);
         pix c = pix_cos_turns(turns), n = pix_cos_turns(turns - 0.25f);
         pix ec = s->error_cos, es = s->error_sin, tc = s->turn_cos, ts = s->turn_sin;
@@ -140,6 +166,96 @@ void scan_add(scan_state *restrict states, int waves, pix shared_error, int lane
     }
 }
 
+#if RDO_ITEMS > 1
+/* A pixel vector in local memory: s e of each pixel, dx, dy, and whether it is the last of a work-item. */
+#define SCAN_DX LANES
+#define SCAN_DY (LANES + 1)
+#define SCAN_IS_LAST (LANES + 2)
+#define SCAN_RECORD (LANES + 3)
+#define SCAN_CHUNK (RDO_SHARED / SCAN_RECORD) /* pixel vectors that are in local memory at once */
+
+/* The pixel vectors of this work-item. */
+int scan_own_vectors(const projected_splat *plain, const rdo_planes *planes) {
+    outline o = outline_of(plain, planes->width, planes->height);
+    int count = 0;
+    FOR_ROWS(y, o.rows.x, o.rows.y) {
+        int2 columns = outline_columns(&o, y);
+        FOR_VECTORS(x, columns.x, columns.y) count++;
+    }
+    return count;
+}
+
+/* Stores those pixel vectors of this work-item that are among the SCAN_CHUNK from number `first` on.  `start`: the number of
+ * its first; `end`: of the next work-item's. */
+void scan_store(const projected_splat *plain, const rdo_planes *planes, int first, int start, int end,
+                __local float *restrict records) {
+    outline o = outline_of(plain, planes->width, planes->height);
+    int i = start - first;
+    if (start >= first + SCAN_CHUNK || end <= first) return;
+    FOR_ROWS(y, o.rows.x, o.rows.y) {
+        int2 columns = outline_columns(&o, y);
+        FOR_VECTORS(x, columns.x, columns.y) {
+            if (i >= 0 && i < SCAN_CHUNK) {
+                __local float *record = records + i * SCAN_RECORD;
+                pix s, e;
+                share_and_error(plain, &o, x, y, min(columns.y - x + 1, LANES), planes, &s, &e);
+                PIX_STORE(s * e, record);
+                record[SCAN_DX] = (float)x + 0.5f - o.x;
+                record[SCAN_DY] = (float)y + 0.5f - o.y;
+                record[SCAN_IS_LAST] = first + i + 1 == end ? 1.0f : 0.0f;
+            }
+            i++;
+        }
+    }
+}
+
+/* Adds all pixels of the outline to all states.  Each work-item stores its pixel vectors for those that have states; their
+ * sums are sums of each work-item's vectors, as those of items_add are. */
+void scan_outline(scan_state *restrict states, int count, const projected_splat *plain, const rdo_planes *planes,
+                  __local float *restrict shared) {
+    pix total_cos[OWN_STATES], total_sin[OWN_STATES];
+    const int3 numbers = items_number(scan_own_vectors(plain, planes), shared);
+    UNROLL
+    for (int own = 0; own < OWN_STATES; own++) total_cos[own] = total_sin[own] = (pix)(0.0f);
+    for (int first = 0; first < numbers.z; first += SCAN_CHUNK) {
+        scan_store(plain, planes, first, numbers.x, numbers.y, shared);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (int i = 0; i < min(numbers.z - first, SCAN_CHUNK); i++) {
+            __local const float *record = shared + i * SCAN_RECORD;
+            scan_add(states, count, PIX_LOAD(record), LANES, record[SCAN_DX], record[SCAN_DY]);
+            if (record[SCAN_IS_LAST] == 0.0f) continue;
+            UNROLL
+            for (int own = 0; own < OWN_STATES; own++) {
+                total_cos[own] += states[own].error_cos;
+                total_sin[own] += states[own].error_sin;
+                states[own].error_cos = states[own].error_sin = (pix)(0.0f);
+            }
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    UNROLL
+    for (int own = 0; own < OWN_STATES; own++) {
+        states[own].error_cos = total_cos[own];
+        states[own].error_sin = total_sin[own];
+    }
+}
+#else
+/* Adds all pixels of the outline to all states. */
+void scan_outline(scan_state *restrict states, int count, const projected_splat *plain, const rdo_planes *planes,
+                  __local float *restrict shared) {
+    outline o = outline_of(plain, planes->width, planes->height);
+    FOR_ROWS(y, o.rows.x, o.rows.y) {
+        int2 columns = outline_columns(&o, y);
+        FOR_VECTORS(x, columns.x, columns.y) {
+            pix s, e;
+            int lanes = min(columns.y - x + 1, LANES);
+            share_and_error(plain, &o, x, y, lanes, planes, &s, &e);
+            scan_add(states, count, s * e, lanes, (float)x + 0.5f - o.x, (float)y + 0.5f - o.y);
+        }
+    }
+}
+#endif
+
 /* The gain of each wave of a state, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
  * (1 +- r) / 2, r = exp(-k' Sigma k). */
 pix scan_score(const projected_splat *plain, const scan_state *s) {
@@ -153,59 +269,28 @@ pix scan_score(const projected_splat *plain, const scan_state *s) {
     return s->error_cos * s->error_cos / (1.0f + r) + s->error_sin * s->error_sin / (1.02f - r);
 }
 
-/* Adds the sums of all work-items. */
-void scan_end(scan_state *restrict states, int count, __local float *shared) {
-#if RDO_ITEMS > 1
-    for (int i = 0; i < count; i++) {
-        float sums[2 * LANES];
-        PIX_STORE(states[i].error_cos, sums);
-        PIX_STORE(states[i].error_sin, sums + LANES);
-        items_add(sums, 2 * LANES, shared);
-        states[i].error_cos = PIX_LOAD(sums);
-        states[i].error_sin = PIX_LOAD(sums + LANES);
-    }
-#endif
-}
-
 /* The wave and direction with the highest score. */
 int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const rdo_planes *planes,
                __local float *shared) {
-    scan_state states[SCANNED_WAVES * VECTORS];
+    scan_state states[OWN_STATES];
     int waves = 0;
     while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * MAX_SCAN_WAVELENGTH * major > 1.0f)) waves++;
-    for (int i = 0; i < waves * VECTORS; i++) {
-        pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
-        float cycles = wave_frequency(i / VECTORS) / view.inv_scale;
-        states[i].step_x = cycles * pix_cos_turns(direction);
-        states[i].step_y = cycles * pix_cos_turns(direction - 0.25f);
-        states[i].turn_cos = pix_cos_turns(states[i].step_x);
-        states[i].turn_sin = pix_cos_turns(states[i].step_x - 0.25f);
-        states[i].error_cos = states[i].error_sin = (pix)(0.0f);
-    }
-    outline o = outline_of(plain, planes->width, planes->height);
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
-        int2 columns = outline_columns(&o, y);
-        FOR_VECTORS(x, columns.x, columns.y) {
-            pix s, e;
-            int lanes = min(columns.y - x + 1, LANES);
-            share_and_error(plain, &o, x, y, lanes, planes, &s, &e);
-            scan_add(states, waves, s * e, lanes, (float)x + 0.5f - o.x, (float)y + 0.5f - o.y);
-        }
-    }
-    scan_end(states, waves * VECTORS, shared);
-    int2 best = (int2)(0, 0);
+    scan_begin(states, waves * VECTORS, view);
+    scan_outline(states, waves * VECTORS, plain, planes, shared);
+    int best = 0;
     float highest = -1.0f;
-    for (int i = 0; i < waves * VECTORS; i++) {
-        if (wave_frequency(i / VECTORS) > MAX_SCAN_FREQUENCY * view.inv_scale) continue;
+    FOR_OWN_STATES(own, waves * VECTORS) {
         float scores[LANES];
-        PIX_STORE(scan_score(plain, states + i), scores);
+        if (wave_frequency(STATE_NUMBER(own) / VECTORS) > MAX_SCAN_FREQUENCY * view.inv_scale) continue;
+        PIX_STORE(scan_score(plain, states + own), scores);
         for (int j = 0; j < LANES; j++)
             if (scores[j] > highest) {
                 highest = scores[j];
-                best = (int2)(i / VECTORS, i % VECTORS * LANES + j);
+                best = STATE_NUMBER(own) * LANES + j;
             }
     }
-    return best;
+    best = items_least(-highest, best, shared);
+    return (int2)(best / GSCL_DIRECTIONS, best % GSCL_DIRECTIONS);
 }
 
 #define TRIED_WAVES 6
