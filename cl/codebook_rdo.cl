@@ -99,7 +99,7 @@ word_error word_rdo_evaluate(const projected_splat *s, __global const float *res
             }
         }
     }
-    items_sum(sums, WORD_SUMS, totals, shared);
+    ITEMS_SUM(sums, WORD_SUMS, totals, shared);
     word_error w;
     w.behind = totals[WORD_BEHIND];
     w.square = totals[WORD_SQUARE];

@@ -115,7 +115,7 @@ quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local
                 quadratic_add_luma(sums, &pixels, pixels.luma_error, luma_with(&pixels, residual));
         }
     }
-    items_sum(sums, QUADRATIC_SUMS, totals, shared);
+    ITEMS_SUM(sums, QUADRATIC_SUMS, totals, shared);
     return quadratic_of_sums(totals);
 }
 
@@ -207,6 +207,7 @@ float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_
     const colour_form f = form_of_quadratic(q, (float)fineness, t);
     for (int round = 0; round < COLOUR_ROUNDS; round++) {
         bool better = false;
+        ITEMS_UNROLL
         for (int i = 0; i < 4; i++) {
             if (!HAS_COLOUR_CODE(i)) continue;
             __global const float *bits = tables->bits + i * GSCL_COLOUR_CODES;

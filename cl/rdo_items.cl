@@ -32,15 +32,22 @@
 #define RDO_LOAD_WEIGHTS(p, lanes) PIX_LOAD(p)
 #endif
 
+/* For loops that index codes and the like: unrolled on GPUs, where an array stays in registers only if all its indices are
+ * constants. */
+#if RDO_ITEMS > 1
+#define ITEMS_UNROLL UNROLL
+#else
+#define ITEMS_UNROLL
+#endif
+
 #define MAX_ITEM_SUMS 56
 #define SHARED_STRIDE (RDO_ITEMS + 1) /* so that work-items that read a column each use memory banks of their own */
 /* Local memory of a group. */
 #define RDO_SHARED (RDO_ITEMS > 1 ? MAX_ITEM_SUMS * SHARED_STRIDE : 1)
 
-/* Replaces each of `count` numbers, at most MAX_ITEM_SUMS, by its sum over all work-items. */
-void items_add(float *restrict numbers, int count, __local float *restrict shared) {
 #if RDO_ITEMS > 1
-    for (int k = 0; k < count; k++) shared[k * SHARED_STRIDE + RDO_ITEM] = numbers[k];
+/* Replaces each work-item's numbers, a row of `shared` for each of `count` at most MAX_ITEM_SUMS, by their sum in column 0. */
+void items_add(int count, __local float *restrict shared) {
     barrier(CLK_LOCAL_MEM_FENCE);
     for (int k = RDO_ITEM; k < count; k += RDO_ITEMS) {
         float sum = 0.0f;
@@ -48,17 +55,26 @@ void items_add(float *restrict numbers, int count, __local float *restrict share
         shared[k * SHARED_STRIDE] = sum;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (int k = 0; k < count; k++) numbers[k] = shared[k * SHARED_STRIDE];
-    barrier(CLK_LOCAL_MEM_FENCE);
-#endif
 }
 
-/* The sums of pixel vectors over all lanes and work-items. */
-ALWAYS_INLINE void items_sum(const pix *sums, int count, float *totals, __local float *shared) {
+/* totals[0 to count - 1]: the sums of pixel vectors over all lanes and work-items.  `count` is a constant, with which the
+ * loops are unrolled: within a function they would be unrolled without it. */
+#define ITEMS_SUM(sums, count, totals, shared)                                                         \
+    do {                                                                                               \
+        UNROLL                                                                                         \
+        for (int k = 0; k < (count); k++) (shared)[k * SHARED_STRIDE + RDO_ITEM] = pix_sum((sums)[k]); \
+        items_add(count, shared);                                                                      \
+        UNROLL                                                                                         \
+        for (int k = 0; k < (count); k++) (totals)[k] = (shared)[k * SHARED_STRIDE];                   \
+        barrier(CLK_LOCAL_MEM_FENCE);                                                                  \
+    } while (0)
+#else
+#define ITEMS_SUM(sums, count, totals, shared) lanes_sum(sums, count, totals)
+ALWAYS_INLINE void lanes_sum(const pix *sums, int count, float *totals) {
     UNROLL
     for (int k = 0; k < count; k++) totals[k] = pix_sum(sums[k]);
-    items_add(totals, count, shared);
 }
+#endif
 
 /* The number that comes with the least cost of all work-items, the lowest of several; at most 2^24. */
 int items_least(float cost, int number, __local float *restrict shared) {

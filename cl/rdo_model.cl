@@ -104,16 +104,22 @@ splat_model model_of(const projected_splat *a, const rdo_planes *p, __local floa
         model_add_pixels(sums, a, p, (size_t)y * p->width + x, pix_offsets() + ((float)x + 0.5f - o.x),
                          (float)y + 0.5f - o.y, columns.y - x + 1);
     }
-    items_sum(sums, MODEL_SUMS, totals, shared);
+    ITEMS_SUM(sums, MODEL_SUMS, totals, shared);
     splat_model m;
     m.colour = quadratic_of_sums(totals);
     m.error2 = totals[MODEL_ERROR];
-    for (int i = 0, at = MODEL_SQUARE; i < MODEL_PARAMS; i++) {
+    int at = MODEL_SQUARE;
+    ITEMS_UNROLL
+    for (int i = 0; i < MODEL_PARAMS; i++) {
         m.slope[i] = totals[MODEL_SLOPE + i];
+        ITEMS_UNROLL
         for (int j = 0; j <= i; j++) m.square[i][j] = m.square[j][i] = totals[at++];
     }
-    for (int k = 0, at = MODEL_MIXED; k < CHANNELS; k++) {
+    at = MODEL_MIXED;
+    ITEMS_UNROLL
+    for (int k = 0; k < CHANNELS; k++) {
         m.colour_slope[k] = fma(m.colour.square, a->projected[GSCL_PROJECTED_COLOUR + k], m.colour.linear[k]);
+        ITEMS_UNROLL
         for (int i = 0; i < MODEL_PARAMS; i++) m.mixed[i][k] = totals[at++];
     }
     return m;

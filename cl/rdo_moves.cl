@@ -8,18 +8,21 @@
 #define MOVE_Y 11
 #define MOVE_OPACITY 13
 
+/* What a move changes of the codes of the axes. */
+__constant int major_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 1, -1, 1, -1, 0, 0};
+__constant int aspect_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 0, 0, 1, -1, -1, 1};
+
 /* One step along x or y.  Across the cells of the class it goes along the major axis, whose direction is `d`, else to the
  * next part of a cell.  False when it leaves the image. */
 bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, unit_vector d) {
-    int *moved = &c->code[along_x ? GSCL_CODE_X : GSCL_CODE_Y];
-    int *other = &c->code[along_x ? GSCL_CODE_Y : GSCL_CODE_X];
-    int parts = along_x ? g->parts.y : g->parts.x, other_cells = along_x ? g->cells.y : g->cells.x;
-    *moved += step;
+    int parts = along_x ? g->parts.y : g->parts.x, other_step = 0;
     if (parts > 1) {
         float slope = along_x ? d.y / d.x : d.x / d.y;
-        *other += (int)rint((float)(step * parts) * slope);
+        other_step = (int)rint((float)(step * parts) * slope);
     }
-    return *moved >= 0 && *moved < (along_x ? g->cells.x : g->cells.y) && *other >= 0 && *other < other_cells;
+    int x = c->code[GSCL_CODE_X] += along_x ? step : other_step;
+    int y = c->code[GSCL_CODE_Y] += along_x ? other_step : step;
+    return x >= 0 && x < g->cells.x && y >= 0 && y < g->cells.y;
 }
 
 /* Quantises the colour again where the fineness was another. */
@@ -36,8 +39,6 @@ void codes_set_fineness(gscl_codes *c, int before, int fineness, gscl_rdo_settin
 bool codes_move(gscl_codes *c, int move, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
     __global const gscl_major_entry *majors = tables->majors;
     __global const gscl_aspect_entry *aspects = tables->aspects;
-    const int major_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 1, -1, 1, -1, 0, 0};
-    const int aspect_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 0, 0, 1, -1, -1, 1};
     if (!ANISOTROPY && aspect_step[move] != 0) return false;
     if (!ROTATION && (move == MOVE_ANGLE || move == MOVE_ANGLE + 1)) return false;
     if (move >= MOVE_OPACITY) {

@@ -66,27 +66,50 @@ float predict_move(int move, const rdo_choice *now, const splat_geometry *from, 
            v->settings.elongation_price * price * m->colour.error;
 }
 
-/* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0. */
-int promising_moves(int *restrict moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
-                    const rdo_visit_context *v) {
-    float costs[MAX_EVALUATED_MOVES];
-    int count = 0;
-    splat_geometry from = codes_geometry_of(&now->codes, v);
-    for (int i = 0; i < EVALUATED_MOVES; i++) moves[i] = 0;
-    for (int move = 1; move < MOVES; move++) {
-        float cost = predict_move(move, now, &from, a, m, v);
-        if (!(cost < now->cost + v->settings.move_slack * v->settings.lambda)) continue;
-        int place = count < EVALUATED_MOVES ? count++ : EVALUATED_MOVES;
-        for (; place > 0 && cost < costs[place - 1]; place--)
-            if (place < EVALUATED_MOVES) {
-                costs[place] = costs[place - 1];
-                moves[place] = moves[place - 1];
-            }
-        if (place < EVALUATED_MOVES) {
-            costs[place] = cost;
-            moves[place] = move;
+/* Puts a move into a list by its cost, behind those that cost as much; what is behind the last place is left out. */
+void insert_move(int *moves, float *costs, int move, float cost) {
+    UNROLL
+    for (int i = MAX_EVALUATED_MOVES - 1; i >= 0; i--) {
+        if (i >= EVALUATED_MOVES || !(cost < costs[i])) continue;
+        if (i + 1 < MAX_EVALUATED_MOVES) {
+            costs[i + 1] = costs[i];
+            moves[i + 1] = moves[i];
         }
+        costs[i] = cost;
+        moves[i] = move;
     }
+}
+
+/* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0.  Each
+ * work-item predicts moves of its own. */
+int promising_moves(int *restrict moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
+                    const rdo_visit_context *v, __local float *restrict shared) {
+    float costs[MAX_EVALUATED_MOVES];
+    const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
+    const splat_geometry from = codes_geometry_of(&now->codes, v);
+    int count = 0;
+    ITEMS_UNROLL
+    for (int i = 0; i < MAX_EVALUATED_MOVES; i++) {
+        costs[i] = MAXFLOAT;
+        moves[i] = 0;
+    }
+#if RDO_ITEMS > 1
+    for (int move = 1 + RDO_ITEM; move < MOVES; move += RDO_ITEMS)
+        shared[move] = predict_move(move, now, &from, a, m, v);
+    barrier(CLK_LOCAL_MEM_FENCE);
+#define PREDICTION(move) shared[move]
+#else
+#define PREDICTION(move) predict_move(move, now, &from, a, m, v)
+#endif
+    for (int move = 1; move < MOVES; move++) {
+        float cost = PREDICTION(move);
+        if (!(cost < limit)) continue;
+        insert_move(moves, costs, move, cost);
+        count = min(count + 1, EVALUATED_MOVES);
+    }
+#if RDO_ITEMS > 1
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
     return count;
 }
 
@@ -141,7 +164,7 @@ bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context 
     rdo_choice best = {before, 0.0f};
     int moves[MAX_EVALUATED_MOVES];
     best.cost = choose_colour(&best.codes, &m.colour, v);
-    int count = promising_moves(moves, &best, &a, &m, v);
+    int count = promising_moves(moves, &best, &a, &m, v, shared);
     const bool has_wave = wave_may_pay(&before, &m, v), may_drop = best.cost >= v->cost_of_dropping;
     if (RDO_ITEMS == 1 && count == 0 && !has_wave && !may_drop && codes_equal(&best.codes, &before)) return false;
     rendering_change(&a, is_gone ? 0.0f : -1.0f, &v->planes);

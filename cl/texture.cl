@@ -74,7 +74,7 @@ wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const rdo_pl
             sums[6] = fma(c, n, sums[6]);
         }
     }
-    items_sum(sums, 7, totals, shared);
+    ITEMS_SUM(sums, 7, totals, shared);
     wave_sums w = {totals[0],           totals[1],           totals[2],          totals[3],
                    COLOURS * totals[4], COLOURS * totals[5], COLOURS * totals[6]};
     return w;
