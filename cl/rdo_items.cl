@@ -42,8 +42,12 @@
 
 #define MAX_ITEM_SUMS 56
 #define SHARED_STRIDE (RDO_ITEMS + 1) /* so that work-items that read a column each use memory banks of their own */
-/* Local memory of a group. */
-#define RDO_SHARED (RDO_ITEMS > 1 ? MAX_ITEM_SUMS * SHARED_STRIDE : 1)
+#define ITEM_SUMS (MAX_ITEM_SUMS * SHARED_STRIDE)
+/* Candidates of a splat that work-items prepare, each one of its own, at most RDO_ITEMS; and floats of each. */
+#define MAX_CANDIDATES 6
+#define CANDIDATE (GSCL_PROJECTED + GSCL_BOUNDS)
+/* Local memory of a group: sums, and behind them candidates. */
+#define RDO_SHARED (RDO_ITEMS > 1 ? ITEM_SUMS + MAX_CANDIDATES * CANDIDATE : 1)
 
 #if RDO_ITEMS > 1
 /* Replaces each work-item's numbers, a row of `shared` for each of `count` at most MAX_ITEM_SUMS, by their sum in column 0. */
@@ -109,5 +113,14 @@ int3 items_number(int count, __local float *restrict shared) {
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     return numbers;
+}
+
+/* Gives all work-items the number of one. */
+float number_of_item(float own, int item, __local float *restrict shared) {
+    if (RDO_ITEM == item) shared[0] = own;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    float number = shared[0];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return number;
 }
 #endif

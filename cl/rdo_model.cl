@@ -113,7 +113,8 @@ splat_model model_of(const projected_splat *a, const rdo_planes *p, __local floa
     for (int i = 0; i < MODEL_PARAMS; i++) {
         m.slope[i] = totals[MODEL_SLOPE + i];
         ITEMS_UNROLL
-        for (int j = 0; j <= i; j++) m.square[i][j] = m.square[j][i] = totals[at++];
+        for (int j = 0; j < MODEL_PARAMS; j++)
+            if (j <= i) m.square[i][j] = m.square[j][i] = totals[at++];
     }
     at = MODEL_MIXED;
     ITEMS_UNROLL
@@ -126,7 +127,7 @@ splat_model model_of(const projected_splat *a, const rdo_planes *p, __local floa
 }
 
 /* The predicted change of the error by a change of place and shape, with the best colours before and after. */
-float model_change(const splat_model *m, const float *restrict change) {
+float model_change(const splat_model *m, const float *change) {
     float sum = 0.0f, inverse = 1.0f / fmax(m->colour.square, 1e-20f);
     for (int i = 0; i < MODEL_PARAMS; i++) {
         float slope = 2.0f * m->slope[i];
@@ -143,7 +144,7 @@ float model_change(const splat_model *m, const float *restrict change) {
 
 /* The change from one place and shape, which has this projection, to another, as the model takes it. */
 void geometry_change(const splat_geometry *from, const splat_geometry *to, const projected_splat *a, gscl_view view,
-                     float *restrict change) {
+                     float *change) {
     const float *d = a->projected;
     float dx = (to->x - from->x) * view.inv_scale, dy = (to->y - from->y) * view.inv_scale;
     float turn = to->theta - from->theta, s1 = exp(from->major), s2 = exp(from->minor);

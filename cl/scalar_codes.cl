@@ -111,3 +111,31 @@ splat codes_splat(const gscl_codes *c, __global const gscl_rdo_tables *tables, g
     if (g.major > GSCL_LOG_LARGEST_WAVED_AXIS) s.wave_amplitude = 0.0f;
     return s;
 }
+
+#if RDO_ITEMS > 1
+/* Gives all work-items the codes of one, of which each has others. */
+void codes_of_item(gscl_codes *c, int item, __local float *shared) {
+    UNROLL
+    for (int k = 0; k < GSCL_CODE_COUNT; k++)
+        if (RDO_ITEM == item) shared[k] = as_float(c->code[k]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    UNROLL
+    for (int k = 0; k < GSCL_CODE_COUNT; k++) c->code[k] = as_int(shared[k]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+/* A work-item's splat, from private to local memory and back. */
+void candidate_store(const projected_splat *a, __local float *candidate) {
+    UNROLL
+    for (int k = 0; k < GSCL_PROJECTED; k++) candidate[k] = a->projected[k];
+    UNROLL
+    for (int k = 0; k < GSCL_BOUNDS; k++) candidate[GSCL_PROJECTED + k] = a->bounds[k];
+}
+
+void candidate_load(projected_splat *a, __local const float *candidate) {
+    UNROLL
+    for (int k = 0; k < GSCL_PROJECTED; k++) a->projected[k] = candidate[k];
+    UNROLL
+    for (int k = 0; k < GSCL_BOUNDS; k++) a->bounds[k] = candidate[GSCL_PROJECTED + k];
+}
+#endif

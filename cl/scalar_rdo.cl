@@ -82,8 +82,8 @@ void insert_move(int *moves, float *costs, int move, float cost) {
 
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0.  Each
  * work-item predicts moves of its own. */
-int promising_moves(int *restrict moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
-                    const rdo_visit_context *v, __local float *restrict shared) {
+int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
+                    const rdo_visit_context *v, __local float *shared) {
     float costs[MAX_EVALUATED_MOVES];
     const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
     const splat_geometry from = codes_geometry_of(&now->codes, v);
@@ -118,19 +118,54 @@ bool task_contains(gscl_rdo_task task, const projected_splat *a) {
     return outline_is_within(a, (int4)(task.x0, task.x1, task.y0, task.y1));
 }
 
-/* Evaluates a move exactly, while the splat is not in the rendering, and keeps it where it costs less. */
-void try_move(int move, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task, const rdo_visit_context *v,
-              __local float *shared) {
+#if RDO_ITEMS > 1
+/* Evaluates moves exactly, while the splat is not in the rendering, and keeps the best where it costs less.  Work-item i makes
+ * move i and chooses its colour; all share the pass over its pixels. */
+void try_moves(const int *moves, int count, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task,
+               const rdo_visit_context *v, __local float *shared) {
+    __local float *candidates = shared + ITEM_SUMS;
     gscl_codes other = *now;
+    quadratic own;
+    int move = 0;
+    UNROLL
+    for (int i = 0; i < MAX_EVALUATED_MOVES; i++) move = i == RDO_ITEM ? moves[i] : move;
     codes_move(&other, move, v->tables, v->settings);
     projected_splat a = codes_project(&other, v);
-    quadratic q = error_of_colour(&a, &v->planes, shared);
-    float cost = choose_colour(&other, &q, v);
-    if (move > 0 && task_contains(task, &a) && cost < best->cost) {
-        best->cost = cost;
+    const bool is_allowed = RDO_ITEM < count && task_contains(task, &a);
+    if (RDO_ITEM < EVALUATED_MOVES) candidate_store(&a, candidates + RDO_ITEM * CANDIDATE);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int i = 0; i < EVALUATED_MOVES; i++) {
+        candidate_load(&a, candidates + i * CANDIDATE);
+        quadratic q = error_of_colour(&a, &v->planes, shared);
+        if (i == 0 || i == RDO_ITEM) own = q;
+    }
+    float cost = choose_colour(&other, &own, v);
+    const bool is_better = is_allowed && cost < best->cost;
+    const int chosen = items_least(is_better ? cost : MAXFLOAT, is_better ? RDO_ITEM : RDO_ITEMS, shared);
+    codes_of_item(&other, chosen % RDO_ITEMS, shared);
+    cost = number_of_item(cost, chosen % RDO_ITEMS, shared);
+    if (chosen < RDO_ITEMS) {
         best->codes = other;
+        best->cost = cost;
     }
 }
+#else
+/* Evaluates moves exactly, while the splat is not in the rendering, and keeps the best where it costs less. */
+void try_moves(const int *moves, int count, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task,
+               const rdo_visit_context *v, __local float *shared) {
+    for (int i = 0; i < count; i++) {
+        gscl_codes other = *now;
+        codes_move(&other, moves[i], v->tables, v->settings);
+        projected_splat a = codes_project(&other, v);
+        quadratic q = error_of_colour(&a, &v->planes, shared);
+        float cost = choose_colour(&other, &q, v);
+        if (task_contains(task, &a) && cost < best->cost) {
+            best->cost = cost;
+            best->codes = other;
+        }
+    }
+}
+#endif
 
 /* ---- Visits ---- */
 
@@ -168,8 +203,7 @@ bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context 
     const bool has_wave = wave_may_pay(&before, &m, v), may_drop = best.cost >= v->cost_of_dropping;
     if (RDO_ITEMS == 1 && count == 0 && !has_wave && !may_drop && codes_equal(&best.codes, &before)) return false;
     rendering_change(&a, is_gone ? 0.0f : -1.0f, &v->planes);
-    for (int i = 0; i < (RDO_ITEMS == 1 ? count : EVALUATED_MOVES); i++)
-        try_move(moves[i], &before, &best, task, v, shared);
+    try_moves(moves, count, &before, &best, task, v, shared);
     const bool is_dropped = is_gone || best.cost >= v->cost_of_dropping;
     if (is_dropped) codes->code[GSCL_CODE_MAJOR] = -1;
     if (RDO_ITEMS == 1 && is_dropped) return false;

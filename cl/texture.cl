@@ -87,7 +87,7 @@ bool wave_explains(const wave_sums *w, float part) {
 }
 
 /* Finds the phase and the amplitude with the lowest cost for a wave and direction; returns that cost. */
-float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *restrict tables,
+float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *tables,
                         gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
     gscl_codes other = *c;
@@ -131,7 +131,7 @@ typedef struct {
 #define FOR_OWN_STATES(own, count) for (int own = 0; own < (count); own++)
 #endif
 
-void scan_begin(scan_state *restrict states, int count, gscl_view view) {
+void scan_begin(scan_state *states, int count, gscl_view view) {
     FOR_OWN_STATES(own, count) {
         int i = STATE_NUMBER(own);
         pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
@@ -145,7 +145,7 @@ void scan_begin(scan_state *restrict states, int count, gscl_view view) {
 }
 
 /* Adds the pixels of a vector, given as s e, to all states; `dx`, `dy`: its first pixel from the centre. */
-void scan_add(scan_state *restrict states, int count, pix shared_error, int lanes, float dx, float dy) {
+void scan_add(scan_state *states, int count, pix shared_error, int lanes, float dx, float dy) {
     float products[LANES];
     PIX_STORE(shared_error, products);
     FOR_OWN_STATES(own, count) {
@@ -172,7 +172,7 @@ void scan_add(scan_state *restrict states, int count, pix shared_error, int lane
 #define SCAN_DY (LANES + 1)
 #define SCAN_IS_LAST (LANES + 2)
 #define SCAN_RECORD (LANES + 3)
-#define SCAN_CHUNK (RDO_SHARED / SCAN_RECORD) /* pixel vectors that are in local memory at once */
+#define SCAN_CHUNK (ITEM_SUMS / SCAN_RECORD) /* pixel vectors that are in local memory at once */
 
 /* The pixel vectors of this work-item. */
 int scan_own_vectors(const projected_splat *plain, const rdo_planes *planes) {
@@ -211,8 +211,8 @@ void scan_store(const projected_splat *plain, const rdo_planes *planes, int firs
 
 /* Adds all pixels of the outline to all states.  Each work-item stores its pixel vectors for those that have states; their
  * sums are sums of each work-item's vectors, as those of items_add are. */
-void scan_outline(scan_state *restrict states, int count, const projected_splat *plain, const rdo_planes *planes,
-                  __local float *restrict shared) {
+void scan_outline(scan_state *states, int count, const projected_splat *plain, const rdo_planes *planes,
+                  __local float *shared) {
     pix total_cos[OWN_STATES], total_sin[OWN_STATES];
     const int3 numbers = items_number(scan_own_vectors(plain, planes), shared);
     UNROLL
@@ -293,52 +293,103 @@ int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const 
     return (int2)(best / GSCL_DIRECTIONS, best % GSCL_DIRECTIONS);
 }
 
-#define TRIED_WAVES 6
+#define TRIED_WAVES 6 /* at most MAX_CANDIDATES */
 
-/* Lists the present wave and its neighbours; returns their number, 0 where there is none. */
-int nearby_waves(const gscl_codes *c, int2 *restrict waves) {
-    int w = c->code[GSCL_CODE_WAVE], d = c->code[GSCL_CODE_DIRECTION], count = 0;
-    if (c->code[GSCL_CODE_AMPLITUDE] == 0) return 0;
-    waves[count++] = (int2)(w, d);
-    waves[count++] = (int2)(w, (d + 1) % GSCL_DIRECTIONS);
-    waves[count++] = (int2)(w, (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS);
-    if (w + 1 < GSCL_WAVES) waves[count++] = (int2)(w + 1, d);
-    if (w > 0) waves[count++] = (int2)(w - 1, d);
-    return count;
+/* The wave and the direction to try at place i: the present ones, their neighbours, those of a scan.  No wave: (-1, 0). */
+int2 tried_wave(int i, const gscl_codes *c, int2 scanned) {
+    int w = c->code[GSCL_CODE_WAVE], d = c->code[GSCL_CODE_DIRECTION];
+    if (i == TRIED_WAVES - 1) return scanned;
+    if (i == 1) d = (d + 1) % GSCL_DIRECTIONS;
+    if (i == 2) d = (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS;
+    if (i == 3) w++;
+    if (i == 4) w--;
+    return c->code[GSCL_CODE_AMPLITUDE] > 0 && i < TRIED_WAVES && w < GSCL_WAVES ? (int2)(w, d) : (int2)(-1, 0);
 }
+
+/* A wave to try, and what of it does not depend on the pixels. */
+typedef struct {
+    gscl_codes codes;
+    float2 cycles;
+    float attenuation;
+    bool is_tried;
+} wave_candidate;
+
+void wave_prepare(wave_candidate *w, const gscl_codes *now, int2 tried, __global const gscl_rdo_tables *tables,
+                  gscl_rdo_settings t, gscl_view view) {
+    w->codes = *now;
+    w->codes.code[GSCL_CODE_WAVE] = tried.x;
+    w->codes.code[GSCL_CODE_DIRECTION] = tried.y;
+    w->codes.code[GSCL_CODE_AMPLITUDE] = 1;
+    splat waved = codes_splat(&w->codes, tables, t);
+    projected_splat projected = splat_project(waved, view);
+    w->cycles = (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);
+    w->attenuation = projected.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
+    w->is_tried = tried.x >= 0 && waved.wave_amplitude > 0.0f; /* else the splat is too long for a wave */
+}
+
+/* Chooses the other codes of a wave; returns their cost, MAXFLOAT where it explains too little. */
+float wave_cost(wave_candidate *w, const wave_sums *sums, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
+    if (!wave_explains(sums, t.min_explained)) return MAXFLOAT;
+    return wave_choose_codes(&w->codes, sums, w->attenuation, tables->bits, t);
+}
+
+#if RDO_ITEMS > 1
+/* Keeps the wave of the lowest cost in `choice` where it is below `best`.  Work-item i prepares the wave at place i and chooses
+ * its codes; all share the pass over the pixels. */
+void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scanned, const projected_splat *plain,
+               __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view, const rdo_planes *planes,
+               __local float *shared) {
+    __local float *candidates = shared + ITEM_SUMS;
+    wave_candidate w;
+    wave_sums own = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+    wave_prepare(&w, now, tried_wave(RDO_ITEM, now, scanned), tables, t, view);
+    if (RDO_ITEM < TRIED_WAVES) {
+        candidates[2 * RDO_ITEM] = w.cycles.x;
+        candidates[2 * RDO_ITEM + 1] = w.cycles.y;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int i = 0; i < TRIED_WAVES; i++) {
+        float2 cycles = (float2)(candidates[2 * i], candidates[2 * i + 1]);
+        wave_sums sums = wave_sums_of(plain, cycles, planes, shared);
+        if (i == RDO_ITEM) own = sums;
+    }
+    const float cost = w.is_tried ? wave_cost(&w, &own, tables, t) : MAXFLOAT;
+    const bool is_better = RDO_ITEM < TRIED_WAVES && cost < best;
+    const int chosen = items_least(is_better ? cost : MAXFLOAT, is_better ? RDO_ITEM : RDO_ITEMS, shared);
+    codes_of_item(&w.codes, chosen % RDO_ITEMS, shared);
+    if (chosen < RDO_ITEMS) *choice = w.codes;
+}
+#else
+/* Keeps the wave of the lowest cost in `choice` where it is below `best`. */
+void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scanned, const projected_splat *plain,
+               __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view, const rdo_planes *planes,
+               __local float *shared) {
+    for (int i = 0; i < TRIED_WAVES; i++) {
+        int2 tried = tried_wave(i, now, scanned);
+        wave_candidate w;
+        if (tried.x < 0) continue;
+        wave_prepare(&w, now, tried, tables, t, view);
+        if (!w.is_tried) continue;
+        wave_sums sums = wave_sums_of(plain, w.cycles, planes, shared);
+        float cost = wave_cost(&w, &sums, tables, t);
+        if (cost < best) {
+            best = cost;
+            *choice = w.codes;
+        }
+    }
+}
+#endif
 
 /* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
 void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view,
                     const rdo_planes *planes, __local float *shared) {
-    gscl_codes now = *c, choice = *c;
-    for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) choice.code[k] = 0;
-    float best = t.lambda * tables->bits[GSCL_BITS_PLAIN];
-    splat s = codes_splat(&choice, tables, t);
+    gscl_codes now = *c;
+    int2 scanned = (int2)(-1, 0);
+    ITEMS_UNROLL
+    for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) c->code[k] = 0;
+    splat s = codes_splat(c, tables, t);
     projected_splat plain = splat_project(s, view);
-    int2 tried[TRIED_WAVES];
-    for (int i = 0; i < TRIED_WAVES; i++) tried[i] = (int2)(0, 0);
-    int count = nearby_waves(&now, tried);
-    if (t.scan) tried[count++] = wave_scan(&plain, s.s1, view, planes, shared);
-    /* Work-groups of many work-items try the same number of waves always, so that all meet at the same barriers. */
-    for (int i = 0; i < (RDO_ITEMS == 1 ? count : TRIED_WAVES); i++) {
-        gscl_codes other = now;
-        other.code[GSCL_CODE_WAVE] = tried[i].x;
-        other.code[GSCL_CODE_DIRECTION] = tried[i].y;
-        other.code[GSCL_CODE_AMPLITUDE] = 1;
-        splat waved = codes_splat(&other, tables, t);
-        projected_splat projected = splat_project(waved, view);
-        float2 cycles =
-            (float2)(projected.projected[GSCL_PROJECTED_WAVE_X], projected.projected[GSCL_PROJECTED_WAVE_Y]);
-        wave_sums w = wave_sums_of(&plain, cycles, planes, shared);
-        if (i >= count || !(waved.wave_amplitude > 0.0f)) continue; /* the splat is too long for a wave */
-        if (!wave_explains(&w, t.min_explained)) continue;
-        float attenuation = projected.projected[GSCL_PROJECTED_WAVE_AMPLITUDE] / waved.wave_amplitude;
-        float cost = wave_choose_codes(&other, &w, attenuation, tables->bits, t);
-        if (cost < best) {
-            best = cost;
-            choice = other;
-        }
-    }
-    *c = choice;
+    if (t.scan) scanned = wave_scan(&plain, s.s1, view, planes, shared);
+    try_waves(c, t.lambda * tables->bits[GSCL_BITS_PLAIN], &now, scanned, &plain, tables, t, view, planes, shared);
 }
 #endif
