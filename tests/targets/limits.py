@@ -4,8 +4,8 @@ which they were written: lower them where a kernel shrinks, and never raise them
 # Bytes of private memory of a work-item of rdo_visit, by the use of its program (list_programs.c).  The aim is 512, because a
 # device reserves this memory for all work-items that it can run at once, in each of its contexts: 1 KiB takes 270 MB of an H100.
 RDO_STACK = {
-    "encode": {"PTX": 1640, "sm_75": 1648, "sm_90": 1648, "gfx90a": 3424, "gfx1100": 3856},
-    "encode, waves": {"PTX": 5704, "sm_75": 5856, "sm_90": 5856, "gfx90a": 7824, "gfx1100": 8640},
+    "encode": {"PTX": 952, "sm_75": 1328, "sm_90": 1328, "gfx90a": 2320, "gfx1100": 2664},
+    "encode, waves": {"PTX": 1128, "sm_75": 1520, "sm_90": 1520, "gfx90a": 2264, "gfx1100": 2964},
 }
 
 # Kinds of programs whose kernels spill no vector register.
