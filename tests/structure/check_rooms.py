@@ -42,10 +42,12 @@ BINDINGS.append("host/web")
 BASE["host/web"] = ["host/lib", "format", "cl"]
 # Rooms that only these rooms may use.
 USERS = {"native": ["device"], "opencl": ["device"]}
-# Where OpenCL may be named: its room, and tests that take the place of its functions or look at its errors.
+# Where OpenCL may be named: its room, and tests that take the place of its functions, look at its errors or measure it.
 OPENCL_ROOM = "host/lib/opencl/"
-OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/opencl_faults.c",
-                "tests/unit/test_device.c", "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
+OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/devices/count_launches.c", "tests/devices/opencl_builds.c",
+                "tests/devices/opencl_latency.c", "tests/devices/opencl_probe.c", "tests/devices/opencl_probe.h",
+                "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/opencl_faults.c", "tests/unit/test_device.c",
+                "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
 OPENCL_NAME = re.compile(r"\b(?!cl_khr_)(?:_?cl_[a-z]\w*|CL_[A-Z]\w*|cl[A-Z]\w*)|[<\"](?:CL|OpenCL)/\w+\.h")
 # What rounds differently on other machines (host/lib/runtime/elementary.h), and the rooms that may call it.
 INEXACT = re.compile(r"(?<![\w.>])(?:a?(?:sin|cos|tan)h?|atan2|exp2?|expm1|log(?:2|10|1p|b)?|pow|hypot|cbrt|[lt]gamma|erfc?)[fl]?\(")

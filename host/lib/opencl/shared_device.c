@@ -9,8 +9,9 @@
 #include "opencl/cl_error.h"
 #include "opencl/opencl_device.h"
 
+#define MAX_PROGRAMS 64 /* an encode has about ten; of what is beyond, each context builds its own */
+
 typedef struct shared_program {
-    struct shared_program *next;
     gscl_program_kind kind;
     char options[GSCL_MAX_BUILD_OPTIONS];
     cl_program program; /* NULL: a thread is building it */
@@ -22,7 +23,8 @@ struct gscl_shared_device {
     cl_context context;
     pthread_mutex_t lock; /* guards all below */
     pthread_cond_t built; /* a program, or it could not be built */
-    shared_program *programs;
+    size_t program_count;
+    shared_program programs[MAX_PROGRAMS];
     gscl_opencl_device *users; /* a list by next_user */
 };
 
@@ -96,12 +98,8 @@ static gscl_result create_context(gscl_context *context, struct gscl_shared_devi
 
 static void free_device(struct gscl_shared_device *shared) {
     *find_device(shared->id) = shared->next;
-    while (shared->programs) {
-        shared_program *next = shared->programs->next;
-        gscl_cl.clReleaseProgram(shared->programs->program);
-        free(shared->programs);
-        shared->programs = next;
-    }
+    for (size_t i = 0; i < shared->program_count; i++)
+        gscl_cl.clReleaseProgram(shared->programs[i].program);
     if (shared->context)
         gscl_cl.clReleaseContext(shared->context);
     pthread_cond_destroy(&shared->built);
@@ -146,22 +144,20 @@ void gscl_shared_device_leave(gscl_context *context) {
 
 /* ---- Programs; the caller holds the device's lock ---- */
 
-static shared_program **find_program(struct gscl_shared_device *shared, gscl_program_kind kind, const char *options) {
-    shared_program **place = &shared->programs;
-    while (*place && !((*place)->kind == kind && strcmp((*place)->options, options) == 0))
-        place = &(*place)->next;
-    return place;
+static shared_program *find_program(struct gscl_shared_device *shared, gscl_program_kind kind, const char *options) {
+    for (size_t i = 0; i < shared->program_count; i++)
+        if (shared->programs[i].kind == kind && strcmp(shared->programs[i].options, options) == 0)
+            return &shared->programs[i];
+    return NULL;
 }
 
-/* Notes that a program is being built; without memory for it others may build it, too. */
+/* Notes that a program is being built. */
 static void note_begun(struct gscl_shared_device *shared, gscl_program_kind kind, const char *options) {
-    shared_program *begun = calloc(1, sizeof *begun);
-    if (!begun)
+    if (shared->program_count == MAX_PROGRAMS)
         return;
-    begun->kind = kind;
+    shared_program *begun = &shared->programs[shared->program_count++];
+    *begun = (shared_program){.kind = kind};
     snprintf(begun->options, sizeof begun->options, "%s", options);
-    begun->next = shared->programs;
-    shared->programs = begun;
 }
 
 /* Waits, without the lock, while another thread builds a program, and tells the caller of it. */
@@ -170,8 +166,8 @@ static void wait_for_build(gscl_context *context, struct gscl_shared_device *sha
     pthread_mutex_unlock(&shared->lock);
     gscl_report_build(context, true);
     pthread_mutex_lock(&shared->lock);
-    for (shared_program *p = *find_program(shared, kind, options); p && !p->program;
-         p = *find_program(shared, kind, options))
+    for (const shared_program *p = find_program(shared, kind, options); p && !p->program;
+         p = find_program(shared, kind, options))
         pthread_cond_wait(&shared->built, &shared->lock);
     pthread_mutex_unlock(&shared->lock);
     gscl_report_build(context, false);
@@ -180,9 +176,9 @@ static void wait_for_build(gscl_context *context, struct gscl_shared_device *sha
 
 cl_program gscl_shared_program_take(gscl_context *context, gscl_program_kind kind, const char *options) {
     struct gscl_shared_device *shared = gscl_opencl(context)->shared;
-    shared_program *found;
+    const shared_program *found;
     pthread_mutex_lock(&shared->lock);
-    while ((found = *find_program(shared, kind, options)) && !found->program)
+    while ((found = find_program(shared, kind, options)) && !found->program)
         wait_for_build(context, shared, kind, options);
     const cl_program program = found ? found->program : NULL;
     if (program)
@@ -196,13 +192,12 @@ cl_program gscl_shared_program_take(gscl_context *context, gscl_program_kind kin
 void gscl_shared_program_give(gscl_context *context, gscl_program_kind kind, const char *options, cl_program program) {
     struct gscl_shared_device *shared = gscl_opencl(context)->shared;
     pthread_mutex_lock(&shared->lock);
-    shared_program **place = find_program(shared, kind, options), *begun = *place;
-    if (begun && program) {
+    shared_program *begun = find_program(shared, kind, options);
+    if (begun && !begun->program && program) {
         gscl_cl.clRetainProgram(program);
         begun->program = program;
-    } else if (begun) {
-        *place = begun->next;
-        free(begun);
+    } else if (begun && !begun->program) {
+        *begun = shared->programs[--shared->program_count];
     }
     pthread_cond_broadcast(&shared->built);
     pthread_mutex_unlock(&shared->lock);
