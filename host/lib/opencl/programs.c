@@ -38,6 +38,8 @@ static gscl_result get_program(gscl_context *context, gscl_program_kind kind, co
 static gscl_result check_group(gscl_context *context, const gscl_opencl_kernel *kernel) {
     const cl_device_id id = gscl_opencl(context)->id;
     size_t needed[3] = {0}, largest = 0;
+    if (gscl_opencl(context)->quirks->understates_groups)
+        return GSCL_OK;
     GSCL_CL(context, clGetKernelWorkGroupInfo, kernel->kernel, id, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, sizeof needed,
             needed, NULL);
     GSCL_CL(context, clGetKernelWorkGroupInfo, kernel->kernel, id, CL_KERNEL_WORK_GROUP_SIZE, sizeof largest, &largest,

@@ -25,9 +25,11 @@ static const gscl_quirks quirks[] = {
      * have elements, so that they bring nothing: an encode takes 12 s with vectors of 4 pixels, 8 without.  It ends all
      * loops of a work-item after 65,535 iterations in all, without a word: a single work-item must not go over the pixels
      * of a large splat.  Each launch translates its kernel anew, for up to 50 ms, with the machine code taken from Mesa's
-     * own cache on disk; where that cache is off (MESA_SHADER_CACHE_DISABLE) each launch takes as long as the first. */
+     * own cache on disk; where that cache is off (MESA_SHADER_CACHE_DISABLE) each launch takes as long as the first.  It
+     * says of kernels that require groups of 256, and run in them, that they run in groups of at most 32. */
     {.platform = "rusticl",
      .software_fma = true,
+     .understates_groups = true,
      .shapes = {.wide_groups = true,
                 .cpu = {.lanes = 1, .rows = 4, .splat_lanes = 1},
                 .gpu = {.lanes = 1, .rows = 4, .splat_lanes = 1}}},

@@ -5,12 +5,13 @@
 #include "runtime/mapping.h"
 
 typedef struct gscl_quirks {
-    const char *platform; /* part of the platform's name; NULL: any platform */
-    const char *version;  /* part of the platform's version; NULL: any version */
-    bool own_builtins;    /* programs declare built-in functions with cl/builtins.h (program.c) */
-    bool own_cache;       /* it keeps programs from one process to the next itself (program_cache.h) */
-    bool builds_aside;    /* it builds programs while another thread uses the context (prefetch.h) */
-    bool software_fma;    /* its fma() is no instruction: kernels multiply and add (cl/macros.h) */
+    const char *platform;    /* part of the platform's name; NULL: any platform */
+    const char *version;     /* part of the platform's version; NULL: any version */
+    bool own_builtins;       /* programs declare built-in functions with cl/builtins.h (program.c) */
+    bool own_cache;          /* it keeps programs from one process to the next itself (program_cache.h) */
+    bool builds_aside;       /* it builds programs while another thread uses the context (prefetch.h) */
+    bool software_fma;       /* its fma() is no instruction: kernels multiply and add (cl/macros.h) */
+    bool understates_groups; /* it runs kernels in larger work-groups than it says */
     gscl_work_shapes shapes;
 } gscl_quirks;
 
