@@ -68,7 +68,7 @@ float predict_move(int move, const rdo_choice *now, const splat_geometry *from, 
 
 /* Puts a move into a list by its cost, behind those that cost as much; what is behind the last place is left out. */
 void insert_move(int *moves, float *costs, int move, float cost) {
-    UNROLL
+    ITEMS_UNROLL
     for (int i = MAX_EVALUATED_MOVES - 1; i >= 0; i--) {
         if (i >= EVALUATED_MOVES || !(cost < costs[i])) continue;
         if (i + 1 < MAX_EVALUATED_MOVES) {
