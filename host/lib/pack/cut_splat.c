@@ -20,7 +20,7 @@ static moments moments_of(const gscl_splat *s) {
 }
 
 /* The part of a normal distribution beyond t standard deviations, over the density there, and over the same for t = 0:
- * 1 for t = 0.  By Boyd's approximation, within 1 %. */
+ * 1 for t = 0.  By Boyd's approximation, within 1.2 %. */
 static double relative_mills_ratio(double t) {
     return sqrt(2 * pi) / ((pi - 1) * t + sqrt(t * t + 2 * pi));
 }

@@ -144,7 +144,7 @@ bool gscl_pack_has_codes(gscl_packing *p) {
     gsf_splat splat;
     set_header(p, &own);
     for (size_t i = 0; i < p->field->count; i++) {
-        gscl_pack_given_params(p, i, given);
+        gscl_pack_given_params(p, &p->field->splats[i], given);
         quantise_splat(&p->coded.file, given, &splat);
         gscl_dequantise(&p->coded.file, &splat, coded);
         if (coded[GSCL_WAVE_AMPLITUDE] == 0.0f)

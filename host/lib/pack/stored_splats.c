@@ -43,15 +43,17 @@ static void limits_of_centre(const gsf_header *header, const gscl_splat *s, doub
     most[1] = reach_of_cells(header->height, major);
 }
 
-/* Whether a splat has its centre where the format has none, and has to get another one: see cut_splat.h. */
-static bool is_outside(const gscl_packing *p, const gscl_splat *s) {
-    double most[2];
+/* Whether a splat has its centre where the format has none, outside 0..most, and has to get another one: see cut_splat.h. */
+static bool is_outside(const gscl_packing *p, const gscl_splat *s, double most[2]) {
+    if (p->has_steps) /* splats of a file are within all bounds */
+        return false;
     limits_of_centre(&p->header, s, most);
-    return !p->has_steps && (s->x < 0 || s->y < 0 || s->x > most[0] || s->y > most[1]);
+    return s->x < 0 || s->y < 0 || s->x > most[0] || s->y > most[1];
 }
 
 static void note_effects(const gscl_packing *p, const gscl_splat *s, gsf_header *header) {
-    const bool is_cut = is_outside(p, s);
+    double most[2];
+    const bool is_cut = is_outside(p, s, most);
     header->has_chroma = header->has_chroma || (p->field->channels > 2 && !is_grey(s->colour));
     header->has_opacity = header->has_opacity || (!has_folded_opacity(p) && (is_cut || s->opacity != 1.0f));
     header->has_anisotropy = header->has_anisotropy || is_cut || s->sigma1 != s->sigma2;
@@ -93,7 +95,7 @@ void gscl_pack_describe(gscl_packing *p) {
 
 /* ---- Splats as they are ---- */
 
-static void set_params(const gscl_packing *p, const gscl_splat *s, float *params) {
+void gscl_pack_given_params(const gscl_packing *p, const gscl_splat *s, float *params) {
     const double factor = has_folded_opacity(p) ? s->opacity : 1;
     memset(params, 0, GSCL_PARAMS * sizeof *params);
     params[GSCL_X] = s->x;
@@ -112,16 +114,12 @@ static void set_params(const gscl_packing *p, const gscl_splat *s, float *params
     params[GSCL_WAVE_AMPLITUDE] = (float)(s->wave_amplitude * factor);
 }
 
-void gscl_pack_given_params(const gscl_packing *p, size_t number, float *params) {
-    set_params(p, &p->field->splats[number], params);
-}
-
 gscl_result gscl_pack_given_splats(const gscl_packing *p, gscl_splat_list *list) {
     *list = (gscl_splat_list){malloc((p->field->count + 1) * GSCL_PARAMS * sizeof(float)), p->field->count};
     if (!list->params)
         return gscl_fail_memory(p->context);
     for (size_t i = 0; i < list->count; i++)
-        gscl_pack_given_params(p, i, list->params + i * GSCL_PARAMS);
+        gscl_pack_given_params(p, &p->field->splats[i], list->params + i * GSCL_PARAMS);
     return GSCL_OK;
 }
 
@@ -176,16 +174,15 @@ static double limit_axes(const gscl_splat *s, float *params, change *largest) {
 /* Brings the centre of a splat to the sides that it lies beyond.  Returns its weight there. */
 static double limit_centre(const gscl_packing *p, const gscl_splat *s, float *params, change *largest) {
     double most[2];
-    if (!is_outside(p, s))
+    if (!is_outside(p, s, most))
         return 1;
-    limits_of_centre(&p->header, s, most);
     gscl_splat inside = *s;
     const gscl_cut cut = gscl_cut_at_sides(&inside, most);
     const bool is_y = cut.by_y > cut.by_x;
     const change moved = {
         .name = is_y ? "y" : "x", .unit = " pixels", .value = is_y ? s->y : s->x, .least = 0, .most = most[is_y]};
     note_amount(gscl_hypot(cut.by_x, cut.by_y), moved, largest);
-    set_params(p, &inside, params);
+    gscl_pack_given_params(p, &inside, params);
     return cut.weight;
 }
 
@@ -337,7 +334,7 @@ static gscl_result store_splat(gscl_packing *p, size_t number, size_t *capacity)
     const gscl_splat *s = &p->field->splats[number];
     float params[GSCL_PARAMS];
     change largest = {0};
-    gscl_pack_given_params(p, number, params);
+    gscl_pack_given_params(p, s, params);
     if (!p->has_steps && draws_nothing(p, s, params)) {
         p->report->outside++;
         return GSCL_OK;
