@@ -41,18 +41,24 @@ static void print_number(cl_device_id device, const char *name, cl_device_info w
 }
 
 static void print_info(cl_device_id device) {
-    print_text(device, "device", CL_DEVICE_NAME);
-    print_text(device, "version", CL_DEVICE_VERSION);
-    print_text(device, "driver", CL_DRIVER_VERSION);
-    print_text(device, "extensions", CL_DEVICE_EXTENSIONS);
-    print_number(device, "compute units", CL_DEVICE_MAX_COMPUTE_UNITS);
-    print_number(device, "clock, MHz", CL_DEVICE_MAX_CLOCK_FREQUENCY);
-    print_number(device, "largest work-group", CL_DEVICE_MAX_WORK_GROUP_SIZE);
-    print_number(device, "local memory, bytes", CL_DEVICE_LOCAL_MEM_SIZE);
-    print_number(device, "global memory, bytes", CL_DEVICE_GLOBAL_MEM_SIZE);
-    print_number(device, "largest buffer, bytes", CL_DEVICE_MAX_MEM_ALLOC_SIZE);
-    print_number(device, "memory of the host", CL_DEVICE_HOST_UNIFIED_MEMORY);
-    print_number(device, "timer, ns", CL_DEVICE_PROFILING_TIMER_RESOLUTION);
+    static const struct {
+        const char *name;
+        cl_device_info what;
+        void (*print)(cl_device_id device, const char *name, cl_device_info what);
+    } properties[] = {{"device", CL_DEVICE_NAME, print_text},
+                      {"version", CL_DEVICE_VERSION, print_text},
+                      {"driver", CL_DRIVER_VERSION, print_text},
+                      {"extensions", CL_DEVICE_EXTENSIONS, print_text},
+                      {"compute units", CL_DEVICE_MAX_COMPUTE_UNITS, print_number},
+                      {"clock, MHz", CL_DEVICE_MAX_CLOCK_FREQUENCY, print_number},
+                      {"largest work-group", CL_DEVICE_MAX_WORK_GROUP_SIZE, print_number},
+                      {"local memory, bytes", CL_DEVICE_LOCAL_MEM_SIZE, print_number},
+                      {"global memory, bytes", CL_DEVICE_GLOBAL_MEM_SIZE, print_number},
+                      {"largest buffer, bytes", CL_DEVICE_MAX_MEM_ALLOC_SIZE, print_number},
+                      {"memory of the host", CL_DEVICE_HOST_UNIFIED_MEMORY, print_number},
+                      {"timer, ns", CL_DEVICE_PROFILING_TIMER_RESOLUTION, print_number}};
+    for (size_t i = 0; i < sizeof properties / sizeof *properties; i++)
+        properties[i].print(device, properties[i].name, properties[i].what);
 }
 
 static opencl_probe open_device(void) {
