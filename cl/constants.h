@@ -159,6 +159,7 @@
 #define GSCL_RATE_COLOUR 0.012f  /* of the range 0..1 */
 #define GSCL_RATE_OPACITY 0.04f  /* logit */
 #define GSCL_MAX_LOGIT 8.0f      /* bound on a fitted opacity, positive and negative */
+#define GSCL_OPAQUE 40.0f        /* the logit of splats without an opacity: 1 when rounded to a float */
 
 /* Quantiser settings (floats) of scalar coding, in the units of the parameters. */
 #define GSCL_STEP_SCALE 0    /* step of ln sigma */

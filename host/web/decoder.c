@@ -117,13 +117,12 @@ double web_frame(uint32_t full_width, uint32_t full_height, uint32_t x, uint32_t
     return (double)gscl_frame_work(&coded.file, &frame);
 }
 
-/* The options of gscl_frame_options; the format and the kernels number blend modes alike. */
+/* The options of gscl_frame_options, or those for more effects; the format and the kernels number blend modes alike. */
 static const gscl_kernel_options *options_of(const gsf_header *h) {
-    static gscl_kernel_options options = {.shape = GSCL_SHAPE_ROTATED};
+    static gscl_kernel_options options = {.shape = GSCL_SHAPE_ROTATED, .opacity = true};
     options.blend = (int)h->blend;
     options.colours = h->has_chroma ? 3 : 1;
     options.alpha_channel = h->has_alpha;
-    options.opacity = h->has_opacity;
     options.texture = h->has_texture;
     return &options;
 }

@@ -5,7 +5,7 @@
  * script is to be small: it refuses what bare files of 20 to 400 bytes hardly have.  Files that are not bare are among what it
  * refuses, because their magic reads as another blend. */
 
-const {min, max, floor, round, ceil, trunc, abs, exp, cos, sin, PI} = Math;
+const {min, max, floor, round, ceil, abs, exp, cos, sin, PI} = Math;
 const clamp = (value, low, high) => min(max(value, low), high);
 const list = (count, of) => Array.from({length: count}, (_, i) => of(i));
 const sum = numbers => numbers.reduce((total, it) => total + it);
@@ -84,7 +84,7 @@ const channelOf = L => {
   const plain = adaptive(size, hill(L), [37.5, 1.5], 600), residual = adaptive(2 * size - 1, hill(2 * L), [37.5, 3.5, .5], 400);
   let W = 40000;
   return mean => { /* in sixteenths */
-    const s = L - (clamp(mean, -16 * L, 16 * L) + 8 >> 4);
+    const s = L - clamp(mean + 8 >> 4, -L, L);
     return residual(0, row => s + plain(0, p => {
       const r = row.slice(s, s + size), P = sum(p), R = sum(r), share = (f, total) => floor(f * 16384 / total);
       const i = symbolOf(p.map((it, i) => 1 + (it * share(W, P) + r[i] * share(65536 - W, R) >> 15)));
@@ -103,7 +103,7 @@ const chromaOf = L => {
     const keys = list(6, shift => shift << 10 | by >> shift << 5 | bx >> shift); /* of its buckets, finest first */
     const [mCo, mCg] = means[keys.find(key => means[key])] || [0, 0];
     const Co = coChannel(mCo), change = 16 * Co - mCo;
-    const Cg = cgChannel(mCg + trunc(XY * change / XX)), levels = [Co, Cg];
+    const Cg = cgChannel(mCg + (XY * change / XX | 0)), levels = [Co, Cg];
     XY += change * (16 * Cg - mCg);
     XX += change ** 2;
     for (const key of keys) {
@@ -138,7 +138,7 @@ const cellsOf = (rectangle, n, priors, pitch) => {
   const isWide = length > 128, weight = isWide ? 192 : 1024, A = floor(weight * half / length);
   if (!n || !half)
     return list(n, () => rectangle);
-  const sides = [0, 1].map(side => priors.filter(prior => isWide && side == prior[k] >= 2 * (rectangle[k] + half) * pitch));
+  const sides = list(2, side => priors.filter(prior => isWide && side == prior[k] >= 2 * (rectangle[k] + half) * pitch));
   const left = split(n, A + 16 * sides[0].length, weight - A + 16 * sides[1].length);
   return sides.flatMap((near, side) => {
     const part = [...rectangle];
@@ -208,7 +208,7 @@ export const decode = (source, {width, height, isInfo} = {}) => {
   const [aspectModel, directionModel, texturedModel, amplitudeModel, waveModel] = trainedModels(), waveDirectionModel = adaptive(16, () => 64, [4, 1.5]);
 
   const priors = [], sums = new Float64Array(5 * w * h), stepX = own[0] / w, stepY = own[1] / h;
-  const [boxX, boxY] = [stepX, stepY].map(step => max(0, (step ** 2 - 1) / 12)); /* the variance that reducing adds */
+  const boxX = max(0, stepX ** 2 - 1) / 12, boxY = max(0, stepY ** 2 - 1) / 12; /* the variances that reducing adds */
   const addSplat = (cell, major, step) => {
     const sizeRow = clamp(major - typical + 10, 0, 23);
     let aspect = hasAnisotropy && aspectModel(sizeRow, row => symbolOf(row.slice(0, major + 1)));
@@ -228,32 +228,32 @@ export const decode = (source, {width, height, isInfo} = {}) => {
     const centre = cell.map((it, k) => isSteep == !k ? floor((2 * (it * parts + part) + 1) * step / parts) : (2 * it + 1) * step); /* 1/512 pixel */
 
     /* rises where a count of the numbers of the page does */
-    const F = clamp(round(3.738 * 2 ** (octavesOf(2 * major - aspect - 2 * pivot) / 160)), 1, 8), fine = level => level * F + symbolOf(F);
+    const F = clamp(round(3.738 * 2 ** (octavesOf(2 * (major - pivot) - aspect) / 160)), 1, 8), fine = level => level * F + symbolOf(F);
     const Y = fine(lumaModel() - beyond) / L / F;
     const [Co, Cg] = hasChroma ? chroma(...centre.map((it, k) => min(31, it / 16 / own[k] | 0))).map(level => fine(level) / chromaL / F) : [0, 0];
-    const B = Y - Cg / 2 - Co / 2, colour = [B + Co, Y + Cg / 2, B, hasAlpha ? (alphaModel() - (alphaL >> 3)) / alphaL : 1, 1];
+    const B = Y - (Cg + Co) / 2, colour = [B + Co, Y + Cg / 2, B, hasAlpha ? (alphaModel() - (alphaL >> 3)) / alphaL : 1, 1];
     let amplitude = 0, waveX = 0, waveY = 0, phase, directions;
     const v1 = (sigmaOf(major) / 65536) ** 2, v2 = max((sigmaOf(major - aspect) / 65536) ** 2, v1 / 65536);
     if (hasTexture && texturedModel(sizeRow >> 1)) {
       amplitude = min((1 + amplitudeModel()) / L / 1.5, 1) * (v1 <= 2 ** 24);
-      const frequency = 2 ** (-7 * waveModel() / 16) * PI / 1.25, direction = waveDirectionModel(0, row => symbolOf(directions = row));
-      if (direction % 15 == 0)
-        directions[15 - direction] += 6; /* they are neighbours */
+      const frequency = PI / 1.25 / 2 ** (7 * waveModel() / 16), direction = waveDirectionModel(0, row => symbolOf(directions = row));
+      direction % 15 || (directions[15 - direction] += 6); /* they are neighbours */
       phase = symbolOf(8) * PI / 4;
-      waveX = frequency * cos(direction * PI / 16);
-      waveY = frequency * sin(direction * PI / 16);
+      waveX = cos(direction * PI / 16) * frequency;
+      waveY = sin(direction * PI / 16) * frequency;
     }
     isOwn || backgrounds.push(colour);
 
     const c = cos(angle * PI / angles), s = sin(angle * PI / angles);
     const xx = c * c * v1 + s * s * v2 + boxX, yy = s * s * v1 + c * c * v2 + boxY, xy = c * s * (v1 - v2);
+    const determinant = xx * yy - xy ** 2, weight = (v1 * v2 / determinant) ** .5; /* what reducing widens weighs as much as before */
     amplitude *= exp(-(waveX ** 2 * boxX + waveY ** 2 * boxY) / 2);
     for (let j = 0, at = 0; j < h; j++)
       for (let i = 0; i < w; i++, at += 5) {
         const x = stepX * (i + .5) - centre[0] / 512, y = stepY * (j + .5) - centre[1] / 512;
-        const q = (yy * x ** 2 - 2 * xy * x * y + xx * y ** 2) / (xx * yy - xy ** 2) / 2;
+        const q = (yy * x ** 2 / 2 - xy * x * y + xx * y ** 2 / 2) / determinant;
         if (q < 7) {
-          const g = exp(-q) - exp(-7), wave = amplitude && amplitude * cos(waveX * x + waveY * y - phase);
+          const g = weight * (exp(-q) - exp(-7)), wave = amplitude && amplitude * cos(waveX * x + waveY * y - phase);
           for (let k = 0; k < 5; k++)
             sums[at + k] += g * (colour[k] + (k < 3 ? wave : 0));
         }
@@ -276,7 +276,7 @@ export const decode = (source, {width, height, isInfo} = {}) => {
   refuse(at != bytes.length + 3, at < bytes.length + 3 ? 'corrupt' : 'truncated');
 
   const background = list(5, k => sum(backgrounds.map(it => it[k] ?? 1)) / backgrounds.length);
-  const data = Uint8ClampedArray.from({length: 4 * w * h}, (_, i) => {
+  const data = new Uint8ClampedArray(4 * w * h).map((_, i) => {
     const at = 5 * (i >> 2), value = k => sums[at + k] + background[k] / 1024, alpha = clamp(value(3) / value(4), 0, 1);
     return 255 * (i % 4 > 2 ? alpha : alpha && value(i % 4) / value(4) / alpha);
   });

@@ -17,7 +17,7 @@ gscl_real gscl_amplitude_step(const gsf_steps *s) {
 }
 
 float gscl_logit(gscl_real opacity) {
-    const gscl_real lowest = GSCL_REAL(1e-30), highest = GSCL_REAL(1 - 1e-7);
+    const gscl_real lowest = GSCL_REAL(0x1p-100), highest = GSCL_REAL(1 - 1e-7);
     const gscl_real o = gscl_real_min(gscl_real_max(opacity, lowest), highest);
     return (float)gscl_ln(o / (1 - o));
 }
@@ -78,7 +78,7 @@ void gscl_dequantise(const gsf_coded_image *p, const gsf_splat *s, float *params
     params[GSCL_THETA] = 0.0f;
     if (p->header.has_rotation)
         params[GSCL_THETA] = (float)(s->angle * pi / (gscl_real)gsf_angle_count(&p->steps, s->aspect));
-    params[GSCL_OPACITY] = 0.0f;
+    params[GSCL_OPACITY] = GSCL_OPAQUE;
     if (p->header.has_opacity)
         params[GSCL_OPACITY] = gscl_logit((gscl_real)(s->opacity + 1) / (p->steps.opacity + 1));
     gscl_dequantise_colour(p, s, params + GSCL_COLOUR);
@@ -110,7 +110,7 @@ void gscl_dequantise_indexed(const gsf_coded_image *p, const gsf_indexed_splat *
     params[GSCL_OPACITY] =
         p->header.has_opacity
             ? gscl_logit(from_range(&books->colour[channels], colour[channels], books->colour_bits) / 255)
-            : 0.0f;
+            : GSCL_OPAQUE;
 }
 
 void gscl_dequantise_splat(const gsf_coded_image *p, uint32_t i, float *params) {

@@ -46,6 +46,7 @@ gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_fram
     gscl_kernel_options options = gscl_coded_image_options(header);
     if (!(options.shape == GSCL_SHAPE_ISOTROPIC && f->scale_x == f->scale_y) && (f->scale_x != 1 || f->scale_y != 1))
         options.shape = GSCL_SHAPE_ROTATED; /* scaling turns the axes */
+    options.opacity = options.opacity || f->scale_x < 1 || f->scale_y < 1; /* those of reduced splats differ */
     return options;
 }
 

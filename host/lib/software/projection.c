@@ -8,8 +8,8 @@
 
 /* Columns beyond the outline that are drawn in addition: an absolute part and one of the half chord.  Where rounding
  * moves the outline by less, weights that are not 0 are never cut off. */
-#define MARGIN GSCL_REAL(0.01)
-#define MARGIN_PART GSCL_REAL(1e-4)
+#define MARGIN GSCL_REAL(0x1p-6)
+#define MARGIN_PART GSCL_REAL(0x1p-13)
 
 /* The integers from x on, and those up to x, within 0..last; none when the first is above the last.  x may be beyond the
  * range of int.  ceil and floor would be calls on many processors. */

@@ -12,7 +12,7 @@ static void clamp_row(float *restrict v, int count) {
 
 /* Clamps a colour to alpha and, unless it stays premultiplied, divides it by alpha; 0 where alpha is 0. */
 static void divide_row(float *restrict v, const float *restrict alpha, bool premultiplied, int count) {
-    const float smallest = 1e-30f;
+    const float smallest = 0x1p-100f;
     for (int i = 0; i < count; i++)
         v[i] = gscl_lesser_positive(v[i], alpha[i]);
     for (int i = 0; i < count && !premultiplied; i++)

@@ -31,7 +31,7 @@ void main() {
   vec2 side = 2. * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1., corner = ${REACH.toFixed(6)} * side;
   centre = ((place.xy - origin) - rest) * scale;
   inverse = vec3(1. / (root.x * scale.x), root.y * scale.y / (root.x * scale.x), 1. / (root.z * scale.y));
-  weight = vec2(form.z, form.w * exp(-19.739209 * dot(wave.xy * wave.xy, box)));
+  weight = vec2(form.z * sqrt(variances.x * variances.y / determinant), form.w * exp(-19.739209 * dot(wave.xy * wave.xy, box)));
   tint = colour;
   turns = vec3(wave.xy / scale, wave.z);
   vec2 reach = ${REACH.toFixed(6)} * vec2(root.x, length(root.yz)) * scale;
