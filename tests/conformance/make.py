@@ -60,6 +60,7 @@ def scalar_scenes():
     yield "plain-alpha", "alpha in the layout, but not coded", Scene(n=6, layout=RGB_ALPHA, alpha=0).fill(33)
     yield "bits-16", "16 bits a sample, alpha", Scene(8, 7, n=5, layout=RGB_ALPHA, high=1).fill(34)
     yield "waves", "waves on the colours of 16 bits", Scene(9, 8, n=6, texture=1, high=1).fill(35)
+    yield "waves-alpha", "waves beside an alpha channel, which has none", Scene(20, 14, n=14, layout=RGB_ALPHA, texture=1).fill(38)
     waves = Scene(32, 32, n=16, texture=1, blend=SUM)
     for i in range(16):
         waves.add(7, i % 4, 0, (i % 4 + .5) / 4, (i // 4 + .5) / 4, amplitude=1 + i, wave=15 - i, direction=i, phase=i % 8)
@@ -138,6 +139,8 @@ def set_scenes():
     yield "priors", "more splats than the 4096 that may be priors", scene
     yield "layers-2", "two layers", Scene(24, 16, n=20, layers=2).fill(71)
     yield "layers-8", "eight layers, with waves", Scene(24, 16, n=24, texture=1, layers=8).fill(72)
+    far = Scene(400, 30, n=300, layout=GREY, anisotropy=0, steps=(6, 0, 4, 5, 3, 4, 3), layers=3)
+    yield "layers-priors", "grids of more than 128 cells, split by the splats of the layers before, too", far.fill(73, (0, 20))
     scene = Scene(12, 12, n=4, blend=ALPHA, layers=4)
     for i in range(4):
         scene.add(9 + i, 2, 1, .2 + .2 * i, .5, 7 * i, layer=2 * (i % 2))
@@ -304,11 +307,14 @@ def container_files(picture):
     yield "damaged-reserved", "a reserved bit, and half a file", make(picture, version=0x42)[:len(file) // 2]
     yield "damaged-order", "types that do not increase, and half a file", \
         make(picture, before=block(0x01, b"p") + block(0x81, b"p"))[:len(file) // 2]
+    yield "damaged-mandatory", "an unknown mandatory block, and half a file", \
+        make(picture, before=block(0xC2, b"abc"))[:len(file) // 2]
     yield "damaged-bit", "one bit of the picture flipped", file[:12] + bytes([file[12] ^ 1]) + file[13:]
     yield "damaged-check", "another check", file[:-1] + bytes([file[-1] ^ 128])
     yield "damaged-blocks", "one bit of a block flipped", with_blocks[:15] + bytes([with_blocks[15] ^ 2]) + with_blocks[16:]
     yield "reserved-6", "a reserved bit", make(picture, version=0x42)
     yield "reserved-7", "a reserved bit", make(picture, version=0x82)
+    yield "reserved-mandatory", "a reserved bit and an unknown mandatory block", make(picture, before=block(0xC2, b"abc"), version=0x42)
     yield "picture-long", "one byte after the picture", make(picture + b"\0")
     yield "picture-short", "one byte less of the picture, with a check that matches", make(picture[:-1])
     yield "picture-none", "no picture, with a check that matches", make(b"")
@@ -335,6 +341,7 @@ def container_files(picture):
     yield "block-not-last", "a list after the picture without a last block", make(picture, after=block(0x21, b"<x/>"))
     yield "list-none", "an empty list after the picture", sealed(file[:-2] + bytes(3), 0)
     yield "list-gap", "a byte before the list after the picture that is not 0", sealed(file[:-2] + b"\0\1\0\xA1\0", 2)
+    yield "list-gap-mandatory", "the same, and an unknown mandatory block in the list", sealed(file[:-2] + b"\0\1\0\xE2\0", 2)
     yield "list-long", "a list after the picture that is longer than the file", sealed(file[:-2] + bytes(3) + b"\xA1\0", 1 << 31)
     yield "list-rest", "a byte between the list after the picture and its size", sealed(file[:-2] + bytes(3) + b"\xA1\0\0", 3)
     yield "list-no-size", "no room for the size of the list after the picture", sealed(b"\xC7gsc\2", None)
@@ -422,6 +429,7 @@ def make(writer):
         expect(writer.add(name, about, gscl_file.contained(picture)), "valid")
     too_much = gscl_file.contained(writer.library(work(321), "unchecked"))
     expect(writer.add("bad-work", "more work than is allowed", too_much), "corrupt")
+    expect(writer.add("cut-work", "the same without its last half", too_much[:len(too_much) // 2]), "truncated")
     too_much = gscl_file.contained(writer.library(needle_work(1575), "unchecked"))
     expect(writer.add("bad-work-needles", "the same of needles", too_much), "corrupt")
     for name, about, data in container_files(bare):

@@ -91,6 +91,10 @@ def orders(write):
     yield "last", "the last of five packets", packets[4:]
     yield "unordered", "five packets in another order", [packets[i] for i in (3, 0, 4, 1, 2)]
     yield "repeated", "each packet twice or more", packets[2:] + packets + packets[:2]
+    scene = Scene(48, 32, n=6, blend=ALPHA, opacity=1)
+    for i in range(6):
+        scene.add(22, 1, 0, .5, .5, 4 + 2 * i, i % 3, -(i % 2), opacity=i % 4)
+    yield "alpha-cell", "splats in one cell, by several packets, in another order", write(scene, 7, 3)[::-1]
     yield "alpha-unordered", "the blend alpha, whose splats are drawn in the order of the whole picture", \
         write(photograph(250, blend=ALPHA, opacity=1), 7, 4)[::-1]
     other = write(photograph(251), 7, 5)
@@ -127,6 +131,10 @@ def empty_packets(write):
     yield "empty", "packets with and without splats", packets
     yield "empty-first", "packets without splats first", sorted(packets, key=len)
     yield "empty-only", "a packet without splats of a picture that has some", sorted(packets, key=len)[:1]
+    empty, some = write(Scene(48, 32, background=(90, 30, 200)), 7, 3), write(photograph(254), 7, 3)
+    yield "background-of-splats", "a packet without splats has another background than those after it", [empty[0], *some[1:]]
+    yield "background-of-first", "packets without splats and of several backgrounds", \
+        [empty[1], write(Scene(48, 32, background=(1, 2, 3)), 7, 3)[0]]
 
 
 def bounded(write):
@@ -153,6 +161,15 @@ def repaired_lists(write):
         [*first[:4], repairs[1], check_of_repair(repairs[0][:-2] + b"\0")]
     yield "repair-number", "a repair packet with the number of a packet, which is skipped", \
         [*first[:4], check_of_repair(repairs[0][:1] + b"\4" + repairs[0][2:-2])]
+    yield "repair-same-number", "two repair packets with the same number, of which the first counts", \
+        [*first[:3], repairs[0], check_of_repair(repairs[0][:2] + repairs[1][2:-2]), repairs[1]]
+    yield "repair-lengths", "a repair packet of another length between those that count", \
+        [*first[:3], repairs[0], check_of_repair(repairs[1][:-2] + b"\0"), repairs[2]]
+    yield "repair-number-first", "a repair packet of another length and with the number of a packet comes first", \
+        [check_of_repair(repairs[0][:1] + b"\4" + repairs[0][2:-2] + b"\0"), *first[:4], repairs[0]]
+    few = write(Scene(60, 40, n=1, background=(10, 120, 200)).add(8, 2, 1, .1, .1, 9), 7, 4, 3)
+    lone = min(few[:4], key=len)
+    yield "repair-empty", "of the picture only a packet without splats, and repair packets for all others", [lone, *few[4:]]
     yield "repair-zero", "a lost packet that ends with 0", zero_ended(write)
     yield "repair-255", "a repair packet with the largest number", [*first[:4], write(photograph(), 7, 5, 251)[255]]
 
