@@ -45,7 +45,7 @@ gscl_result gscl_frame_resolve(const gscl_decode_settings *s, const gsf_header *
 gscl_kernel_options gscl_frame_options(const gsf_header *header, const gscl_frame *f) {
     gscl_kernel_options options = gscl_coded_image_options(header);
     if (!(options.shape == GSCL_SHAPE_ISOTROPIC && f->scale_x == f->scale_y) && (f->scale_x != 1 || f->scale_y != 1))
-        options.shape = GSCL_SHAPE_ROTATED; /* scaling turns the axes */
+        options.shape = GSCL_SHAPE_ROTATED;                                /* scaling turns the axes */
     options.opacity = options.opacity || f->scale_x < 1 || f->scale_y < 1; /* those of reduced splats differ */
     return options;
 }
