@@ -148,7 +148,7 @@ class Tradeoff(ToolTest):
         self.write_png("in.png", scene(40, 30))
         self.path("gscl").write_bytes(pathlib.Path(GSCL).read_bytes())
         self.path("gscl").chmod(0o755)
-        os.symlink(pathlib.Path(GSCL).with_name("libgscl.so.0"), self.path("libgscl.so.0"))
+        os.symlink(pathlib.Path(GSCL).with_name("libgscl.so.1"), self.path("libgscl.so.1"))
         done = self.start("tradeoff", "in.png", "--quick", "--out", "out", program="./gscl",
                           env={"LD_LIBRARY_PATH": str(self.folder)})
         self.assertEqual(done.returncode, 0, done.stderr.decode())

@@ -41,7 +41,7 @@ add_program() {
 add_programs() {
     add_program "$build/gscl" bin
     add_program "$build/tests/devices/opencl_probe" bin
-    add_file "$build/libgscl.so.0" library libgscl.so.0
+    add_file "$build/libgscl.so.1" library libgscl.so.1
     for test in $unit_tests; do add_program "$build/tests/test_$test" tests; done
     for test in $stability_tests; do add_program "$build/tests/stability/stability_$test" tests; done
     cp "$here/gpu_day.sh" "$here/gpu_day_steps.sh" "$folder/"
@@ -89,6 +89,6 @@ add_kernels
 add_pictures
 add_large_picture
 for variant in "$@"; do
-    add_file "${variant#*=}/libgscl.so.0" "variants/${variant%%=*}" libgscl.so.0
+    add_file "${variant#*=}/libgscl.so.1" "variants/${variant%%=*}" libgscl.so.1
 done
 du -sh "$folder"
