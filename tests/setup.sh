@@ -37,6 +37,14 @@ quick_machines="i386 s390x aarch64 mingw"
 # Packages of tests/portability/microcontroller.
 microcontroller_packages="gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
 
+# Packages of host/packaging: what builds a source tarball, Debian packages, and wheels and the static program.
+tarball_packages="meson ninja-build gcc libc6-dev git python3 xz-utils"
+deb_packages="$tarball_packages build-essential clang debhelper dh-python dpkg-dev fakeroot g++ libcairo2-dev
+    libgdk-pixbuf-2.0-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libpng-dev opencl-headers pkg-config
+    python3-cffi python3-dev zlib1g-dev"
+# Those that tests/packaging needs besides.
+packaging_packages="apt-utils debootstrap lintian"
+
 missing_packages() {
     for package in "$@"; do
         case $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) in
