@@ -42,6 +42,7 @@ tarball_packages="meson ninja-build gcc libc6-dev git python3 xz-utils"
 deb_packages="$tarball_packages build-essential clang debhelper dh-python dpkg-dev fakeroot g++ libcairo2-dev
     libgdk-pixbuf-2.0-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libpng-dev opencl-headers pkg-config
     python3-cffi python3-dev zlib1g-dev"
+wheel_packages="clang opencl-headers python3 python3-dev python3-venv"
 # Those that tests/packaging needs besides.
 packaging_packages="apt-utils debootstrap lintian"
 

@@ -1,24 +1,61 @@
 #!/bin/sh
-# Builds a wheel for any Linux with glibc 2.28 or later and CPython 3.10 or later: build_wheel.sh PYTHON FOLDER [PIP OPTIONS]
+# Builds a wheel for CPython 3.10 or later: build_wheel.sh [--target TARGET] PYTHON FOLDER [PIP OPTIONS]
 #
-# The wheel has the library inside, with kernels for all processors of this machine's kind, and opens OpenCL where there is one.
+# TARGET: x86_64-manylinux or aarch64-manylinux, any Linux with glibc 2.28 or later (default: of this machine's kind), or
+# x86_64-musllinux or aarch64-musllinux, any with musl 1.2 or later.  The wheel has the library inside, with kernels for all
+# processors of the machine's kind, and opens OpenCL where there is one.
 # PYTHON: an interpreter with the packages ziglang and wheel, such as that of a virtual environment after
 # `pip install ziglang wheel`; besides, clang and the headers of OpenCL are needed.  Writes FOLDER/gscl-*.whl; FOLDER/build, which
 # makes the next build short; and FOLDER/zig.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+own=$(uname -m)
+target=$own-manylinux
+if [ "$1" = --target ]; then
+    target=$2
+    shift 2
+fi
 python=$1
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
 shift 2
-machine=$(uname -m)
+machine=${target%-*}
+case $target in
+x86_64-manylinux | aarch64-manylinux) triple=$machine-linux-gnu.2.28 platform=manylinux_2_28_$machine ;;
+x86_64-musllinux | aarch64-musllinux) triple=$machine-linux-musl platform=musllinux_1_2_$machine ;;
+*)
+    echo "build_wheel: no wheel for this target: $target" >&2
+    exit 2
+    ;;
+esac
 zig=$("$python" -c 'import os, ziglang; print(os.path.join(os.path.dirname(ziglang.__file__), "zig"))')
 
-# Zig's compiler is clang with headers and symbols of each version of glibc.  Headers of OpenCL and Python are the machine's.
-export CC="$zig cc -target $machine-linux-gnu.2.28 -idirafter /usr/include -idirafter /usr/include/$machine-linux-gnu"
+# The headers of OpenCL and Python are this machine's.  Those of Python ask for a configuration of the target's processor, of which
+# the stable interface has nothing that differs between processors of 64 bits.
+version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
+include=$folder/include/$machine-linux-gnu/$version
+own_configuration=/usr/include/$own-linux-gnu/$version/pyconfig.h
+mkdir -p "$include"
+[ ! -f "$own_configuration" ] || cp "$own_configuration" "$include"
+
+# Zig's compiler is clang with headers and symbols of each version of glibc, and of musl.
+export CC="$zig cc -target $triple -idirafter $folder/include -idirafter /usr/include -idirafter /usr/include/$own-linux-gnu"
 export AR="$zig ar" ZIG_GLOBAL_CACHE_DIR="$folder/zig" ZIG_LOCAL_CACHE_DIR="$folder/zig"
+cat >"$folder/target.ini" <<END
+[properties]
+needs_exe_wrapper = true
+
+[host_machine]
+system = 'linux'
+cpu_family = '$machine'
+cpu = '$machine'
+endian = 'little'
+END
+cross=
+[ "$target" = "$own-manylinux" ] || cross=-Csetup-args=--cross-file=$folder/target.ini
 rm -f "$folder"/gscl-*.whl
-"$python" -m pip --disable-pip-version-check --quiet wheel --no-deps --wheel-dir "$folder" \
-    -Cbuild-dir="$folder/build" -Csetup-args=-Dstrip=true -Csetup-args=-Dgscl:native=enabled "$@" "$here"
+# The linker strips, since strip knows this machine's files only.
+"$python" -m pip --disable-pip-version-check --quiet wheel --no-deps --wheel-dir "$folder" $cross \
+    -Cbuild-dir="$folder/build" -Csetup-args=-Dc_link_args=-s -Csetup-args=-Dgscl:native=enabled "$@" "$here"
 # meson-python names the machine and the version of Python that built it.
-"$python" -m wheel tags --remove --python-tag cp310 --platform-tag "manylinux_2_28_$machine" "$folder"/gscl-*.whl
+"$python" -m wheel tags --remove --python-tag cp310 --platform-tag "$platform" "$folder"/gscl-*.whl
