@@ -32,7 +32,9 @@ machine_packages() {
     x87) echo gcc ;;
     esac
 }
-# Those that tests/run.sh tests.
+# Package that unpacks the sources of libraries for other machines (tests/portability/image_libraries.sh).
+source_packages="dpkg-dev"
+# Machines that tests/run.sh tests.
 quick_machines="i386 s390x aarch64 mingw"
 # Packages of tests/portability/microcontroller.
 microcontroller_packages="gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"

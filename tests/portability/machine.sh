@@ -25,7 +25,7 @@ set_up() {
 
 build() {
     if [ -z "$quick" ]; then
-        set_up "$work/build-cmocka-$machine" "$work/cmocka" --prefix "$prefix" &&
+        set_up "$work/build-cmocka-$machine" "$work/cmocka_sources/cmocka" --prefix "$prefix" &&
             meson install -C "$work/build-cmocka-$machine" --no-rebuild --quiet || return 1
         set -- -Dtests=enabled
     fi

@@ -23,10 +23,10 @@ for machine in "$@"; do
     [ -f "$here/$machine.ini" ] || { echo "run.sh: no machine of this name: $machine" >&2; exit 2; }
     packages="$packages $(machine_packages "$machine")"
 done
-install_packages $build_packages $packages || exit 1
+install_packages $build_packages $source_packages $packages || exit 1
 work=$PWD/build-portability
 mkdir -p "$work"
-[ -n "$quick" ] || sh "$here/cmocka/fetch.sh" "$work/cmocka" >"$work/cmocka.log" 2>&1 || {
+[ -n "$quick" ] || sh "$here/fetch_sources.sh" "$work/cmocka_sources" cmocka >"$work/cmocka.log" 2>&1 || {
     cat "$work/cmocka.log"
     exit 1
 }
