@@ -31,6 +31,7 @@
 /* ---- Files ------------------------------------------------------------------------------------- */
 
 /* The module, which is loaded on the first call.  NULL after reporting an error about `label`. */
+#ifdef GSCL_WITH_IMAGE_MODULE
 static const image_module *load_module(const char *label) {
     const image_module *module = module_load(IMAGE_MODULE_FILE, IMAGE_MODULE_SYMBOL);
     if (!module)
@@ -38,6 +39,13 @@ static const image_module *load_module(const char *label) {
                      dlerror());
     return module;
 }
+#else
+static const image_module *load_module(const char *label) {
+    report_error(label, "is of a format that this gscl was built without; it reads PNG and JPEG, and writes PNM and "
+                        "TIFF, too");
+    return NULL;
+}
+#endif
 
 /* An input whose bytes are in memory. */
 typedef struct source {
