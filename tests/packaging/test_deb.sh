@@ -60,8 +60,8 @@ began=$(date +%s)
 install gscl
 run_test program
 echo "the program from its repository, with an encode and a decode: $(($(date +%s) - began)) s"
-if inside gscl decode /tmp/program/picture.gscl /tmp/picture.webp 2>"$work/log"; then
-    fail "a WebP file without OpenImageIO"
+if inside gscl decode /tmp/program/picture.gscl /tmp/picture.bmp 2>"$work/log"; then
+    fail "a BMP file without OpenImageIO"
 fi
 grep -q 'needs the module gscl-imageio.so.*libOpenImageIO' "$work/log" || fail "no word of what is missing: $(cat "$work/log")"
 
@@ -77,7 +77,7 @@ install gscl-openimageio openimageio-tools
 module=$(dirname "$(ls "$system"/usr/lib/*/OpenImageIO/gscl.imageio.so)")
 inside env OIIO_LIBRARY_PATH="${module#"$system"}" oiiotool /tmp/program/picture.gscl -o /tmp/oiio.png
 inside test -s /tmp/oiio.png
-inside gscl decode /tmp/program/picture.gscl /tmp/picture.webp # the program's module finds its libraries now
+inside gscl decode /tmp/program/picture.gscl /tmp/picture.bmp # the program's module finds its libraries now
 inside apt-get -q -y purge libgscl1 >"$work/log" 2>&1
 left=$(cd "$system" && find usr etc var/lib -name '*gscl*' ! -path 'var/lib/apt/*')
 [ -z "$left" ] || fail "left behind: $left"
