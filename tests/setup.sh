@@ -39,11 +39,12 @@ quick_machines="i386 s390x aarch64 mingw"
 # Packages of tests/portability/microcontroller.
 microcontroller_packages="gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
 
-# Packages of host/packaging: what builds a source tarball, Debian packages, the static program and wheels.
+# Packages of host/packaging: what builds a source tarball, Debian packages, the package of npm, the static program and wheels.
 tarball_packages="meson ninja-build gcc libc6-dev git python3 xz-utils"
 deb_packages="$tarball_packages build-essential clang debhelper dh-python dpkg-dev fakeroot g++ libcairo2-dev
     libgdk-pixbuf-2.0-dev libjpeg-dev liblcms2-dev libopenimageio-dev libopenjp2-7-dev libpng-dev opencl-headers pkg-config
     python3-cffi python3-dev zlib1g-dev"
+npm_packages="gcc libc6-dev meson ninja-build python3 $web_packages $web_encoder_packages"
 static_packages="clang gcc meson ninja-build pkg-config python3 $source_packages"
 wheel_packages="clang opencl-headers python3 python3-dev python3-venv"
 # Those that tests/packaging needs besides.
