@@ -1,0 +1,75 @@
+#!/bin/sh
+# Tests the wheels that host/packaging/build.sh has written in a folder: test_wheels.sh FOLDER
+#
+# Auditwheel agrees with the tag of each.  That of this machine is installed in an empty virtual environment, with what it requires
+# from the registry, and encodes and decodes.  Those of other machines do so with Debian's Python in qemu; those of musl, for
+# which Debian has no Python, are loaded by a program.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+folder=$(cd "$1" && pwd)
+. "$here/../setup.sh"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT INT TERM
+
+fail() {
+    echo "test_wheels: $*" >&2
+    exit 1
+}
+
+# check_policy WHEEL: the oldest policy that its symbols and libraries allow is that of its tag, or an older one.
+check_policy() {
+    tag=${1##*-abi3-}
+    tag=${tag%.whl}
+    "$folder/venv/bin/auditwheel" show "$1" >"$work/policy"
+    policy=$(tr -d '\n' <"$work/policy" | sed -n 's/.*following platform tag: *"\([a-z0-9_]*\)".*/\1/p')
+    # Platform tags with the same C library and machine differ in the minor version of the C library.
+    minor_of() { echo "$1" | sed 's/^[a-z]*_[0-9]*_\([0-9]*\)_.*/\1/'; }
+    [ "$(echo "$policy" | sed 's/_[0-9]*_[0-9]*_/ /')" = "$(echo "$tag" | sed 's/_[0-9]*_[0-9]*_/ /')" ] &&
+        [ "$(minor_of "$policy")" -le "$(minor_of "$tag")" ] || fail "$1: $(cat "$work/policy")"
+    echo "auditwheel: $policy allows $tag"
+}
+
+# In an empty environment: what people type, with the seconds that it took.
+install_and_use() {
+    began=$(date +%s)
+    python3 -m venv "$work/venv"
+    "$work/venv/bin/pip" --disable-pip-version-check --quiet install "$1"
+    (cd "$work" && "$work/venv/bin/python" "$here/encode_decode.py")
+    echo "from nothing to a decoded picture: $(($(date +%s) - began)) s"
+}
+
+# Debian's packages of another machine are unpacked, not installed: its programs run in qemu.
+use_in_qemu() {
+    machine=$1
+    system=$work/system
+    install_packages debootstrap $(machine_packages "$machine")
+    debootstrap --foreign --arch=arm64 --variant=minbase --include=python3,python3-cffi-backend,python3-numpy,python3-pil \
+        "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$system" >"$work/log" 2>&1 || { tail -n 5 "$work/log"; fail "no packages"; }
+    for package in "$system"/var/cache/apt/archives/*.deb; do
+        dpkg-deb --extract "$package" "$system"
+    done
+    python3 -m zipfile -e "$2" "$work/wheel"
+    libraries=$system/usr/lib/$machine-linux-gnu
+    (cd "$work" && "qemu-$machine" -L "$system" -E LD_LIBRARY_PATH="$libraries/blas:$libraries/lapack" -E PYTHONPATH="$work/wheel" \
+        "$(ls "$system"/usr/bin/python3.*[0-9])" "$here/encode_decode.py")
+}
+
+load_with_musl() {
+    machine=$1
+    install_packages $(machine_packages musl)
+    zig=$("$folder/venv/bin/python" -c 'import os, ziglang; print(os.path.join(os.path.dirname(ziglang.__file__), "zig"))')
+    rm -rf "$work/musl"
+    python3 -m zipfile -e "$2" "$work/musl"
+    "$zig" cc -target "$machine-linux-musl" -dynamic "$here/load_module.c" -o "$work/load_module"
+    "/lib/ld-musl-$machine.so.1" "$work/load_module" "$work"/musl/gscl/_gscl.abi3.so PyInit__gscl
+}
+
+for wheel in "$folder"/gscl-*.whl; do
+    check_policy "$wheel"
+    case $wheel in
+    *manylinux*_"$(uname -m)".whl) install_and_use "$wheel" ;;
+    *manylinux*_aarch64.whl) use_in_qemu aarch64 "$wheel" ;;
+    *musllinux*_"$(uname -m)".whl) load_with_musl "$(uname -m)" "$wheel" ;;
+    *) echo "not run: $wheel" ;;
+    esac
+done
