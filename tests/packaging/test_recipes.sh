@@ -1,0 +1,42 @@
+#!/bin/sh
+# Tests the recipes of host/packaging/recipes as far as tools are at hand: test_recipes.sh TARBALL
+#
+# They are filled in for TARBALL, and parsed: by Ruby and Nix where these are installed, by Python, and by CMake, for which this
+# file has the functions of vcpkg that the port calls.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT INT TERM
+
+sh "$here/../../host/packaging/recipes.sh" https://gscl.example https://gscl.example/gscl.tar.xz "$1" "$work"
+if grep -rn '@[A-Z0-9]*@' "$work"; then
+    echo "the recipes are not filled in" >&2
+    exit 1
+fi
+if command -v ruby >/dev/null; then
+    ruby -c "$work/gscl.rb"
+fi
+if command -v nix-instantiate >/dev/null; then
+    nix-instantiate --parse "$work/package.nix" >/dev/null 2>&1
+fi
+python3 -m json.tool "$work/vcpkg/vcpkg.json" /dev/null
+if python3 -c 'import yaml' 2>/dev/null; then
+    python3 -c 'import sys, yaml; assert yaml.safe_load(open(sys.argv[1]))["package"]["name"] == "gscl"' "$work/recipe.yaml"
+fi
+
+cat >"$work/port.cmake" <<'END'
+set(VERSION 1)
+function(vcpkg_download_distfile name)
+    cmake_parse_arguments(it "" "FILENAME;SHA512" "URLS" ${ARGN})
+    string(LENGTH "${it_SHA512}" length)
+    if(it_UNPARSED_ARGUMENTS OR NOT length EQUAL 128)
+        message(FATAL_ERROR "arguments: ${ARGN}")
+    endif()
+endfunction()
+foreach(name extract_source_archive configure_meson install_meson fixup_pkgconfig cmake_config_fixup install_copyright)
+    function(vcpkg_${name})
+    endfunction()
+endforeach()
+include("${CMAKE_CURRENT_LIST_DIR}/vcpkg/portfile.cmake")
+END
+cmake -DCURRENT_PACKAGES_DIR="$work/nothing" -P "$work/port.cmake"
