@@ -1,8 +1,8 @@
 #!/bin/sh
-# Tests the recipes of host/packaging/recipes as far as tools are at hand: test_recipes.sh TARBALL
+# Tests the recipes of host/packaging/recipes as far as tools are at hand: test_recipes.sh TARBALL [PYTHON]
 #
-# They are filled in for TARBALL, and parsed: by Ruby and Nix where these are installed, by Python, and by CMake, for which this
-# file has the functions of vcpkg that the port calls.
+# They are filled in for TARBALL, and parsed: by Ruby and Nix where these are installed, by rattler-build (py-rattler-build) where
+# PYTHON has it, and by CMake, for which this file has the functions of vcpkg that the port calls.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
@@ -20,8 +20,19 @@ if command -v nix-instantiate >/dev/null; then
     nix-instantiate --parse "$work/package.nix" >/dev/null 2>&1
 fi
 python3 -m json.tool "$work/vcpkg/vcpkg.json" /dev/null
-if python3 -c 'import yaml' 2>/dev/null; then
-    python3 -c 'import sys, yaml; assert yaml.safe_load(open(sys.argv[1]))["package"]["name"] == "gscl"' "$work/recipe.yaml"
+if "${2:-python3}" -c 'import rattler_build' 2>/dev/null; then
+    "${2:-python3}" - "$work/recipe.yaml" <<'END'
+import sys
+
+import rattler_build
+
+with open(sys.argv[1], encoding="utf-8") as file:
+    recipe = rattler_build.Stage0Recipe.from_yaml(file.read())
+compilers = "c_compiler: [gcc]\ncxx_compiler: [gxx]\nc_stdlib: [sysroot]\nc_stdlib_version: ['2.28']\n"
+platform = rattler_build.PlatformConfig(target_platform="linux-64")
+(variant,) = recipe.render(rattler_build.VariantConfig.from_yaml(compilers), rattler_build.RenderConfig(platform=platform))
+assert variant.recipe.package.name == "gscl"
+END
 fi
 
 cat >"$work/port.cmake" <<'END'
