@@ -39,6 +39,8 @@ build tarball
 check tarball sh "$here/test_tarball.sh" $quick "$folder/tarball"
 build sdist
 check sdist sh "$here/test_sdist.sh" $quick "$folder/sdist"
+# What reads the recipe of conda is large.
+[ -z "$whole" ] || "$folder/sdist/venv/bin/pip" --disable-pip-version-check --quiet install py-rattler-build
 check recipes sh "$here/test_recipes.sh" "$folder"/tarball/gscl-*.tar.xz "$folder/sdist/venv/bin/python"
 if ! command -v npm >/dev/null; then
     echo "left out  npm, which is not installed"

@@ -32,9 +32,10 @@ cp "$folder"/*.deb "$system/packages"
 echo 'deb [trusted=yes] file:/packages ./' >"$system/etc/apt/sources.list.d/gscl.list"
 dpkg-source --no-check -x "$folder"/gscl_*.dsc "$system/source/gscl" >/dev/null
 
-# inside COMMAND...: runs it in the system.
+# inside COMMAND...: runs it in the system, which has a /proc as long as it runs.
 inside() {
-    env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive chroot "$system" "$@"
+    unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin \
+        HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"' "$system" "$@"
 }
 
 # install PACKAGE...: with no other package than those that it needs.
