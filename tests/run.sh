@@ -42,6 +42,7 @@ build_lane() {
     python_package
     web_package
     image_files
+    packages
 }
 
 # Checks of the sources, and of the release build as it is.
@@ -75,6 +76,11 @@ python_package() {
     check "python wheel" sh tests/python/install.sh build-test/python
     check "python wheel alone" sh tests/python/test_wheel.sh build-test/python
     pytest_suite results.xml sh tests/python/test.sh build-test/python
+}
+
+# Packages for publication, of the last commit.
+packages() {
+    check "packages" sh tests/packaging/run.sh $([ -n "$without_whole" ] || echo --whole) build-test/packaging build-test/host/web
 }
 
 # Image files of all kinds, by many writers, in the same environment.
