@@ -80,6 +80,6 @@ inside env OIIO_LIBRARY_PATH="${module#"$system"}" oiiotool /tmp/program/picture
 inside test -s /tmp/oiio.png
 inside gscl decode /tmp/program/picture.gscl /tmp/picture.bmp # the program's module finds its libraries now
 inside apt-get -q -y purge libgscl1 >"$work/log" 2>&1
-left=$(cd "$system" && find usr etc var/lib -name '*gscl*' ! -path 'var/lib/apt/*')
+left=$(cd "$system" && find usr etc var/lib -name '*gscl*' ! -path '*/apt/*')
 [ -z "$left" ] || fail "left behind: $left"
 echo "ok all packages"
