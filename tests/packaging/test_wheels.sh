@@ -20,8 +20,7 @@ fail() {
 check_policy() {
     tag=${1##*-abi3-}
     tag=${tag%.whl}
-    # Of musl there is a library of its own on Debian; that of glibc has the same name.
-    "$folder/venv/bin/auditwheel" show $(case $tag in musl*) echo "--ldpaths /lib/x86_64-linux-musl" ;; esac) "$1" >"$work/policy"
+    "$folder/venv/bin/auditwheel" show "$1" >"$work/policy"
     policy=$(tr -d '\n' <"$work/policy" | sed -n 's/.*following platform tag: *"\([a-z0-9_]*\)".*/\1/p')
     # Platform tags with the same C library and machine differ in the minor version of the C library.
     minor_of() { echo "$1" | sed 's/^[a-z]*_[0-9]*_\([0-9]*\)_.*/\1/'; }
