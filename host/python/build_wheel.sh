@@ -51,11 +51,10 @@ cpu_family = '$machine'
 cpu = '$machine'
 endian = 'little'
 END
-cross=
-[ "$target" = "$own-manylinux" ] || cross=-Csetup-args=--cross-file=$folder/target.ini
+[ "$target" = "$own-manylinux" ] || set -- -Csetup-args=--cross-file="$folder/target.ini" "$@"
 rm -f "$folder"/gscl-*.whl
 # The linker strips, since strip knows this machine's files only.
-"$python" -m pip --disable-pip-version-check --quiet wheel --no-deps --wheel-dir "$folder" $cross \
+"$python" -m pip --disable-pip-version-check --quiet wheel --no-deps --wheel-dir "$folder" \
     -Cbuild-dir="$folder/build" -Csetup-args=-Dc_link_args=-s -Csetup-args=-Dgscl:native=enabled "$@" "$here"
 if [ "$target" = "$machine-musllinux" ]; then
     # The name that the policy of musllinux knows; every musl takes either for itself.
