@@ -267,11 +267,11 @@ static gboolean take_profile(const char *text, save_options *options) {
 }
 
 static gboolean bad_option(GError **error, const char *key, const char *value) {
-    g_set_error(
-        error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
-        "gscl: the option %s cannot be '%.40s'; there are quality (0 to 100), bytes, bpp, psnr, ssimulacra2 (-100 to "
-        "100), effort (0 to 9), tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
-        key, value, GSCL_MAX_BLOCK_SIZE);
+    g_set_error(error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
+                "gscl: the option %s cannot be '%.40s'; there are preset (tiny, preview, small, good), quality (0 to "
+                "100), bytes, bpp, psnr, ssimulacra2 (-100 to "
+                "100), effort (0 to 9), tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
+                key, value, GSCL_MAX_BLOCK_SIZE);
     return FALSE;
 }
 
@@ -286,6 +286,14 @@ static gboolean take_tune(const char *value, gscl_encode_settings *settings) {
     return FALSE;
 }
 
+static gboolean take_preset(const char *value, gscl_encode_settings *settings) {
+    gscl_preset preset = GSCL_PRESET_TINY;
+    while (gscl_preset_name(preset) && strcmp(value, gscl_preset_name(preset)) != 0)
+        preset++;
+    return gscl_encode_settings_preset(settings, preset) == GSCL_OK;
+}
+
+/* Options count in their order: the last target, and an effort behind a preset. */
 static gboolean take_option(const char *key, const char *value, save_options *options) {
     gscl_encode_settings *settings = &options->settings;
     char *end;
@@ -305,11 +313,14 @@ static gboolean take_option(const char *key, const char *value, save_options *op
     }
     if (strcmp(key, PROFILE_OPTION) == 0)
         return take_profile(value, options);
+    if (strcmp(key, "preset") == 0)
+        return take_preset(value, settings);
     return strcmp(key, "tune") == 0 && take_tune(value, settings);
 }
 
 static gboolean is_save_option_supported(const gchar *key) {
-    return target_of(key) || strcmp(key, "effort") == 0 || strcmp(key, "tune") == 0 || strcmp(key, PROFILE_OPTION) == 0;
+    static const char *const others[] = {"preset", "effort", "tune", PROFILE_OPTION, NULL};
+    return target_of(key) || g_strv_contains(others, key);
 }
 
 static gboolean take_options(GdkPixbuf *pixbuf, gchar **keys, gchar **values, save_options *options, GError **error) {

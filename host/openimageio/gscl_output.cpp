@@ -87,6 +87,7 @@ class GsclOutput final : public OIIO::ImageOutput {
     bool check_spec();
     bool check_primaries();
     void choose_format();
+    bool choose_preset();
     bool choose_number(const char *name, gscl_target target, double min, double max);
     bool choose_quality();
     bool choose_target();
@@ -173,12 +174,27 @@ bool GsclOutput::choose_number(const char *name, gscl_target target, double min,
     const double value = gscl_plugin::number_of(m_spec, name, NAN);
     if (!(value >= min && value <= max))
         return fail("{} cannot be {}; it takes a number from {} to {}", name, given->get_string(), min, max);
-    if (settings_.target != GSCL_TARGET_AUTO)
+    if (settings_.target != GSCL_TARGET_AUTO || m_spec.find_attribute("gscl:preset"))
         return fail(
-            "gscl:bytes, gscl:bpp, gscl:psnr, gscl:ssimulacra2 and gscl:splats exclude each other; give one of them");
+            "gscl:preset, gscl:bytes, gscl:bpp, gscl:psnr, gscl:ssimulacra2 and gscl:splats exclude each other; "
+            "give one of them");
     settings_.target = target;
     settings_.target_value = value;
     return true;
+}
+
+// Takes the target and the effort of a preset, if it is given.
+bool GsclOutput::choose_preset() {
+    const std::string given(m_spec.get_string_attribute("gscl:preset"));
+    std::string names;
+    if (given.empty())
+        return true;
+    for (int i = 0; const char *name = gscl_preset_name(static_cast<gscl_preset>(i)); i++) {
+        if (given == name)
+            return gscl_encode_settings_preset(&settings_, static_cast<gscl_preset>(i)) == GSCL_OK;
+        names += (i > 0 ? ", " : "") + std::string(name);
+    }
+    return fail("gscl:preset cannot be '{}'; it takes one of {}", given, names);
 }
 
 // Takes "Compression" of the form "gscl:QUALITY" and "CompressionQuality", which gscl's own attributes precede.  Those of
@@ -191,7 +207,7 @@ bool GsclOutput::choose_quality() {
     const std::string given =
         colon != std::string::npos ? compression.substr(colon + 1) : std::string(m_spec["CompressionQuality"].get());
     const bool is_given = colon != std::string::npos || m_spec.find_attribute("CompressionQuality");
-    if (settings_.target != GSCL_TARGET_AUTO || !is_given)
+    if (settings_.target != GSCL_TARGET_AUTO || m_spec.find_attribute("gscl:preset") || !is_given)
         return true;
     const int quality = OIIO::Strutil::string_is_int(given) ? OIIO::Strutil::stoi(given) : -1;
     if (quality < 0 || quality > 100)
@@ -215,7 +231,9 @@ bool GsclOutput::choose_settings() {
     const std::string tune(m_spec.get_string_attribute("gscl:tune", "auto"));
     const std::string metadata(m_spec.get_string_attribute("gscl:metadata", "none"));
     gscl_encode_settings_default(&settings_);
-    settings_.effort = m_spec.get_int_attribute("gscl:effort", GSCL_DEFAULT_EFFORT);
+    if (!choose_preset())
+        return false;
+    settings_.effort = m_spec.get_int_attribute("gscl:effort", settings_.effort);
     settings_.progressive = m_spec.get_int_attribute("gscl:progressive") != 0;
     const auto named = tunes.find(tune);
     if (named == tunes.end())

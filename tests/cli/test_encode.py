@@ -42,6 +42,19 @@ class Targets(ToolTest):
     def test_noise_never_exceeds_its_bytes(self):
         self.assertLessEqual(len(self.encode(noise(96, 64), "--bytes", "700")), 700)
 
+    def test_presets_stand_for_options(self):
+        self.write_png("in.png", textured(64, 48))
+        options = {"tiny": ("--bytes", "250", "--effort", "3"), "preview": ("-q", "10", "--effort", "3"), "small": (), "good": ("-q", "50")}
+        for name, same in options.items():
+            for effort in ((), FAST):
+                with self.subTest(name, effort=effort):
+                    self.assertEqual(self.gscl("encode", "in.png", "-o", "-", "--quiet", "--preset", name, *effort),
+                                     self.gscl("encode", "in.png", "-o", "-", "--quiet", *same, *effort))
+        self.refused("encode", "--preset, --bytes, .* exclude each other; give one of them",
+                     "encode", "in.png", "--preset", "small", "--bytes", "300", code=2)
+        self.refused("encode", "--preset cannot be 'large'; it takes one of tiny, preview, small, good",
+                     "encode", "in.png", "--preset", "large", code=2)
+
     def test_bpp_limits_the_bytes(self):
         data = self.encode(textured(80, 60), "--bpp", "1.0")
         self.assertLessEqual(len(data), 600)

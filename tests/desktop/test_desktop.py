@@ -153,13 +153,13 @@ class Loader(DesktopTest):
             done = self.start("save", "out.gscl", *arguments, program=os.environ["USE_LOADER"], env=self.env)
             return done.stdout.decode().strip()
         self.assertEqual(save(), "ok")
-        for option in ("bytes=100", "psnr=30", "tune=visual"):
+        for option in ("bytes=100", "psnr=30", "tune=visual", "preset=tiny"):
             self.assertEqual(save(option), "ok")
         self.gscl("decode", "out.gscl", "-o", "out.png")
         self.assertEqual(read_png(self.path("out.png").read_bytes()).samples[:3], [0x30, 0x60, 0xC0])
         self.assertRegex(save("bytes=2"), "gscl: a budget of 2 bytes is too small")
         for option in ("bytes=many", "bytes=inf", "effort=10", "effort=1e300", "effort=inf", "effort=nan", "effort=2.5",
-                       "effort=-1", "tune=best", "quality=101", "qualities=3"):
+                       "effort=-1", "tune=best", "preset=large", "quality=101", "qualities=3"):
             key, value = option.split("=")
             self.assertRegex(save(option), f"gscl: the option {key} cannot be '{value}'; there are")
 

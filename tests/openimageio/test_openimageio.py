@@ -247,6 +247,8 @@ class Writing(PluginTest):
                 (("gscl:effort", 10), "gscl:effort cannot be 10; it takes 0 to 9"),
                 (("gscl:metadata", "some"), "gscl:metadata cannot be 'some'"),
                 (("gscl:bpp", 1, "--attrib", "gscl:psnr", 30), "exclude each other"),
+                (("gscl:bpp", 1, "--attrib", "gscl:preset", "small"), "exclude each other"),
+                (("gscl:preset", "large"), "gscl:preset cannot be 'large'; it takes one of tiny, preview, small, good"),
                 (("gscl:device", "no such device"), "no device matches")):
             with self.subTest(attributes=attributes):
                 self.fails(message, "in.png", *QUICK, "--attrib", *attributes, "-o", "x.gscl")

@@ -12,6 +12,8 @@ from PIL import Image, ImageCms, PngImagePlugin
 
 import gscl
 from conftest import make_picture, psnr
+from gscl._binding import ffi, lib
+from gscl._names import PRESETS
 from profiles import DISPLAY_P3, icc_rgb, srgb_of
 
 
@@ -41,6 +43,22 @@ def test_quality(picture):
     assert gscl.encode(picture, quality=40, effort=0) == gscl.encode(picture, ssimulacra2=40, effort=0)
     with pytest.raises(gscl.InvalidArgumentError, match="101 of quality is not in 0..100"):
         gscl.encode(picture, quality=101)
+
+
+def test_preset(picture):
+    assert gscl.encode(picture, preset="tiny") == gscl.encode(picture, bytes=250, effort=3)
+    assert gscl.encode(picture, preset="preview") == gscl.encode(picture, quality=10, effort=3)
+    assert gscl.encode(picture, preset="small") == gscl.encode(picture)
+    assert gscl.encode(picture, preset="good", effort=0) == gscl.encode(picture, quality=50, effort=0)
+    with pytest.raises(gscl.ConflictError, match="more than one target: preset, bytes"):
+        gscl.encode(picture, preset="small", bytes=300)
+    with pytest.raises(gscl.InvalidArgumentError, match="preset: 'large': expected one of tiny, preview, small, good"):
+        gscl.encode(picture, preset="large")
+
+
+def test_words_of_presets_are_those_of_the_library():
+    assert {ffi.string(lib.gscl_preset_name(number)).decode(): number for number in range(4)} == PRESETS
+    assert not lib.gscl_preset_name(4)
 
 
 def test_ssimulacra2(picture):

@@ -226,6 +226,46 @@ static void test_defaults_of_an_old_program(void **state) {
     assert_poisoned(&d, OLD_DECODE, sizeof d);
 }
 
+/* ---- Presets ---- */
+
+static void test_presets_set_target_and_effort_alone(void **state) {
+    (void)state;
+    int count = 0;
+    for (; gscl_preset_name((gscl_preset)count); count++) {
+        gscl_encode_settings s, same;
+        gscl_encode_settings_default(&s);
+        s.seed = 7;
+        same = s;
+        assert_result(gscl_encode_settings_preset(&s, (gscl_preset)count), GSCL_OK);
+        assert_true(s.effort >= 0 && s.effort <= GSCL_MAX_EFFORT);
+        same.target = s.target;
+        same.target_value = s.target_value;
+        same.effort = s.effort;
+        assert_memory_equal(&s, &same, sizeof s);
+    }
+    assert_int_equal(count, GSCL_PRESET_GOOD + 1);
+}
+
+static void test_small_is_the_default(void **state) {
+    (void)state;
+    gscl_encode_settings s, defaults;
+    gscl_encode_settings_default(&defaults);
+    gscl_encode_settings_default(&s);
+    s.effort = 0;
+    assert_result(gscl_encode_settings_preset(&s, GSCL_PRESET_SMALL), GSCL_OK);
+    assert_memory_equal(&s, &defaults, sizeof s);
+}
+
+static void test_presets_are_refused(void **state) {
+    (void)state;
+    gscl_encode_settings s = {.effort = 1};
+    assert_result(gscl_encode_settings_preset(NULL, GSCL_PRESET_SMALL), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_result(gscl_encode_settings_preset(&s, GSCL_PRESET_SMALL), GSCL_ERROR_STRUCT_SIZE);
+    gscl_encode_settings_default(&s);
+    assert_result(gscl_encode_settings_preset(&s, (gscl_preset)(GSCL_PRESET_GOOD + 1)), GSCL_ERROR_INVALID_ARGUMENT);
+    assert_result(gscl_encode_settings_preset(&s, (gscl_preset)-1), GSCL_ERROR_INVALID_ARGUMENT);
+}
+
 static void refuse_log(void *opaque, gscl_log_level level, const char *message) {
     fail_msg("%d %s %p", (int)level, message, opaque);
 }
@@ -446,6 +486,9 @@ int main(void) {
         cmocka_unit_test(test_wrong_sizes_are_refused),
         cmocka_unit_test(test_message_on_a_missing_size),
         cmocka_unit_test(test_defaults_of_an_old_program),
+        cmocka_unit_test(test_presets_set_target_and_effort_alone),
+        cmocka_unit_test(test_small_is_the_default),
+        cmocka_unit_test(test_presets_are_refused),
         cmocka_unit_test(test_settings_of_an_old_program),
         cmocka_unit_test(test_results_of_an_old_program),
         cmocka_unit_test(test_header_is_refused_without_allocating),

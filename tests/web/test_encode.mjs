@@ -97,6 +97,25 @@ test('a target of quality is met, and is in the report', async () => {
   assert(ssimulacra2 >= 40 && ssimulacra2 < 45, `${ssimulacra2}`);
 });
 
+/* The table of the library, as its source has it. */
+const presetsOfLibrary = () => {
+  const source = readFileSync(new URL('../../host/lib/encode/presets.c', import.meta.url), 'utf8');
+  const rows = [...source.matchAll(/\{"(\w+)", GSCL_TARGET_(\w+), ([\d.]+), (\w+)\}/g)];
+  return rows.map(([, name, target, value, effort]) => {
+    const options = {effort: effort == 'GSCL_DEFAULT_EFFORT' ? undefined : Number(effort)};
+    return {name, options: target == 'AUTO' ? options : {...options, [target.toLowerCase()]: Number(value)}};
+  });
+};
+
+test('presets are those of the library, and an effort beside one counts', async () => {
+  const source = sceneOf(40, 30), presets = presetsOfLibrary();
+  assert.equal(presets.length, 4);
+  for (const {name, options} of presets) {
+    for (const effort of [undefined, 0])
+      assert.deepEqual((await encode(source, {preset: name, effort})).bytes, (await encode(source, {...options, ...effort === 0 ? {effort} : {}})).bytes, name);
+  }
+});
+
 test('packets come one by one, and any of them can be drawn', async () => {
   const {packets} = await encode(sceneOf(60, 40), {bytes: 600, effort: 0, packets: {size: 120, loss: 0.2}});
   assert(packets.length >= 5 && packets.every(({length}) => length >= 40 && length <= 120), packets.map(({length}) => length).join());
@@ -129,9 +148,11 @@ test('bad arguments and targets are refused in one line', async () => {
   await message(/^invalid-argument: width and height .* "16" and 16/, {...source, width: '16'});
   for (const options of [null, 5, [], 'x'])
     await message(/^invalid-argument: options must be an object, it is /, source, options);
-  await message(/^invalid-argument: unknown option "byte"; there are bytes, bpp/, source, {byte: 3});
+  await message(/^invalid-argument: unknown option "byte"; there are preset, bytes, bpp/, source, {byte: 3});
   await message(/^invalid-argument: unknown option "toString"/, source, {toString: 3});
   await message(/^conflict: bytes and psnr exclude each other/, source, {bytes: 300, psnr: 30});
+  await message(/^conflict: preset and bytes exclude each other/, source, {preset: 'small', bytes: 300});
+  await message(/^invalid-argument: preset must be tiny, preview, small, good, it is "large"/, source, {preset: 'large'});
   await message(/^invalid-argument: bytes must be a whole number from 0 on, it is "300"/, source, {bytes: '300'});
   await message(/^invalid-argument: bytes must be a whole number from 0 on, it is NaN/, source, {bytes: NaN});
   await message(/^invalid-argument: effort 10 is not in 0..9/, source, {effort: 10});

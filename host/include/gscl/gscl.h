@@ -432,6 +432,23 @@ static inline void gscl_encode_settings_default(gscl_encode_settings *settings) 
     gscl_encode_settings_init(settings, sizeof *settings);
 }
 
+/* Targets with an effort, by names that say what a file is for.  host/PRESETS.md of the sources has the table of their sizes,
+ * qualities and times. */
+typedef enum gscl_preset {
+    GSCL_PRESET_TINY = 0,    /* 250 bytes: a placeholder inside a page or a record of a database; effort 3 */
+    GSCL_PRESET_PREVIEW = 1, /* quality 10, about 0.05 bits per pixel: what is in the picture can be told; effort 3 */
+    GSCL_PRESET_SMALL = 2,   /* the defaults: 0.125 bits per pixel, or 256 bytes if that is more; effort 5 */
+    GSCL_PRESET_GOOD = 3     /* quality 50, some 0.6 bits per pixel: a picture to look at; effort 5 */
+} gscl_preset;
+
+/* Returns "tiny", "preview", "small" or "good"; NULL for other values.  The text is static. */
+GSCL_API const char *gscl_preset_name(gscl_preset preset);
+
+/* Sets target, target_value and effort to those of a preset, and nothing else.  gscl_encode_settings_default comes before it.
+ * Errors: GSCL_ERROR_INVALID_ARGUMENT for NULL and for an unknown preset, GSCL_ERROR_STRUCT_SIZE; settings then stay as they
+ * are. */
+GSCL_API GSCL_CHECKED gscl_result gscl_encode_settings_preset(gscl_encode_settings *settings, gscl_preset preset);
+
 /* One stage of an encode.  This struct never changes. */
 typedef struct gscl_stage_time {
     const char *name; /* as in gscl_timing (gscl/measure.h); static */

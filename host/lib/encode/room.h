@@ -5,6 +5,7 @@
  * In the order in which to read them:
  *   encode.c: the stages of an encode
  *   default_settings.c: the settings that the caller leaves
+ *   presets.c: targets with an effort, by name
  *   settings.h: which settings are valid
  *   prepare.h: source planes, header, size of the file
  *   repairs.h: how many packets repair others

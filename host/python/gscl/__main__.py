@@ -52,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 def _add_encode(parser: argparse.ArgumentParser) -> None:
     _add_places(parser, "OUT.gscl")
     add_targets(parser)
-    parser.add_argument("--effort", metavar="N", type=int, default=5, help="0 is fastest, 9 has the best quality (default 5)")
+    parser.add_argument("--effort", metavar="N", type=int, help="0 is fastest, 9 has the best quality (default 5, or that of the preset)")
     parser.add_argument("--tune", choices=["auto", "psnr", "ssim", "visual"], default="auto", help="quality measure to optimise")
     parser.add_argument("--seed", metavar="S", type=int, default=1, help="of the random numbers (default 1)")
     parser.add_argument("--progressive", action="store_true", help="write layers")
@@ -84,7 +84,7 @@ def _add_places(parser: argparse.ArgumentParser, output: str) -> None:
 
 def _encode(options: argparse.Namespace) -> None:
     _require_folder(options.output)
-    names = "bytes", "bpp", "psnr", "ssimulacra2", "quality", "splats", "effort", "tune", "seed", "progressive", "bare", "device", "threads"
+    names = "preset", "bytes", "bpp", "psnr", "ssimulacra2", "quality", "splats", "effort", "tune", "seed", "progressive", "bare", "device", "threads"
     encoded = gscl.encode(_opened(options.input), **{name: getattr(options, name) for name in names})
     _write(options.output, encoded)
     if not options.quiet:

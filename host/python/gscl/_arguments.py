@@ -9,6 +9,7 @@ from collections.abc import Callable
 def add_targets(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
     """The targets of gscl.encode, of which at most one may be given."""
     target = parser.add_mutually_exclusive_group()
+    target.add_argument("--preset", choices=["tiny", "preview", "small", "good"], help="target and effort by what the file is for")
     target.add_argument("-q", "--quality", metavar="Q", type=float, help="quality as of JPEG, 0 to 100")
     target.add_argument("--bytes", metavar="N", type=int, help="the most bytes of a file")
     target.add_argument("--bpp", metavar="R", type=float, help="the most bits per pixel (default: 0.125, at least 256 bytes)")

@@ -9,10 +9,10 @@ from typing import Any, Union, overload
 
 from gscl._binding import ffi, lib
 from gscl._devices import context_on
-from gscl._errors import InvalidArgumentError, assign, check, set_target
+from gscl._errors import ConflictError, InvalidArgumentError, assign, check, set_target
 from gscl._images import Picture, Source, load, to_struct
-from gscl._names import BLENDS, BLOCKS, LOSSES, PROFILES, TUNES
-from gscl._names import Blend, Effect, Loss, Profile, Tune
+from gscl._names import BLENDS, BLOCKS, LOSSES, PRESETS, PROFILES, TUNES
+from gscl._names import Blend, Effect, Loss, Preset, Profile, Tune
 from gscl._names import bits_of, effects_of, number_of, word_of
 from gscl._packets import split
 from gscl._progress import ProgressCallback, call, interruptible
@@ -95,13 +95,14 @@ Metadata = Union[bytes, bool, None]
 def encode(
     picture: Picture,
     *,
+    preset: Preset | None = None,
     bytes: int | None = None,
     bpp: float | None = None,
     psnr: float | None = None,
     ssimulacra2: float | None = None,
     quality: float | None = None,
     splats: int | None = None,
-    effort: int = 5,
+    effort: int | None = None,
     tune: Tune = "auto",
     profile: Profile = "default",
     blend: Blend = "auto",
@@ -134,9 +135,10 @@ def encode(
     packet_count: int = 0,
     packet_loss: float = 0.0,
     packet_identity: int = 0,
+    preset: Preset | None = None,
     bytes: int | None = None,
     bpp: float | None = None,
-    effort: int = 5,
+    effort: int | None = None,
     tune: Tune = "auto",
     blend: Blend = "auto",
     loss: Loss = "auto",
@@ -155,13 +157,14 @@ def encode(
 def encode(
     picture: Picture,
     *,
+    preset: Preset | None = None,
     bytes: int | None = None,
     bpp: float | None = None,
     psnr: float | None = None,
     ssimulacra2: float | None = None,
     quality: float | None = None,
     splats: int | None = None,
-    effort: int = 5,
+    effort: int | None = None,
     tune: Tune = "auto",
     profile: Profile = "default",
     blend: Blend = "auto",
@@ -193,11 +196,13 @@ def encode(
         stands if it cannot seek; an image of Pillow; or an array of shape (height, width) or (height, width, channels): grey,
         grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.  Files and images are turned
         upright and converted to sRGB by their profile.
-    bytes, bpp, psnr, ssimulacra2, quality, splats: the target, at most one: bytes or bits per pixel of the whole file, never
+    preset: a target and an effort by what the file is for: "tiny", a placeholder of at most 250 bytes (effort 3); "preview", a
+        quality of 10 (effort 3); "small", the defaults; "good", a quality of 50.  An `effort` beside it counts.
+    bytes, bpp, psnr, ssimulacra2, quality, splats: the target, at most one, and without `preset`: bytes or bits per pixel of the whole file, never
         exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, mostly exceeded by less than 1, for pictures with
         sides of at least 8 pixels; quality as of JPEG, 0 to 100, which is a SSIMULACRA 2 (the best file where it cannot be
         reached); number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
-    effort: 0 (fastest) to 9 (best).
+    effort: 0 (fastest) to 9 (best).  Without it: 5, or that of `preset`.
     tune: what is maximised: "psnr", "ssim" (MS-SSIM) or "visual" (what people see).  "auto" is "psnr" for files below 600
         bytes unless `ssimulacra2` or `quality` is the target, where `psnr` is the target, and for pictures with transparent parts or
         above 16 megapixels, else "visual".
@@ -236,6 +241,8 @@ def encode(
         lib.GSCL_TARGET_SPLATS: ("splats", splats),
     }
     set_target(settings, targets)
+    if preset is not None:
+        _set_preset(settings, preset, targets.values())
     settings.tune = number_of("tune", TUNES, tune)
     settings.profile = number_of("profile", PROFILES, profile)
     settings.blend = number_of("blend", BLENDS, blend)
@@ -245,7 +252,9 @@ def encode(
     settings.step_factor = step_factor
     settings.packet_loss = packet_loss
     settings.progressive, settings.bare, settings.trace = progressive, bare, trace
-    numbers = {"effort": effort, "codebook_size": codebook_size, "seed": seed}
+    numbers = {"codebook_size": codebook_size, "seed": seed}
+    if effort is not None:
+        numbers["effort"] = effort
     numbers |= {"packet_count": packet_count, "packet_identity": packet_identity}
     for name, value in numbers.items():
         assign(settings, name, value)
@@ -273,6 +282,13 @@ def encode(
 
 def _keep(*owners: Any) -> None:
     """Keeps memory until here."""
+
+
+def _set_preset(settings: Any, preset: Preset, targets: Iterable[tuple[str, float | None]]) -> None:
+    given = [name for name, value in targets if value is not None]
+    if given:
+        raise ConflictError(f"more than one target: preset, {', '.join(given)}")
+    check(lib.gscl_encode_settings_preset(settings, number_of("preset", PRESETS, preset)))
 
 
 def _set_packet_size(settings: Any, size: int) -> None:

@@ -8,12 +8,19 @@ from typing import Literal
 from gscl._binding import ffi, lib
 from gscl._errors import InvalidArgumentError
 
+Preset = Literal["tiny", "preview", "small", "good"]
 Tune = Literal["auto", "psnr", "ssim", "visual"]
 Profile = Literal["default", "paper"]
 Blend = Literal["auto", "normalized", "alpha", "sum"]
 Loss = Literal["auto", "l1", "l1+ssim", "l2"]
 Effect = Literal["chroma", "alpha-channel", "opacity", "rotation", "anisotropy", "codebooks", "texture"]
 
+PRESETS = {
+    "tiny": lib.GSCL_PRESET_TINY,
+    "preview": lib.GSCL_PRESET_PREVIEW,
+    "small": lib.GSCL_PRESET_SMALL,
+    "good": lib.GSCL_PRESET_GOOD,
+}
 TUNES = {
     "auto": lib.GSCL_TUNE_AUTO,
     "psnr": lib.GSCL_TUNE_PSNR,

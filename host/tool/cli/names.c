@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+const char *const preset_words[] = {"tiny", "preview", "small", "good", NULL};
 const char *const profile_words[] = {"default", "paper", NULL};
 const char *const blend_words[] = {"auto", "normalized", "alpha", "sum", NULL};
 const char *const loss_words[] = {"auto", "l1", "l1+ssim", "l2", NULL};

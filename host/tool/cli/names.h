@@ -3,6 +3,7 @@
 #define GSCL_TOOL_NAMES_H
 
 /* Each array is indexed by its enum and ends with NULL. */
+extern const char *const preset_words[];  /* gscl_preset */
 extern const char *const profile_words[]; /* gscl_profile */
 extern const char *const blend_words[];   /* gscl_blend */
 extern const char *const loss_words[];    /* gscl_loss */

@@ -23,9 +23,9 @@ typedef struct encode_options {
     double bpp, psnr, ssimulacra2, quality;
     const char *effects;
     uint32_t effects_on, effects_off;
-    int profile, blend, loss, tune; /* indices into their words, which are the library's enums */
-    int metadata;                   /* index into metadata_words */
-    bool has_bytes, has_bpp, has_psnr, has_ssimulacra2, has_quality, has_splats, has_codebook;
+    int preset, profile, blend, loss, tune; /* indices into their words, which are the library's enums */
+    int metadata;                           /* index into metadata_words */
+    bool has_preset, has_bytes, has_bpp, has_psnr, has_ssimulacra2, has_quality, has_splats, has_effort, has_codebook;
 } encode_options;
 
 enum { METADATA_NONE, METADATA_EXIF, METADATA_ALL };
@@ -141,6 +141,15 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .argument = "I/N",
          .max_integer = MAX_SHARDS,
          .help = "encode only the Ith of N shares of the images, so that N runs encode each of them once"},
+        {.name = "preset",
+         .kind = OPTION_WORD,
+         .value = &encode->preset,
+         .given = &encode->has_preset,
+         .words = preset_words,
+         .argument = "NAME",
+         .help =
+             "target and effort by what the file is for: tiny, a placeholder (--bytes 250 --effort 3); preview (-q 10 "
+             "--effort 3); small, the defaults; good (-q 50); an --effort beside it counts"},
         {.name = "bytes",
          .kind = OPTION_INTEGER,
          .value = &encode->bytes,
@@ -197,6 +206,7 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
         {.name = "effort",
          .kind = OPTION_INTEGER,
          .value = &encode->effort,
+         .given = &encode->has_effort,
          .argument = "N",
          .min_integer = 0,
          .max_integer = GSCL_MAX_EFFORT,
@@ -324,8 +334,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
     };
     const option_command command = {
         .name = "encode",
-        .usage = "IN... [--files-from FILE] [[-o] OUT.gscl | --out-dir DIR] [-q Q | --bytes N | --bpp R | --psnr DB | "
-                 "--ssimulacra2 X | --splats N] [options]",
+        .usage =
+            "IN... [--files-from FILE] [[-o] OUT.gscl | --out-dir DIR] [--preset NAME | -q Q | --bytes N | --bpp R | "
+            "--psnr DB | --ssimulacra2 X | --splats N] [options]",
         .about = "Encodes images as gscl files.  Reads PNG, JPEG, WebP, AVIF, HEIC, JPEG 2000, GIF, TIFF, OpenEXR, "
                  "HDR, BMP, ICO,\n"
                  "TGA, PNM, PSD, SGI and DDS, grey or RGB, with or without alpha.  IN may be -, standard input.  "
@@ -381,12 +392,12 @@ static int check_options(encode_options *encode) {
     const encode_batch *batch = &encode->batch;
     if (!effect_list_parse(encode->effects, &encode->effects_on, &encode->effects_off))
         return EXIT_USAGE;
-    if (encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_ssimulacra2 + encode->has_quality +
-            encode->has_splats >
+    if (encode->has_preset + encode->has_bytes + encode->has_bpp + encode->has_psnr + encode->has_ssimulacra2 +
+            encode->has_quality + encode->has_splats >
         1)
-        return report_usage("encode",
-                            "--bytes, --bpp, --psnr, --ssimulacra2, --quality and --splats exclude each other; "
-                            "give one of them");
+        return report_usage(
+            "encode", "--preset, --bytes, --bpp, --psnr, --ssimulacra2, --quality and --splats exclude each other; "
+                      "give one of them");
     if (encode->has_codebook && encode->profile != GSCL_PROFILE_PAPER)
         return report_usage("encode", "--codebook applies to the paper profile only; add --profile paper");
     if (batch->output && batch->out_dir)
@@ -408,23 +419,9 @@ static int check_options(encode_options *encode) {
     return check_run(batch);
 }
 
-static void fill_settings(encode_options *encode) {
-    encode->batch.choice.quiet = encode->batch.quiet;
+/* Of the options that exclude each other, of which at most one is given. */
+static void fill_target(encode_options *encode) {
     gscl_encode_settings *settings = &encode->batch.settings;
-    settings->profile = (gscl_profile)encode->profile;
-    settings->blend = (gscl_blend)encode->blend;
-    settings->loss = (gscl_loss)encode->loss;
-    settings->tune = (gscl_tune)encode->tune;
-    settings->effort = (int)encode->effort;
-    settings->effects_on = encode->effects_on;
-    settings->effects_off = encode->effects_off;
-    settings->codebook_size = (uint32_t)encode->codebook;
-    settings->seed = encode->seed;
-    settings->packet_size = (uint32_t)encode->packet_size;
-    settings->packet_count = (uint32_t)encode->packet_count;
-    settings->packet_identity = (uint32_t)encode->packet_identity;
-    encode->batch.reading.keep_exif = encode->metadata != METADATA_NONE;
-    encode->batch.reading.keep_xmp = encode->metadata == METADATA_ALL;
     if (encode->has_bytes) {
         settings->target = GSCL_TARGET_BYTES;
         settings->target_value = (double)encode->bytes;
@@ -446,8 +443,33 @@ static void fill_settings(encode_options *encode) {
     }
 }
 
+/* Returns false, after a message, where the library that is loaded does not have the preset. */
+static bool fill_settings(encode_options *encode) {
+    encode->batch.choice.quiet = encode->batch.quiet;
+    gscl_encode_settings *settings = &encode->batch.settings;
+    if (encode->has_preset && gscl_encode_settings_preset(settings, (gscl_preset)encode->preset) != GSCL_OK)
+        return report_error("encode", "libgscl has no preset '%s'", preset_words[encode->preset]);
+    fill_target(encode);
+    settings->profile = (gscl_profile)encode->profile;
+    settings->blend = (gscl_blend)encode->blend;
+    settings->loss = (gscl_loss)encode->loss;
+    settings->tune = (gscl_tune)encode->tune;
+    if (encode->has_effort)
+        settings->effort = (int)encode->effort;
+    settings->effects_on = encode->effects_on;
+    settings->effects_off = encode->effects_off;
+    settings->codebook_size = (uint32_t)encode->codebook;
+    settings->seed = encode->seed;
+    settings->packet_size = (uint32_t)encode->packet_size;
+    settings->packet_count = (uint32_t)encode->packet_count;
+    settings->packet_identity = (uint32_t)encode->packet_identity;
+    encode->batch.reading.keep_exif = encode->metadata != METADATA_NONE;
+    encode->batch.reading.keep_xmp = encode->metadata == METADATA_ALL;
+    return true;
+}
+
 int command_encode(int argc, char **argv) {
-    encode_options encode = {.seed = 1, .effort = GSCL_DEFAULT_EFFORT};
+    encode_options encode = {.seed = 1};
     gscl_encode_settings_default(&encode.batch.settings);
     const option_outcome outcome = parse_encode(&encode, argc, argv);
     if (outcome != OPTIONS_RUN)
@@ -457,6 +479,7 @@ int command_encode(int argc, char **argv) {
         return EXIT_USAGE;
     if (check_options(&encode) != 0)
         return EXIT_USAGE;
-    fill_settings(&encode);
+    if (!fill_settings(&encode))
+        return EXIT_FAILURE;
     return encode_batch_run(&encode.batch);
 }

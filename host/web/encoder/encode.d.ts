@@ -35,7 +35,10 @@ export interface Progress {
 }
 
 export interface EncodeOptions {
-  /* The target, at most one of these. Default: 0.125 bits a pixel, or 256 bytes if that is more. */
+  /** A target and an effort by what the file is for: tiny, a placeholder of at most 250 bytes (effort 3); preview, a quality of 10 (effort 3);
+   * small, the defaults; good, a quality of 50. An effort beside it counts. */
+  preset?: 'tiny' | 'preview' | 'small' | 'good';
+  /* The target, at most one of these, and without `preset`. Default: 0.125 bits a pixel, or 256 bytes if that is more. */
   /** Largest size of the file. */
   bytes?: number;
   /** Largest size in bits per pixel. */
@@ -48,7 +51,7 @@ export interface EncodeOptions {
   quality?: number;
   /** Number of Gaussians. */
   splats?: number;
-  /** 0 (fastest) to 9 (best). Default 5. */
+  /** 0 (fastest) to 9 (best). Default 5, or that of the preset. */
   effort?: number;
   /** What errors weigh: by what people see, or squared error. Default auto: visual, and squared error for large pictures. */
   tune?: 'auto' | 'visual' | 'psnr';

@@ -66,6 +66,8 @@ const SAMPLES = {Uint8Array: [1, 255], Uint8ClampedArray: [1, 255], Uint16Array:
 /* gscl_target */
 const TARGETS = {bpp: 1, bytes: 2, psnr: 3, splats: 4, ssimulacra2: 5, quality: 6};
 const TUNES = {auto: 0, psnr: 1, visual: 3}; /* gscl_tune */
+/* Those of gscl_encode_settings_preset, whose defaults are those of settingsOf. */
+const PRESETS = {tiny: {bytes: 250, effort: 3}, preview: {quality: 10, effort: 3}, small: {}, good: {quality: 50}};
 /* By option: what it must be, in words and as a function. */
 const WHOLE = ['a whole number from 0 on', value => Number.isSafeInteger(value) && value >= 0];
 const POSITIVE = ['a whole number from 1 on', value => Number.isSafeInteger(value) && value > 0];
@@ -73,9 +75,10 @@ const NUMBER = ['a number', Number.isFinite];
 const FLAG = ['true or false', value => typeof value == 'boolean'];
 const FUNCTION = ['a function', value => typeof value == 'function'];
 const OBJECT = ['an object', value => typeof value == 'object' && value !== null && !Array.isArray(value)];
+const oneOf = table => [Object.keys(table).join(', '), value => Object.keys(table).includes(value)];
 const OPTIONS = {
-  bytes: WHOLE, bpp: NUMBER, psnr: NUMBER, ssimulacra2: NUMBER, quality: NUMBER, splats: WHOLE, effort: WHOLE,
-  tune: [Object.keys(TUNES).join(', '), value => Object.keys(TUNES).includes(value)],
+  preset: oneOf(PRESETS), bytes: WHOLE, bpp: NUMBER, psnr: NUMBER, ssimulacra2: NUMBER, quality: NUMBER, splats: WHOLE, effort: WHOLE,
+  tune: oneOf(TUNES),
   bare: FLAG, progressive: FLAG, packets: OBJECT, premultiplied: FLAG, seed: WHOLE, threads: POSITIVE,
   signal: ['an AbortSignal', value => typeof value?.aborted == 'boolean' && typeof value.addEventListener == 'function'], onProgress: FUNCTION,
 };
@@ -117,10 +120,11 @@ const hasAlpha = (data, channels, opaque) => {
 const MAX_THREADS = 4; /* by default */
 
 /* The settings of encode-run.js. */
-const settingsOf = ({width, height, channels, sample}, options) => {
+const settingsOf = ({width, height, channels, sample}, given) => {
+  const options = {...PRESETS[given.preset], ...given};
   const {effort = 5, tune = 'auto', seed = 1, bare = false, progressive = false, premultiplied = false, packets} = options;
   const threads = (canShare ??= tryToShare()) ? options.threads || Math.min(host.workers, MAX_THREADS) : 1;
-  const targets = Object.keys(TARGETS).filter(name => name in options), [target] = targets;
+  const names = Object.keys(TARGETS), target = names.find(name => name in options), targets = ['preset', ...names].filter(name => name in given);
   refuse(targets.length > 1, `${targets.join(' and ')} exclude each other`, 'conflict');
   refuse(packets && !packets.size, 'packets must have a size in bytes');
   const {size: packetSize = 0, count: packetCount = 0, identity: packetIdentity = 0, loss: packetLoss = 0} = packets || {};

@@ -164,7 +164,7 @@ class _Kind(NamedTuple):
 
 
 _SHARED = ["bytes", "bpp", "psnr", "threads", "devices", "bare"]
-_ENCODE = ["quality", "ssimulacra2", "splats", "effort", "tune", "seed", "progressive", "icc_profile", "exif", "xmp"]
+_ENCODE = ["preset", "quality", "ssimulacra2", "splats", "effort", "tune", "seed", "progressive", "icc_profile", "exif", "xmp"]
 _PACK = ["loader", "size", "blend", "background", "passes", "refine", "tolerance"]
 _KINDS = {
     "encode": _Kind(run, "encoded", _SHARED + _ENCODE),
