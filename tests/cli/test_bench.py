@@ -1,6 +1,7 @@
 """gscl bench reports every figure, and the figures are consistent; no test bounds a time."""
 import unittest
 
+from promises import keys, listed
 from tool import OPENCL, ToolTest, main
 
 BLENDS = ("normalized", "alpha", "sum")
@@ -22,6 +23,9 @@ class Host(ToolTest):
     def rows(self):
         (kernels,) = self.measured()["kernels"]
         return kernels["measurements"]
+
+    def test_members_are_those_promised(self):
+        self.assertEqual(sorted(keys(self.measured())), sorted(listed("Members of JSON")["bench --json"]))
 
     def test_measures_every_kernel_and_blend(self):
         expected = {("multiply_add", None, None), ("copy", None, None)}
