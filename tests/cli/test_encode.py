@@ -44,7 +44,7 @@ class Targets(ToolTest):
 
     def test_presets_stand_for_options(self):
         self.write_png("in.png", textured(64, 48))
-        options = {"tiny": ("--bytes", "250", "--effort", "3"), "preview": ("-q", "10", "--effort", "3"), "small": (), "good": ("-q", "50")}
+        options = {"tiny": ("--bytes", "250", "--effort", "3"), "preview": ("--bytes", "256", "--effort", "3"), "small": (), "good": ("-q", "50")}
         for name, same in options.items():
             for effort in ((), FAST):
                 with self.subTest(name, effort=effort):

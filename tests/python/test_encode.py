@@ -47,7 +47,9 @@ def test_quality(picture):
 
 def test_preset(picture):
     assert gscl.encode(picture, preset="tiny") == gscl.encode(picture, bytes=250, effort=3)
-    assert gscl.encode(picture, preset="preview") == gscl.encode(picture, quality=10, effort=3)
+    assert gscl.encode(picture, preset="preview") == gscl.encode(picture, bytes=256, effort=3)
+    large = make_picture(240, 160)
+    assert gscl.encode(large, preset="preview", effort=0) == gscl.encode(large, bpp=0.06, effort=0)
     assert gscl.encode(picture, preset="small") == gscl.encode(picture)
     assert gscl.encode(picture, preset="good", effort=0) == gscl.encode(picture, quality=50, effort=0)
     with pytest.raises(gscl.ConflictError, match="more than one target: preset, bytes"):

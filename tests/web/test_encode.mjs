@@ -102,6 +102,8 @@ const presetsOfLibrary = () => {
   const source = readFileSync(new URL('../../host/lib/encode/presets.c', import.meta.url), 'utf8');
   const rows = [...source.matchAll(/\{"(\w+)", GSCL_TARGET_(\w+), ([\d.]+), (\w+)\}/g)];
   return rows.map(([, name, target, value, effort]) => {
+    if (target == 'RATE') /* of a small picture */
+      return {name, options: {bytes: 256, effort: Number(effort)}};
     const options = {effort: effort == 'GSCL_DEFAULT_EFFORT' ? undefined : Number(effort)};
     return {name, options: target == 'AUTO' ? options : {...options, [target.toLowerCase()]: Number(value)}};
   });

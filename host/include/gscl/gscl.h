@@ -129,15 +129,15 @@ typedef enum gscl_mapping { GSCL_MAPPING_AUTO = 0, GSCL_MAPPING_CPU = 1, GSCL_MA
 typedef struct gscl_device_info {
     const struct gscl_device_info *next; /* in the list of gscl_list_devices; NULL for the last device */
     char id[16];                         /* "P.D": numbers of platform and device, as device selectors take it */
-    char platform_name[128];
-    char device_name[128];
-    char device_version[128];
-    bool is_gpu;
-    bool is_default;
-    char why_default[96];          /* one phrase; empty unless is_default */
-    uint32_t compute_units;        /* of the device, as OpenCL counts them */
-    uint64_t memory_bytes;         /* global memory */
-    uint64_t max_allocation_bytes; /* largest single buffer */
+    char platform_name[128];             /* of the OpenCL implementation; "gscl" for GSCL_HOST_DEVICE */
+    char device_name[128];               /* as its driver names it */
+    char device_version[128];            /* of OpenCL and of the driver */
+    bool is_gpu;                         /* as OpenCL says */
+    bool is_default;                     /* whether a context without a device opens it */
+    char why_default[96];                /* one phrase; empty unless is_default */
+    uint32_t compute_units;              /* of the device, as OpenCL counts them */
+    uint64_t memory_bytes;               /* global memory */
+    uint64_t max_allocation_bytes;       /* largest single buffer */
 } gscl_device_info;
 
 /* The id of a device that every machine has: the processor itself.  It needs no OpenCL and starts at once.  A library that was
@@ -152,6 +152,7 @@ typedef struct gscl_device_info {
  * the caller releases the whole list with gscl_free(*devices).  Errors: GSCL_ERROR_NO_PLATFORM when there is no device, or no OpenCL loader. */
 GSCL_API GSCL_CHECKED gscl_result gscl_list_devices(gscl_device_info **devices);
 
+/* How important a line of the log is. */
 typedef enum gscl_log_level {
     GSCL_LOG_ERROR = 0,
     GSCL_LOG_WARNING = 1,
@@ -165,8 +166,9 @@ typedef void (*gscl_log_callback)(void *opaque, gscl_log_level level, const char
  * that are found built are not reported.  It must not call the library with this context. */
 typedef void (*gscl_build_callback)(void *opaque, bool begins);
 
-#define GSCL_MAX_THREADS 1024
+#define GSCL_MAX_THREADS 1024 /* of the setting `threads` */
 
+/* How a context is opened: a device and what it reports. */
 typedef struct gscl_context_settings {
     size_t struct_size; /* set by gscl_context_settings_default */
     const char *device; /* "P.D", or a part of a device or platform name, or GSCL_HOST_DEVICE; default NULL: a GPU, else
@@ -214,6 +216,7 @@ GSCL_API const gscl_device_info *gscl_context_device(const gscl_context *context
 
 /* ---- Images -------------------------------------------------------------------------------- */
 
+/* The type of samples in memory. */
 typedef enum gscl_sample {
     GSCL_SAMPLE_AUTO = 0, /* in decode settings only */
     GSCL_SAMPLE_U8 = 1,   /* uint8_t, 0..255 */
@@ -237,7 +240,7 @@ typedef enum gscl_layout {
 typedef struct gscl_image {
     uint32_t width, height; /* pixels, 1..GSCL_MAX_DIMENSION */
     uint32_t channels;      /* 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA */
-    gscl_sample sample;
+    gscl_sample sample;     /* type of all samples */
     ptrdiff_t stride;   /* bytes from one row to the next below it, any number; 0: rows follow each other without a gap.
                          Negative where the bottom row comes first in memory */
     bool premultiplied; /* whether colours are multiplied by alpha; false in PNG files */
@@ -263,9 +266,9 @@ typedef enum gscl_block_type {
 /* A list of blocks, with at most one of each type. */
 typedef struct gscl_block {
     const struct gscl_block *next; /* NULL for the last one */
-    gscl_block_type type;
-    const void *data;
-    size_t size; /* bytes, 1..GSCL_MAX_BLOCK_SIZE; 2 for COLOUR_SPACE */
+    gscl_block_type type;          /* which data these are */
+    const void *data;              /* copied into the file */
+    size_t size;                   /* bytes, 1..GSCL_MAX_BLOCK_SIZE; 2 for COLOUR_SPACE */
 } gscl_block;
 
 /* ---- Effects ------------------------------------------------------------------------------- */
@@ -300,14 +303,15 @@ GSCL_API const char *gscl_effect_reason_name(gscl_effect_reason reason);
 
 /* This struct never changes. */
 typedef struct gscl_effect_decision {
-    gscl_effect effect;
-    bool on;
-    gscl_effect_reason reason;
+    gscl_effect effect;        /* exactly one */
+    bool on;                   /* whether the file has it */
+    gscl_effect_reason reason; /* of the decision */
     double gain_db; /* for TRIAL: PSNR with the effect less PSNR without it, of short fits at equal size; else NaN */
 } gscl_effect_decision;
 
 /* ---- Encoding ------------------------------------------------------------------------------ */
 
+/* How splats are coded. */
 typedef enum gscl_profile {
     GSCL_PROFILE_DEFAULT = 0, /* scalar codes in the splat's own frame */
     GSCL_PROFILE_PAPER = 1    /* codebooks, as in Zhang et al., "2D Gaussian Splatting for Image Compression" */
@@ -361,7 +365,10 @@ typedef enum gscl_target {
     /* Quality as of JPEG, 0..100: a SSIMULACRA 2 of target_value from 30 on, and of 30 - 8/3 (30 - target_value) below, down to
      * -50.  Where it cannot be reached, the best file that was found is the result.  For images with a side below 8 pixels it is a
      * PSNR of 20 + target_value / 4 dB */
-    GSCL_TARGET_QUALITY = 6
+    GSCL_TARGET_QUALITY = 6,
+    /* Bits per pixel, 0..GSCL_MAX_TARGET_BPP, or 256 bytes if that is more, and the blocks on top, as AUTO: images of any size have
+     * such a file */
+    GSCL_TARGET_RATE = 7
 } gscl_target;
 /* The SSIMULACRA 2 that a quality stands for. */
 static inline double gscl_quality_score(double quality) {
@@ -372,6 +379,7 @@ static inline double gscl_quality_score(double quality) {
 #define GSCL_MAX_TARGET_PSNR 200         /* dB, more than floating-point samples allow */
 #define GSCL_MIN_SSIMULACRA2 (-100)      /* smallest target; such a picture is a blur */
 
+/* How far an encode or a decode is. */
 typedef struct gscl_progress {
     double fraction;    /* of the expected work, 0..1; never decreases */
     double psnr;        /* dB of the current fit; 0 while unknown, and in a decode */
@@ -383,9 +391,10 @@ typedef struct gscl_progress {
 /* Returns true to continue and false to cancel; a cancelled encode or decode returns GSCL_ERROR_CANCELLED. */
 typedef bool (*gscl_progress_callback)(void *opaque, const gscl_progress *progress);
 
-#define GSCL_MAX_EFFORT 9
-#define GSCL_DEFAULT_EFFORT 5
+#define GSCL_MAX_EFFORT 9     /* the best and slowest */
+#define GSCL_DEFAULT_EFFORT 5 /* of the settings' defaults */
 
+/* What an encode writes, and how. */
 typedef struct gscl_encode_settings {
     size_t struct_size;              /* set by gscl_encode_settings_default */
     gscl_profile profile;            /* default DEFAULT */
@@ -436,7 +445,7 @@ static inline void gscl_encode_settings_default(gscl_encode_settings *settings) 
  * qualities and times. */
 typedef enum gscl_preset {
     GSCL_PRESET_TINY = 0,    /* 250 bytes: a placeholder inside a page or a record of a database; effort 3 */
-    GSCL_PRESET_PREVIEW = 1, /* quality 10, about 0.05 bits per pixel: what is in the picture can be told; effort 3 */
+    GSCL_PRESET_PREVIEW = 1, /* 0.06 bits per pixel, or 256 bytes if that is more: a small file, soon there; effort 3 */
     GSCL_PRESET_SMALL = 2,   /* the defaults: 0.125 bits per pixel, or 256 bytes if that is more; effort 5 */
     GSCL_PRESET_GOOD = 3     /* quality 50, some 0.6 bits per pixel: a picture to look at; effort 5 */
 } gscl_preset;
@@ -461,19 +470,19 @@ typedef struct gscl_stage_time {
 typedef struct gscl_trace_point {
     const char *stage; /* name of the current stage; static */
     uint32_t steps;    /* of gradient descent so far; rate-distortion passes add none */
-    uint32_t splats;
-    double seconds; /* since the encode began */
-    double psnr;    /* dB of the rendering at full size, before rounding to samples, against the image */
+    uint32_t splats;   /* of the fit */
+    double seconds;    /* since the encode began */
+    double psnr;       /* dB of the rendering at full size, before rounding to samples, against the image */
 } gscl_trace_point;
 
-#define GSCL_MAX_STAGES 32
-#define GSCL_MAX_TRACE_POINTS 96
+#define GSCL_MAX_STAGES 32       /* rows of gscl_encode_report.stages */
+#define GSCL_MAX_TRACE_POINTS 96 /* rows of gscl_encode_report.trace */
 
 /* The results of an encode.  Times are wall-clock times and exclude the time that the convergence trace took. */
 typedef struct gscl_encode_report {
-    size_t struct_size; /* set by the caller */
-    uint32_t splats;
-    uint64_t bytes;
+    size_t struct_size;  /* set by the caller */
+    uint32_t splats;     /* of the file */
+    uint64_t bytes;      /* of the file, or of the list of packets */
     double psnr;         /* dB of the decoded file against the image, as gscl_compare (gscl/measure.h) computes it */
     double seconds;      /* total */
     uint32_t trials;     /* complete fits until the target was met: 2 where a smooth image was tried with fewer bytes; a
@@ -524,11 +533,11 @@ GSCL_API bool gscl_next_packet(const uint8_t *list, size_t size, size_t *positio
 GSCL_API GSCL_CHECKED gscl_result gscl_append_packet(uint8_t **list, size_t *size, const uint8_t *packet,
                                                      size_t packet_size);
 
-/* Computes the packets that a list lacks from its repair packets, as all functions do that read a list in memory of their own.
- * gscl_repair_memory returns the bytes of memory for it, 0 where nothing can be computed or the list is none.  `memory`, of that
- * size, becomes the list with them, of *repaired_size bytes.  Nothing is allocated.  Errors: GSCL_ERROR_INVALID_ARGUMENT, also
- * where nothing can be computed; GSCL_ERROR_OUT_OF_MEMORY where the memory is too small. */
+/* Returns the bytes of memory that gscl_repair_packets needs; 0 where nothing can be computed or the list is none. */
 GSCL_API size_t gscl_repair_memory(const uint8_t *list, size_t size);
+/* Computes the packets that a list lacks from its repair packets, as all functions do that read a list in memory of their own.
+ * `memory`, of gscl_repair_memory bytes, becomes the list with them, of *repaired_size bytes.  Nothing is allocated.  Errors:
+ * GSCL_ERROR_INVALID_ARGUMENT, also where nothing can be computed; GSCL_ERROR_OUT_OF_MEMORY where the memory is too small. */
 GSCL_API GSCL_CHECKED gscl_result gscl_repair_packets(const uint8_t *list, size_t size, void *memory,
                                                       size_t memory_size, size_t *repaired_size);
 
@@ -686,24 +695,25 @@ static inline void gscl_read_settings_default(gscl_read_settings *settings) {
 /* This struct never changes. */
 typedef struct gscl_stream_bits {
     const char *name; /* "container", "blocks", "header", "position", ...; static */
-    double bits;
+    double bits;      /* of the file that it takes */
 } gscl_stream_bits;
-#define GSCL_MAX_STREAMS 16
+#define GSCL_MAX_STREAMS 16 /* rows of gscl_info.streams */
 
+/* What a file says about itself. */
 typedef struct gscl_info {
-    size_t struct_size; /* set by the caller */
-    uint32_t format_version;
-    uint32_t width, height; /* encoded size, pixels */
-    uint32_t channels;      /* of the decoded image, 1..4 */
-    gscl_sample sample;     /* of the source, U8 or U16 */
-    gscl_profile profile;   /* the coding: PAPER means codebooks */
-    gscl_blend blend;       /* never AUTO */
-    uint32_t splats;
-    uint32_t layers;                    /* of a progressive file; else 1 */
-    uint32_t packets;                   /* of a list that were read, gscl_inspect only; else 0 */
-    uint32_t effects;                   /* bits of gscl_effect that are on */
-    uint32_t shape_words, colour_words; /* codebook sizes, gscl_inspect only; else 0 */
-    uint64_t bytes;
+    size_t struct_size;                         /* set by the caller */
+    uint32_t format_version;                    /* as the file has it */
+    uint32_t width, height;                     /* encoded size, pixels */
+    uint32_t channels;                          /* of the decoded image, 1..4 */
+    gscl_sample sample;                         /* of the source, U8 or U16 */
+    gscl_profile profile;                       /* the coding: PAPER means codebooks */
+    gscl_blend blend;                           /* never AUTO */
+    uint32_t splats;                            /* of the file */
+    uint32_t layers;                            /* of a progressive file; else 1 */
+    uint32_t packets;                           /* of a list that were read, gscl_inspect only; else 0 */
+    uint32_t effects;                           /* bits of gscl_effect that are on */
+    uint32_t shape_words, colour_words;         /* codebook sizes, gscl_inspect only; else 0 */
+    uint64_t bytes;                             /* of the file */
     size_t stream_count;                        /* rows of `streams`, gscl_inspect only; else 0 */
     gscl_stream_bits streams[GSCL_MAX_STREAMS]; /* streams that are in use; their bits add up to 8 * bytes */
     uint64_t pixels; /* width * height: what max_pixels limits in a decode at the encoded size */
@@ -765,7 +775,7 @@ typedef struct gscl_splat {
  * but luma, chroma and alpha, where finer ones are larger, and opacity, which is the number of levels less 1; pivot is 0..63.
  * This struct never changes. */
 typedef struct gscl_steps {
-    uint8_t scale, position, angle, luma, chroma, alpha, opacity, pivot;
+    uint8_t scale, position, angle, luma, chroma, alpha, opacity, pivot; /* as in the header of a file */
 } gscl_steps;
 
 /* Splats, with all that is needed to draw them.  With the splats in their order and w_i their weights at a pixel, a channel of
@@ -786,9 +796,9 @@ typedef struct gscl_field {
     float background[4];      /* as gscl_splat.colour */
     bool has_mean_background; /* the background is the mean of the colours of the splats */
     bool has_steps;           /* `steps` are those of the file */
-    gscl_steps steps;
-    size_t count;
-    gscl_splat *splats; /* in the order in which they are drawn */
+    gscl_steps steps;         /* undefined without has_steps */
+    size_t count;             /* of splats */
+    gscl_splat *splats;       /* in the order in which they are drawn */
 } gscl_field;
 
 /* Reads all splats of a file.  The caller sets field->struct_size and releases field->splats with gscl_free.  `settings` may be
@@ -818,6 +828,7 @@ GSCL_API bool gscl_splat_set_covariance(gscl_splat *splat, double xx, double xy,
 
 #define GSCL_MAX_REFINE 9
 
+/* What a pack writes, and how. */
 typedef struct gscl_pack_settings {
     size_t struct_size; /* set by gscl_pack_settings_default */
     gscl_target
@@ -846,9 +857,10 @@ static inline void gscl_pack_settings_default(gscl_pack_settings *settings) {
     gscl_pack_settings_init(settings, sizeof *settings);
 }
 
+/* The results of a pack. */
 typedef struct gscl_pack_report {
-    size_t struct_size; /* set by the caller */
-    uint64_t bytes;
+    size_t struct_size;  /* set by the caller */
+    uint64_t bytes;      /* of the file */
     uint64_t splats;     /* of the file */
     uint64_t outside;    /* splats of the field that draw nothing, and are left out */
     uint64_t divided;    /* that became several equal ones */

@@ -14,6 +14,7 @@ extern "C" {
 
 /* ---- Quality ------------------------------------------------------------------------------- */
 
+/* How much two images differ. */
 typedef struct gscl_comparison {
     size_t struct_size; /* set by the caller */
     double mse;         /* mean squared error over all channels, samples in 0..255, colours premultiplied */
@@ -59,7 +60,7 @@ GSCL_API void gscl_context_reset_timings(gscl_context *context);
 
 /* The cost and the gain of one effect in a file.  This struct never changes. */
 typedef struct gscl_effect_use {
-    gscl_effect effect;
+    gscl_effect effect; /* exactly one */
     double bits;    /* of the file less those of the same splats written without the effect; NaN in the paper profile */
     double gain_db; /* PSNR of the file less that of the same splats drawn without the effect; NaN without an image, and
                        in the paper profile */
@@ -76,6 +77,7 @@ GSCL_API GSCL_CHECKED gscl_result gscl_inspect_effects(gscl_context *context, co
 
 /* ---- Speed of a device ---------------------------------------------------------------------- */
 
+/* What the functions of this section draw and fit. */
 typedef struct gscl_benchmark_settings {
     size_t struct_size;     /* set by gscl_benchmark_settings_default */
     uint32_t width, height; /* of the synthetic image, pixels; default 768x512 */
@@ -116,6 +118,7 @@ GSCL_API GSCL_CHECKED gscl_result gscl_benchmark_kernels(gscl_context *context, 
 
 /* ---- Accuracy -------------------------------------------------------------------------------- */
 
+/* How often the functions of this section run, and over how many splats. */
 typedef struct gscl_accuracy_settings {
     size_t struct_size;   /* set by gscl_accuracy_settings_default */
     uint32_t repetitions; /* timed runs, 1..1000; default 20; three more runs come first */
@@ -138,9 +141,9 @@ static inline void gscl_accuracy_settings_default(gscl_accuracy_settings *settin
  *                  are against splats that are not quantised.  Default profile with blends NORMALIZED and SUM only
  * All other errors are against the format's definition in double precision. */
 typedef struct gscl_accuracy {
-    const char *choice;  /* static */
-    const char *variant; /* one phrase, as "3.74 sigma"; valid during the callback */
-    double value;
+    const char *choice;               /* static */
+    const char *variant;              /* one phrase, as "3.74 sigma"; valid during the callback */
+    double value;                     /* of `choice`, which says what it is */
     bool is_default;                  /* whether gscl_decode draws in this way */
     gscl_blend blend;                 /* of the file */
     double largest_error, mean_error; /* of samples clamped to 0..1, in units of 1/255 */

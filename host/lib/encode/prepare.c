@@ -165,8 +165,10 @@ gscl_result gscl_encode_resolve_target(gscl_encoder *e) {
         e->target.bytes = (size_t)(t->auto_bpp / 8 * e->header.width * e->header.height);
         return GSCL_OK;
     case GSCL_TARGET_AUTO:
+    case GSCL_TARGET_RATE:
         container_size(e, &blocks);
-        budget = fmax(t->auto_bpp * pixels / 8, t->auto_bytes) + (double)blocks;
+        budget = fmax((e->settings.target == GSCL_TARGET_RATE ? value : t->auto_bpp) * pixels / 8, t->auto_bytes) +
+                 (double)blocks;
         break;
     case GSCL_TARGET_BYTES:
         budget = value;

@@ -10,7 +10,7 @@ typedef struct preset {
 
 static const preset presets[] = {
     [GSCL_PRESET_TINY] = {"tiny", GSCL_TARGET_BYTES, 250, 3},
-    [GSCL_PRESET_PREVIEW] = {"preview", GSCL_TARGET_QUALITY, 10, 3},
+    [GSCL_PRESET_PREVIEW] = {"preview", GSCL_TARGET_RATE, 0.06, 3},
     [GSCL_PRESET_SMALL] = {"small", GSCL_TARGET_AUTO, 0, GSCL_DEFAULT_EFFORT},
     [GSCL_PRESET_GOOD] = {"good", GSCL_TARGET_QUALITY, 50, GSCL_DEFAULT_EFFORT},
 };

@@ -34,7 +34,7 @@ typedef struct gscl_quality_tunables {
 
 struct gscl_encode_tunables {
     double auto_bpp;       /* bits per pixel of GSCL_TARGET_AUTO */
-    double auto_bytes;     /* bytes; smallest budget of GSCL_TARGET_AUTO */
+    double auto_bytes;     /* bytes; smallest budget of GSCL_TARGET_AUTO and GSCL_TARGET_RATE */
     double max_splat_bits; /* more bits than a splat takes in any file: a noisy picture of 64x64 pixels with all splats
                               that are of use takes 35, in the paper profile 37 */
     int few_splats; /* up to this number of splats the background alone may be better; with 2, stripes at 90 bytes

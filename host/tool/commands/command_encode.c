@@ -148,8 +148,9 @@ static option_outcome parse_encode(encode_options *encode, int argc, char **argv
          .words = preset_words,
          .argument = "NAME",
          .help =
-             "target and effort by what the file is for: tiny, a placeholder (--bytes 250 --effort 3); preview (-q 10 "
-             "--effort 3); small, the defaults; good (-q 50); an --effort beside it counts"},
+             "target and effort by what the file is for: tiny, a placeholder (--bytes 250 --effort 3); preview (--bpp "
+             "0.06, or 256 bytes if that is more, --effort 3); small, the defaults; good (-q 50); an --effort beside "
+             "it counts"},
         {.name = "bytes",
          .kind = OPTION_INTEGER,
          .value = &encode->bytes,

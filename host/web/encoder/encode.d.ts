@@ -35,8 +35,8 @@ export interface Progress {
 }
 
 export interface EncodeOptions {
-  /** A target and an effort by what the file is for: tiny, a placeholder of at most 250 bytes (effort 3); preview, a quality of 10 (effort 3);
-   * small, the defaults; good, a quality of 50. An effort beside it counts. */
+  /** A target and an effort by what the file is for: tiny, a placeholder of at most 250 bytes (effort 3); preview, 0.06 bits
+   * a pixel, or 256 bytes if that is more (effort 3); small, the defaults; good, a quality of 50. An effort beside it counts. */
   preset?: 'tiny' | 'preview' | 'small' | 'good';
   /* The target, at most one of these, and without `preset`. Default: 0.125 bits a pixel, or 256 bytes if that is more. */
   /** Largest size of the file. */

@@ -64,10 +64,10 @@ const moduleOf = (name, isShared) => modules[name + isShared] ||= Promise.resolv
 /* By the name of the array's type, which is the same in all frames: gscl_sample, and the value of an opaque pixel's alpha. */
 const SAMPLES = {Uint8Array: [1, 255], Uint8ClampedArray: [1, 255], Uint16Array: [2, 65535], Float32Array: [3, 1]};
 /* gscl_target */
-const TARGETS = {bpp: 1, bytes: 2, psnr: 3, splats: 4, ssimulacra2: 5, quality: 6};
+const TARGETS = {bpp: 1, bytes: 2, psnr: 3, splats: 4, ssimulacra2: 5, quality: 6, rate: 7};
 const TUNES = {auto: 0, psnr: 1, visual: 3}; /* gscl_tune */
 /* Those of gscl_encode_settings_preset, whose defaults are those of settingsOf. */
-const PRESETS = {tiny: {bytes: 250, effort: 3}, preview: {quality: 10, effort: 3}, small: {}, good: {quality: 50}};
+const PRESETS = {tiny: {bytes: 250, effort: 3}, preview: {rate: 0.06, effort: 3}, small: {}, good: {quality: 50}};
 /* By option: what it must be, in words and as a function. */
 const WHOLE = ['a whole number from 0 on', value => Number.isSafeInteger(value) && value >= 0];
 const POSITIVE = ['a whole number from 1 on', value => Number.isSafeInteger(value) && value > 0];
