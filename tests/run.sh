@@ -76,6 +76,14 @@ python_package() {
     check "python wheel" sh tests/python/install.sh build-test/python
     check "python wheel alone" sh tests/python/test_wheel.sh build-test/python
     pytest_suite results.xml sh tests/python/test.sh build-test/python
+    check "links are checked" python3 tests/structure/test_check_links.py
+    check "site" site c python
+    [ -n "$without_whole" ] || check "site with the web package" site c python web
+}
+
+# site PARTS...: the documents with these references, in the same environment.
+site() {
+    SITE_PYTHON=build-test/python/venv/bin/python SITE_PARTS=$* sh host/site/build.sh build-test/site build-test
 }
 
 # Packages for publication, of the last commit.

@@ -11,7 +11,7 @@ web_encoder_packages="clang-16 lld-16 libclang-rt-16-dev-wasm32 wasi-libc"
 # Further packages of the tests.
 test_packages="abigail-tools clang-format clang-tidy file libcmocka-dev libglib2.0-bin mesa-opencl-icd oclgrind shared-mime-info valgrind
     openimageio-tools python3-dev python3-venv $web_packages $web_encoder_packages chromium firefox-esr nodejs
-    dbus-daemon imagemagick jq libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
+    dbus-daemon doxygen imagemagick jq libgdk-pixbuf-2.0-dev libgdk-pixbuf2.0-bin tumbler
     cmake fish man-db mandoc librsvg2-bin zsh"
 
 # Packages of tests/targets: a compiler of GPUs and their built-in functions.

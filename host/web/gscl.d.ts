@@ -96,7 +96,7 @@ export function splats(source: Source, options?: PartialOptions): Promise<Splat[
  * packets; or the compiled module; or a promise of them. */
 export function load(source: BufferSource | WebAssembly.Module | PromiseLike<BufferSource | WebAssembly.Module>): Promise<WebAssembly.Module>;
 
-/** <gscl-image src="picture.gscl" alt="..." width="300" height="200">
+/** `<gscl-image src="picture.gscl" alt="..." width="300" height="200">`
  *
  * Attributes: `src`, a URL, also a data: URL; `data`, a file as text, in place of src: base64 or base64url, with or without
  * padding and white space; `bare`, whether the file is bare; `alt`, the name of the picture for assistive programs, and text
