@@ -9,8 +9,7 @@
 # and in FOLDER/corpus the inputs that were found.  Those of tests/fuzz/corpus/TARGET and, for the reader, packets and the
 # decoder, the conformance set are read, too.  An input that fails is kept as FOLDER/crash-...
 #
-# Installs LLVM's tools and the libraries of the sanitizers.  In all but the last two comparisons are not traced, which makes
-# the reader five times faster, and FUZZ_SAMPLE leaves checks that take long to a sample.
+# Installs LLVM's tools and the libraries of the sanitizers.  FUZZ_SAMPLE leaves checks that take long to a sample.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/setup.sh
@@ -19,81 +18,12 @@ target=$1
 folder=$2
 shift 2
 
-format=$(ls format/*.c)
-image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
-    host/tool/cli/output_target.c host/tool/cli/name_hash.c
-    $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
-# What gscl_decode_rows calls.
-rows="$(ls host/lib/software/*.c) host/lib/decode/blend.c host/lib/decode/coded_image.c host/lib/decode/decode_rows.c
-    host/lib/decode/decode_settings.c host/lib/decode/dequantise.c host/lib/decode/draw_rows.c host/lib/decode/frame.c
-    host/lib/decode/output.c host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/context.c host/lib/runtime/elementary.c
-    host/lib/runtime/result.c host/lib/runtime/struct_size.c host/lib/runtime/text.c"
-image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
-more=
-kept=tests/fuzz/corpus/$target
 case $target in
-reader)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/reader_mutator.c tests/fuzz/sample.c $format"
-    options="-max_len=64 -entropic=0"
-    kept="$kept tests/conformance/files"
-    measured=format
-    ;;
-rows)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/reader_mutator.c $format $rows"
-    options="-max_len=64 -entropic=0"
-    kept="tests/fuzz/corpus/reader tests/conformance/files"
-    more="-Ihost/lib -ffp-contract=off -lm"
-    measured="$rows"
-    ;;
-writer)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c $format"
-    options=-max_len=512
-    measured=format
-    ;;
-packets)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/packet_list.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c
-        tests/fuzz/sample.c $format"
-    options="-max_len=256 -entropic=0"
-    kept="$kept tests/conformance/files"
-    measured="format/packet.c format/repair.c"
-    ;;
-division)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_list.c $format"
-    options="-max_len=512 -entropic=0"
-    measured="format/packet.c format/repair.c format/classes.c"
-    ;;
-decoder)
-    sources="tests/fuzz/coded_memory.c tests/fuzz/mutator.c tests/fuzz/packet_mutator.c tests/fuzz/sample.c
-        host/lib/decode/decoder.c"
-    options="-max_len=256 -entropic=0"
-    more="-Ihost/lib -fsanitize=address,undefined,fuzzer-no-link $folder/decoder/libgscl.a -lm"
-    kept="$kept tests/fuzz/corpus/packets tests/conformance/files"
-    measured=host/lib/decode/decoder.c
-    ;;
-image)
-    sources="tests/fuzz/image_mutator.c $image"
-    options="-max_len=4400 -close_fd_mask=2 -malloc_limit_mb=200"
-    more="$image_libraries -lm"
-    measured=host/tool/image
-    ;;
-options)
-    sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c host/colours/*.c | grep -v jpeg2000) host/tool/plot/plot.c"
-    options="-max_len=300 -close_fd_mask=3"
-    more="-Wl,--wrap=options_parse $folder/library/libgscl.a $image_libraries -lm -ldl"
-    measured="host/tool/cli/options.c host/tool/cli/colour_name.c host/tool/commands/effect_list.c host/tool/cli/base64.c"
-    ;;
-field)
-    sources="host/tool/commands/field_file.c host/tool/cli/message.c host/tool/cli/names.c host/tool/cli/read_file.c
-        host/tool/cli/interrupt.c"
-    options="-max_len=2000 -close_fd_mask=2 -malloc_limit_mb=200"
-    more="$folder/library/libgscl.a -lm -ldl"
-    measured=host/tool/commands/field_file.c
-    ;;
-*)
-    echo "fuzz: $target: not a target" >&2
-    exit 2
-    ;;
+decoder) library=$folder/decoder/libgscl.a ;;
+*) library=$folder/library/libgscl.a ;;
 esac
+. tests/fuzz/targets.sh
+set_target "$target"
 mkdir -p "$folder/corpus"
 if { [ "$target" = options ] || [ "$target" = field ]; } && [ ! -f "$folder/library/libgscl.a" ]; then
     meson setup "$folder/library" -Dtool=disabled -Dtests=disabled -Dweb=disabled >/dev/null
@@ -105,7 +35,8 @@ if [ "$target" = decoder ] && [ ! -f "$folder/decoder/libgscl.a" ]; then
         -Dc_args="-fsanitize=fuzzer-no-link -fno-sanitize-coverage=trace-cmp" >/dev/null
     ninja -C "$folder/decoder" libgscl.a >/dev/null
 fi
-compile="clang -std=c99 -g -I. -Ihost/include -Ihost -Ihost/tool"
+compile="clang -std=c99 -g $includes"
+[ "$target" != decoder ] || compile="$compile -fsanitize=address,undefined,fuzzer-no-link"
 
 if [ "${1-}" = coverage ]; then
     $compile -O1 -fprofile-instr-generate -fcoverage-mapping tests/fuzz/fuzz_$target.c $sources tests/fuzz/replay.c $more \
@@ -115,10 +46,6 @@ if [ "${1-}" = coverage ]; then
     exec llvm-cov report "$folder/coverage-$target" -instr-profile="$folder/profile.data" $measured
 fi
 
-traced=
-case $target in
-reader | writer | packets | division | decoder) traced=-fno-sanitize-coverage=trace-cmp ;;
-esac
 $compile -O2 -DFUZZ_SAMPLE -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined $traced \
     tests/fuzz/fuzz_$target.c $sources $more -o "$folder/fuzz-$target"
 if [ "${1-}" = minimise ]; then
