@@ -43,7 +43,7 @@ for part in $parts; do
         { cat "$here/Doxyfile"; echo "OUTPUT_DIRECTORY = $out"; } | doxygen -
         ;;
     python)
-        "$python" -m pdoc --no-show-source -o "$out/python" gscl gscl.batch gscl.fields
+        "$python" -m pdoc --no-show-source -o "$out/python" gscl gscl.batch '!gscl.GsclImagePlugin'
         ;;
     web)
         mkdir -p "$build/site/web"

@@ -11,8 +11,8 @@ image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt
     $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
 # What gscl_decode_rows calls.
 rows="$(ls host/lib/software/*.c) host/lib/decode/blend.c host/lib/decode/coded_image.c host/lib/decode/decode_rows.c
-    host/lib/decode/decode_settings.c host/lib/decode/dequantise.c host/lib/decode/draw_rows.c host/lib/decode/frame.c
-    host/lib/decode/output.c host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/context.c host/lib/runtime/elementary.c
+    host/lib/decode/decode_settings.c host/lib/decode/dequantise.c host/lib/decode/draw_rows.c host/lib/decode/format_result.c
+    host/lib/decode/frame.c host/lib/decode/output.c host/lib/decode/packet_repair.c host/lib/decode/resize.c host/lib/image/image.c host/lib/runtime/context.c host/lib/runtime/elementary.c
     host/lib/runtime/result.c host/lib/runtime/struct_size.c host/lib/runtime/text.c"
 image_libraries=$(pkg-config --cflags --libs libpng zlib libjpeg lcms2)
 
