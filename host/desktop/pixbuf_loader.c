@@ -269,8 +269,8 @@ static gboolean take_profile(const char *text, save_options *options) {
 static gboolean bad_option(GError **error, const char *key, const char *value) {
     g_set_error(error, GDK_PIXBUF_ERROR, GDK_PIXBUF_ERROR_BAD_OPTION,
                 "gscl: the option %s cannot be '%.40s'; there are preset (tiny, preview, small, good), quality (0 to "
-                "100), bytes, bpp, psnr, ssimulacra2 (-100 to "
-                "100), effort (0 to 9), tune (auto, psnr, ssim, visual) and icc-profile (in base64, at most %d bytes)",
+                "100), bytes, bpp, psnr, ssimulacra2 (-100 to 100), effort (0 to 9), tune (auto, psnr, ssim, visual) "
+                "and icc-profile (in base64, at most %d bytes)",
                 key, value, GSCL_MAX_BLOCK_SIZE);
     return FALSE;
 }

@@ -41,7 +41,7 @@ compile() {
 copy_libraries() {
     for file in $(ldd "$OUT/fuzz_$target" | awk '/lib(png|jpeg|lcms2|z)[^ ]*\.so/ { print $3 }'); do
         mkdir -p "$OUT/lib"
-        cp -L "$file" "$OUT/lib"
+        [ -f "$OUT/lib/${file##*/}" ] || cp -L "$file" "$OUT/lib"
     done
 }
 

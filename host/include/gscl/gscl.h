@@ -441,8 +441,8 @@ static inline void gscl_encode_settings_default(gscl_encode_settings *settings) 
     gscl_encode_settings_init(settings, sizeof *settings);
 }
 
-/* Targets with an effort, by names that say what a file is for.  host/PRESETS.md of the sources has the table of their sizes,
- * qualities and times. */
+/* Targets with an effort, by names that say what a file is for.  Of photographs of 768x512 pixels an encode takes 1, 1, 2.5 and 9 to
+ * 20 seconds of a processor. */
 typedef enum gscl_preset {
     GSCL_PRESET_TINY = 0,    /* 250 bytes: a placeholder inside a page or a record of a database; effort 3 */
     GSCL_PRESET_PREVIEW = 1, /* 0.06 bits per pixel, or 256 bytes if that is more: a small file, soon there; effort 3 */

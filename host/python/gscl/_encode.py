@@ -197,9 +197,10 @@ def encode(
         grey and alpha, RGB or RGBA, of uint8, uint16 or floating point (0..1), gamma-encoded.  Files and images are turned
         upright and converted to sRGB by their profile.
     preset: a target and an effort by what the file is for: "tiny", a placeholder of at most 250 bytes (effort 3); "preview",
-        0.06 bits per pixel, or 256 bytes if that is more (effort 3); "small", the defaults; "good", a quality of 50.  An `effort` beside it counts.
-    bytes, bpp, psnr, ssimulacra2, quality, splats: the target, at most one, and without `preset`: bytes or bits per pixel of the whole file, never
-        exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, mostly exceeded by less than 1, for pictures with
+        0.06 bits per pixel, or 256 bytes if that is more (effort 3); "small", the defaults; "good", a quality of 50.  An
+        `effort` beside it counts.
+    bytes, bpp, psnr, ssimulacra2, quality, splats: the target, at most one, and without `preset`: bytes or bits per pixel of
+        the whole file, never exceeded; dB, exceeded by at most 0.3; SSIMULACRA 2 from -100 to 100, mostly exceeded by less than 1, for pictures with
         sides of at least 8 pixels; quality as of JPEG, 0 to 100, which is a SSIMULACRA 2 (the best file where it cannot be
         reached); number of splats.  Without one: 0.125 bits per pixel, or 256 bytes if that is more.
     effort: 0 (fastest) to 9 (best).  Without it: 5, or that of `preset`.
