@@ -16,7 +16,6 @@ import markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 START = "host/site/index.md"
-LEFT_OUT = ("host/packaging/",)  # documents of packages, which others read
 LINK = re.compile(r'(href|src)="([^"]*)"')
 PAGE = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -36,7 +35,7 @@ def documents():
     """The Markdown documents that git has, or a source tree without git."""
     listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True)
     names = listed.stdout.split() if listed.returncode == 0 else [str(path.relative_to(ROOT)) for path in ROOT.rglob("*.md")]
-    return [name for name in names if not name.startswith(LEFT_OUT) and not name.startswith("build")]
+    return [name for name in names if not name.startswith("build")]
 
 
 def page_of(name):
