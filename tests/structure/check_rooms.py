@@ -31,15 +31,15 @@ import sys
 LIBRARY = ["runtime", "native", "opencl", "device", "image", "software", "decode", "fit", "session", "codebook", "scalar", "encode", "pack", "measure"]
 TOOL = ["cli", "image", "plot", "tradeoff", "commands"]
 PROGRAMS = {"host/lib": LIBRARY, "host/tool": TOOL}
-BASE = {"host/lib": ["format", "cl"], "host/tool": ["host/colours"], "format": [], "cl": []}
+BASE = {"host/lib": ["format", "cl", "host/system"], "host/tool": ["host/colours", "host/system"], "format": [], "cl": [], "host/system": []}
 # Bindings are one room each, which uses itself, the public headers, and colours, which the tool uses, too.
 BINDINGS = ["host/desktop", "host/openimageio"]
 BASE |= {binding: ["host/colours"] for binding in BINDINGS}
 BASE["host/colours"] = []
-BINDINGS.append("host/colours")
+BINDINGS += ["host/colours", "host/system"]
 # The decoder for web pages is compiled with parts of the library.
 BINDINGS.append("host/web")
-BASE["host/web"] = ["host/lib", "format", "cl"]
+BASE["host/web"] = ["host/lib", "format", "cl", "host/system"]
 # Rooms that only these rooms may use.
 USERS = {"native": ["device"], "opencl": ["device"]}
 # Where OpenCL may be named: its room, and tests that take the place of its functions, look at its errors or measure it.

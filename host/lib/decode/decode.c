@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "host/system/clock.h"
 #include "cl/constants.h"
 #include "decode/coded_image.h"
 #include "decode/dequantise.h"

@@ -1,5 +1,6 @@
 #include "decode/draw_progress.h"
 
+#include "host/system/clock.h"
 #include "runtime/context.h"
 #include "runtime/stage_clock.h"
 

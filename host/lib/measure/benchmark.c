@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/constants.h"
+#include "host/system/clock.h"
 #include "decode/blend.h"
 #include "decode/ellipse.h"
 #include "fit/fit.h"

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "host/system/clock.h"
 #include "native/native_device.h"
 #include "native/tunables.h"
 #include "runtime/timing.h"

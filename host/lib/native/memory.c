@@ -1,20 +1,18 @@
-#define _POSIX_C_SOURCE 200809L /* posix_memalign */
 #include "native/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
+
+#include "host/system/aligned_memory.h"
 
 #define ALIGNMENT 64 /* bytes: of the longest vector, and of a cache line */
 
 gscl_result gscl_native_memory_create(gscl_context *context, size_t size, void **memory) {
-    if (posix_memalign(memory, ALIGNMENT, size) == 0)
-        return GSCL_OK;
-    *memory = NULL;
-    return gscl_fail_memory(context);
+    *memory = gscl_aligned_allocate(ALIGNMENT, size);
+    return *memory ? GSCL_OK : gscl_fail_memory(context);
 }
 
 void gscl_native_memory_release(void *memory) {
-    free(memory);
+    gscl_aligned_free(memory);
 }
 
 gscl_result gscl_native_write(gscl_context *context, void *memory, bool blocking, size_t offset, const void *data,

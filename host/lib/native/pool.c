@@ -2,14 +2,14 @@
 #include "native/pool.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <sys/types.h>
 #include <unistd.h>
 
+#include "host/system/clock.h"
+#include "host/system/threads.h"
 #include "native/machine.h"
 #include "native/tunables.h"
-#include "runtime/stage_clock.h"
 
 /* One piece of work that threads share: each takes the next part until none is left. */
 typedef struct pool_job {
@@ -130,21 +130,15 @@ void gscl_pool_free(gscl_pool *pool) {
     free(pool);
 }
 
-/* Starts threads until there are `wanted`.  They have no signals to handle, which are for the program's threads. */
+/* Starts threads until there are `wanted`. */
 static void start_threads(gscl_pool *pool, int wanted) {
-    sigset_t all, before;
-    if (pool->started >= wanted)
-        return;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     while (pool->started < wanted) {
-        if (pthread_create(&pool->threads[pool->started], NULL, run_thread, pool) != 0) {
+        if (!gscl_thread_start(&pool->threads[pool->started], run_thread, pool)) {
             pool->thread_count = pool->started;
             break;
         }
         pool->started++;
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* Threads beside the caller's: at most `wanted`, and fewer where other pools are at work. */

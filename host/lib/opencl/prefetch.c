@@ -1,12 +1,11 @@
-#define _XOPEN_SOURCE 700 /* pthread_sigmask, sigaltstack */
 #include "opencl/prefetch.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "host/system/threads.h"
 #include "opencl/build_options.h"
 #include "opencl/opencl_device.h"
 #include "opencl/program.h"
@@ -58,31 +57,19 @@ static void note_done(struct gscl_prefetch *p) {
     pthread_mutex_unlock(&p->lock);
 }
 
-/* LLVM, which PoCL compiles with, gives the first thread that calls it a stack for signals.  It is taken back at the end of
- * this thread: AddressSanitizer releases a thread's stack, and ends the program where it is not the one that it made. */
 static void *build_programs(void *opaque) {
     struct gscl_prefetch *p = opaque;
-    stack_t signal_stack;
-    const bool has_stack = sigaltstack(NULL, &signal_stack) == 0;
     for (struct gscl_program *program = next_program(p); program; program = next_program(p)) {
         if (gscl_program_make(&p->context, program) != GSCL_OK)
             gscl_program_drop(program);
         note_done(p);
     }
-    if (has_stack)
-        sigaltstack(&signal_stack, NULL);
     return NULL;
 }
 
-/* Starts the thread, which leaves the signals of the process to the threads of the caller. */
-static bool start_thread(struct gscl_prefetch *p) {
-    sigset_t all, before;
-    sigfillset(&all);
-    if (pthread_sigmask(SIG_SETMASK, &all, &before) != 0)
-        return false;
-    const bool started = pthread_create(&p->thread, NULL, build_programs, p) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return started;
+/* LLVM, which PoCL compiles with, gives the first thread that calls it a stack for signals. */
+static void *run_thread(void *opaque) {
+    return gscl_with_signal_stack(build_programs, opaque);
 }
 
 static void free_prefetch(struct gscl_prefetch *p) {
@@ -106,7 +93,7 @@ static struct gscl_prefetch *begin(const gscl_context *context) {
     p->context.build = NULL;
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->changed, NULL);
-    if (start_thread(p))
+    if (gscl_thread_start(&p->thread, run_thread, p))
         return p;
     free_prefetch(p);
     return NULL;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "host/system/clock.h"
 #include "opencl/cl_error.h"
 #include "opencl/kernel_sources.h"
 #include "opencl/opencl_device.h"

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "decode/format_result.h"
+#include "host/system/clock.h"
 #include "image/metrics.h"
 #include "pack/check_field.h"
 #include "pack/field_rendering.h"

@@ -1,5 +1,6 @@
 #include "runtime/launch.h"
 
+#include "host/system/clock.h"
 #include "runtime/queue.h"
 #include "runtime/timing.h"
 

@@ -1,28 +1,9 @@
-#define _POSIX_C_SOURCE 200112L
 #include "runtime/stage_clock.h"
 
 #include <math.h>
 
+#include "host/system/clock.h"
 #include "runtime/queue.h"
-
-#ifdef _WIN32
-#include <windows.h>
-
-double gscl_now(void) {
-    LARGE_INTEGER ticks, frequency;
-    QueryPerformanceCounter(&ticks);
-    QueryPerformanceFrequency(&frequency);
-    return (double)ticks.QuadPart / (double)frequency.QuadPart;
-}
-#else
-#include <time.h>
-
-double gscl_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-#endif
 
 gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
     gscl_stage_clock *clock = &context->clock;

@@ -14,9 +14,6 @@ void gscl_stages_freeze(gscl_context *context, bool frozen);
 /* Begins to measure the times of stages and, on an OpenCL device, of kernels. */
 gscl_result gscl_timing_create(gscl_context *context);
 
-/* Seconds on a clock that only goes forward. */
-double gscl_now(void);
-
 /* An estimate of the seconds until work ends, of which the share `done`, 0..1, took elapsed_s: INFINITY where nothing
  * is done, and 0 only where all is. */
 double gscl_remaining_s(double elapsed_s, double done);

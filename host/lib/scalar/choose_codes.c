@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "host/system/clock.h"
 #include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "scalar/kept_codes.h"

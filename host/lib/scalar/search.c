@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "host/system/clock.h"
 #include "fit/random.h"
 #include "runtime/elementary.h"
 #include "runtime/timing.h"

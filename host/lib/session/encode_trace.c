@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "host/system/clock.h"
 #include "cl/constants.h"
 #include "runtime/elementary.h"
 #include "runtime/timing.h"

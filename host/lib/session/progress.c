@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "host/system/clock.h"
 #include "runtime/timing.h"
 #include "session/tunables.h"
 
