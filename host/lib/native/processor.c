@@ -2,12 +2,12 @@
 
 #include <string.h>
 
-#if defined(__x86_64__)
+#if defined(__x86_64__) || defined(__i386__)
 #include <cpuid.h>
 #include <stdint.h>
 
 /* Bits of the registers that CPUID sets, and those of the levels of the psABI for x86-64 that are tested here. */
-enum { ONE_C, SEVEN_B, EXTENDED_C, REGISTERS };
+enum { ONE_C, ONE_D, SEVEN_B, EXTENDED_C, REGISTERS };
 enum { XMM_YMM = 6, ZMM = 0xe6 }; /* of XCR0: states that the operating system keeps */
 #define BIT(n) (1u << (n))
 
@@ -18,6 +18,7 @@ typedef struct level {
 } level;
 
 static const level levels[] = {
+    {"i686_sse2", {[ONE_D] = BIT(25) | BIT(26)}, 0}, /* SSE, SSE2 */
     /* SSE3, SSSE3, CMPXCHG16B, SSE4.1, SSE4.2, POPCNT; LAHF */
     {"x86_64_v2", {[ONE_C] = BIT(0) | BIT(9) | BIT(13) | BIT(19) | BIT(20) | BIT(23), [EXTENDED_C] = BIT(0)}, 0},
     /* these; FMA, MOVBE, OSXSAVE, AVX, F16C; BMI1, AVX2, BMI2; LZCNT */
@@ -40,7 +41,7 @@ static void read_registers(uint32_t has[REGISTERS]) {
     uint32_t a, b, c, d;
     memset(has, 0, REGISTERS * sizeof *has);
     if (__get_cpuid(1, &a, &b, &c, &d))
-        has[ONE_C] = c;
+        has[ONE_C] = c, has[ONE_D] = d;
     if (__get_cpuid_count(7, 0, &a, &b, &c, &d))
         has[SEVEN_B] = b;
     if (__get_cpuid(0x80000001, &a, &b, &c, &d))
