@@ -8,6 +8,7 @@
 #include <gscl/gscl.h>
 
 #include "cli/exit_code.h"
+#include "host/system/program.h"
 #include "cli/interrupt.h"
 #include "cli/memory.h"
 #include "cli/message.h"
@@ -136,6 +137,7 @@ static int run_command(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
+    system_start_program(&argc, &argv);
     interrupt_install();
     memory_return_freed();
     return finish_stdout(run_command(argc - 1, argv + 1));

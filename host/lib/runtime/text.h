@@ -5,16 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Has compilers check printf-style arguments: the numbers of the format and of the first of them.  On Windows stdio.h knows
- * which of two sets of formats is in use: that of C99 is. */
-#if defined(__MINGW32__)
-#include <stdio.h>
-#define GSCL_PRINTF(format_number, first) __attribute__((format(__MINGW_PRINTF_FORMAT, format_number, first)))
-#elif defined(__GNUC__)
-#define GSCL_PRINTF(format_number, first) __attribute__((format(printf, format_number, first)))
-#else
-#define GSCL_PRINTF(format_number, first)
-#endif
+#include "host/system/printf_format.h"
 
 /* A text that is appended to; always ends with a NUL. */
 typedef struct gscl_text {

@@ -4,15 +4,14 @@
 
 #include <stdbool.h>
 
-/* After this call SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGXCPU, SIGUSR1, SIGUSR2 and SIGPIPE remove the guarded files
- * and end the program with EXIT_SIGNAL plus the signal; a file that grows beyond the limit of the process is an error of
- * the write.  Must be called before any other thread starts. */
+/* After this call the signals of host/system/signals.h remove the guarded files and end the program with EXIT_SIGNAL plus the
+ * signal.  Must be called before any other thread starts. */
 void interrupt_install(void);
 
 /* Sets what a signal does besides, before it ends the program; SIGPIPE does not. */
 void interrupt_set_cleanup(void (*cleanup)(void));
 
-/* Makes and opens a temporary file with `make`, which is mkstemp() or takes and returns the same.  A signal removes the
+/* Makes and opens a temporary file with `make`, which may change its name, and returns the descriptor, or -1.  A signal removes the
  * file from then on.  At most 256 at a time. */
 #define MAX_GUARDED_FILES 256
 int interrupt_make_guarded(char *pattern, int (*make)(char *pattern));

@@ -1,18 +1,17 @@
-#define _DEFAULT_SOURCE /* fchmod, flock, mkstemp */
+#define _DEFAULT_SOURCE /* fdopen, strdup */
 #include "cli/output_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/system/files.h"
+#include "host/system/temporaries.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
 #include "cli/name_hash.h"
-#include "cli/output_target.h"
+#include "host/system/output_target.h"
 
 const char *name_suffix(const char *name) {
     const char *slash = strrchr(name, '/');
@@ -23,7 +22,7 @@ const char *name_suffix(const char *name) {
 
 int output_take_operand(const char *command, char *const *operands, int *count, const char **output) {
     const char *last = operands[*count - 1];
-    if (access(last, F_OK) == 0)
+    if (system_exists(last))
         return report_usage(command, "%s exists; name it with -o to replace it", last);
     *output = last;
     --*count;
@@ -31,17 +30,15 @@ int output_take_operand(const char *command, char *const *operands, int *count, 
 }
 
 bool output_is_separate(const char *command, const char *input, const char *output) {
-    struct stat in, out;
-    if (strcmp(input, "-") == 0 || output_descriptor(output) >= 0 || stat(input, &in) || stat(output, &out))
+    system_status in, out;
+    if (strcmp(input, "-") == 0 || output_descriptor(output) >= 0 || !system_status_of(input, &in) ||
+        !system_status_of(output, &out))
         return true;
-    if (in.st_dev != out.st_dev || in.st_ino != out.st_ino || !S_ISREG(out.st_mode))
+    if (!system_is_same(&in, &out) || !out.is_regular)
         return true;
     report_usage(command, "output %s would overwrite the input; choose another name", output);
     return false;
 }
-
-#define TEMPORARY_PATTERN ".gscl-XXXXXX"
-#define TEMPORARY_SIZE (sizeof ".gscl-" + 16) /* bytes, the NUL included; the pattern is shorter */
 
 /* "DIR/.gscl-HASH" for DIR/NAME, with the hash of NAME; NULL when out of memory. */
 static char *temporary_name(const char *target) {
@@ -56,49 +53,18 @@ static char *temporary_name(const char *target) {
     return name;
 }
 
-/* Whether this process holds a temporary file alone: it is locked, still has its name, and is nobody else's. */
-static bool lock_temporary(int file, const char *name) {
-    struct stat opened, named;
-    return flock(file, LOCK_EX | LOCK_NB) == 0 && fstat(file, &opened) == 0 && lstat(name, &named) == 0 &&
-           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino && S_ISREG(opened.st_mode) &&
-           opened.st_nlink == 1 && opened.st_uid == geteuid();
-}
-
-/* Opens a temporary file, new or left by a killed process; where another process is writing it, or the file system has no
- * locks, one with a new name. */
-static int make_temporary(char *name) {
-    const int file = open(name, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
-    if (file >= 0 && lock_temporary(file, name) && ftruncate(file, 0) == 0)
-        return file;
-    if (file >= 0)
-        close(file);
-    char *slash = strrchr(name, '/');
-    memcpy(slash ? slash + 1 : name, TEMPORARY_PATTERN, sizeof TEMPORARY_PATTERN);
-    return mkstemp(name);
-}
-
-/* The permissions of the file that is replaced, or those that open() would give a new file. */
-static mode_t target_mode(const struct stat *existing) {
-    if (existing)
-        return existing->st_mode & 0777;
-    const mode_t mask = umask(0);
-    umask(mask);
-    return 0666 & ~mask;
-}
-
-static bool open_temporary(output_file *output, const struct stat *existing) {
+static bool open_temporary(output_file *output) {
     output->temporary = temporary_name(output->target);
     if (!output->temporary)
         return false;
-    const int file = interrupt_make_guarded(output->temporary, make_temporary);
+    const int file = interrupt_make_guarded(output->temporary, system_make_temporary);
     if (file < 0) {
         free(output->temporary);
         output->temporary = NULL;
         return false;
     }
-    const int lock = fcntl(file, F_DUPFD_CLOEXEC, 0);
-    output->lock = lock > 0 ? lock : 0;
-    fchmod(file, target_mode(existing));
+    output->lock = system_keep_lock(file);
+    system_take_permissions(file, output->target);
     output->stream = fdopen(file, "wb");
     if (!output->stream)
         close(file);
@@ -107,18 +73,18 @@ static bool open_temporary(output_file *output, const struct stat *existing) {
 
 /* Opens a file that is replaced, or made, as a whole. */
 static bool open_file(output_file *output, const char *name) {
-    struct stat status;
+    system_status status;
     output->target = output_resolve(name);
     if (!output->target)
         return false;
-    const bool exists = stat(output->target, &status) == 0;
-    if (exists && S_ISDIR(status.st_mode)) {
+    const bool exists = system_status_of(output->target, &status);
+    if (exists && status.is_folder) {
         errno = EISDIR;
         return false;
     }
-    if (exists && access(output->target, W_OK) != 0)
+    if (exists && !system_may_write(output->target))
         return false;
-    return open_temporary(output, exists ? &status : NULL);
+    return open_temporary(output);
 }
 
 /* Opens what is written in place.  A file behind a descriptor keeps what the shell and other programs have written to it. */
@@ -161,7 +127,7 @@ bool output_write(output_file *output, const void *bytes, size_t size) {
 }
 
 bool output_store(output_file *output) {
-    if (!output->error && (fflush(output->stream) != 0 || (output->temporary && fsync(fileno(output->stream)) != 0)))
+    if (!output->error && (fflush(output->stream) != 0 || (output->temporary && !system_store(fileno(output->stream)))))
         output->error = errno;
     return !output->error;
 }
@@ -190,7 +156,7 @@ static void release_names(output_file *output) {
 
 bool output_commit(output_file *output) {
     close_stream(output);
-    if (!output->error && output->temporary && rename(output->temporary, output->target) != 0)
+    if (!output->error && output->temporary && !system_replace(output->temporary, output->target))
         output->error = errno;
     if (output->error) {
         report_error(output->label, "cannot be written: %s", strerror(output->error));
@@ -204,38 +170,34 @@ bool output_commit(output_file *output) {
 void output_discard(output_file *output) {
     close_stream(output);
     if (output->temporary)
-        unlink(output->temporary);
+        system_remove_file(output->temporary);
     release_names(output);
 }
 
 bool output_exists(const char *name, uint64_t *size) {
-    struct stat status;
-    const bool exists = stat(name, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0;
-    *size = exists ? (uint64_t)status.st_size : 0;
+    system_status status;
+    const bool exists = system_status_of(name, &status) && status.is_regular && status.size > 0;
+    *size = exists ? status.size : 0;
     return exists;
 }
 
 void output_remove_leftover(const char *name) {
     char *target = output_resolve(name);
     char *temporary = target ? temporary_name(target) : NULL;
-    const int file = temporary ? open(temporary, O_RDWR | O_NOFOLLOW | O_CLOEXEC) : -1;
-    if (file >= 0) {
-        if (lock_temporary(file, temporary))
-            unlink(temporary);
-        close(file);
-    }
+    if (temporary)
+        system_remove_temporary(temporary);
     free(temporary);
     free(target);
 }
 
 bool output_make_folders(const char *name) {
     char *path = strdup(name);
-    struct stat status;
+    system_status status;
     bool ok = path || report_error(name, "%s", strerror(ENOMEM));
     for (char *slash = path && *path ? strchr(path + 1, '/') : NULL; ok && slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
-        ok = stat(path, &status) == 0 ? S_ISDIR(status.st_mode) || (errno = ENOTDIR, false)
-                                      : mkdir(path, 0777) == 0 || errno == EEXIST;
+        ok = system_status_of(path, &status) ? status.is_folder || (errno = ENOTDIR, false)
+                                             : system_make_folder(path) || errno == EEXIST;
         if (!ok)
             report_error(path, "cannot be made a folder: %s", strerror(errno));
         *slash = '/';

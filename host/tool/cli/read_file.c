@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "host/system/files.h"
 #include "cli/message.h"
 
 #define FIRST_CAPACITY ((size_t)64 << 10)
@@ -14,7 +15,7 @@ const char *input_label(const char *name) {
 }
 
 static FILE *open_file(const char *name) {
-    FILE *stream = fopen(name, "rb");
+    FILE *stream = system_open_stream(name);
     if (!stream)
         report_error(name, "cannot be opened: %s", strerror(errno));
     return stream;

@@ -1,11 +1,11 @@
 /* Services of every command: options, messages, files, progress, JSON, interrupts.
  *
- * It may use: the public headers.
+ * It may use: the operating system (host/system), and the public headers.
  *
  * In the order in which to read them:
  *   options.h, colour_name.h: command lines described by a table
  *   message.h, exit_code.h: errors, notes and the exit code of the program
- *   read_file.h, output_target.h, output_file.h: files and pipes
+ *   read_file.h, output_file.h: files and pipes
  *   base64.h, packet_input.h, gscl_input.h: the forms of gscl files
  *   interrupt.h, progress.h: signals and the progress line of a long computation
  *   memory.h: memory that is freed goes back to the system

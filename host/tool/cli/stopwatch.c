@@ -1,13 +1,11 @@
-#define _POSIX_C_SOURCE 200112L
 #include "cli/stopwatch.h"
 
 #include <stdlib.h>
-#include <time.h>
+
+#include "host/system/clock.h"
 
 double stopwatch_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    return gscl_now();
 }
 
 static int compare_doubles(const void *a, const void *b) {

@@ -1,22 +1,21 @@
-#define _DEFAULT_SOURCE /* flock, open_memstream */
+#define _DEFAULT_SOURCE /* fdopen, lseek */
 #include "commands/batch_report.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/system/files.h"
+#include "host/system/text_stream.h"
 #include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/name_hash.h"
 #include "cli/output_file.h"
-#include "cli/output_target.h"
+#include "host/system/output_target.h"
 
 /* The state of an entry: where its line begins, whether it is of this run, and its status. */
 #define STATE_STATUS 7u   /* mask; 0: being encoded */
@@ -86,20 +85,16 @@ static void write_members(json_writer *json, const picture_line *line) {
 
 /* The line with its line break, to be released with free; NULL when out of memory. */
 static char *make_line(const picture_line *line, size_t *size) {
-    char *text = NULL;
-    FILE *stream = open_memstream(&text, size);
+    char *text;
+    text_stream memory;
     json_writer json;
-    if (!stream)
+    if (!text_stream_open(&memory))
         return NULL;
-    json_start_line(&json, stream);
+    json_start_line(&json, memory.stream);
     json_open_object(&json, NULL);
     write_members(&json, line);
     json_close_object(&json);
-    const bool ok = !ferror(stream);
-    if (fclose(stream) == 0 && ok)
-        return text;
-    free(text);
-    return NULL;
+    return text_stream_close(&memory, &text, size) ? text : NULL;
 }
 
 char *batch_report_crash_line(const picture_id *id, const char *input, const char *output, size_t *size) {
@@ -199,7 +194,7 @@ static int read_lines(batch_report *report, FILE *stream, char *line) {
 
 /* A stream of the file of its own, at the start. */
 static FILE *open_lines(const batch_report *report) {
-    const int copy = fcntl(report->file, F_DUPFD_CLOEXEC, 0);
+    const int copy = system_duplicate(report->file);
     FILE *stream = copy >= 0 && lseek(copy, 0, SEEK_SET) == 0 ? fdopen(copy, "r") : NULL;
     if (!stream) {
         report_error(report->name, "cannot be read: %s", strerror(errno));
@@ -220,7 +215,7 @@ static int read_report(batch_report *report) {
     free(line);
     if (stream)
         fclose(stream);
-    if (status == EXIT_SUCCESS && ftruncate(report->file, (off_t)report->size) != 0) {
+    if (status == EXIT_SUCCESS && !system_set_size(report->file, report->size)) {
         report_error(report->name, "cannot be written: %s", strerror(errno));
         status = EXIT_FAILURE;
     }
@@ -229,14 +224,14 @@ static int read_report(batch_report *report) {
 
 /* Locks the report, so that two runs do not write into one.  A run that ends may replace the file meanwhile. */
 static int lock_report(batch_report *report) {
-    struct stat opened, named;
-    if (fstat(report->file, &opened) != 0 || !S_ISREG(opened.st_mode))
+    system_status opened, named;
+    if (!system_status_of_open(report->file, &opened) || !opened.is_regular)
         return EXIT_SUCCESS;
     report->is_regular = true;
-    if (flock(report->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    if (!system_lock(report->file) && errno == EWOULDBLOCK)
         return report_usage("encode", "another run is writing %s; give each run, or each shard, a report of its own",
                             report->name);
-    if (stat(report->name, &named) != 0 || named.st_dev != opened.st_dev || named.st_ino != opened.st_ino)
+    if (!system_status_of(report->name, &named) || !system_is_same(&named, &opened))
         return report_usage("encode", "%s has just been replaced by another run; try again", report->name);
     return read_report(report);
 }
@@ -252,7 +247,7 @@ int batch_report_open(batch_report *report, const char *name) {
     const bool is_in_place = output_is_in_place(name);
     if (strcmp(name, "-") == 0)
         report->name = "standard output";
-    report->file = is_in_place ? output_open_in_place(name) : open(name, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    report->file = is_in_place ? output_open_in_place(name) : system_open_to_append(name);
     if (report->file < 0) {
         report_error(report->name, "cannot be written: %s", strerror(errno));
         return EXIT_FAILURE;
@@ -275,7 +270,7 @@ static bool append_bytes(batch_report *report, const char *bytes, size_t size) {
     if (done == size)
         return true;
     const int error = errno;
-    if (report->is_regular && ftruncate(report->file, (off_t)report->size) != 0)
+    if (report->is_regular && !system_set_size(report->file, report->size))
         report_warning(report->name, "ends with a cut line, which the next run removes");
     return report_error(report->name, "cannot be written: %s", strerror(error));
 }
@@ -334,7 +329,7 @@ static bool remove_old_lines(batch_report *report) {
 bool batch_report_close(batch_report *report) {
     bool ok = !report->has_old_lines || remove_old_lines(report);
     name_index_free(&report->index);
-    if (report->is_regular && fsync(report->file) != 0)
+    if (report->is_regular && !system_store(report->file))
         ok = report_error(report->name, "cannot be written: %s", strerror(errno));
     if (report->file >= 0 && close(report->file) != 0)
         ok = report_error(report->name, "cannot be written: %s", strerror(errno));

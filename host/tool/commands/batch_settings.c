@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include "cli/output_target.h"
+#include "host/system/output_target.h"
 
 bool encode_batch_is_run(const encode_batch *batch) {
     return batch->files_from || batch->jsonl || batch->skip_existing || batch->shard.count > 0;

@@ -2,11 +2,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <gscl/gscl.h>
 
 #include "cli/device_choice.h"
+#include "host/system/files.h"
 #include "cli/exit_code.h"
 #include "cli/gscl_input.h"
 #include "cli/message.h"
@@ -295,7 +295,7 @@ int command_decode(int argc, char **argv) {
         output_take_operand("decode", options.inputs, &options.input_count, &options.output) != 0)
         return EXIT_USAGE;
     const char *last = options.inputs[options.input_count - 1];
-    if (!options.output && options.input_count > 1 && access(last, F_OK) != 0 && !image_format_of("decode", last))
+    if (!options.output && options.input_count > 1 && !system_exists(last) && !image_format_of("decode", last))
         return EXIT_USAGE; /* an output whose suffix is none */
     if (!options.output)
         return report_usage("decode", "the output is missing; give the name of an image, or -o - for standard output");

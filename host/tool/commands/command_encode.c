@@ -2,11 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 #include <gscl/gscl.h>
 
 #include "cli/exit_code.h"
+#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
@@ -81,7 +81,7 @@ static int take_output_operand(encode_batch *batch) {
     const char *last = batch->inputs[1];
     if (is_coded_name(last))
         return output_take_operand("encode", batch->inputs, &batch->count, &batch->output);
-    if (strcmp(last, "-") != 0 && access(last, F_OK) != 0 && !image_format_has_suffix(last))
+    if (strcmp(last, "-") != 0 && !system_exists(last) && !image_format_has_suffix(last))
         return report_usage("encode", "%s does not exist; an output ends with .gscl, or is named with -o", last);
     return EXIT_SUCCESS;
 }

@@ -7,13 +7,14 @@
 
 #include <gscl/measure.h>
 
+#include "host/system/signals.h"
 #include "cli/device_choice.h"
 #include "cli/device_list.h"
 #include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/stopwatch.h"
-#include "commands/check_process.h"
+#include "host/system/check_process.h"
 #include "image/synthetic_image.h"
 
 #define WIDTH 96 /* of the picture, pixels */
@@ -160,7 +161,8 @@ static void describe_end(check_record *r, check_end end, int number, uint64_t li
     if (end == CHECK_TOO_LATE)
         snprintf(r->message, sizeof r->message, "%s was not done after %llu s", stage, (unsigned long long)limit_s);
     else if (end == CHECK_KILLED)
-        snprintf(r->message, sizeof r->message, "%s ended with signal %d (%s)", stage, number, strsignal(number));
+        snprintf(r->message, sizeof r->message, "%s ended with signal %d (%s)", stage, number,
+                 system_signal_text(number));
     else
         snprintf(r->message, sizeof r->message, "%s ended the process with exit code %d", stage, number);
     r->has_failed = true;
@@ -231,7 +233,7 @@ static int find_devices(device_records *list, uint64_t limit_s) {
     else if (end == CHECK_TOO_LATE)
         report_error("OpenCL", "listing the devices was not done after %llu s", (unsigned long long)limit_s);
     else if (end == CHECK_KILLED)
-        report_error("OpenCL", "listing the devices ended with signal %d (%s)", number, strsignal(number));
+        report_error("OpenCL", "listing the devices ended with signal %d (%s)", number, system_signal_text(number));
     return end == CHECK_EXITED ? number : EXIT_FAILURE;
 }
 

@@ -12,7 +12,7 @@
 #include "commands/batch_devices.h"
 #include "commands/batch_report.h"
 #include "commands/batch_settings.h"
-#include "commands/crash_guard.h"
+#include "host/system/crash_guard.h"
 #include "image/image_content.h"
 
 #define JOB_MESSAGE_SIZE 512 /* bytes, the NUL included; a longer message is cut */

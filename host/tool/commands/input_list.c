@@ -1,21 +1,19 @@
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE 200809L /* read */
 #include "commands/input_list.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/read_file.h"
 
 #define BUFFER_SIZE ((size_t)64 << 10)
 
 bool input_list_open(input_list *list, char *const *operands, int operand_count, const char *list_name, bool null) {
-    struct stat status;
+    system_status status;
     *list = (input_list){.operands = operands,
                          .operand_count = operand_count,
                          .file = -1,
@@ -24,10 +22,10 @@ bool input_list_open(input_list *list, char *const *operands, int operand_count,
     if (!list_name)
         return true;
     list->label = input_label(list_name);
-    list->file = strcmp(list_name, "-") == 0 ? STDIN_FILENO : open(list_name, O_RDONLY | O_CLOEXEC);
+    list->file = strcmp(list_name, "-") == 0 ? STDIN_FILENO : system_open_to_read(list_name);
     if (list->file < 0)
         return report_error(list->label, "cannot be opened: %s", strerror(errno));
-    list->can_restart = list->file != STDIN_FILENO && fstat(list->file, &status) == 0 && S_ISREG(status.st_mode);
+    list->can_restart = list->file != STDIN_FILENO && system_status_of_open(list->file, &status) && status.is_regular;
     list->buffer = malloc(BUFFER_SIZE);
     return list->buffer || report_error(list->label, "%s", strerror(ENOMEM));
 }
@@ -41,14 +39,12 @@ void input_list_close(input_list *list) {
 }
 
 void input_list_wait(const input_list *list, int milliseconds) {
-    struct pollfd source = {.fd = list->file, .events = POLLIN};
-    poll(&source, 1, milliseconds);
+    system_has_input(list->file, milliseconds);
 }
 
 /* Fills the buffer, without waiting for the writer. */
 static input_state fill_buffer(input_list *list) {
-    struct pollfd source = {.fd = list->file, .events = POLLIN};
-    if (poll(&source, 1, 0) == 0)
+    if (!system_has_input(list->file, 0))
         return INPUT_WAIT;
     const ssize_t count = read(list->file, list->buffer, BUFFER_SIZE);
     if (count < 0 && (errno == EINTR || errno == EAGAIN))

@@ -1,27 +1,16 @@
-#define _XOPEN_SOURCE 700 /* mkstemp, pread */
 #include "commands/name_index.h"
 
-#include <errno.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <sys/types.h>
 #include <unistd.h>
 
+#include "host/system/files.h"
+
 #define FIRST_CAPACITY 1024 /* slots; a power of two, as all later ones */
-#define MAX_PATH 1024       /* bytes, the NUL included */
 #define SLOTS_READ 256      /* at a time, when all are read */
 
 /* A file of empty slots.  Returns -1 with errno. */
 static int make_table(uint64_t capacity) {
-    const char *folder = getenv("TMPDIR");
-    char name[MAX_PATH];
-    const int length = snprintf(name, sizeof name, "%s/gscl-index-XXXXXX", folder && *folder ? folder : "/tmp");
-    errno = ENAMETOOLONG;
-    const int file = length < MAX_PATH ? mkstemp(name) : -1;
-    if (file < 0)
-        return -1;
-    unlink(name);
-    if (ftruncate(file, (off_t)(capacity * sizeof(name_entry))) == 0)
+    const int file = system_make_scratch();
+    if (file < 0 || system_set_size(file, capacity * sizeof(name_entry)))
         return file;
     close(file);
     return -1;
@@ -38,23 +27,12 @@ void name_index_free(name_index *index) {
     index->file = -1;
 }
 
-static off_t slot_offset(uint64_t slot) {
-    return (off_t)(slot * sizeof(name_entry));
-}
-
 static bool read_slots(int file, uint64_t slot, name_entry *entries, size_t count) {
-    const size_t size = count * sizeof *entries;
-    const ssize_t done = pread(file, entries, size, slot_offset(slot));
-    if (done >= 0 && (size_t)done != size)
-        errno = EIO;
-    return done == (ssize_t)size;
+    return system_read_at(file, entries, count * sizeof *entries, slot * sizeof *entries);
 }
 
 static bool write_slot(int file, uint64_t slot, const name_entry *entry) {
-    const ssize_t done = pwrite(file, entry, sizeof *entry, slot_offset(slot));
-    if (done >= 0 && done != (ssize_t)sizeof *entry)
-        errno = ENOSPC;
-    return done == (ssize_t)sizeof *entry;
+    return system_write_at(file, entry, sizeof *entry, slot * sizeof *entry);
 }
 
 /* The slot that has the key, or the empty one where it belongs.  At least half of the slots are empty. */

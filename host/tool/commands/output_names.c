@@ -1,13 +1,13 @@
-#define _DEFAULT_SOURCE /* strdup, access */
+#define _DEFAULT_SOURCE /* strdup */
 #include "commands/output_names.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <gscl/gscl.h>
 
+#include "host/system/files.h"
 #include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/output_file.h"
@@ -89,7 +89,7 @@ void output_names_free(char **names, int count) {
 }
 
 static bool overwrites_input(char *const *inputs, int count, const char *name) {
-    for (int i = 0; access(name, F_OK) == 0 && i < count; i++) {
+    for (int i = 0; system_exists(name) && i < count; i++) {
         if (!output_is_separate("encode", inputs[i], name))
             return true;
     }

@@ -1,12 +1,11 @@
-#define _GNU_SOURCE /* strdup, syncfs */
+#define _DEFAULT_SOURCE /* strdup */
 #include "commands/picture_queue.h"
 
+#include "host/system/files.h"
 #include "commands/packet_files.h"
 
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/exit_code.h"
 #include "cli/gscl_input.h"
@@ -232,16 +231,6 @@ static void print_summary(const picture_queue *queue, int stopped) {
                 (unsigned long long)queue->failed, stopped == EXIT_SUCCESS ? "" : "; stopped before the end");
 }
 
-/* Waits until the outputs are stored, once in a run, so that its summary holds after a loss of power. */
-static void store_outputs(const picture_queue *queue) {
-    const char *name = queue->batch->out_dir;
-    const int folder = name ? open(name, O_RDONLY | O_CLOEXEC) : -1;
-    if (folder < 0 || syncfs(folder) != 0)
-        sync(); /* the outputs lie beside the inputs, perhaps on several disks */
-    if (folder >= 0)
-        close(folder);
-}
-
 int picture_queue_close(picture_queue *queue, int stopped) {
     const bool is_single = !queue->is_run && queue->batch->count == 1;
     int status = stopped;
@@ -255,7 +244,7 @@ int picture_queue_close(picture_queue *queue, int stopped) {
         return status;
     input_list_close(&queue->list);
     if (queue->encoded > 0)
-        store_outputs(queue);
+        system_store_below(queue->batch->out_dir); /* so that the summary holds after a loss of power */
     if (!batch_report_close(&queue->report))
         status = status >= EXIT_SIGNAL ? status : EXIT_FAILURE;
     if (queue->is_open)

@@ -5,11 +5,11 @@
  * In the order in which to read them:
  *   command.h: the list of commands
  *   command_info.c, command_compare.c, command_devices.c: the short ones
- *   device_check.h, check_process.h: the check of devices
+ *   device_check.h: the check of devices
  *   command_decode.c: a gscl file into an image
  *   command_encode.c, effect_list.h, batch_settings.h, encode_batch.h, encode_job.h, batch_devices.h, output_names.h,
  *     packet_files.h: images into gscl files
- *   picture_queue.h, input_list.h, batch_report.h, name_index.h, crash_guard.h: runs over any number of images
+ *   picture_queue.h, input_list.h, batch_report.h, name_index.h: runs over any number of images
  *   command_draw.c, ellipse_outline.h: splats as ellipses
  *   command_export.c, export_svg.h: splats for other programs
  *   command_pack.c, field_file.h: splats of other programs

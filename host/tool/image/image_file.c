@@ -1,14 +1,13 @@
 #define _DEFAULT_SOURCE /* fileno */
 #include "image/image_file.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
+#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/module.h"
 #include "cli/read_file.h"
@@ -36,7 +35,7 @@ static const image_module *load_module(const char *label) {
     const image_module *module = module_load(IMAGE_MODULE_FILE, IMAGE_MODULE_SYMBOL);
     if (!module)
         report_error(label, "needs the module gscl-imageio.so, which handles all formats but PNG and JPEG: %s",
-                     dlerror());
+                     module_error());
     return module;
 }
 #else
@@ -69,8 +68,8 @@ static bool read_from_memory(const source *s, image_content *content) {
 }
 
 static bool is_regular_file(const char *name) {
-    struct stat status;
-    return stat(name, &status) == 0 && S_ISREG(status.st_mode);
+    system_status status;
+    return system_status_of(name, &status) && status.is_regular;
 }
 
 /* For plug-ins that read no bytes.  Those of a pipe go through a temporary file without a name. */

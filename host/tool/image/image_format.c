@@ -5,7 +5,7 @@
 
 #include "cli/message.h"
 #include "cli/output_file.h"
-#include "cli/output_target.h"
+#include "host/system/output_target.h"
 
 static const image_format formats[] = {
     {".png", true, true, true, true, 16},    {".jpg", true, true, false, true, 8},

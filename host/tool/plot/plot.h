@@ -7,6 +7,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "host/system/printf_format.h"
+
 #define PLOT_MAX_PANELS 4
 #define PLOT_MAX_SERIES 24
 #define PLOT_MAX_POINTS 96
@@ -70,9 +72,7 @@ typedef struct plot {
 plot_panel *plot_add_panel(plot *p, const char *title, const char *x_title, const char *y_title);
 plot_series *plot_add_series(plot_panel *panel, const char *name, plot_style style, plot_colour colour);
 /* `label` is a format as of printf.  Points that are not finite (on a logarithmic axis: not positive) are dropped. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 5, 6)))
-#endif
+GSCL_PRINTF(5, 6)
 void plot_add_point(plot_series *series, double x, double y, bool is_default, const char *label, ...);
 /* The number of a category, which is added if it is new. */
 double plot_category(plot_panel *panel, const char *name);

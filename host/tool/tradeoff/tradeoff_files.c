@@ -1,13 +1,10 @@
-#define _DEFAULT_SOURCE /* mkdir, rmdir */
 #include "tradeoff/tradeoff_files.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/module.h"
 #include "tradeoff/tradeoff_tables.h"
@@ -28,12 +25,12 @@ static const plot_module *load_module(void) {
         report_note(
             "gscl: tradeoff: tables only; plots need the module gscl-plot.so, which is built if cairo is installed "
             "(Debian: libcairo2-dev): %s",
-            dlerror());
+            module_error());
     return module;
 }
 
 static bool make_folder(tradeoff_files *files) {
-    if (mkdir(files->folder, 0777) == 0)
+    if (system_make_folder(files->folder))
         files->made_folder = true;
     else if (errno != EEXIST)
         return report_error(files->folder, "cannot be made: %s; name a folder inside an existing one", strerror(errno));
@@ -115,6 +112,6 @@ void tradeoff_files_discard(tradeoff_files *files) {
     }
     files->count = 0;
     if (files->made_folder)
-        rmdir(files->folder);
+        system_remove_folder(files->folder);
     files->made_folder = false;
 }

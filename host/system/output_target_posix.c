@@ -1,5 +1,5 @@
 #define _DEFAULT_SOURCE /* realpath, readlink, PATH_MAX */
-#include "cli/output_target.h"
+#include "host/system/output_target.h"
 
 #include <errno.h>
 #include <fcntl.h>

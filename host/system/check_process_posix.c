@@ -1,5 +1,5 @@
 #define _DEFAULT_SOURCE
-#include "commands/check_process.h"
+#include "host/system/check_process.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,7 +13,7 @@
 #include <sys/prctl.h>
 #endif
 
-#include "cli/stopwatch.h"
+#include "host/system/clock.h"
 
 /* In the child: signals end it as usual, and so does the end of its parent. */
 static void prepare_child(void) {
@@ -30,7 +30,7 @@ static void prepare_child(void) {
 static bool wait_for_input(int pipe, double end_s) {
     for (;;) {
         struct pollfd input = {.fd = pipe, .events = POLLIN};
-        const double left_ms = ceil(1e3 * (end_s - stopwatch_now()));
+        const double left_ms = ceil(1e3 * (end_s - gscl_now()));
         if (left_ms <= 0)
             return false;
         const int count = poll(&input, 1, left_ms < 1e6 ? (int)left_ms : 1000000);
@@ -61,7 +61,7 @@ static bool receive_records(const check_process *process, int pipe, double end_s
 /* A process that closed its pipe may still hang in the end of an OpenCL implementation. */
 static bool wait_for_end(pid_t child, double end_s, int *status) {
     while (waitpid(child, status, WNOHANG) == 0) {
-        if (stopwatch_now() > end_s)
+        if (gscl_now() > end_s)
             return false;
         usleep(2000);
     }
@@ -73,7 +73,7 @@ bool check_process_run(const check_process *process, double limit_s, check_end *
     if (pipe(pipes) != 0)
         return false;
     fflush(NULL); /* or the child writes it again */
-    const double end_s = stopwatch_now() + limit_s;
+    const double end_s = gscl_now() + limit_s;
     const pid_t child = fork();
     if (child == 0) {
         close(pipes[0]);

@@ -1,5 +1,5 @@
 #define _XOPEN_SOURCE 700 /* sigaltstack */
-#include "commands/crash_guard.h"
+#include "host/system/crash_guard.h"
 
 #include <pthread.h>
 #include <signal.h>

@@ -1,6 +1,6 @@
 /* A function that runs in a process of its own and reports records of one size to its parent. */
-#ifndef GSCL_TOOL_CHECK_PROCESS_H
-#define GSCL_TOOL_CHECK_PROCESS_H
+#ifndef GSCL_SYSTEM_CHECK_PROCESS_H
+#define GSCL_SYSTEM_CHECK_PROCESS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* Reading an image of a run, whose library may crash.  The report then gets the line of that image, and the program starts
  * again with the same command line, so that the other images are encoded; a later run leaves the image out. */
-#ifndef GSCL_TOOL_CRASH_GUARD_H
-#define GSCL_TOOL_CRASH_GUARD_H
+#ifndef GSCL_SYSTEM_CRASH_GUARD_H
+#define GSCL_SYSTEM_CRASH_GUARD_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* What the name of an output stands for: an open descriptor, something else that is written in place, or a file. */
-#ifndef GSCL_TOOL_OUTPUT_TARGET_H
-#define GSCL_TOOL_OUTPUT_TARGET_H
+#ifndef GSCL_SYSTEM_OUTPUT_TARGET_H
+#define GSCL_SYSTEM_OUTPUT_TARGET_H
 
 #include <stdbool.h>
 
