@@ -12,6 +12,7 @@ lowest to the highest.  The script fails when
    uses host/lib/opencl or host/lib/native,
  - a file of the library or of format/ calls a function of the C library that rounds differently on other machines,
    and is not in a room whose results are in no file,
+ - a file outside host/system, but for the public headers and host/web, asks which operating system it is compiled for,
  - a room is missing from the lists or has no room.h, or its room.h does not state what the room may use, or names files
    that do not exist.
 
@@ -49,11 +50,14 @@ OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/devices/count_launches.c", "tes
                 "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/opencl_faults.c", "tests/unit/test_device.c",
                 "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
 OPENCL_NAME = re.compile(r"\b(?!cl_khr_)(?:_?cl_[a-z]\w*|CL_[A-Z]\w*|cl[A-Z]\w*)|[<\"](?:CL|OpenCL)/\w+\.h")
+PUBLIC = "host/include/gscl/"
+# How sources ask for the operating system, and where they may: its room, and the public header, which exports functions.
+SYSTEM = re.compile(r"\b(?:_WIN(?:32|64)|__MINGW(?:32|64)__|__APPLE__|__linux__|__(?:Free|Open|Net)BSD__|__CYGWIN__)\b")
+SYSTEM_PLACES = ("host/system/", PUBLIC, "host/web/")
 # What rounds differently on other machines (host/lib/runtime/elementary.h), and the rooms that may call it.
 INEXACT = re.compile(r"(?<![\w.>])(?:a?(?:sin|cos|tan)h?|atan2|exp2?|expm1|log(?:2|10|1p|b)?|pow|hypot|cbrt|[lt]gamma|erfc?)[fl]?\(")
 INEXACT_ROOMS = ("host/lib/measure/",)
 COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|(?<!include )"(?:\\.|[^"\\\n])*"', re.DOTALL)
-PUBLIC = "host/include/gscl/"
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
 PUBLIC_FUNCTION = re.compile(r"GSCL_API\b[^;{]*?\b(gscl_\w+)\(", re.DOTALL)
@@ -237,6 +241,14 @@ def inexact_calls(root):
             yield f"{path}: calls {match.group()[:-1]} of the C library, which rounds differently on other machines"
 
 
+def system_questions(root):
+    """Sources that ask for the operating system outside its room."""
+    for path in sorted(sources(root)):
+        match = SYSTEM.search(COMMENT_OR_STRING.sub(" ", read(root, path)))
+        if match and not path.startswith(SYSTEM_PLACES):
+            yield f"{path}: asks for {match.group()}, which only host/system may"
+
+
 def unlisted_rooms(files):
     for path in sorted(files):
         room = room_of(path)
@@ -286,6 +298,7 @@ def check(root, folders):
         faults += unmatched
     faults += opencl_names(root)
     faults += inexact_calls(root)
+    faults += system_questions(root)
     faults += [f"{path} -> {target}: {why}" for path, target in sorted(arrows) if (why := fault(path, target))]
     return faults + ["circle: " + " ".join(group) for group in circles(arrows)]
 

@@ -55,6 +55,7 @@ FAULTS = {
     "an include of a higher room": (include("host/lib/runtime/context.c", '"fit/fit.h"'), "upward, from runtime to fit"),
     "an include from format/ of the library": (include("format/header.c", '"host/lib/fit/fit.h"'), "may not use host/lib"),
     "an include of the tool of a private header": (include("host/tool/main.c", '"host/lib/fit/fit.h"'), "may not use"),
+    "a question for the operating system": (code("host/lib/fit/fit.c", "#ifdef _WIN32\n#endif"), "asks for _WIN32"),
     "an include of the library of the tool": (include("host/lib/fit/fit.c", '"host/tool/cli/json.h"'), "may not use"),
     "an include of a binding of the library": (include("host/openimageio/gscl_plugin.h", '"host/lib/fit/fit.h"'), "may not use"),
     "a public header with a private one": (include("host/include/gscl/gscl.h", '"fit/fit.h"'), "public headers only"),
