@@ -121,10 +121,10 @@ library_without_opencl() {
     suite build-native all --no-suite any_build
     unset STABILITY_SMALL
     check "library that only decodes" sh tests/install/test_without_opencl.sh build-decoder
-    check "same files on aarch64" sh tests/portability/check_golden.sh
     show "other machines" sh tests/portability/run.sh --quick
     for machine in $quick_machines; do
         add_counts "build-portability/$machine/meson-logs/testlog.json"
+        add $(cat "build-portability/$machine/meson-logs/encodes.txt" || echo 0 1)
     done
 }
 

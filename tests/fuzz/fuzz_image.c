@@ -67,6 +67,10 @@ const void *module_load(const char *file, const char *symbol) {
     return &module;
 }
 
+const char *module_error(void) {
+    return "none here";
+}
+
 /* ---- Checks ------------------------------------------------------------------------------------ */
 
 static size_t sample_bytes(const gscl_image *image) {

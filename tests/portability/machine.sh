@@ -1,18 +1,24 @@
 #!/bin/sh
-# Builds and tests for one machine, whose packages are installed, and prints its row: machine.sh [--quick] MACHINE
+# Builds and tests for one machine, whose packages are installed, and prints its row: machine.sh [--quick | --encodes] MACHINE
 #
-# run.sh calls it.  The tests that were run are listed in build-portability/MACHINE/meson-logs/testlog.json.
+# run.sh calls it.  The tests that were run are listed in build-portability/MACHINE/meson-logs/testlog.json; encodes.txt beside it has
+# the counts of encodes that passed and failed, and of the tool's files.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
-quick=
-[ "$1" != --quick ] || { quick=yes; shift; }
+how=whole
+case $1 in
+--quick | --encodes)
+    how=${1#--}
+    shift
+    ;;
+esac
 machine=$1
 work=$(cd "$here/../../build-portability" && pwd)
 folder=$work/$machine
-prefix=$work/cmocka-$machine
+prefix=$work/prefix-$machine
 log=$work/$machine.log
 results=$folder/meson-logs/testlog.json
-rm -f "$results"
+rm -f "$results" "$folder/meson-logs/encodes.txt"
 export PKG_CONFIG_LIBDIR="$prefix/lib/pkgconfig" # not that of this machine
 export PATH="$PATH:$here" STABILITY_SMALL=1
 
@@ -23,32 +29,67 @@ set_up() {
     meson setup $again "$@" --cross-file "$here/$machine.ini" && ninja -C "$1"
 }
 
+# Kernels are compiled for one processor of x86-64, whose others are tested on this machine, and for none where there are none.
 build() {
-    if [ -z "$quick" ]; then
+    set -- -Dtool=disabled
+    if [ "$how" != quick ]; then
+        sh "$here/image_libraries.sh" "$machine" "$prefix" || return 1
+        set -- -Dtool=enabled
+    fi
+    if [ "$how" = whole ]; then
         set_up "$work/build-cmocka-$machine" "$work/cmocka_sources/cmocka" --prefix "$prefix" &&
             meson install -C "$work/build-cmocka-$machine" --no-rebuild --quiet || return 1
-        set -- -Dtests=enabled
+        set -- "$@" -Dtests=enabled
     fi
-    set_up "$folder" "$here/../.." -Dopencl=disabled -Dnative=disabled -Dtool=disabled -Dweb=disabled -Dopenimageio=disabled \
-        -Ddesktop=disabled "$@" || return 1
+    case $machine in
+    mingw) set -- "$@" -Dnative_processors=x86_64_v3 ;;
+    musl | x87) set -- "$@" -Dnative_processors=own ;;
+    esac
+    set_up "$folder" "$here/../.." -Dopencl=disabled -Dnative=enabled -Dimage_module=disabled -Dplots=disabled -Dweb=disabled \
+        -Dopenimageio=disabled -Ddesktop=disabled "$@" || return 1
     for library in "$folder"/*.dll; do
         [ ! -f "$library" ] || sh "$here/../install/check_exports.sh" "$library" || return 1
     done
 }
 
+row() {
+    printf '| %-10s | %-6s | %-15s | %-18s | %-9s | %-20s |\n' "$machine" "$@"
+}
+
+encodes() {
+    set --
+    [ "$how" != quick ] || set -- 33x2 rgba blend-alpha
+    encoded=$(sh "$here/check_golden.sh" "$machine" "$@" 2>>"$log") && add 1 0 || add 0 1
+}
+
+tool_files() {
+    program=$(ls "$folder/gscl" "$folder/gscl.exe" 2>/dev/null)
+    files=$(sh "$here/tool_files.sh" sh "$here/on_machine.sh" "$machine" "$program" 2>>"$log") && add 1 0 || add 0 1
+}
+
+# add PASSED FAILED
+add() {
+    passed=$((passed + $1)) not=$((not + $2))
+}
+
 # An emulator takes ten times as long; a limit only ends a test that hangs.
+passed=0 not=0 encoded=- files=-
 if build >"$log" 2>&1; then
     set --
-    [ -z "$quick" ] || set -- conformance_set without_opencl "fuzz reader" "fuzz writer"
+    [ "$how" = whole ] || set -- conformance_set "fuzz reader" "fuzz writer"
     meson test -C "$folder" --no-rebuild --print-errorlogs --timeout-multiplier 2 "$@" >>"$log" 2>&1
     failed=$?
     right=$(sed -n 's/^# decode-host: \(.*\) files right.*/\1/p' "$folder/meson-logs/testlog.txt")
     [ -n "$right" ] || failed=1
+    encodes
+    [ "$how" = quick ] || tool_files
+    echo "$passed $not" >"$folder/meson-logs/encodes.txt"
+    [ "$not" = 0 ] || failed=1
     counts=$(python3 "$here/../count_results.py" "$results")
-    printf '%-14s %-8s %-18s %s\n' "$machine" yes "${right:-none}" "${counts% *} passed, ${counts#* } failed"
+    row yes "${right:-none}" "$encoded" "$files" "${counts% *} passed, ${counts#* } failed"
 else
     failed=1
-    printf '%-14s %-8s %-18s %s\n' "$machine" no - -
+    row no - - - -
 fi
 [ "$failed" = 0 ] || {
     echo "of $log:"

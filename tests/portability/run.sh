@@ -1,10 +1,11 @@
 #!/bin/sh
-# Tests the library without OpenCL on other machines: run.sh [--quick] [MACHINE...]
+# Tests the library, its encoder on the device "host", and the tool on other machines: run.sh [--quick | --encodes] [MACHINE...]
 #
 # MACHINE is the name of a file of meson beside this script, as s390x of s390x.ini.  Without one, all are tested, or with --quick
 # those of quick_machines in tests/setup.sh.  Each is built by a compiler of Debian in build-portability/MACHINE, two at a time,
-# and its programs run in qemu-user or wine.  --quick runs the conformance set, the kept inputs of the fuzz targets, and a program
-# beside the shared library.  Without it all tests run that need no OpenCL, in up to half an hour for a machine.
+# and its programs run in qemu-user, in wine, or as they are.  --quick builds the library, and runs the conformance set, the kept inputs
+# of the fuzz targets and three encodes of golden.txt; --encodes five of these, and builds the tool, which encodes and decodes files
+# (tool_files.sh).  Without either all tests run that need no OpenCL, too, in hours for a machine in qemu-user.
 #
 # Prints a row for each machine, and ends with status 1 where one fails; build-portability/MACHINE.log has what was printed.
 set -u
@@ -12,10 +13,15 @@ here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.."
 . tests/setup.sh
 quick=
-[ "${1:-}" != --quick ] || { quick=--quick; shift; }
+case ${1:-} in
+--quick | --encodes)
+    quick=$1
+    shift
+    ;;
+esac
 if [ $# = 0 ]; then
     machines=$(ls "$here"/*.ini | sed 's|.*/||; s|\.ini$||')
-    [ -z "$quick" ] || machines=$quick_machines
+    [ "$quick" != --quick ] || machines=$quick_machines
     set -- $machines
 fi
 packages=
@@ -36,5 +42,6 @@ WINEPREFIX=$(mktemp -d)
 export WINEPREFIX
 trap '[ ! -d "$WINEPREFIX/drive_c" ] || PATH=$PATH:/usr/lib/wine wineserver64 -w; rm -rf "$WINEPREFIX"' EXIT
 
-printf '%-14s %-8s %-18s %s\n' machine builds 'conformance set' tests
+printf '| %-10s | %-6s | %-15s | %-18s | %-9s | %-20s |\n' machine builds 'conformance set' 'encodes' "tool" 'tests'
+echo '|---|---|---|---|---|---|'
 printf '%s\n' "$@" | xargs -n 1 -P 2 sh "$here/machine.sh" $quick
