@@ -79,7 +79,9 @@ typedef struct gscl_control_settings {
     float max_entries;        /* of all lists, above which log_max is reduced */
     float reduction;          /* of log_max */
     float log_min;            /* its lower bound */
-    float threshold_per_loss; /* 0: the threshold stays */
+    int32_t losses;           /* tiles, whose losses are summed; 0: loss and threshold stay */
+    float loss_scale;         /* 1 / samples of a step */
+    float threshold_per_loss;
     int32_t splats;
     float low_height; /* half the height of an outline, drawn rows; lower splats count as low */
 } gscl_control_settings;

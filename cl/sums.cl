@@ -14,13 +14,16 @@ long_sum long_sum_add(long_sum s, float number) {
     return s;
 }
 
+/* Share `j` of the sum of `count` numbers. */
+float share_sum(__global const float *restrict numbers, int count, int j) {
+    long_sum own = {0.0f, 0.0f};
+    for (int i = j; i < count; i += GSCL_SUM_ITEMS) own = long_sum_add(own, numbers[i]);
+    return own.sum;
+}
+
 /* The sum of `count` numbers at sums[0]. */
 void share_sums(__global const float *restrict numbers, int count, __local float *restrict sums) {
-    FOR_SHARES(j) {
-        long_sum own = {0.0f, 0.0f};
-        for (int i = j; i < count; i += GSCL_SUM_ITEMS) own = long_sum_add(own, numbers[i]);
-        sums[j] = own.sum;
-    }
+    FOR_SHARES(j) sums[j] = share_sum(numbers, count, j);
     shares_sum(1, sums);
 }
 
@@ -65,14 +68,15 @@ __kernel GROUP_OF(SUM_ITEMS) void sum_loss(__global const float *restrict tile_l
     if (get_local_id(0) == 0) control->loss = sums[0] * scale;
 }
 
-/* Bounds the axes where the lists of the tiles are long, sets the threshold of skipped tiles, and counts low splats.  One
- * work-group. */
+/* Bounds the axes where the lists of the tiles are long, counts low splats, and sets the threshold of skipped tiles, which
+ * follows the mean loss of a step, as of sum_loss.  One work-group. */
 __kernel GROUP_OF(SUM_ITEMS) void control_fit(__global const int *restrict row_totals, int rows,
                                               __global const float *restrict ellipse_bounds,
-                                              gscl_control_settings settings,
+                                              __global const float *restrict tile_loss, gscl_control_settings settings,
                                               __global gscl_fit_control *restrict control) {
-    __local float sums[2 * GSCL_SUM_ITEMS];
+    __local float sums[3 * GSCL_SUM_ITEMS];
     FOR_SHARES(j) {
+        sums[2 * GSCL_SUM_ITEMS + j] = share_sum(tile_loss, settings.losses, j);
         float own = 0.0f, own_low = 0.0f;
         for (int i = j; i < rows; i += GSCL_SUM_ITEMS) own += (float)row_totals[i];
         for (int i = j; i < settings.splats; i += GSCL_SUM_ITEMS)
@@ -81,11 +85,13 @@ __kernel GROUP_OF(SUM_ITEMS) void control_fit(__global const int *restrict row_t
         sums[j] = own;
         sums[GSCL_SUM_ITEMS + j] = own_low;
     }
-    shares_sum(2, sums);
+    shares_sum(3, sums);
     if (get_local_id(0) > 0) return;
     const float entries = sums[0], low = sums[GSCL_SUM_ITEMS];
     control->low_splats = low / fmax((float)settings.splats, 1.0f);
     if (entries > settings.max_entries)
         control->log_max = fmax(control->log_max - settings.reduction, settings.log_min);
-    if (settings.threshold_per_loss > 0.0f) control->skip_threshold = settings.threshold_per_loss * control->loss;
+    if (settings.losses == 0) return;
+    control->loss = sums[2 * GSCL_SUM_ITEMS] * settings.loss_scale;
+    control->skip_threshold = settings.threshold_per_loss * control->loss;
 }

@@ -166,6 +166,8 @@ gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
 /* Sums it into the control on the device. */
 gscl_result gscl_fit_sum_loss(gscl_fit *fit);
+/* What makes this mean of the sum of the tiles' losses. */
+float gscl_fit_loss_scale(const gscl_fit *fit);
 /* Renders the current splats (through the quantiser) and writes the squared error of each pixel of the level, added over
  * channels and weighted, into fit->error, without waiting. */
 gscl_result gscl_fit_begin_error(gscl_fit *fit);

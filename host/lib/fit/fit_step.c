@@ -109,27 +109,34 @@ static int wait_interval(const gscl_fit *f) {
     return steps < t->check_interval ? t->check_interval : steps < f->max_wait ? steps : f->max_wait;
 }
 
-/* Bins and bounds the tile occupancy; sets the threshold of skipped tiles from the losses of the last step, which an
- * external loss does not have.  The device does both. */
-static gscl_result bin_and_check(gscl_fit *f) {
+/* Bounds the tile occupancy by the present lists; sets the threshold of skipped tiles from the losses of the last step where it
+ * `has_loss`. */
+static gscl_result launch_control(gscl_fit *f, bool has_loss) {
     const gscl_renderer *r = &f->renderer;
-    const bool has_loss = f->skip.step > 0 && r->options.loss != GSCL_LOSS_KIND_EXTERNAL;
     const float low_height = gscl_fit_tunables.low_axis * sqrtf(2.0f * GSCL_SUPPORT) * r->view.row_scale;
     const gscl_control_settings settings = {.max_entries = (float)max_entries(f),
                                             .reduction = gscl_fit_tunables.axis_reduction,
                                             .log_min = f->limits.log_min,
-                                            .threshold_per_loss =
-                                                has_loss ? gscl_tile_skip_share(r->channels, non_flat_tiles(f)) : 0,
+                                            .losses = has_loss ? (int32_t)gscl_renderer_tiles(r) : 0,
+                                            .loss_scale = gscl_fit_loss_scale(f),
+                                            .threshold_per_loss = gscl_tile_skip_share(r->channels, non_flat_tiles(f)),
                                             .splats = r->count,
                                             .low_height = low_height};
     gscl_kernel *kernel;
-    if (has_loss)
-        GSCL_TRY(gscl_fit_sum_loss(f));
-    GSCL_TRY(gscl_fit_bin(f, !f->has_known_lengths || f->steps_since_wait >= wait_interval(f)));
     GSCL_TRY(gscl_image_kernel(f->context, "control_fit", &kernel));
     return GSCL_LAUNCH(f->context, kernel, 1, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(r->row_totals),
-                       GSCL_ARG(r->view.tiles_y), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(f->control));
+                       GSCL_ARG(r->view.tiles_y), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(f->tile_loss),
+                       GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control));
+}
+
+/* Bins and follows the lists and the loss on the device.  An external loss has none of tiles. */
+static gscl_result bin_and_check(gscl_fit *f) {
+    const bool has_loss = f->skip.step > 0 && f->renderer.options.loss != GSCL_LOSS_KIND_EXTERNAL;
+    const bool is_wait_due = !f->has_known_lengths || f->steps_since_wait >= wait_interval(f);
+    if (has_loss && is_wait_due)
+        GSCL_TRY(gscl_fit_sum_loss(f)); /* for the host, which reads it before the control is launched */
+    GSCL_TRY(gscl_fit_bin(f, is_wait_due));
+    return launch_control(f, has_loss);
 }
 
 /* Writes the derivative of an external loss by the rendering. */
