@@ -6,8 +6,9 @@
  *
  * Build options BAND_ITEMS and BIN_ITEMS, the work-items of a group that lists the splats of a band, and that fills lists.
  * Both are 1 on CPUs: the only one takes splat after splat and appends it to the lists of a row of tiles.  On GPUs each
- * tile has a group, whose work-items take a splat each: they count those that touch the tile, and in a second kernel,
- * which begins behind the counts of the tiles to the left, scatter them to the places that a scan gives them.
+ * tile has a group, whose work-items take a splat each, and scatter those that touch the tile to the places that a scan gives
+ * them, behind those of the tiles to the left.  These were counted before: in small images where bands are listed, in others
+ * by a kernel in between.
  *
  * The lists of a fit link their entries to the splats (links.cl).  Others have no links: NULL. */
 
@@ -87,15 +88,13 @@ int2 tiles_of_row(__global const float *restrict projected, __global const float
 }
 
 #if BIN_ITEMS == 1
-/* Lists the splats of each band of `band_rows` rows of tiles.  One work-group per band; a list has room for `count`
- * splats. */
-__kernel GROUP_OF(BAND_ITEMS) void bin_bands(__global const int4 *restrict boxes, int count, int band_rows,
-                                             __global int *restrict listed, __global int *restrict listed_counts) {
-    int band = (int)get_group_id(0), first = band * band_rows, n = 0;
-    listed += (size_t)band * count;
-    for (int i = 0; i < count; i++)
-        if (box_touches_rows(boxes[i], first, first + band_rows - 1)) listed[n++] = i;
-    listed_counts[band] = n;
+/* Lists the splats of a band of t.band_rows rows of tiles; returns how many. */
+int list_band(__global const int4 *restrict boxes, gscl_bin_settings t, int band, __global int *restrict listed,
+              __local long *restrict sums) {
+    int first = band * t.band_rows, n = 0;
+    for (int i = 0; i < t.splats; i++)
+        if (box_touches_rows(boxes[i], first, first + t.band_rows - 1)) listed[n++] = i;
+    return n;
 }
 
 /* Fills the lists of one row of tiles. */
@@ -143,20 +142,41 @@ __kernel GROUP_OF(BIN_ITEMS) void bin(__global const float *restrict projected,
     }
 }
 #else
-__kernel GROUP_OF(BAND_ITEMS) void bin_bands(__global const int4 *restrict boxes, int count, int band_rows,
-                                             __global int *restrict listed, __global int *restrict listed_counts) {
-    __local long sums[BAND_ITEMS];
-    int item = (int)get_local_id(0), band = (int)get_group_id(0), first = band * band_rows, n = 0;
-    listed += (size_t)band * count;
-    for (int base = 0; base < count; base += BAND_ITEMS) {
+int list_band(__global const int4 *restrict boxes, gscl_bin_settings t, int band, __global int *restrict listed,
+              __local long *restrict sums) {
+    int item = (int)get_local_id(0), first = band * t.band_rows, n = 0;
+    for (int base = 0; base < t.splats; base += BAND_ITEMS) {
         int i = base + item;
-        bool touches = i < count && box_touches_rows(boxes[min(i, count - 1)], first, first + band_rows - 1);
+        bool touches = i < t.splats && box_touches_rows(boxes[min(i, t.splats - 1)], first, first + t.band_rows - 1);
         int number = (int)group_scan(touches, BAND_ITEMS, sums);
         if (touches) listed[n + number - 1] = i;
         n += (int)sums[BAND_ITEMS - 1];
+        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    }
+    return n;
+}
+
+/* Counts the splats of each tile of row `ty`, of which `source` lists all.  `changes`: from each tile to the next. */
+void count_row(__global const float *restrict projected, __global const float *restrict ellipse_bounds,
+               __global const int4 *restrict boxes, gscl_bin_settings t, int ty, splat_source source,
+               __global int *restrict tile_counts, __local int *restrict changes, __local long *restrict sums) {
+    const int item = (int)get_local_id(0);
+    int open = 0;
+    for (int tx = item; tx < t.tiles_x; tx += BAND_ITEMS) changes[tx] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int j = item; j < source.count; j += BAND_ITEMS) {
+        int2 tiles = tiles_of_row(projected, ellipse_bounds, boxes, (size_t)source.list[j], ty);
+        if (tiles.x > tiles.y) continue;
+        atomic_add(changes + tiles.x, 1);
+        if (tiles.y + 1 < t.tiles_x) atomic_add(changes + tiles.y + 1, -1);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int base = 0; base < t.tiles_x; base += BAND_ITEMS) {
+        int tx = base + item, count = (int)group_scan(tx < t.tiles_x ? changes[tx] : 0, BAND_ITEMS, sums);
+        if (tx < t.tiles_x) tile_counts[ty * t.tiles_x + tx] = open + count;
+        open += (int)sums[BAND_ITEMS - 1];
         barrier(CLK_LOCAL_MEM_FENCE);
     }
-    if (item == 0) listed_counts[band] = n;
 }
 
 /* Whether a splat touches tile `tx` of row `ty`, as far as its ends within the row say. */
@@ -166,7 +186,7 @@ bool touches_tile(__global const float *restrict projected, __global const float
     return tx >= tiles.x && tx <= tiles.y;
 }
 
-/* Counts the splats of each tile.  One work-group per tile. */
+/* Counts the splats of each tile where begin_lists did not.  One work-group per tile. */
 __kernel GROUP_OF(BIN_ITEMS) void bin_count(__global const float *restrict projected,
                                             __global const float *restrict ellipse_bounds,
                                             __global const int4 *restrict boxes, __global const int *restrict listed,
@@ -230,3 +250,31 @@ __kernel GROUP_OF(BIN_ITEMS) void bin(__global const float *restrict projected,
     if (tx == t.tiles_x - 1) row_totals[ty] = before + tile_counts[tile];
 }
 #endif
+
+/* Lists the splats of each band of t.band_rows rows of tiles, by `bands` work-groups; a list has room for t.splats.  On GPUs they
+ * count those of each tile, too, unless tile_counts is NULL: bands are single rows then, of at most GSCL_COUNTED_TILES tiles.
+ * Further work-groups number links. */
+__kernel GROUP_OF(BAND_ITEMS) void begin_lists(__global const float *restrict projected,
+                                               __global const float *restrict ellipse_bounds,
+                                               __global const int4 *restrict boxes, gscl_bin_settings t, int bands,
+                                               __global int *restrict listed, __global int *restrict listed_counts,
+                                               __global int *restrict tile_counts, int block,
+                                               __global const long *restrict block_links, int capacity,
+                                               __global gscl_link_grid *restrict grids, __global int *restrict links,
+                                               __global int *restrict needed) {
+    __local long sums[BAND_ITEMS];
+#if BIN_ITEMS > 1
+    __local int changes[GSCL_COUNTED_TILES];
+#endif
+    const int group = (int)get_group_id(0);
+    if (group >= bands) {
+        number_links(group - bands, boxes, t.splats, block, block_links, capacity, grids, links, needed, sums);
+        return;
+    }
+    splat_source source = {listed + (size_t)group * t.splats, 0};
+    source.count = list_band(boxes, t, group, listed + (size_t)group * t.splats, sums);
+    if (get_local_id(0) == 0) listed_counts[group] = source.count;
+#if BIN_ITEMS > 1
+    if (tile_counts) count_row(projected, ellipse_bounds, boxes, t, group, source, tile_counts, changes, sums);
+#endif
+}

@@ -22,6 +22,7 @@ PURE size_t get_local_id(uint dimension);
 PURE size_t get_local_size(uint dimension);
 PURE size_t get_group_id(uint dimension);
 BUILTIN __attribute__((convergent)) void barrier(uint fences);
+BUILTIN int atomic_add(volatile __local int *number, int summand);
 
 /* Functions of a floating-point type and of the integer type of its size. */
 #define OF_FLOATS(real, integer)                   \

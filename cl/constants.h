@@ -34,6 +34,8 @@
 #define GSCL_BENCHMARK_GROUP 64
 /* Splats whose links are counted together (links.cl). */
 #define GSCL_LINK_BLOCK 64
+/* The most tiles of a row whose splats are counted where they are listed: 2 KB of local memory (cl/bin.cl). */
+#define GSCL_COUNTED_TILES 512
 /* Splats of a tile that are summed one after another when an image is drawn (raster.cl). */
 #define GSCL_RUN 1024
 

@@ -32,7 +32,7 @@ WIDE = ["FIT", "GRADIENTS"]
 
 # The CPU mapping (host/lib/runtime/mapping.c), in groups of one work-item.
 MAPPING = {"LANES": "GSCL_CPU_LANES", "ROWS": "GSCL_CPU_ROWS", "CACHED_ROWS": "GSCL_CPU_CACHED_ROWS", "SLOT_ITEMS": 1,
-           "RDO_ITEMS": 1, "BAND_ITEMS": 1, "BIN_ITEMS": 1, "LINK_ITEMS": 1, "LINK_SPLATS": "GSCL_CPU_LINK_SPLATS"}
+           "RDO_ITEMS": 1, "BAND_ITEMS": 1, "BIN_ITEMS": 1, "LINK_SPLATS": "GSCL_CPU_LINK_SPLATS"}
 
 
 class Options(NamedTuple):

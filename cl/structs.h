@@ -76,11 +76,11 @@ typedef struct gscl_fit_control {
 
 /* How the control follows the lists of the tiles and the loss. */
 typedef struct gscl_control_settings {
-    float max_entries;        /* of all lists, above which log_max is reduced */
-    float reduction;          /* of log_max */
-    float log_min;            /* its lower bound */
-    int32_t losses;           /* tiles, whose losses are summed; 0: loss and threshold stay */
-    float loss_scale;         /* 1 / samples of a step */
+    float max_entries; /* of all lists, above which log_max is reduced */
+    float reduction;   /* of log_max */
+    float log_min;     /* its lower bound */
+    int32_t losses;    /* tiles, whose losses are summed; 0: loss and threshold stay */
+    float loss_scale;  /* 1 / samples of a step */
     float threshold_per_loss;
     int32_t splats;
     float low_height; /* half the height of an outline, drawn rows; lower splats count as low */

@@ -23,13 +23,12 @@ LATENCY = {
     "raster_forward": (6, 12),
     "control_fit": (5, 10),
     "visual_terms_row": (5, 8),
-    "bin_bands": (4, 9),
+    "begin_lists": (6, 12),
     "bin": (4, 8),
     "sum_loss": (4, 8),
     "step_splats": (4, 7),
     "visual_shares": (4, 6),
     "bin_count": (3, 5),
-    "number_links": (3, 6),
     "project": (3, 4),
 }
 OTHER_LATENCY = (2.5, 4)
@@ -43,7 +42,7 @@ COST = {
     "bin": (3.3, 5.2),
     "step_splats": (2, 3.5),
     "bin_count": (2, 3.3),
-    "number_links": (1.5, 3),
+    "begin_lists": (6, 12),
 }
 OTHER_COST = (0.5, 1)
 

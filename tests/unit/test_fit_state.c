@@ -272,11 +272,11 @@ static void test_lists_grow(void **unused) {
         append_splats(&fit);
         if (is_short) {
             fit.renderer.row_capacity = 1;
-            fit.link_capacity = 1;
+            fit.links.capacity = 1;
         }
         assert_int_equal(gscl_fit_error(&fit, error[is_short]), GSCL_OK);
         assert_true(fit.has_known_lengths && !fit.has_old_lists);
-        assert_true(fit.renderer.row_capacity > SPLATS && fit.link_capacity > SPLATS);
+        assert_true(fit.renderer.row_capacity > SPLATS && fit.links.capacity > SPLATS);
         gscl_fit_free(&fit);
     }
     assert_memory_equal(error[0], error[1], sizeof error[0]);
@@ -296,7 +296,7 @@ static void test_lists_of_few_splats(void **unused) {
         for (int i = 0; i < 2; i++) {
             const float params[GSCL_PARAMS] = {20, 20, 1, 1};
             assert_int_equal(gscl_fit_append(&fit, params, 1), GSCL_OK);
-            assert_true(fit.link_capacity < 100000);
+            assert_true(fit.links.capacity < 100000);
         }
         assert_int_equal(gscl_fit_step(&fit, 1.0f, 1), GSCL_OK);
         assert_int_equal(fit.renderer.count, kept + 2);

@@ -13,11 +13,13 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/random.h"
-#include "fit/tunables.h"
+#include "runtime/mapping.h"
 
-#define WIDTH 70
-#define HEIGHT 45
-#define MANY 2500 /* splats: several blocks are counted */
+/* Sizes of images, pixels: a small one; one of more rows of tiles than bands; one of more tiles in a row than a group has
+ * work-items. */
+static const uint32_t sizes[][2] = {{70, 45}, {40, 600}, {4200, 20}};
+#define MAX_PIXELS (4200 * 20)
+#define MANY 8500 /* splats: several blocks are counted */
 #define FEW 300   /* those of more than one block, which are not counted */
 
 /* What the device made of a fit's splats. */
@@ -46,10 +48,10 @@ static device_lists read_lists(const gscl_fit *fit) {
         .count = (size_t)r->count, .tiles = gscl_renderer_tiles(r), .tiles_x = (size_t)r->view.tiles_x};
     lists.boxes = read_all(context, &r->boxes, lists.count * 4 * sizeof(int32_t));
     lists.grids = read_all(context, &fit->links.grids, lists.count * sizeof(gscl_link_grid));
-    lists.links = read_all(context, &fit->links.links, fit->link_capacity * sizeof(int32_t));
+    lists.links = read_all(context, &fit->links.links, fit->links.capacity * sizeof(int32_t));
     lists.entries = read_all(context, &r->entries, r->entries.size);
     lists.ranges = read_all(context, &r->tile_ranges, lists.tiles * 2 * sizeof(int32_t));
-    assert_int_equal(gscl_buffer_read(context, &fit->links_needed, 0, &lists.needed, sizeof lists.needed), GSCL_OK);
+    assert_int_equal(gscl_buffer_read(context, &fit->links.needed, 0, &lists.needed, sizeof lists.needed), GSCL_OK);
     return lists;
 }
 
@@ -62,13 +64,13 @@ static void free_lists(device_lists *lists) {
 }
 
 /* Splats of all sizes, some of them beyond the image. */
-static void append_splats(gscl_fit *fit, size_t count) {
+static void append_splats(gscl_fit *fit, size_t count, const uint32_t size[2]) {
     static float params[MANY * GSCL_PARAMS];
     uint64_t random = 1;
     for (size_t i = 0; i < count; i++) {
         float *p = params + i * GSCL_PARAMS;
-        p[GSCL_X] = (float)(WIDTH * (1.4 * gscl_random_unit(&random) - 0.2));
-        p[GSCL_Y] = (float)(HEIGHT * (1.4 * gscl_random_unit(&random) - 0.2));
+        p[GSCL_X] = (float)(size[0] * (1.4 * gscl_random_unit(&random) - 0.2));
+        p[GSCL_Y] = (float)(size[1] * (1.4 * gscl_random_unit(&random) - 0.2));
         p[GSCL_LOG_S1] = (float)(3 * gscl_random_unit(&random));
         p[GSCL_LOG_S2] = (float)(2 * gscl_random_unit(&random));
         p[GSCL_THETA] = (float)(3 * gscl_random_unit(&random));
@@ -118,19 +120,19 @@ static void check_entries(const device_lists *lists, int32_t used) {
 
 static void check_links(const gscl_fit *fit) {
     device_lists lists = read_lists(fit);
-    check_entries(&lists, check_numbers(&lists, fit->link_capacity));
+    check_entries(&lists, check_numbers(&lists, fit->links.capacity));
     free_lists(&lists);
 }
 
-static void check_fit(gscl_context *context, size_t count) {
-    static float planes[WIDTH * HEIGHT];
+static void check_fit(gscl_context *context, size_t count, const uint32_t size[2]) {
+    static float planes[MAX_PIXELS];
     const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = 1};
     gscl_fit fit;
-    assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
-    append_splats(&fit, count);
+    assert_int_equal(gscl_fit_create(&fit, context, &options, size[0], size[1], 0, planes), GSCL_OK);
+    append_splats(&fit, count, size);
     assert_int_equal(gscl_fit_bin(&fit, true), GSCL_OK);
     check_links(&fit);
-    fit.link_capacity = 2 * (size_t)fit.reading->links / 3; /* too few, and the host does not look */
+    fit.links.capacity = 2 * (size_t)fit.reading->links / 3; /* too few, and the host does not look */
     assert_int_equal(gscl_fit_bin(&fit, false), GSCL_OK);
     check_links(&fit);
     gscl_fit_free(&fit);
@@ -138,11 +140,12 @@ static void check_fit(gscl_context *context, size_t count) {
 
 static void test_entries_are_linked(void **unused) {
     (void)unused;
-    assert_true(FEW > GSCL_LINK_BLOCK && FEW <= gscl_fit_tunables.max_counted_at_once);
-    assert_true(MANY > gscl_fit_tunables.max_counted_at_once);
     for (int i = 0; i < mapping_count; i++) {
-        check_fit(contexts[i], FEW);
-        check_fit(contexts[i], MANY);
+        assert_true(FEW > GSCL_LINK_BLOCK && FEW <= gscl_counted_links(contexts[i]));
+        assert_true(MANY > gscl_counted_links(contexts[i]));
+        for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++)
+            check_fit(contexts[i], FEW, sizes[k]);
+        check_fit(contexts[i], MANY, sizes[0]);
     }
 }
 

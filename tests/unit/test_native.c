@@ -292,7 +292,7 @@ static void test_two_contexts_at_once(void **state) {
 /* The kernels of each kind that gscl_kernel_find is asked for. */
 static const char *const kernel_names[GSCL_PROGRAM_KINDS][GSCL_NATIVE_MAX_KERNELS] = {
     [GSCL_PROGRAM_RENDER] = {"project", "raster_forward", "raster_samples"},
-    [GSCL_PROGRAM_BIN] = {"bin_bands", "bin", "count_links", "number_links"},
+    [GSCL_PROGRAM_BIN] = {"begin_lists", "bin", "count_links"},
     [GSCL_PROGRAM_FIT] = {"fit_tiles", "step_splats"},
     [GSCL_PROGRAM_GRADIENTS] = {"gather_gradients", "adam_step"},
     [GSCL_PROGRAM_SCALAR_RDO] = {"rdo_begin", "rdo_visit"},

@@ -167,18 +167,28 @@ static gscl_result set_row_capacity(gscl_renderer *r, size_t capacity) {
     return gscl_buffer_reserve(r->context, &r->entries, entries * sizeof(uint32_t));
 }
 
-/* Lists the splats of each band of rows of tiles, so that not every row goes over all splats. */
-static gscl_result list_bands(gscl_renderer *r, int32_t *band_rows) {
-    const int32_t rows = r->view.tiles_y;
-    int32_t bands = rows < gscl_decode_tunables.max_bands ? rows : gscl_decode_tunables.max_bands;
+/* Whether the splats of each tile are counted where those of bands are listed. */
+static bool has_counted_tiles(const gscl_renderer *r, const gscl_bin_settings *settings) {
+    return gscl_bin_group_size(r->context) > 1 && settings->band_rows == 1 && settings->tiles_x <= GSCL_COUNTED_TILES;
+}
+
+/* Lists the splats of each band of rows of tiles, so that not every row goes over all splats, and numbers links. */
+static gscl_result begin_lists(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
+    static const gscl_buffer none;
+    const int32_t bands = (int32_t)gscl_groups((size_t)settings.tiles_y, (size_t)settings.band_rows);
+    const int32_t capacity = (int32_t)links->capacity;
+    const size_t link_groups = links->block > 0 ? gscl_groups((size_t)r->count, gscl_link_splats(r->context)) : 0;
+    const gscl_buffer *tile_counts = has_counted_tiles(r, &settings) ? &r->tile_counts : &none;
     gscl_kernel *kernel;
-    *band_rows = (rows + bands - 1) / bands;
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed, (size_t)bands * (size_t)r->count * sizeof(int32_t)));
     GSCL_TRY(gscl_buffer_reserve(r->context, &r->listed_counts, (size_t)bands * sizeof(int32_t)));
-    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_bands", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, (size_t)bands, gscl_band_group_size(r->context), GSCL_ARG_BUFFER(r->boxes),
-                       GSCL_ARG(r->count), GSCL_ARG(*band_rows), GSCL_ARG_BUFFER(r->listed),
-                       GSCL_ARG_BUFFER(r->listed_counts));
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "begin_lists", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, (size_t)bands + link_groups, gscl_band_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG(settings), GSCL_ARG(bands), GSCL_ARG_BUFFER(r->listed),
+                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(*tile_counts), GSCL_ARG(links->block),
+                       GSCL_ARG_BUFFER(links->block_links), GSCL_ARG(capacity), GSCL_ARG_BUFFER(links->grids),
+                       GSCL_ARG_BUFFER(links->links), GSCL_ARG_BUFFER(links->needed));
 }
 
 /* Fills the lists by a work-item for each row of tiles. */
@@ -192,28 +202,45 @@ static gscl_result bin_rows(gscl_renderer *r, gscl_bin_settings settings, const 
                        GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG_BUFFER(links->links));
 }
 
+static gscl_result count_tiles(gscl_renderer *r, gscl_bin_settings settings) {
+    gscl_kernel *kernel;
+    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_count", &kernel));
+    return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_bin_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings),
+                       GSCL_ARG_BUFFER(r->tile_counts));
+}
+
 /* Fills the lists by a work-group for each tile. */
 static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings, const gscl_links *links) {
-    const size_t tiles = gscl_renderer_tiles(r), group = gscl_bin_group_size(r->context);
     gscl_kernel *kernel;
-    GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, tiles * sizeof(int32_t)));
-    GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin_count", &kernel));
-    GSCL_TRY(GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
-                         GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
-                         GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG(settings), GSCL_ARG_BUFFER(r->tile_counts)));
+    if (!has_counted_tiles(r, &settings))
+        GSCL_TRY(count_tiles(r, settings));
     GSCL_TRY(gscl_kernel_find(r->context, GSCL_PROGRAM_BIN, &r->options, "bin", &kernel));
-    return GSCL_LAUNCH(r->context, kernel, tiles, group, GSCL_ARG_BUFFER(r->projected),
-                       GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes), GSCL_ARG_BUFFER(r->listed),
-                       GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids), GSCL_ARG(settings),
-                       GSCL_ARG_BUFFER(r->tile_counts), GSCL_ARG_BUFFER(r->entries), GSCL_ARG_BUFFER(r->tile_ranges),
-                       GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG_BUFFER(links->links));
+    return GSCL_LAUNCH(r->context, kernel, gscl_renderer_tiles(r), gscl_bin_group_size(r->context),
+                       GSCL_ARG_BUFFER(r->projected), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG_BUFFER(r->listed), GSCL_ARG_BUFFER(r->listed_counts), GSCL_ARG_BUFFER(links->grids),
+                       GSCL_ARG(settings), GSCL_ARG_BUFFER(r->tile_counts), GSCL_ARG_BUFFER(r->entries),
+                       GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG_BUFFER(links->links));
+}
+
+/* Rows of tiles of a band. */
+static int32_t rows_of_bands(const gscl_renderer *r) {
+    const int32_t rows = r->view.tiles_y, most = gscl_decode_tunables.max_bands, bands = rows < most ? rows : most;
+    return (rows + bands - 1) / bands;
 }
 
 static gscl_result launch_bin(gscl_renderer *r, const gscl_links *links) {
-    gscl_bin_settings settings = {
-        .splats = r->count, .tiles_x = r->view.tiles_x, .tiles_y = r->view.tiles_y, .row_capacity = r->row_capacity};
-    GSCL_TRY(list_bands(r, &settings.band_rows));
-    return gscl_bin_group_size(r->context) > 1 ? bin_tiles(r, settings, links) : bin_rows(r, settings, links);
+    const gscl_bin_settings settings = {.splats = r->count,
+                                        .tiles_x = r->view.tiles_x,
+                                        .tiles_y = r->view.tiles_y,
+                                        .row_capacity = r->row_capacity,
+                                        .band_rows = rows_of_bands(r)};
+    const bool has_group_per_tile = gscl_bin_group_size(r->context) > 1;
+    if (has_group_per_tile)
+        GSCL_TRY(gscl_buffer_reserve(r->context, &r->tile_counts, gscl_renderer_tiles(r) * sizeof(int32_t)));
+    GSCL_TRY(begin_lists(r, settings, links));
+    return has_group_per_tile ? bin_tiles(r, settings, links) : bin_rows(r, settings, links);
 }
 
 /* The first capacity: an estimate, or that of the buffer. */

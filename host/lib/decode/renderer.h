@@ -9,10 +9,15 @@
 #include "runtime/launch.h"
 #include "runtime/staging.h"
 
-/* The links of splats to their entries in the lists of the tiles (cl/links.cl). */
+/* The links of splats to their entries in the lists of the tiles (cl/links.cl).  The buffers have room for those of all
+ * splats. */
 typedef struct gscl_links {
     gscl_buffer grids; /* where those of each splat are */
     gscl_buffer links;
+    gscl_buffer needed;      /* int32_t: links that the splats need */
+    size_t capacity;         /* links of `links`; those of the last splats are left out where they do not fit */
+    int32_t block;           /* splats of a block, whose links are counted; more than all: they are not; 0: no links */
+    gscl_buffer block_links; /* of each block */
 } gscl_links;
 
 typedef struct gscl_renderer {
@@ -69,7 +74,7 @@ gscl_result gscl_renderer_project(gscl_renderer *renderer);
 /* Fills the tiles' lists.  `exact` waits for the device and enlarges the lists where they are too short; otherwise a
  * list that overflows is cut short. */
 gscl_result gscl_renderer_bin(gscl_renderer *renderer, bool exact);
-/* The same without waiting, and links the entries to their splats: `links` must be numbered. */
+/* The same without waiting, and links the entries to their splats. */
 gscl_result gscl_renderer_bin_linked(gscl_renderer *renderer, const gscl_links *links);
 /* What is known of the tiles' lists: they have room, or were cut short.  ENLARGED: they have more room now, which is empty
  * until they are filled again. */

@@ -33,9 +33,8 @@ typedef struct gscl_fit {
 
     /* The lists of the tiles, which the renderer holds, and the gradients before they are summed: a slot for each entry
      * of a list, and the links of splats to theirs (cl/links.cl, cl/slots.cl). */
-    gscl_buffer gradient_slots, block_links, links_needed;
+    gscl_buffer gradient_slots;
     gscl_links links;
-    size_t link_capacity;
     bool has_old_lists;      /* of other splats, or of another level */
     bool has_known_lengths;  /* the lengths of the lists were read, but for those of splats that were appended since */
     int32_t known_splats;    /* then: the splats of these lists, at least one */

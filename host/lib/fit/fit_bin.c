@@ -14,32 +14,23 @@ static size_t slot_size(const gscl_fit *f) {
 /* Counts the links of each block of splats. */
 static gscl_result count_links(gscl_fit *f) {
     const gscl_renderer *r = &f->renderer;
-    const size_t blocks = gscl_groups((size_t)r->count, GSCL_LINK_BLOCK), items = gscl_link_group_size(f->context);
+    const size_t blocks = gscl_groups((size_t)r->count, GSCL_LINK_BLOCK);
     gscl_kernel *kernel;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->block_links, blocks * sizeof(int64_t)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.block_links, blocks * sizeof(int64_t)));
     GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_BIN, &r->options, "count_links", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, blocks, items, GSCL_ARG_BUFFER(r->boxes), GSCL_ARG(r->count),
-                       GSCL_ARG_BUFFER(f->block_links));
+    return GSCL_LAUNCH(f->context, kernel, blocks, gscl_band_group_size(f->context), GSCL_ARG_BUFFER(r->boxes),
+                       GSCL_ARG(r->count), GSCL_ARG_BUFFER(f->links.block_links));
 }
 
-/* Numbers the links of all splats; those of the last ones are left out where they do not fit. */
-static gscl_result number_links(gscl_fit *f) {
-    const gscl_renderer *r = &f->renderer;
-    const int32_t capacity = (int32_t)f->link_capacity;
-    const bool has_blocks = r->count > gscl_fit_tunables.max_counted_at_once;
-    const int32_t block = has_blocks ? GSCL_LINK_BLOCK : r->count + 1;
-    const size_t groups = gscl_groups((size_t)r->count, gscl_link_splats(f->context));
-    gscl_kernel *kernel;
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.grids, (size_t)r->count * sizeof(gscl_link_grid)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.links, f->link_capacity * sizeof(int32_t)));
-    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links_needed, sizeof f->reading->links));
-    if (has_blocks)
-        GSCL_TRY(count_links(f));
-    GSCL_TRY(gscl_kernel_find(f->context, GSCL_PROGRAM_BIN, &r->options, "number_links", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, groups, gscl_link_group_size(f->context), GSCL_ARG_BUFFER(r->boxes),
-                       GSCL_ARG(r->count), GSCL_ARG(block), GSCL_ARG_BUFFER(f->block_links), GSCL_ARG(capacity),
-                       GSCL_ARG_BUFFER(f->links.grids), GSCL_ARG_BUFFER(f->links.links),
-                       GSCL_ARG_BUFFER(f->links_needed));
+/* Makes room for the links of all splats, which are numbered where the lists are filled. */
+static gscl_result prepare_links(gscl_fit *f) {
+    const int32_t splats = f->renderer.count;
+    const bool has_blocks = splats > gscl_counted_links(f->context);
+    f->links.block = has_blocks ? GSCL_LINK_BLOCK : splats + 1;
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.grids, (size_t)splats * sizeof(gscl_link_grid)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.links, f->links.capacity * sizeof(int32_t)));
+    GSCL_TRY(gscl_buffer_reserve(f->context, &f->links.needed, sizeof f->reading->links));
+    return has_blocks ? count_links(f) : GSCL_OK;
 }
 
 /* Makes room for a slot of each entry of the tiles' lists. */
@@ -51,14 +42,14 @@ static gscl_result reserve_slots(gscl_fit *f) {
 /* Enlarges the room for links where there is little left beside `growth` times those that were read. */
 static gscl_result grow_links(gscl_fit *f, double growth, gscl_lists_state *state) {
     const double expected = growth * f->reading->links;
-    if (expected < INT_MAX && gscl_lists_have_room((size_t)expected, f->link_capacity))
+    if (expected < INT_MAX && gscl_lists_have_room((size_t)expected, f->links.capacity))
         return GSCL_OK;
-    if ((size_t)f->reading->links > f->link_capacity)
+    if ((size_t)f->reading->links > f->links.capacity)
         *state = GSCL_LISTS_CUT;
     else if (*state == GSCL_LISTS_KEPT)
         *state = GSCL_LISTS_ENLARGED;
-    f->link_capacity = gscl_lists_capacity((size_t)expected);
-    return f->link_capacity <= INT_MAX
+    f->links.capacity = gscl_lists_capacity((size_t)expected);
+    return f->links.capacity <= INT_MAX
                ? GSCL_OK
                : gscl_fail(f->context, GSCL_ERROR_DEVICE_MEMORY, "the splats overlap too much to be fitted");
 }
@@ -69,7 +60,7 @@ gscl_result gscl_fit_begin_readings(gscl_fit *f) {
     if (f->has_old_lists)
         return GSCL_OK;
     if (f->renderer.count > 0)
-        GSCL_TRY(gscl_buffer_read_async(f->context, &f->links_needed, &to->links, sizeof to->links));
+        GSCL_TRY(gscl_buffer_read_async(f->context, &f->links.needed, &to->links, sizeof to->links));
     return gscl_renderer_begin_lengths(&f->renderer);
 }
 
@@ -119,7 +110,7 @@ static gscl_result fill_lists(gscl_fit *f) {
     f->steps_since_bin = 0;
     if (f->renderer.count == 0)
         return gscl_renderer_bin(&f->renderer, false);
-    GSCL_TRY(number_links(f));
+    GSCL_TRY(prepare_links(f));
     return gscl_renderer_bin_linked(&f->renderer, &f->links);
 }
 

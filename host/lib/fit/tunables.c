@@ -5,7 +5,6 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .min_axis = 0.5f,
     .max_aspect = 64.0f,
     .bin_interval = 4,
-    .max_counted_at_once = 2048,
     .check_interval = 8,
     .max_wait_interval = 256,
     .wait_growth = 8,

@@ -13,9 +13,6 @@ struct gscl_fit_tunables {
     /* Steps for which the lists of the tiles stay as they are.  2, 4 and 8 change the mean PSNR of the Kodak set by less
      * than 0.03 dB, up or down; 4 and 8 save 5 to 7 % of an encode's time. */
     int bin_interval;
-    /* Splats whose links are numbered without a kernel that counts those of blocks first: up to here each work-group can
-     * count those before it, and the kernel would have few work-items.  1024 takes 1.03 times as long for 1800 splats. */
-    int max_counted_at_once;
     /* Steps from one measurement of their lengths, on the device, to the next. */
     int check_interval;
     /* Steps after which the host waits for the device, to enlarge lists that have grown: at most, and pixels drawn meanwhile

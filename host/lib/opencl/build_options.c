@@ -49,9 +49,8 @@ static void append_mapping(gscl_text *text, const gscl_context *context, gscl_pr
     if (traits->has_splats)
         gscl_text_append(text, " -DSPLAT_LANES=%d", gscl_splat_lanes(context, kind));
     if (kind == GSCL_PROGRAM_BIN)
-        gscl_text_append(text, " -DBAND_ITEMS=%zu -DBIN_ITEMS=%zu -DLINK_ITEMS=%zu -DLINK_SPLATS=%zu",
-                         gscl_band_group_size(context), gscl_bin_group_size(context), gscl_link_group_size(context),
-                         gscl_link_splats(context));
+        gscl_text_append(text, " -DBAND_ITEMS=%zu -DBIN_ITEMS=%zu -DLINK_SPLATS=%zu", gscl_band_group_size(context),
+                         gscl_bin_group_size(context), gscl_link_splats(context));
     if (kind == GSCL_PROGRAM_SSIM || kind == GSCL_PROGRAM_VISUAL)
         gscl_text_append(text, " -DCHUNK_ITEMS=%zu", gscl_chunk_group_size(context));
     if (kind == GSCL_PROGRAM_VISUAL || kind == GSCL_PROGRAM_IMAGE)

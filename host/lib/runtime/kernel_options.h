@@ -25,7 +25,7 @@ typedef struct gscl_kernel_options {
 /* Groups of kernels that are built together. */
 typedef enum gscl_program_kind {
     GSCL_PROGRAM_RENDER,     /* project, raster_forward, and raster_samples, the end of a decode */
-    GSCL_PROGRAM_BIN,        /* bin_bands, bin: the lists of tiles; count_links, number_links */
+    GSCL_PROGRAM_BIN,        /* begin_lists, bin: the lists of tiles, and their links */
     GSCL_PROGRAM_FIT,        /* fit_tiles, step_splats */
     GSCL_PROGRAM_GRADIENTS,  /* gather_gradients, adam_step: the parts of step_splats */
     GSCL_PROGRAM_SCALAR_RDO, /* rdo_begin, rdo_visit */

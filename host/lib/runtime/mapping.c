@@ -55,12 +55,14 @@ size_t gscl_bin_group_size(const gscl_context *context) {
     return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_bin_items : 1;
 }
 
-size_t gscl_link_group_size(const gscl_context *context) {
-    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_link_items : 1;
+size_t gscl_link_splats(const gscl_context *context) {
+    const struct gscl_runtime_tunables *t = &gscl_runtime_tunables;
+    return (size_t)(has_wide_groups(context) ? t->gpu_link_splats : t->cpu_link_splats);
 }
 
-size_t gscl_link_splats(const gscl_context *context) {
-    return has_wide_groups(context) ? 1 : (size_t)gscl_runtime_tunables.cpu_link_splats;
+int gscl_counted_links(const gscl_context *context) {
+    const struct gscl_runtime_tunables *t = &gscl_runtime_tunables;
+    return has_wide_groups(context) ? t->gpu_counted_links : t->cpu_counted_links;
 }
 
 size_t gscl_slot_group_size(const gscl_context *context) {
@@ -95,7 +97,6 @@ size_t gscl_mapping_largest_group(const gscl_context *context) {
                             gscl_tile_group_size(context),
                             gscl_band_group_size(context),
                             gscl_bin_group_size(context),
-                            gscl_link_group_size(context),
                             gscl_slot_group_size(context),
                             gscl_rdo_group_size(context),
                             gscl_sum_group_size(context),

@@ -30,14 +30,14 @@ int gscl_mapping_cached_rows(const gscl_context *context);
 int gscl_splat_lanes(const gscl_context *context, gscl_program_kind kind);
 /* Work-items of a group that draws one tile. */
 size_t gscl_tile_group_size(const gscl_context *context);
-/* Work-items of a group that lists the splats of a band of rows of tiles (cl/bin.cl), a power of 2.  The lists do not depend on
- * it: on a device of smaller groups it is as large as they are. */
+/* Work-items of a group that lists the splats of a band of rows of tiles or numbers links (cl/bin.cl, cl/links.cl), a power of
+ * 2.  The lists do not depend on it: on a device of smaller groups it is as large as they are. */
 size_t gscl_band_group_size(const gscl_context *context);
 /* Work-items of a group that lists the splats of a tile; 1 where a work-item lists those of a row of tiles. */
 size_t gscl_bin_group_size(const gscl_context *context);
-/* Work-items of a group that numbers links, and the splats that it takes (cl/links.cl). */
-size_t gscl_link_group_size(const gscl_context *context);
+/* Splats whose links a group numbers, and up to how many it counts those before them without counts of blocks. */
 size_t gscl_link_splats(const gscl_context *context);
+int gscl_counted_links(const gscl_context *context);
 /* Work-items of a group that sums the slots of a splat (cl/update.cl); 1 where a work-item sums those of gscl_splat_lanes
  * splats. */
 size_t gscl_slot_group_size(const gscl_context *context);
