@@ -212,6 +212,8 @@
  * lost detail; and of the 6th power of the error. */
 #define GSCL_VISUAL_PEAKS 6
 #define GSCL_VISUAL_SUMS 7
+/* Scales of the visual loss that have terms, at most. */
+#define GSCL_VISUAL_TERM_SCALES 3
 
 /* A slot of the fit holds a splat's sums over one tile (cl/fit.cl).  Sums that the effects leave without use have no
  * place in it, so that the later places follow from the shape of splats (GSCL_SHAPE_...) and from what they have. */

@@ -135,13 +135,26 @@ typedef struct gscl_ssim_shape {
 typedef struct gscl_visual_scale {
     int32_t width, height; /* pixels */
     int32_t stride;        /* floats from row to row of a padded plane */
+    int32_t before;        /* floats of plain planes of larger scales, one plane of each */
+    int32_t padded_before; /* of padded planes, likewise */
 } gscl_visual_scale;
+
+/* All scales with terms, the largest first; those behind them have no pixels. */
+typedef struct gscl_visual_scales {
+    gscl_visual_scale scale[GSCL_VISUAL_TERM_SCALES];
+    int32_t count;
+} gscl_visual_scales;
 
 /* Weights at one scale: of the mean and the 4-norm of structure, artefacts and lost detail, and of the 6-norm of
  * the error. */
 typedef struct gscl_visual_weights {
     float weight[GSCL_VISUAL_SUMS];
 } gscl_visual_weights;
+
+/* Those of all scales with terms. */
+typedef struct gscl_visual_scale_weights {
+    gscl_visual_weights scale[GSCL_VISUAL_TERM_SCALES];
+} gscl_visual_scale_weights;
 
 /* ---- Rate-distortion optimisation of scalar codes ---- */
 

@@ -15,23 +15,20 @@
 #define GSCL_VISUAL_SCALES 5
 #define GSCL_VISUAL_FIRST_SCALE 2 /* with weights */
 
-/* Buffers of one scale.  Padded planes have margins of zeros, which kernels never overwrite. */
-typedef struct gscl_visual_buffers {
-    gscl_buffer target;       /* luma, padded */
-    gscl_buffer statistics;   /* the target's mean and variance, plain */
-    gscl_buffer luminance;    /* plain */
-    gscl_buffer luma;         /* of the rendering, padded */
-    gscl_buffer rows, maps;   /* four padded planes each */
-    gscl_buffer by_luminance; /* the derivative and the curvature, plain */
-} gscl_visual_buffers;
-
-/* Zeroed: empty.  Kept between calls for the same pyramid and options. */
+/* Zeroed: empty.  Kept between calls for the same pyramid and options.  Planes of all scales lie in one buffer (cl/visual.cl);
+ * padded ones have margins of zeros, which kernels never overwrite. */
 typedef struct gscl_visual {
     int level; /* of the pyramid, whose target the buffers hold */
     bool has_target;
-    /* By the level of the pyramid whose size they have.  A fit may be at a level beyond the last scale. */
-    gscl_visual_buffers scales[GSCL_MAX_LEVELS];
-    gscl_buffer moments, direct, row_sums, shares, loss; /* scratch of one scale */
+    int first;                                 /* scale that has terms */
+    gscl_visual_scales scales;                 /* the first and those behind it; none where they would be too small */
+    gscl_buffer target;                        /* luma, padded */
+    gscl_buffer statistics;                    /* the target's mean and variance, plain */
+    gscl_buffer luminance, luma;               /* of the rendering: plain, and padded */
+    gscl_buffer rows, maps;                    /* four padded planes each */
+    gscl_buffer moments, direct, by_luminance; /* three and twice two plain planes */
+    gscl_buffer larger[GSCL_VISUAL_SCALES];    /* luminance between the level and the first scale */
+    gscl_buffer row_sums, shares, losses, loss;
 } gscl_visual;
 
 /* An image of the size of a level of the pyramid, beside that level. */
