@@ -151,6 +151,8 @@ gscl_result gscl_fit_expect_splats(gscl_fit *fit, size_t count);
  * It sees every `row_step`-th row of the level, and others when the lists are filled again: two steps at 2 take the time of
  * one at 1.  A loss that is EXTERNAL needs all rows. */
 gscl_result gscl_fit_step(gscl_fit *fit, float rate, int row_step);
+/* The steps for which the lists of the tiles stay as they are. */
+int gscl_fit_bin_interval(const gscl_fit *fit);
 /* First part of a step: gradients of the projected splats into fit->gradients. */
 gscl_result gscl_fit_differentiate(gscl_fit *fit);
 /* Second part of a step: Adam on `params` (count * GSCL_PARAMS floats on the device), which may be other parameters

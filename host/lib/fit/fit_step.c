@@ -173,15 +173,19 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
     return launch_gather(f);
 }
 
+int gscl_fit_bin_interval(const gscl_fit *f) {
+    return f->context->gpu_mapping ? gscl_fit_tunables.gpu_bin_interval : gscl_fit_tunables.bin_interval;
+}
+
 gscl_result gscl_fit_step(gscl_fit *f, float rate, int row_step) {
     const bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
     GSCL_TRY(gscl_fit_set_rows(f, is_external ? 1 : row_step));
-    if (f->has_old_lists || f->steps_since_bin >= gscl_fit_tunables.bin_interval)
+    if (f->has_old_lists || f->steps_since_bin >= gscl_fit_bin_interval(f))
         GSCL_TRY(refresh_lists(f));
     GSCL_TRY(compare(f));
     const gscl_gather_settings drawn = gather_settings(f);
     /* Other rows need other lists, which are due now. */
-    if (f->steps_since_bin >= gscl_fit_tunables.bin_interval)
+    if (f->steps_since_bin >= gscl_fit_bin_interval(f))
         gscl_fit_next_rows(f);
     return launch_step(f, drawn, adam_settings(f, rate));
 }

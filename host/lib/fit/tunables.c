@@ -5,6 +5,7 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .min_axis = 0.5f,
     .max_aspect = 64.0f,
     .bin_interval = 4,
+    .gpu_bin_interval = 8,
     .check_interval = 8,
     .max_wait_interval = 256,
     .wait_growth = 8,

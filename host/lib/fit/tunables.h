@@ -13,6 +13,8 @@ struct gscl_fit_tunables {
     /* Steps for which the lists of the tiles stay as they are.  2, 4 and 8 change the mean PSNR of the Kodak set by less
      * than 0.03 dB, up or down; 4 and 8 save 5 to 7 % of an encode's time. */
     int bin_interval;
+    int gpu_bin_interval; /* in the GPU mapping, where filling the lists takes launches that depend on each other; at most
+                             check_interval, whose measurements it would delay */
     /* Steps from one measurement of their lengths, on the device, to the next. */
     int check_interval;
     /* Steps after which the host waits for the device, to enlarge lists that have grown: at most, and pixels drawn meanwhile

@@ -10,7 +10,6 @@
 #include "decode/ellipse.h"
 #include "fit/fit.h"
 #include "fit/random.h"
-#include "fit/tunables.h"
 #include "measure/tunables.h"
 #include "runtime/mapping.h"
 #include "runtime/struct_size.h"
@@ -219,7 +218,7 @@ static gscl_result measure_scene(bench *b, gscl_fit *fit, const float *params) {
     b->about.needed = pixels_inside(&b->settings, params);
     GSCL_TRY(take_samples(b, "whole", run_draw, &fit->renderer));
     report_samples(b, "raster_forward", evaluations, gscl_measure_tunables.forward_flop * evaluations);
-    b->rounds = gscl_fit_tunables.bin_interval;
+    b->rounds = gscl_fit_bin_interval(fit);
     GSCL_TRY(take_samples(b, "fit step", run_fit_steps, fit));
     b->rounds = 1;
     static const char *const parts[] = {"bin", "fit_tiles", "step_splats"};

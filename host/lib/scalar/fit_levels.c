@@ -6,8 +6,11 @@ static const struct gscl_scalar_tunables *const tunables = &gscl_scalar_tunables
 
 void gscl_scalar_level_ends(const gscl_scalar_state *s, double ends[3]) {
     const double spacing = gscl_scalar_relative_spacing(s);
-    ends[2] = fmin(tunables->quarter_until * spacing, tunables->max_quarter_until);
-    ends[1] = fmin(tunables->half_until * spacing, tunables->max_half_until);
+    const bool is_launch_bound = gscl_scalar_is_launch_bound(s);
+    ends[2] = fmin(tunables->quarter_until * spacing,
+                   is_launch_bound ? tunables->launch_bound_max_quarter_until : tunables->max_quarter_until);
+    ends[1] = fmin(tunables->half_until * spacing,
+                   is_launch_bound ? tunables->launch_bound_max_half_until : tunables->max_half_until);
     ends[0] = 1;
 }
 

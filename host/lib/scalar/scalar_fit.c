@@ -243,7 +243,7 @@ gscl_result gscl_scalar_refit(gscl_scalar_state *s, size_t new_splats, int steps
     GSCL_TRY(gscl_scalar_set_quantiser(s));
     GSCL_TRY(gscl_density_grow(&s->fit, new_splats, &s->random));
     for (int step = 0; step < steps; step++) {
-        if (step % tunables->model_interval == 0)
+        if (step % gscl_scalar_model_interval(s) == 0)
             GSCL_TRY(gscl_fit_renew_model(&s->fit));
         const double fraction = 0.5 + 0.5 * (step + 0.5) / steps;
         GSCL_TRY(gscl_fit_step(&s->fit, learning_rate(fraction) * nearness(s), row_step(s, fraction)));

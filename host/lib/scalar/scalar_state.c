@@ -87,6 +87,10 @@ static void choose_search(gscl_scalar_state *s, const gscl_scalar_plan *plan) {
     s->passes_end = t->search_passes_share;
 }
 
+bool gscl_scalar_is_launch_bound(const gscl_scalar_state *s) {
+    return s->encoder->context->gpu_mapping && s->source_pixels <= gscl_scalar_tunables.launch_bound_pixels;
+}
+
 /* The share of an effort's steps and passes that an image of this size has. */
 static double share_of_size(const gscl_scalar_state *s) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
@@ -98,7 +102,8 @@ static double share_of_size(const gscl_scalar_state *s) {
 static int choose_steps(const gscl_scalar_state *s, const gscl_scalar_plan *plan, double spacing) {
     const struct gscl_scalar_tunables *t = &gscl_scalar_tunables;
     const double steps = s->is_searched ? t->search_first_steps : plan->preset->steps;
-    return (int)(steps * (1 + t->wide_steps * spacing) * share_of_size(s));
+    const double wide = gscl_scalar_is_launch_bound(s) ? t->launch_bound_wide_steps : t->wide_steps;
+    return (int)(steps * (1 + wide * spacing) * share_of_size(s));
 }
 
 /* The number of splats before and after densification, and the steps of the fit. */

@@ -86,6 +86,8 @@ void gscl_scalar_end(gscl_scalar_state *state);
 
 /* Distance from splat to splat in the source, in units of the tunable full_size_distance. */
 double gscl_scalar_relative_spacing(const gscl_scalar_state *state);
+/* Whether steps of the fit take the time of their launches (launch_bound_pixels). */
+bool gscl_scalar_is_launch_bound(const gscl_scalar_state *state);
 /* Whether errors of the fit and residuals of levels are comparable. */
 bool gscl_scalar_has_squared_error(const gscl_scalar_state *state);
 /* GSCL_WEIGHTED_... of the tune. */

@@ -33,6 +33,17 @@ struct gscl_scalar_tunables {
     double wide_surplus;            /* surplus added where splats are far apart */
     double wide_steps;              /* share of the steps added where splats are far apart and steps take little time;
                                        0.6 costs 0.03 dB at 0.042 and 0.066 bits, and saves 9 % of the time there */
+    /* Up to this size, in pixels, steps of the GPU mapping take the time of their launches, whatever their level and the number
+     * of splats: the three shares below replace those of the CPU mapping, where coarse levels are fast.  With 0.2, 0.2
+     * and 0.45 a fit at 0.042 bits a pixel has 1500 instead of 2375 steps, of which more are at full size.  On six
+     * pictures of the Kodak set by which they were chosen it has 0.01 dB more at 0.042 and 0.05 at 0.066 bits, on six others
+     * 0.10 and 0.12; with 0 in place of the first 0.02 less than with it. */
+    double launch_bound_pixels;
+    double launch_bound_wide_steps;        /* in place of wide_steps; 0 to 1 */
+    double launch_bound_max_quarter_until; /* in place of max_quarter_until: share of the steps */
+    double launch_bound_max_half_until; /* in place of max_half_until: share of the steps, at least that of a quarter */
+    int launch_bound_model_interval; /* in place of model_interval: steps; as gpu_bin_interval, since a model needs new
+                                              lists, too; 10 and 16 are within 1 point of SSIMULACRA 2 */
     /* Larger images have a smaller share of an effort's steps and passes, so that an encode ends in time:
      * (pixels / large_image_pixels) ^ -large_image_exponent, but at least least_share.  On 25 megapixels at 0.1 bits 3
      * instead of 4 passes cost 0.02 dB for x0.91 of the time; 0.47 instead of 0.54 of the steps, with 2 passes, cost 0.01 dB

@@ -8,5 +8,7 @@
  * of the encode where so little is seen of the error that squared error alone serves better.  Has no effect but where
  * gscl_fit_has_visual_loss. */
 gscl_result gscl_scalar_renew_model(gscl_scalar_state *state, int step);
+/* Steps from model to model. */
+int gscl_scalar_model_interval(const gscl_scalar_state *state);
 
 #endif
