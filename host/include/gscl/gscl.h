@@ -492,8 +492,10 @@ typedef struct gscl_encode_report {
     size_t effect_count; /* rows of `effects` */
     gscl_effect_decision effects[GSCL_MAX_EFFECTS]; /* one row for each effect that the profile allows */
     uint32_t stage_count;                           /* rows of `stages` */
-    gscl_stage_time stages[GSCL_MAX_STAGES]; /* in the order of stages; their seconds add up to nearly the total */
-    uint32_t trace_count;                    /* rows of `trace`; 0 unless the settings request the trace */
+    gscl_stage_time
+        stages[GSCL_MAX_STAGES]; /* in the order of stages; their seconds add up to nearly the total.  Work of an
+                                                OpenCL device for density control counts for the fit around it */
+    uint32_t trace_count;        /* rows of `trace`; 0 unless the settings request the trace */
     gscl_trace_point trace[GSCL_MAX_TRACE_POINTS]; /* of the last fit */
     double
         ssimulacra2; /* of the decoded file against the image, where the target is SSIMULACRA2 or QUALITY; else NaN */

@@ -190,9 +190,9 @@ typedef gscl_result placer(gscl_fit *, size_t, uint64_t *);
 static gscl_result place_in_stage(placer *place_splats, gscl_fit *f, size_t count, uint64_t *random) {
     if (count == 0)
         return GSCL_OK;
-    const gscl_stage_id before = gscl_stage(f->context, GSCL_STAGE_DENSITY);
+    const gscl_stage_id before = gscl_short_stage(f->context, GSCL_STAGE_DENSITY);
     const gscl_result result = place_splats(f, count, random);
-    gscl_stage(f->context, before);
+    gscl_short_stage(f->context, before);
     return result;
 }
 

@@ -15,7 +15,8 @@
 
 struct gscl_fit_readings {
     gscl_fit_control control;
-    int32_t links; /* that the splats need */
+    int32_t links;       /* that the splats need */
+    float squared_error; /* gscl_fit_begin_squared_error */
 };
 
 typedef struct gscl_fit {
@@ -185,6 +186,8 @@ gscl_result gscl_fit_distortion(gscl_fit *fit, const gscl_buffer *planes, double
 gscl_result gscl_fit_begin_distortion(gscl_fit *fit, const gscl_buffer *planes);
 /* Sum of squared errors of planes of the level's size against the level, not weighted. */
 gscl_result gscl_fit_squared_error(gscl_fit *fit, const gscl_buffer *planes, double *sum);
+/* The same without waiting: fit->reading->squared_error, after a wait. */
+gscl_result gscl_fit_begin_squared_error(gscl_fit *fit, const gscl_buffer *planes);
 /* Mean squared error of planes of the first level's size against the source, per sample and not weighted. */
 gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes, double *mse);
 

@@ -155,11 +155,21 @@ gscl_result gscl_fit_distortion(gscl_fit *f, const gscl_buffer *planes, double *
 }
 
 /* Against the planes of a level alone. */
-static gscl_result squared_error_at(gscl_fit *f, const gscl_buffer *planes, int level, double *sum) {
+static gscl_result launch_squared_error(gscl_fit *f, const gscl_buffer *planes, int level) {
     const error_sum s = {
         .planes = planes, .target = &f->pyramid.levels[level], .level = level, .weighted = GSCL_WEIGHTED_NOT};
-    GSCL_TRY(launch_sum(f, &s));
+    return launch_sum(f, &s);
+}
+
+static gscl_result squared_error_at(gscl_fit *f, const gscl_buffer *planes, int level, double *sum) {
+    GSCL_TRY(launch_squared_error(f, planes, level));
     return read_sum(f, sum);
+}
+
+gscl_result gscl_fit_begin_squared_error(gscl_fit *f, const gscl_buffer *planes) {
+    float *to = &f->reading->squared_error;
+    GSCL_TRY(launch_squared_error(f, planes, f->level));
+    return gscl_buffer_read_async(f->context, &f->distortion, to, sizeof *to);
 }
 
 gscl_result gscl_fit_squared_error(gscl_fit *f, const gscl_buffer *planes, double *sum) {

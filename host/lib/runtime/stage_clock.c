@@ -5,11 +5,12 @@
 #include "host/system/clock.h"
 #include "runtime/queue.h"
 
-gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
+static gscl_stage_id change_stage(gscl_context *context, gscl_stage_id stage, bool settles) {
     gscl_stage_clock *clock = &context->clock;
     if (clock->users == 0 || clock->frozen)
         return GSCL_STAGE_NONE;
-    gscl_settle(context);
+    if (settles)
+        gscl_settle(context);
     double now = gscl_now();
     gscl_stage_id ended = clock->current;
     clock->sums[ended].seconds += now - clock->start_s;
@@ -17,6 +18,14 @@ gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
     clock->current = stage;
     clock->start_s = now;
     return ended;
+}
+
+gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage) {
+    return change_stage(context, stage, true);
+}
+
+gscl_stage_id gscl_short_stage(gscl_context *context, gscl_stage_id stage) {
+    return change_stage(context, stage, context->timings != NULL);
 }
 
 void gscl_stages_freeze(gscl_context *context, bool frozen) {

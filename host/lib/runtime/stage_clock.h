@@ -7,6 +7,9 @@
 /* Ends the current stage, once the device has finished its work, and begins `stage` (NONE: no stage).
  * Returns the stage that ended, so that a stage within another can restore it. */
 gscl_stage_id gscl_stage(gscl_context *context, gscl_stage_id stage);
+/* The same, but for what an encode's report alone asks for it does not wait: what a device has yet to do of a stage, which is
+ * short and begins often, counts for the one that waits for it.  To be used at both ends of the short stage. */
+gscl_stage_id gscl_short_stage(gscl_context *context, gscl_stage_id stage);
 
 /* While the stages are frozen, gscl_stage does nothing: all work counts for the current stage. */
 void gscl_stages_freeze(gscl_context *context, bool frozen);

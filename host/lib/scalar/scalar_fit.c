@@ -267,18 +267,19 @@ gscl_result gscl_scalar_choose_background(gscl_scalar_state *s) {
     gsf_coded_image *file = &s->coded->file;
     gscl_renderer *r = &s->fit.renderer;
     float stored[4];
-    double with_mean, with_stored;
+    double with_stored;
     if (!file->has_mean_background || file->header.splat_count == 0)
         return GSCL_OK;
     GSCL_TRY(project_codes(s));
     GSCL_TRY(gscl_fit_render(&s->fit));
-    GSCL_TRY(gscl_fit_squared_error(&s->fit, &r->image, &with_mean));
+    GSCL_TRY(gscl_fit_begin_squared_error(&s->fit, &r->image));
     file->has_mean_background = false;
     gscl_dequantise_background(&s->coded->file, no_sums, stored);
     GSCL_TRY(gscl_renderer_set_background(r, stored));
     GSCL_TRY(gscl_renderer_draw(r));
     GSCL_TRY(gscl_fit_squared_error(&s->fit, &r->image, &with_stored));
-    file->has_mean_background = with_mean <= tunables->max_mean_error * with_stored;
+    file->has_mean_background =
+        (double)s->fit.reading->squared_error <= tunables->max_mean_error * with_stored; /* that with the mean */
     return GSCL_OK;
 }
 
