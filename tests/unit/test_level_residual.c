@@ -10,6 +10,7 @@
 
 #include "cl/constants.h"
 #include "fit/fit.h"
+#include "runtime/queue.h"
 #define TESTS_KERNELS
 #include "one_context.h"
 
@@ -28,9 +29,12 @@ static double residual_of(painter *paint) {
                 planes[(k * HEIGHT + y) * WIDTH + x] = paint(x, y, k);
     const gscl_kernel_options options = {.blend = GSCL_NORMALIZED, .colours = CHANNELS};
     gscl_fit fit = {0};
-    double residual = NAN;
+    float *map = NULL;
     assert_int_equal(gscl_fit_create(&fit, context, &options, WIDTH, HEIGHT, 0, planes), GSCL_OK);
-    assert_int_equal(gscl_fit_level_residual(&fit, 0, &residual), GSCL_OK);
+    assert_int_equal(gscl_fit_begin_level_residual(&fit, 0, &map), GSCL_OK);
+    assert_int_equal(gscl_finish(context), GSCL_OK);
+    const double residual = gscl_fit_level_residual(&fit, 0, map);
+    free(map);
     gscl_fit_free(&fit);
     return residual;
 }

@@ -193,9 +193,12 @@ gscl_result gscl_fit_mse_against_source(gscl_fit *fit, const gscl_buffer *planes
 
 /* ---- level_residual.c ---- */
 
-/* Mean squared residual per sample of `level` after prediction from the pixels and slopes of the next smaller level,
- * which must exist: the largest mean of a tile, without the tiles that gscl_fit_tunables.residual_outliers leaves
- * out. */
-gscl_result gscl_fit_level_residual(gscl_fit *fit, int level, double *residual);
+/* Starts to read the squared residual of each pixel of `level` after prediction from the pixels and slopes of the next smaller
+ * level, which must exist, without waiting.  The caller releases *map, which is NULL before, after a wait or by
+ * gscl_release_after_copies. */
+gscl_result gscl_fit_begin_level_residual(gscl_fit *fit, int level, float **map);
+/* After a wait, their mean per sample: the largest mean of a tile, without the tiles that gscl_fit_tunables.residual_outliers
+ * leaves out. */
+double gscl_fit_level_residual(const gscl_fit *fit, int level, float *map);
 
 #endif

@@ -32,33 +32,27 @@ static size_t block_means(const float *map, size_t width, size_t height, float *
     return count;
 }
 
-/* Reads the residual of each pixel of the next smaller level. */
-static gscl_result read_residual(gscl_fit *f, int level, float *map) {
+gscl_result gscl_fit_begin_level_residual(gscl_fit *f, int level, float **map) {
     const gscl_pyramid *p = &f->pyramid;
+    const int32_t width = (int32_t)gscl_pyramid_width(p, level), height = (int32_t)gscl_pyramid_height(p, level);
+    const int32_t channels = p->channels;
+    const size_t pixels = gscl_pyramid_pixels(p, level + 1);
     gscl_kernel *kernel;
-    int32_t width = (int32_t)gscl_pyramid_width(p, level), height = (int32_t)gscl_pyramid_height(p, level);
-    int32_t channels = p->channels;
-    size_t pixels = gscl_pyramid_pixels(p, level + 1);
     GSCL_TRY(gscl_buffer_reserve(f->context, &f->error, pixels * sizeof(float)));
     GSCL_TRY(gscl_image_kernel(f->context, "level_residual", &kernel));
     GSCL_TRY(GSCL_LAUNCH(f->context, kernel, gscl_groups(pixels, GSCL_IMAGE_GROUP), GSCL_IMAGE_GROUP,
                          GSCL_ARG_BUFFER(p->levels[level]), GSCL_ARG_BUFFER(p->levels[level + 1]), GSCL_ARG(channels),
                          GSCL_ARG(width), GSCL_ARG(height), GSCL_ARG_BUFFER(f->error)));
-    return gscl_buffer_read(f->context, &f->error, 0, map, pixels * sizeof(float));
+    *map = malloc(2 * pixels * sizeof **map); /* and the means */
+    return *map ? gscl_buffer_read_async(f->context, &f->error, *map, pixels * sizeof(float))
+                : gscl_fail_memory(f->context);
 }
 
-gscl_result gscl_fit_level_residual(gscl_fit *f, int level, double *residual) {
-    size_t width = gscl_pyramid_width(&f->pyramid, level + 1), height = gscl_pyramid_height(&f->pyramid, level + 1);
-    float *map = malloc(2 * width * height * sizeof *map);
-    if (!map)
-        return gscl_fail_memory(f->context);
-    gscl_result result = read_residual(f, level, map);
-    if (result == GSCL_OK) {
-        float *means = map + width * height;
-        size_t count = block_means(map, width, height, means);
-        qsort(means, count, sizeof *means, compare_floats);
-        *residual = means[count - 1 - (size_t)(gscl_fit_tunables.residual_outliers * (double)count)];
-    }
-    free(map);
-    return result;
+double gscl_fit_level_residual(const gscl_fit *f, int level, float *map) {
+    const size_t width = gscl_pyramid_width(&f->pyramid, level + 1);
+    const size_t height = gscl_pyramid_height(&f->pyramid, level + 1);
+    float *means = map + width * height;
+    const size_t count = block_means(map, width, height, means);
+    qsort(means, count, sizeof *means, compare_floats);
+    return means[count - 1 - (size_t)(gscl_fit_tunables.residual_outliers * (double)count)];
 }

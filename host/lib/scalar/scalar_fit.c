@@ -10,6 +10,7 @@
 #include "fit/density.h"
 #include "runtime/elementary.h"
 #include "runtime/launch.h"
+#include "runtime/queue.h"
 #include "runtime/stage_clock.h"
 #include "scalar/fit_levels.h"
 #include "scalar/scalar_progress.h"
@@ -96,20 +97,31 @@ static gscl_result measure_fit(gscl_scalar_state *s) {
     return gscl_scalar_measure_rendering(s);
 }
 
-/* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
- * splats are so large that a fit at the coarser level is as good, in a quarter of the time. */
-static gscl_result needs_level(gscl_scalar_state *s, int level, bool *needed) {
+/* Measures the residual of a level, if it is not known yet, and the error of the splats, in one wait. */
+static gscl_result measure_level(gscl_scalar_state *s, int level) {
     double *residual = &s->residuals[level];
-    *needed = true;
-    if (!gscl_scalar_has_squared_error(s))
-        return GSCL_OK;
-    if (isnan(*residual)) {
-        GSCL_TRY(gscl_fit_level_residual(&s->fit, level, residual));
+    gscl_context *context = s->encoder->context;
+    float *map = NULL;
+    gscl_result result = isnan(*residual) ? gscl_fit_begin_level_residual(&s->fit, level, &map) : GSCL_OK;
+    if (result == GSCL_OK)
+        result = measure_fit(s);
+    if (result == GSCL_OK && map) {
+        *residual = gscl_fit_level_residual(&s->fit, level, map);
         if (!s->encoder->content.high_bit_depth)
             *residual -= ldexp(tunables->rounding_residual, -2 * level);
     }
-    GSCL_TRY(measure_fit(s));
-    *needed = *residual > tunables->min_level_residual * s->known_error;
+    gscl_release_after_copies(context, map);
+    return result;
+}
+
+/* Whether level `level` has detail that the splats, fitted at the next coarser level, can represent.  Otherwise all
+ * splats are so large that a fit at the coarser level is as good, in a quarter of the time. */
+static gscl_result needs_level(gscl_scalar_state *s, int level, bool *needed) {
+    *needed = true;
+    if (!gscl_scalar_has_squared_error(s))
+        return GSCL_OK;
+    GSCL_TRY(measure_level(s, level));
+    *needed = s->residuals[level] > tunables->min_level_residual * s->known_error;
     return GSCL_OK;
 }
 
