@@ -66,8 +66,8 @@ static bool is_in_range(const option_spec *spec) {
         return *(const int *)value >= 0 && *(const int *)value < word_count(spec);
     case OPTION_SIZE: {
         const option_size *size = value;
-        return size->width >= 1 && size->width <= spec->max_integer && size->height >= 1 &&
-               size->height <= spec->max_integer;
+        return (size->width >= 1 || size->height >= 1) && size->width <= spec->max_integer &&
+               size->height <= spec->max_integer; /* a side that is left out is 0 */
     }
     case OPTION_RECTANGLE: {
         const option_rectangle *r = value;
