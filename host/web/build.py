@@ -17,8 +17,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 # Of WebAssembly, as clang and as wasm-opt name them.  All modules are compiled for these.
 FEATURES = "-msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext".split()
-WASM_OPT = """wasm-opt --enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext
-    --low-memory-unused""".split()  # the lowest 1024 bytes hold nothing, where wasm-ld begins the data
+WASM_FEATURES = "--enable-simd --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext".split()
+MEMORY_USE = ["--low-memory-unused"]  # the lowest 1024 bytes hold nothing, where wasm-ld begins the data
 # Of all C sources.
 HOST = """-std=c99 -flto -DNDEBUG -ffp-contract=off -fno-math-errno -fvisibility=hidden -ffunction-sections -fdata-sections
     -fno-slp-vectorize""".split() + FEATURES
@@ -34,10 +34,10 @@ LINK_PASSES = "-mllvm -two-entry-phi-node-folding-threshold=1 -mllvm -bonus-inst
 # Only the loops of the canvas, which take most of the time, are worth more than the smallest code.
 SIZE, VECTORS = "-Oz", "-Os"
 FAST = {"canvas.c"}
-LINKING = "--no-entry --gc-sections --strip-all".split()
-LINK = ["wasm-ld", *LINKING, "-z", "stack-size=65536", *SMALLER, *PASSES, *LINK_PASSES]
+LINKING = "--no-entry --gc-sections".split()
+LINK = ["wasm-ld", *LINKING, "--strip-all", "-z", "stack-size=65536", *SMALLER, *PASSES, *LINK_PASSES]
 # The order of the passes was found by trying.
-OPTIMISE = WASM_OPT + """--optimize-added-constants-propagate --flatten --rereloop --remove-unused-brs --reorder-functions
+OPTIMISE = ["wasm-opt", *WASM_FEATURES, *MEMORY_USE] + """--optimize-added-constants-propagate --flatten --rereloop --remove-unused-brs --reorder-functions
     --precompute-propagate --rse --dealign --merge-blocks --reorder-locals --coalesce-locals --local-cse --dae-optimizing -Oz -Oz
     --ssa-nomerge --flatten --rse -Oz""".split()
 
