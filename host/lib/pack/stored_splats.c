@@ -103,8 +103,7 @@ void gscl_pack_given_params(const gscl_packing *p, const gscl_splat *s, float *p
     params[GSCL_LOG_S1] = (float)gscl_ln(s->sigma1);
     params[GSCL_LOG_S2] = (float)gscl_ln(s->sigma2);
     params[GSCL_THETA] = s->theta;
-    if (p->header.has_opacity)
-        params[GSCL_OPACITY] = gscl_logit(s->opacity / p->largest_weight);
+    params[GSCL_OPACITY] = p->header.has_opacity ? gscl_logit(s->opacity / p->largest_weight) : GSCL_OPAQUE;
     gather_colour(&p->header, s->colour, factor, params + GSCL_COLOUR);
     if (s->wave_amplitude == 0.0f)
         return;
