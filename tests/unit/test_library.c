@@ -265,7 +265,7 @@ static void test_bad_settings(void **state) {
     bad[2].profile = (gscl_profile)2;
     bad[3].blend = (gscl_blend)4;
     bad[4].loss = (gscl_loss)4;
-    bad[5].target = (gscl_target)(GSCL_TARGET_QUALITY + 1);
+    bad[5].target = (gscl_target)(GSCL_TARGET_RATE + 1);
     bad[6].profile = bad[7].profile = GSCL_PROFILE_PAPER;
     bad[6].codebook_size = 1;
     bad[7].codebook_size = 1025;

@@ -1,7 +1,6 @@
 #include "encode/settings.h"
 
 #include "format/format.h"
-#include "session/encoder.h"
 
 static gscl_result check_packets(gscl_context *context, const gscl_encode_settings *s) {
     if (s->packet_size != 0 && (s->packet_size < GSCL_MIN_PACKET_SIZE || s->packet_size > GSCL_MAX_PACKET_SIZE))
@@ -26,7 +25,7 @@ typedef struct target_range {
 } target_range;
 
 static gscl_result check_target(gscl_context *context, const gscl_encode_settings *s) {
-    static const target_range ranges[] = {[GSCL_TARGET_AUTO] = {" of GSCL_TARGET_AUTO", 0, 0},
+    static const target_range ranges[] = {[GSCL_TARGET_AUTO] = {"", 0, 0},
                                           [GSCL_TARGET_BPP] = {" bits per pixel", 0, GSCL_MAX_TARGET_BPP},
                                           [GSCL_TARGET_BYTES] = {" bytes", 0, GSCL_MAX_TARGET_BYTES},
                                           [GSCL_TARGET_PSNR] = {" dB", 0, GSCL_MAX_TARGET_PSNR},
@@ -37,6 +36,10 @@ static gscl_result check_target(gscl_context *context, const gscl_encode_setting
     const target_range *range = &ranges[s->target];
     if (s->target_value >= range->least && s->target_value <= range->most)
         return GSCL_OK;
+    if (s->target == GSCL_TARGET_AUTO)
+        return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT,
+                         "the target value %.10g has no target; choose one, or 0 for GSCL_TARGET_AUTO",
+                         s->target_value);
     return gscl_fail(context, GSCL_ERROR_INVALID_ARGUMENT, "the target %.10g%s is not in %.0f..%.0f", s->target_value,
                      range->unit, range->least, range->most);
 }
@@ -87,7 +90,8 @@ static const char *contradiction_of_packets(const gscl_encode_settings *s) {
         return "packets are not bare, and have no layers and no blocks (profile, metadata)";
     if (s->packet_count != 0 && s->target != GSCL_TARGET_AUTO)
         return "a number of packets is a target by itself";
-    if (s->target == GSCL_TARGET_SPLATS || gscl_target_is_quality(s->target))
+    if (s->target != GSCL_TARGET_AUTO && s->target != GSCL_TARGET_BYTES && s->target != GSCL_TARGET_BPP &&
+        s->target != GSCL_TARGET_RATE)
         return "packets need a target in bytes, or their number";
     return NULL;
 }
