@@ -181,7 +181,7 @@ def record(module, name):
     setattr(module, name, recorded)
 
 def say_when_working():
-    while all(thread.name != "gscl" for thread in threading.enumerate()):
+    while not any(thread.name == "gscl" and thread.is_alive() for thread in threading.enumerate()):
         time.sleep(0.01)
     print("working", flush=True)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 from collections.abc import Callable
@@ -107,6 +108,6 @@ def interruptible(work: Callable[[Optional[ProgressCallback]], Result], progress
     except BaseException:
         stopped.set()
         answers.put(False)
-        if worker.ident is not None:
+        with contextlib.suppress(RuntimeError):  # it has not started yet, and ends when it asks
             worker.join(INTERRUPT_GRACE)
         raise
