@@ -9,7 +9,7 @@ set -u
 here=$(cd "$(dirname "$0")" && pwd)
 machine=$1
 shift
-exact="aarch64 mingw musl"
+exact="aarch64 armhf mingw musl ppc64 riscv64 s390x"
 # Both profiles, an alpha channel, blending by alpha and the visual loss.
 [ $# -gt 0 ] || set -- 33x2 rgba blend-alpha paper tune-visual
 [ "$1" != --all ] || shift
