@@ -59,8 +59,8 @@ missing_packages() {
     done
 }
 
-# Installs missing packages, without questions.
-install_packages() {
+# Installs missing packages, without questions.  In a shell of its own, so that no variable of the script that calls it changes.
+install_packages() (
     if ! command -v dpkg-query >/dev/null; then
         echo "setup: not a Debian system: install packages like these yourself:" $* >&2
         return 0
@@ -86,4 +86,4 @@ install_packages() {
     rm -f "$log"
     echo "setup: apt-get could not install: $missing" >&2
     return 1
-}
+)
