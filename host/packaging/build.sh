@@ -4,8 +4,7 @@
 # KIND: deb, npm, sdist, static, tarball, wheel, or wheel:TARGET with a target of host/python/build_wheel.sh.  Writes the package,
 # and what makes the next build short, into FOLDER.  Packages that are missing (Debian) are installed.  README.md has a table.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 if [ $# != 2 ]; then
     sed -n '2,5s/^# \{0,1\}//p' "$0" >&2
     exit 2
@@ -13,8 +12,6 @@ fi
 kind=$1
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
-. "$root/tests/setup.sh"
-. "$here/version.sh"
 
 check_versions
 case $kind in

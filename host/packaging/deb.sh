@@ -4,11 +4,8 @@
 # The folder debian/ is added to what tarball.sh writes, which is the upstream tarball.  Writes *.dsc, *.deb and their like, and
 # FOLDER/build.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 folder=$1
-. "$root/tests/setup.sh"
-. "$here/version.sh"
 install_packages $deb_packages
 
 rm -rf "$folder/build"

@@ -1,10 +1,8 @@
 #!/bin/sh
 # Builds the package of npm: npm.sh FOLDER; FOLDER/gscl-VERSION.tgz, and FOLDER/build.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 folder=$1
-. "$root/tests/setup.sh"
 install_packages $npm_packages
 if ! command -v npm >/dev/null; then
     echo "npm.sh: needs Node 20 with npm" >&2

@@ -3,9 +3,7 @@
 #
 # TARBALL is what tarball.sh has written, and what URL will bring; its checksums come into the recipes.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
-. "$here/version.sh"
+. "$(dirname "$0")/common.sh"
 [ $# = 4 ] || { sed -n '2,4s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 sha256=$(sha256sum <"$3")
 sha512=$(sha512sum <"$3")

@@ -3,10 +3,8 @@
 #
 # It is host/python, with the sources of the library in the place of the link subprojects/gscl.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 folder=$1
-. "$root/tests/setup.sh"
 install_packages $tarball_packages python3-dev python3-venv
 
 [ -x "$folder/venv/bin/pip" ] || python3 -m venv "$folder/venv"

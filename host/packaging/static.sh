@@ -4,10 +4,8 @@
 # It is linked with musl, which has no loader in a static program: neither OpenCL nor OpenImageIO can be opened.  Encoding and
 # decoding take the processor, and images are PNG and JPEG.  Writes FOLDER/build, too.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 folder=$1
-. "$root/tests/setup.sh"
 install_packages $static_packages $(machine_packages musl)
 
 build() {

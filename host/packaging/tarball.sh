@@ -1,11 +1,8 @@
 #!/bin/sh
 # Writes the sources of the last commit: tarball.sh FOLDER; FOLDER/gscl-VERSION.tar.xz, equal for equal commits.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 folder=$1
-. "$root/tests/setup.sh"
-. "$here/version.sh"
 install_packages $tarball_packages
 
 work=$(mktemp -d)

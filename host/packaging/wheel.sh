@@ -3,11 +3,9 @@
 #
 # Writes FOLDER/gscl-*.whl; FOLDER/venv, in which tests/packaging/test_wheel.sh finds auditwheel; and FOLDER/TARGET.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
+. "$(dirname "$0")/common.sh"
 target=$1
 folder=$2
-. "$root/tests/setup.sh"
 install_packages $wheel_packages
 
 [ -x "$folder/venv/bin/pip" ] || python3 -m venv "$folder/venv"

@@ -35,7 +35,7 @@ def sources(build):
         is_wanted = "libgscl.so" in command["output"] or source.parent == ROOT / "host/system"
         if is_wanted and source.suffix == ".c" and source.is_relative_to(ROOT) and "opencl" not in source.parts:
             words = shlex.split(command["command"])
-            found[source] = [word for word in words if word[:2] in ("-I", "-D") and word not in ("-DGSCL_WITH_OPENCL", "-D_FORTIFY_SOURCE=3")]
+            found[source] = [word for word in words if word[:2] in ("-I", "-D") and not word.startswith(("-DGSCL_WITH_OPENCL", "-D_FORTIFY_SOURCE"))]
     options = next(iter(found.values()))
     found = {source: own for source, own in found.items() if not source.name.endswith(OTHER_SYSTEMS) and not source.is_relative_to(build)}
     return {**found, ROOT / "host/system/machine_posix.c": options}

@@ -1,4 +1,8 @@
-# For the scripts beside this file, which read it with `.` and have $root: the version, and the files that repeat it.
+# For the scripts beside this file, which read it with `.`: its folder, the root of the sources, the lists of Debian packages, the
+# version, and the files that repeat it.
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+. "$root/tests/setup.sh"
 version=$(sed -n 's/^#define GSCL_VERSION "\(.*\)"/\1/p' "$root/host/include/gscl/version.h")
 api_major=${version%%.*}
 
