@@ -8,12 +8,12 @@
 #include <gscl/gscl.h>
 
 #include "cli/exit_code.h"
-#include "host/system/program.h"
 #include "cli/interrupt.h"
 #include "cli/memory.h"
 #include "cli/message.h"
 #include "cli/options.h"
 #include "commands/command.h"
+#include "host/system/program.h"
 
 typedef struct command {
     const char *name;

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/system/clock.h"
 #include "cl/constants.h"
 #include "decode/coded_image.h"
 #include "decode/dequantise.h"
@@ -13,6 +12,7 @@
 #include "decode/frame_message.h"
 #include "decode/output.h"
 #include "decode/tunables.h"
+#include "host/system/clock.h"
 #include "image/image.h"
 #include "runtime/allocate.h"
 #include "runtime/stage_clock.h"

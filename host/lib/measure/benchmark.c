@@ -5,11 +5,11 @@
 #include <string.h>
 
 #include "cl/constants.h"
-#include "host/system/clock.h"
 #include "decode/blend.h"
 #include "decode/ellipse.h"
 #include "fit/fit.h"
 #include "fit/random.h"
+#include "host/system/clock.h"
 #include "measure/tunables.h"
 #include "runtime/mapping.h"
 #include "runtime/struct_size.h"

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "host/system/clock.h"
 #include "fit/random.h"
+#include "host/system/clock.h"
 #include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "scalar/scalar_fit.h"

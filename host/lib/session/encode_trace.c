@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/system/clock.h"
 #include "cl/constants.h"
+#include "host/system/clock.h"
 #include "runtime/elementary.h"
 #include "runtime/timing.h"
 #include "session/tunables.h"

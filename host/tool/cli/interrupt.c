@@ -6,9 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cli/exit_code.h"
 #include "host/system/files.h"
 #include "host/system/signals.h"
-#include "cli/exit_code.h"
 
 #define MAX_GUARDED_PATH 4096 /* bytes, the NUL included */
 

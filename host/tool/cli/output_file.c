@@ -6,12 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "host/system/files.h"
-#include "host/system/temporaries.h"
 #include "cli/interrupt.h"
 #include "cli/message.h"
 #include "cli/name_hash.h"
+#include "host/system/files.h"
 #include "host/system/output_target.h"
+#include "host/system/temporaries.h"
 
 const char *name_suffix(const char *name) {
     const char *slash = strrchr(name, '/');

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/system/files.h"
 #include "cli/message.h"
+#include "host/system/files.h"
 
 #define FIRST_CAPACITY ((size_t)64 << 10)
 

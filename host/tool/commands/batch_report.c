@@ -8,14 +8,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "host/system/files.h"
-#include "host/system/text_stream.h"
 #include "cli/exit_code.h"
 #include "cli/json.h"
 #include "cli/message.h"
 #include "cli/name_hash.h"
 #include "cli/output_file.h"
+#include "host/system/files.h"
 #include "host/system/output_target.h"
+#include "host/system/text_stream.h"
 
 /* The state of an entry: where its line begins, whether it is of this run, and its status. */
 #define STATE_STATUS 7u   /* mask; 0: being encoded */

@@ -6,7 +6,6 @@
 #include <gscl/gscl.h>
 
 #include "cli/device_choice.h"
-#include "host/system/files.h"
 #include "cli/exit_code.h"
 #include "cli/gscl_input.h"
 #include "cli/message.h"
@@ -14,6 +13,7 @@
 #include "cli/progress.h"
 #include "cli/read_file.h"
 #include "commands/command.h"
+#include "host/system/files.h"
 #include "image/image_alpha.h"
 #include "image/image_file.h"
 #include "image/image_format.h"

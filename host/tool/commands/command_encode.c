@@ -6,7 +6,6 @@
 #include <gscl/gscl.h>
 
 #include "cli/exit_code.h"
-#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/names.h"
 #include "cli/options.h"
@@ -15,6 +14,7 @@
 #include "commands/command.h"
 #include "commands/effect_list.h"
 #include "commands/encode_batch.h"
+#include "host/system/files.h"
 #include "image/image_format.h"
 
 typedef struct encode_options {

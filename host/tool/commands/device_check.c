@@ -7,7 +7,6 @@
 
 #include <gscl/measure.h>
 
-#include "host/system/signals.h"
 #include "cli/device_choice.h"
 #include "cli/device_list.h"
 #include "cli/exit_code.h"
@@ -15,6 +14,7 @@
 #include "cli/message.h"
 #include "cli/stopwatch.h"
 #include "host/system/check_process.h"
+#include "host/system/signals.h"
 #include "image/synthetic_image.h"
 
 #define WIDTH 96 /* of the picture, pixels */

@@ -6,9 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/read_file.h"
+#include "host/system/files.h"
 
 #define BUFFER_SIZE ((size_t)64 << 10)
 

@@ -7,10 +7,10 @@
 
 #include <gscl/gscl.h>
 
-#include "host/system/files.h"
 #include "cli/exit_code.h"
 #include "cli/message.h"
 #include "cli/output_file.h"
+#include "host/system/files.h"
 
 /* Copies the folders and the name in `path` up to `end`, without a leading slash and folders "."; returns the length.
  * Each of them is followed by a slash but the last. */

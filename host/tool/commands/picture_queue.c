@@ -1,8 +1,8 @@
 #define _DEFAULT_SOURCE /* strdup */
 #include "commands/picture_queue.h"
 
-#include "host/system/files.h"
 #include "commands/packet_files.h"
+#include "host/system/files.h"
 
 #include <stdlib.h>
 #include <string.h>

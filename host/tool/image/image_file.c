@@ -7,10 +7,10 @@
 #include <string.h>
 #include <strings.h>
 
-#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/module.h"
 #include "cli/read_file.h"
+#include "host/system/files.h"
 #include "image/exif.h"
 #include "image/image_colours.h"
 #include "image/image_format.h"

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/system/files.h"
 #include "cli/message.h"
 #include "cli/module.h"
+#include "host/system/files.h"
 #include "tradeoff/tradeoff_tables.h"
 
 static const struct {
