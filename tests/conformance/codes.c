@@ -243,13 +243,22 @@ static void print_prefix(const uint8_t *bytes, size_t size, gsf_coded_image imag
     free(exact);
 }
 
-/* The memory for the whole file is enough for each of its prefixes. */
+/* The header of the whole file, whose memory is enough for each of its prefixes: of a list of packets with those for which
+ * its repair packets make up, because a prefix has them, too. */
+static gsf_header whole_header(const char *path, bool bare) {
+    size_t size;
+    uint8_t *bytes = repair(read_file(path, &size), bare, &size);
+    gsf_header header;
+    if (gsf_read_header(bytes, size, bare, &header) != GSF_OK)
+        fail("%s: not a valid file", path);
+    free(bytes);
+    return header;
+}
+
 static void read_prefixes(const char *path, bool bare) {
     size_t size;
     uint8_t *bytes = read_file(path, &size);
-    gsf_coded_image image = {.bare = bare};
-    if (gsf_read_header(bytes, size, bare, &image.header) != GSF_OK)
-        fail("%s: not a valid file", path);
+    gsf_coded_image image = {.header = whole_header(path, bare), .bare = bare};
     allocate_arrays(&image);
     void *scratch = allocate(gsf_scratch_size(&image.header), 1);
     printf("file %s\n", path);
