@@ -37,7 +37,7 @@ build_lane() {
         -Dnative=disabled
     check "no data races" sh tests/check_threads.sh build-thread
     check "valgrind" sh tests/check_valgrind.sh build-test
-    [ -n "$without_whole" ] || check "fuzz targets of OSS-Fuzz" sh tests/fuzz/test_oss_fuzz.sh
+    check "fuzz targets of OSS-Fuzz" sh tests/fuzz/test_oss_fuzz.sh ${without_whole:+image options}
     check "other OpenCL implementations" sh tests/devices/run.sh --quick build-test
     check "measurements of a GPU, without one" sh tests/devices/test_gpu_day.sh build-test
     python_package

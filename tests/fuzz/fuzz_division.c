@@ -8,10 +8,12 @@
 #include "format/packet.h"
 #include "format/repair.h"
 #include "packet_list.h"
+#include "sample.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define MAX_REPAIRS 8
+#define USUAL_PACKETS 9u /* of a scene */
 #define REPAIR_ROOM (FUZZ_MAX_FILE / 2)
 
 static fuzz_memory memory, memory_again;
@@ -31,10 +33,12 @@ typedef struct division {
     uint8_t bytes[FUZZ_MAX_FILE];
 } division;
 
-/* Few in most inputs, because many take most of the time of fuzzing. */
-static uint32_t read_count(byte_source *source) {
+/* Many are left to a sample of the inputs, because they take most of the time of fuzzing. */
+static uint32_t read_count(byte_source *source, bool is_sampled) {
     const int choice = source_within(source, 0, 63);
-    return choice == 0 ? (uint32_t)source_within(source, 1, GSF_MAX_PACKETS) : 1u + (uint32_t)choice % 9;
+    const uint32_t count =
+        choice == 0 ? (uint32_t)source_within(source, 1, GSF_MAX_PACKETS) : 1u + (uint32_t)choice % 9;
+    return is_sampled ? count : 1u + (count - 1u) % USUAL_PACKETS;
 }
 
 static bool holds(const division *d, uint32_t splat, uint32_t packet) {
@@ -182,7 +186,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static division d;
     byte_source source = {data, size};
     gsf_coded_image *image = &d.scene.image;
-    d.count = read_count(&source);
+    d.count = read_count(&source, fuzz_is_sampled(data, size, 32));
     memset(d.is_lost, 0, sizeof d.is_lost);
     scene_read(&d.scene, &memory, &source);
     if (image->header.coding != GSF_CODING_SCALAR || image->header.enhancement_layers > 0 ||

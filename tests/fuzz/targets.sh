@@ -6,8 +6,9 @@ targets="reader rows writer packets division decoder image options field"
 includes="-I. -Ihost/include -Ihost -Ihost/tool"
 
 format=$(ls format/*.c)
+system="$(ls host/system/*_posix.c | grep -v machine) host/system/machine_linux.c"
 image="host/tool/cli/message.c host/tool/cli/read_file.c host/tool/cli/interrupt.c host/tool/cli/output_file.c
-    host/tool/cli/output_target.c host/tool/cli/name_hash.c
+    host/tool/cli/name_hash.c $system
     $(ls host/tool/image/*.c host/colours/*.c | grep -v -e synthetic_image -e jpeg2000)"
 # What gscl_decode_rows calls.
 rows="$(ls host/lib/software/*.c) host/lib/decode/blend.c host/lib/decode/coded_image.c host/lib/decode/decode_rows.c
@@ -21,7 +22,7 @@ set_target() {
     # Comparisons are not traced in those of the format, which makes the reader five times faster.
     traced=
     case $target in
-    reader | writer | packets | division | decoder) traced=-fno-sanitize-coverage=trace-cmp ;;
+    reader | rows | writer | packets | division | decoder) traced=-fno-sanitize-coverage=trace-cmp ;;
     esac
 
     more=
@@ -42,7 +43,7 @@ set_target() {
         ;;
     writer)
         sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c $format"
-        options=-max_len=512
+        options="-max_len=512 -entropic=0"
         measured=format
         ;;
     packets)
@@ -53,7 +54,7 @@ set_target() {
         measured="format/packet.c format/repair.c"
         ;;
     division)
-        sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_list.c $format"
+        sources="tests/fuzz/coded_memory.c tests/fuzz/coded_scene.c tests/fuzz/packet_list.c tests/fuzz/sample.c $format"
         options="-max_len=512 -entropic=0"
         measured="format/packet.c format/repair.c format/classes.c"
         ;;
@@ -72,14 +73,15 @@ set_target() {
         measured=host/tool/image
         ;;
     options)
-        sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c host/colours/*.c | grep -v jpeg2000) host/tool/plot/plot.c"
+        sources="$(ls host/tool/cli/*.c host/tool/commands/*.c host/tool/image/*.c host/tool/tradeoff/*.c host/colours/*.c | grep -v -e jpeg2000 -e without_) host/tool/plot/plot.c
+            $system"
         options="-max_len=300 -close_fd_mask=3"
         more="-Wl,--wrap=options_parse $library $image_libraries -lm -ldl"
         measured="host/tool/cli/options.c host/tool/cli/colour_name.c host/tool/commands/effect_list.c host/tool/cli/base64.c"
         ;;
     field)
         sources="host/tool/commands/field_file.c host/tool/cli/message.c host/tool/cli/names.c host/tool/cli/read_file.c
-            host/tool/cli/interrupt.c"
+            host/tool/cli/interrupt.c $system"
         options="-max_len=2000 -close_fd_mask=2 -malloc_limit_mb=200"
         more="$library -lm -ldl"
         measured=host/tool/commands/field_file.c
