@@ -1,4 +1,5 @@
-/* Files, by names in UTF-8 whose folders are separated by slashes, and their descriptors.  What fails sets errno. */
+/* Files, by names in UTF-8 whose folders are separated by slashes, and their descriptors.  What fails sets errno: EBUSY where
+ * another program has a file open in a way that forbids it, as programs may on Windows. */
 #ifndef GSCL_SYSTEM_FILES_H
 #define GSCL_SYSTEM_FILES_H
 
@@ -18,8 +19,16 @@ bool system_status_of(const char *name, system_status *status);
 bool system_status_of_open(int file, system_status *status);
 bool system_is_same(const system_status *a, const system_status *b);
 
+/* Text for a value of errno, until the next call. */
+const char *system_error_text(int error);
+
 bool system_exists(const char *name);
+
+/* Whether a file may be written, and another may take its place now. */
 bool system_may_write(const char *name);
+
+/* Whether a person reads what is written to a file. */
+bool system_is_terminal(int file);
 
 /* A stream, or a descriptor (-1 on failure) that no started program inherits.  What is opened to append is made where it is
  * missing, and can be read, too. */

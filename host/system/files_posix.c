@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -34,12 +35,20 @@ bool system_is_same(const system_status *a, const system_status *b) {
     return a->device == b->device && a->number == b->number;
 }
 
+const char *system_error_text(int error) {
+    return strerror(error);
+}
+
 bool system_exists(const char *name) {
     return access(name, F_OK) == 0;
 }
 
 bool system_may_write(const char *name) {
     return access(name, W_OK) == 0;
+}
+
+bool system_is_terminal(int file) {
+    return isatty(file) != 0;
 }
 
 FILE *system_open_stream(const char *name) {

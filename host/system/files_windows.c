@@ -6,12 +6,14 @@
 #include <io.h>
 #include <share.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <windows.h>
 
 #include "host/system/windows_names.h"
 
 #define WAIT_MS 10 /* between looks at a pipe */
+#define SHARE_ALL (FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE)
 
 static HANDLE handle_of(int file) {
     return (HANDLE)_get_osfhandle(file);
@@ -44,11 +46,10 @@ static bool take_status(HANDLE handle, system_status *status) {
 
 bool system_status_of(const char *name, system_status *status) {
     wchar_t *wide = system_to_wide(name);
-    const DWORD share = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
     if (!wide)
         return false;
     const HANDLE handle =
-        CreateFileW(wide, FILE_READ_ATTRIBUTES, share, NULL, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, NULL);
+        CreateFileW(wide, FILE_READ_ATTRIBUTES, SHARE_ALL, NULL, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, NULL);
     if (handle == INVALID_HANDLE_VALUE)
         system_take_error();
     free(wide);
@@ -66,19 +67,40 @@ bool system_is_same(const system_status *a, const system_status *b) {
     return a->device == b->device && a->number == b->number;
 }
 
-static bool may_access(const char *name, int how) {
+/* Texts of the C library but for EBUSY, which it calls "Resource device". */
+const char *system_error_text(int error) {
+    return error == EBUSY ? "another program has it open" : strerror(error);
+}
+
+bool system_exists(const char *name) {
     wchar_t *wide = system_to_wide(name);
-    const bool ok = wide && _waccess(wide, how) == 0;
+    const bool exists = wide && _waccess(wide, 0) == 0;
+    free(wide);
+    return exists;
+}
+
+/* Programs that have a file open may forbid to write it, and to remove it, which takes place when another replaces it. */
+static bool may_replace(const wchar_t *wide) {
+    const HANDLE handle =
+        CreateFileW(wide, GENERIC_WRITE | DELETE, SHARE_ALL, NULL, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, NULL);
+    if (handle == INVALID_HANDLE_VALUE) {
+        system_take_error();
+        return false;
+    }
+    return CloseHandle(handle);
+}
+
+bool system_may_write(const char *name) {
+    wchar_t *wide = system_to_wide(name);
+    const bool ok = wide && may_replace(wide);
     free(wide);
     return ok;
 }
 
-bool system_exists(const char *name) {
-    return may_access(name, 0);
-}
-
-bool system_may_write(const char *name) {
-    return may_access(name, 2);
+/* The C library takes each device for a terminal, NUL among them. */
+bool system_is_terminal(int file) {
+    DWORD mode;
+    return GetConsoleMode(handle_of(file), &mode);
 }
 
 FILE *system_open_stream(const char *name) {
@@ -94,8 +116,9 @@ static int open_file(const char *name, int flags) {
     const int file = wide ? _wopen(wide, flags | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE) : -1;
     system_status status;
     const int error = errno;
+    const bool is_busy = file < 0 && wide && error == EACCES && _doserrno == ERROR_SHARING_VIOLATION;
     free(wide);
-    errno = error;
+    errno = is_busy ? EBUSY : error;
     if (file < 0 && errno == EACCES && system_status_of(name, &status))
         errno = status.is_folder ? EISDIR : EACCES;
     return file;
@@ -132,6 +155,9 @@ bool system_replace(const char *from, const char *to) {
         ok = MoveFileExW(wide_from, wide_to, MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH);
         if (!ok)
             system_take_error();
+        /* Windows denies access, and does not say that another program has the file open. */
+        if (!ok && errno == EACCES && may_replace(wide_to))
+            errno = EACCES;
     }
     free(wide_from);
     free(wide_to);

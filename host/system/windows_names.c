@@ -30,8 +30,10 @@ void system_take_error(void) {
         errno = ENOENT;
         break;
     case ERROR_ACCESS_DENIED:
-    case ERROR_SHARING_VIOLATION:
         errno = EACCES;
+        break;
+    case ERROR_SHARING_VIOLATION:
+        errno = EBUSY;
         break;
     case ERROR_FILE_EXISTS:
     case ERROR_ALREADY_EXISTS:

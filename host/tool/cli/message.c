@@ -1,4 +1,3 @@
-#define _DEFAULT_SOURCE /* isatty */
 #include "cli/message.h"
 
 #include <errno.h>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "cli/exit_code.h"
+#include "host/system/files.h"
 
 #define MAX_LINE 2048 /* bytes; a longer message is cut */
 
@@ -38,7 +38,7 @@ static void print_line(const char *subject, const char *kind, const char *format
     make_one_line(line);
     if (subject && !*kind && kept_error && !*kept_error)
         snprintf(kept_error, kept_size, "%s", line + used);
-    fprintf(stderr, "%s%s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", line);
+    fprintf(stderr, "%s%s\n", system_is_terminal(STDERR_FILENO) ? "\r\033[K" : "", line);
 }
 
 void message_keep_errors(char *text, size_t size) {
@@ -81,6 +81,7 @@ int finish_stdout(int status) {
     const bool failed = ferror(stdout) != 0;
     if ((fclose(stdout) == 0 && !failed) || status != EXIT_SUCCESS)
         return status;
-    report_error("standard output", "cannot be written: %s", errno ? strerror(errno) : "an earlier write failed");
+    report_error("standard output", "cannot be written: %s",
+                 errno ? system_error_text(errno) : "an earlier write failed");
     return EXIT_FAILURE;
 }

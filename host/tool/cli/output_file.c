@@ -106,7 +106,7 @@ bool output_open_text(output_file *output, const char *name) {
     *output = (output_file){.label = is_stdout ? "standard output" : name};
     if (output_is_in_place(name) ? open_in_place(output, name) : open_file(output, name))
         return true;
-    report_error(output->label, "cannot be written: %s", strerror(errno));
+    report_error(output->label, "cannot be written: %s", system_error_text(errno));
     output_discard(output);
     return false;
 }
@@ -114,7 +114,7 @@ bool output_open_text(output_file *output, const char *name) {
 bool output_open(output_file *output, const char *name) {
     if (!output_open_text(output, name))
         return false;
-    if (output->temporary || !isatty(fileno(output->stream)))
+    if (output->temporary || !system_is_terminal(fileno(output->stream)))
         return true;
     output_discard(output);
     return report_error(output->label, "is a terminal; redirect it to a file or a pipe, or name a file with -o");
@@ -159,7 +159,7 @@ bool output_commit(output_file *output) {
     if (!output->error && output->temporary && !system_replace(output->temporary, output->target))
         output->error = errno;
     if (output->error) {
-        report_error(output->label, "cannot be written: %s", strerror(output->error));
+        report_error(output->label, "cannot be written: %s", system_error_text(output->error));
         output_discard(output);
         return false;
     }
@@ -193,13 +193,13 @@ void output_remove_leftover(const char *name) {
 bool output_make_folders(const char *name) {
     char *path = strdup(name);
     system_status status;
-    bool ok = path || report_error(name, "%s", strerror(ENOMEM));
+    bool ok = path || report_error(name, "%s", system_error_text(ENOMEM));
     for (char *slash = path && *path ? strchr(path + 1, '/') : NULL; ok && slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
         ok = system_status_of(path, &status) ? status.is_folder || (errno = ENOTDIR, false)
                                              : system_make_folder(path) || errno == EEXIST;
         if (!ok)
-            report_error(path, "cannot be made a folder: %s", strerror(errno));
+            report_error(path, "cannot be made a folder: %s", system_error_text(errno));
         *slash = '/';
     }
     free(path);

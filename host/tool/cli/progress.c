@@ -1,4 +1,3 @@
-#define _DEFAULT_SOURCE /* isatty */
 #include "cli/progress.h"
 
 #include <math.h>
@@ -8,6 +7,7 @@
 #include <unistd.h>
 
 #include "cli/interrupt.h"
+#include "host/system/files.h"
 
 #define REDRAW_SECONDS 0.1
 #define LABEL_WIDTH 28
@@ -18,7 +18,7 @@ static const progress_line *shown;                       /* line on the terminal
 
 void progress_start(progress_line *line, const char *label, bool quiet) {
     const char *slash = strrchr(label, '/');
-    *line = (progress_line){.label = slash ? slash + 1 : label, .visible = !quiet && isatty(STDERR_FILENO)};
+    *line = (progress_line){.label = slash ? slash + 1 : label, .visible = !quiet && system_is_terminal(STDERR_FILENO)};
 }
 
 static void print_progress(const progress_line *line, const gscl_progress *progress) {

@@ -17,7 +17,7 @@ const char *input_label(const char *name) {
 static FILE *open_file(const char *name) {
     FILE *stream = system_open_stream(name);
     if (!stream)
-        report_error(name, "cannot be opened: %s", strerror(errno));
+        report_error(name, "cannot be opened: %s", system_error_text(errno));
     return stream;
 }
 
@@ -35,7 +35,7 @@ static bool grow_buffer(uint8_t **bytes, size_t *capacity, uint64_t limit) {
 
 static bool report_unreadable(const char *label, int error) {
     return error == EISDIR ? report_error(label, "is a folder; name its files, as %s/*", label)
-                           : report_error(label, "cannot be read: %s", strerror(error));
+                           : report_error(label, "cannot be read: %s", system_error_text(error));
 }
 
 static bool read_stream(FILE *stream, const char *label, uint64_t limit, uint8_t **bytes, size_t *size) {

@@ -37,7 +37,7 @@ picture_id picture_identify(const char *input, const char *output) {
 }
 
 static bool report_index_error(void) {
-    return report_error("the index of the batch", "cannot be written to $TMPDIR or /tmp: %s", strerror(errno));
+    return report_error("the index of the batch", "cannot be written to $TMPDIR or /tmp: %s", system_error_text(errno));
 }
 
 /* ---- Lines ------------------------------------------------------------------------------------- */
@@ -188,7 +188,7 @@ static int read_lines(batch_report *report, FILE *stream, char *line) {
     }
     if (!ferror(stream))
         return EXIT_SUCCESS;
-    report_error(report->name, "cannot be read: %s", strerror(errno));
+    report_error(report->name, "cannot be read: %s", system_error_text(errno));
     return EXIT_FAILURE;
 }
 
@@ -197,7 +197,7 @@ static FILE *open_lines(const batch_report *report) {
     const int copy = system_duplicate(report->file);
     FILE *stream = copy >= 0 && lseek(copy, 0, SEEK_SET) == 0 ? fdopen(copy, "r") : NULL;
     if (!stream) {
-        report_error(report->name, "cannot be read: %s", strerror(errno));
+        report_error(report->name, "cannot be read: %s", system_error_text(errno));
         if (copy >= 0)
             close(copy);
     }
@@ -216,7 +216,7 @@ static int read_report(batch_report *report) {
     if (stream)
         fclose(stream);
     if (status == EXIT_SUCCESS && !system_set_size(report->file, report->size)) {
-        report_error(report->name, "cannot be written: %s", strerror(errno));
+        report_error(report->name, "cannot be written: %s", system_error_text(errno));
         status = EXIT_FAILURE;
     }
     return status;
@@ -249,7 +249,7 @@ int batch_report_open(batch_report *report, const char *name) {
         report->name = "standard output";
     report->file = is_in_place ? output_open_in_place(name) : system_open_to_append(name);
     if (report->file < 0) {
-        report_error(report->name, "cannot be written: %s", strerror(errno));
+        report_error(report->name, "cannot be written: %s", system_error_text(errno));
         return EXIT_FAILURE;
     }
     return is_in_place ? EXIT_SUCCESS : lock_report(report);
@@ -272,7 +272,7 @@ static bool append_bytes(batch_report *report, const char *bytes, size_t size) {
     const int error = errno;
     if (report->is_regular && !system_set_size(report->file, report->size))
         report_warning(report->name, "ends with a cut line, which the next run removes");
-    return report_error(report->name, "cannot be written: %s", strerror(error));
+    return report_error(report->name, "cannot be written: %s", system_error_text(error));
 }
 
 bool batch_report_write(batch_report *report, const picture_line *line) {
@@ -307,7 +307,7 @@ static bool copy_last_lines(batch_report *report, FILE *stream, char *line, outp
         if (entry.state / STATE_LINE == at + 1)
             output_write(copy, line, strlen(line));
     }
-    return !ferror(stream) || report_error(report->name, "cannot be read: %s", strerror(errno));
+    return !ferror(stream) || report_error(report->name, "cannot be read: %s", system_error_text(errno));
 }
 
 /* Replaces the report by one without old lines. */
@@ -330,9 +330,9 @@ bool batch_report_close(batch_report *report) {
     bool ok = !report->has_old_lines || remove_old_lines(report);
     name_index_free(&report->index);
     if (report->is_regular && !system_store(report->file))
-        ok = report_error(report->name, "cannot be written: %s", strerror(errno));
+        ok = report_error(report->name, "cannot be written: %s", system_error_text(errno));
     if (report->file >= 0 && close(report->file) != 0)
-        ok = report_error(report->name, "cannot be written: %s", strerror(errno));
+        ok = report_error(report->name, "cannot be written: %s", system_error_text(errno));
     report->file = -1;
     return ok;
 }

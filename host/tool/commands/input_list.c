@@ -24,10 +24,10 @@ bool input_list_open(input_list *list, char *const *operands, int operand_count,
     list->label = input_label(list_name);
     list->file = strcmp(list_name, "-") == 0 ? STDIN_FILENO : system_open_to_read(list_name);
     if (list->file < 0)
-        return report_error(list->label, "cannot be opened: %s", strerror(errno));
+        return report_error(list->label, "cannot be opened: %s", system_error_text(errno));
     list->can_restart = list->file != STDIN_FILENO && system_status_of_open(list->file, &status) && status.is_regular;
     list->buffer = malloc(BUFFER_SIZE);
-    return list->buffer || report_error(list->label, "%s", strerror(ENOMEM));
+    return list->buffer || report_error(list->label, "%s", system_error_text(ENOMEM));
 }
 
 void input_list_close(input_list *list) {
@@ -50,7 +50,7 @@ static input_state fill_buffer(input_list *list) {
     if (count < 0 && (errno == EINTR || errno == EAGAIN))
         return INPUT_WAIT;
     if (count < 0) {
-        report_error(list->label, "cannot be read: %s", strerror(errno));
+        report_error(list->label, "cannot be read: %s", system_error_text(errno));
         return INPUT_ERROR;
     }
     list->begin = 0;
