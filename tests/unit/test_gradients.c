@@ -224,11 +224,11 @@ static void check_gradient(const fit_case *c, const reference *t, const outcome 
 
 static void check_forward(const fit_case *c, const reference *t, const outcome *o) {
     const int samples = pixels_of(c) * channels_of(c);
-    double apart = 0.0;
-    for (int i = 0; i < samples; i++)
-        apart = fmax(apart, fabs(o->planes[i] - t->planes[i]));
-    if (!(apart < 2e-5))
-        fail_msg("%s: a sample is off by %g", c->name, apart);
+    for (int i = 0; i < samples; i++) {
+        const double apart = fabs(o->planes[i] - t->planes[i]);
+        if (!(apart < 2e-5))
+            fail_msg("%s: sample %d is off by %g", c->name, i, apart);
+    }
     /* The library's loss is the mean of squared (L1: absolute) errors. */
     /* With weighted luma, too, it is divided by the samples alone. */
     const double loss = ldexp(t->loss, -2 * c->level) * (t->fit.absolute ? 1.0 : 2.0) / samples;
