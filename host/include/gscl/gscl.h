@@ -183,8 +183,8 @@ typedef struct gscl_context_settings {
     const char *cache_folder;  /* where kernels that were built are kept for later contexts, made when it is missing;
                                  default NULL: nowhere.  Any number of processes may use a folder at a time; only those
                                  who may run programs as this user should be able to write to it.  It takes at most
-                                 64 MiB.  OpenCL implementations that keep kernels themselves (PoCL, NVIDIA) are left to
-                                 it.  A folder that cannot be read or written costs time and is no error */
+                                 64 MiB.  OpenCL implementations that keep kernels themselves (PoCL, NVIDIA, all on
+                                 Windows) are left to it.  A folder that cannot be read or written costs time and is no error */
     gscl_build_callback build; /* default NULL */
     void *build_opaque;        /* first argument of `build` */
     int threads; /* of GSCL_HOST_DEVICE, the caller's included: 1 to GSCL_MAX_THREADS; default 0: as many as the process may

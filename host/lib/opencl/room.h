@@ -16,7 +16,8 @@
  *   program.h, kernel_sources.h: building a program
  *   prefetch.h: building programs ahead of their use
  *   programs.h: looking kernels up
- *   binary_store.h, binary_store_trim.h, program_cache.h: programs that are kept from process to process
+ *   binary_store.h, binary_store_trim.h, program_cache.h: programs that are kept from process to process, but for Windows
+ *   (without_program_cache.c)
  *   tunables.h: the numbers that were found by trying */
 #ifndef GSCL_ROOM_LIB_OPENCL_H
 #define GSCL_ROOM_LIB_OPENCL_H
