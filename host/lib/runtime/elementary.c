@@ -41,12 +41,12 @@ static double power_of_two(int n) {
     return double_of((uint64_t)(n + EXPONENT_BIAS) << MANTISSA_BITS);
 }
 
-/* Adding it to |x| < 2^51 leaves a number whose lowest bits are the integer nearest to x. */
+/* Adding it to |x| < 2^51 leaves a number whose lowest bits are the integer nearest to x.  The sum is read as bits, because clang for
+ * i386 keeps more of them in registers, and would round nothing. */
 #define TO_INTEGER 0x1.8p52
 
-static double nearest_integer(double x) {
-    const double sum = x + TO_INTEGER;
-    return sum - TO_INTEGER;
+static int64_t nearest_integer(double x) {
+    return (int64_t)(bits_of(x + TO_INTEGER) - bits_of(TO_INTEGER));
 }
 
 /* ---- Exponential functions ------------------------------------------------------------------------ */
@@ -82,14 +82,14 @@ static double exp_beyond(double x) {
 double gscl_exp(double x) {
     if (!(fabs(x) < EXP_LIMIT))
         return exp_beyond(x);
-    const double n = nearest_integer(x * INV_LN2);
+    const double n = (double)nearest_integer(x * INV_LN2);
     return scaled_exp(n, (x - n * LN2_HIGH) - n * LN2_LOW);
 }
 
 double gscl_exp2(double x) {
     if (!(fabs(x) < EXP_LIMIT))
         return exp_beyond(x);
-    const double n = nearest_integer(x), rest = x - n;
+    const double n = (double)nearest_integer(x), rest = x - n;
     return scaled_exp(n, rest * LN2_HIGH + rest * LN2_LOW);
 }
 
@@ -223,9 +223,10 @@ static double cos_near_zero(double r) {
 static double shifted_sin(double x, unsigned quarters) {
     if (!(fabs(x) <= MAX_ANGLE))
         x = fmod(x, TWO_PI);
-    const double sum = x * INV_HALF_PI + TO_INTEGER, n = sum - TO_INTEGER;
+    const int64_t count = nearest_integer(x * INV_HALF_PI);
+    const double n = (double)count;
     const double r = ((x - n * HALF_PI_HIGH) - n * HALF_PI_MIDDLE) - n * HALF_PI_LOW;
-    quarters += (unsigned)(bits_of(sum) & 3);
+    quarters += (unsigned)(count & 3);
     const double value = quarters % 2 ? cos_near_zero(r) : sin_near_zero(r);
     return quarters & 2 ? -value : value;
 }
