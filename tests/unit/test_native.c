@@ -1,5 +1,6 @@
 /* The device "host" with kernels for the processor: every processor and every number of threads gives the files that golden.txt
  * has the hashes of (golden_cases.h). */
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <pthread.h>
@@ -102,10 +103,10 @@ static void check_case(size_t i, const char *how, int threads) {
 
 /* ---- Files ----------------------------------------------------------------------------------------- */
 
-/* Whether the kernels of a processor give the bytes of golden.txt. */
+/* Whether the kernels of a processor give the bytes of golden.txt: not beside code that computes floats with more bits. */
 static bool is_golden(const char *processor) {
-    return strcmp(processor, "x86_64_v4") == 0 || strcmp(processor, "x86_64_v3") == 0 ||
-           strcmp(processor, "aarch64") == 0;
+    return FLT_EVAL_METHOD != 2 && (strcmp(processor, "x86_64_v4") == 0 || strcmp(processor, "x86_64_v3") == 0 ||
+                                    strcmp(processor, "aarch64") == 0);
 }
 
 /* Those that take a second and more, and with ThreadSanitizer a minute (GOLDEN_SMALL in the environment). */
