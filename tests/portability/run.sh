@@ -6,7 +6,7 @@
 # and its programs run in qemu-user, in wine, or as they are.  --quick builds the library, and runs the conformance set, kept inputs
 # of the fuzz targets and three encodes of golden.txt.  Without it five of these run, the tests that need no OpenCL, and the tool,
 # which encodes and decodes files (tool_files.sh): a few minutes of processor time for a machine.  --whole runs the tests of
-# long_tests in machine.sh in qemu-user, too, which takes hours.
+# long_tests in machine.sh on the slow machines, too, which takes hours.
 #
 # Prints a row for each machine, and ends with status 1 where one fails; build-portability/MACHINE.log has what was printed.
 set -u
