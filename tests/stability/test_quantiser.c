@@ -216,7 +216,8 @@ static void check_words_used(const book_case *c, const gsf_coded_image *file) {
     }
 }
 
-/* The device's words are within a step of the file's, in each dimension. */
+/* The device's words are within a step of the file's, in each dimension.  Without fmin and fmax in loops, of which GCC 12 for aarch64
+ * makes vectors, and fails itself. */
 static double word_error(const gscl_codebook *book, const float *projected) {
     double worst = 0.0;
     const gscl_book *shapes = &book->books[GSCL_BOOK_SHAPE];
@@ -224,14 +225,17 @@ static double word_error(const gscl_codebook *book, const float *projected) {
     for (int d = 0; d < 2; d++) {
         double low = INFINITY, high = -INFINITY;
         for (int k = 0; k < shapes->count; k++) {
-            low = fmin(low, shapes->words[k * GSCL_BOOK_DIMS + d]);
-            high = fmax(high, shapes->words[k * GSCL_BOOK_DIMS + d]);
+            const float word = shapes->words[k * GSCL_BOOK_DIMS + d];
+            low = word < low ? word : low;
+            high = word > high ? word : high;
         }
         const double allowed = 0.5 * (high - low) / levels + 4 * 0x1p-24 * fmax(fabs(low), fabs(high));
         for (int i = 0; i < book->fit->renderer.count; i++) {
             const double word = shapes->words[book->pairs[i][0] * GSCL_BOOK_DIMS + d];
             const double error = fabs(projected[i * GSCL_PARAMS + GSCL_LOG_S1 + d] - word);
-            worst = fmax(worst, allowed > 0.0 ? error / allowed : error);
+            const double share = allowed > 0.0 ? error / allowed : error;
+            if (!(share <= worst))
+                worst = share;
         }
     }
     return worst;
