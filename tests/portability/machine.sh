@@ -106,7 +106,7 @@ else
 fi
 [ "$failed" = 0 ] || {
     echo "of $log:"
-    grep -E '^(FAILED|not ok)|error' "$log" | head -n 20
+    grep -E '^(FAILED|not ok|ERROR)|error:|^ *[0-9/]+ gscl:.* (FAIL|ERROR|TIMEOUT) ' "$log" | sort -u | head -n 20
     echo "..."
     tail -n 5 "$log"
 } | sed 's/^/    /'
