@@ -312,7 +312,7 @@ static void test_seeds_are_those_of_double_precision(void **unused) {
         for (int i = 0; i < PIXELS; i++)
             total += strength[i];
         for (int i = 0; i < PIXELS; i++)
-            density[i] = strength[i] / total + (near_edges[i] > 0 || plane[i] != 0.4f ? 1.0 / PIXELS : 0);
+            density[i] = strength[i] / total + (near_edges[i] > 0 || plane[i] != plane[0] ? 1.0 / PIXELS : 0);
         sample(density, count, &oracle_random, samples);
         assert_int_equal(gscl_density_seed(&fit, count, &random), GSCL_OK);
         compare_splats(&fit, 0, count, samples, t->seed_axis, 0, WIDTH + HEIGHT);
