@@ -53,6 +53,9 @@ build() {
 long_tests="conformance|convergence_trace|encodes_host|field|fit_state_host|forged|gradients_host|layouts|library|memory|native"
 long_tests="$long_tests|native_faults|rows|scalar_rdo_host|scenes_host|timing|visual_loss_host"
 
+# Tests whose references have the bits that clang keeps in registers of i386, against values that were stored as floats and doubles.
+tests_of_stored_bits="elementary|elementary_single|render_host"
+
 # Names of the tests to run, each on a line: any_build has those of code that is the same for all machines.
 test_names() {
     if [ "$how" = quick ]; then
@@ -63,6 +66,7 @@ test_names() {
     case "$how $machine" in
     whole\ * | *\ mingw | *\ musl | *\ x87) left_out= ;;
     esac
+    [ "$machine" != clang-i386 ] || left_out="$left_out|$tests_of_stored_bits"
     meson test -C "$folder" --no-rebuild --no-suite any_build --list | sed -n 's|^gscl:.* / ||p' | grep -vxE "$left_out"
 }
 
