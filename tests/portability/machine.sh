@@ -51,7 +51,7 @@ build() {
 
 # Tests that take an emulator minutes of processor time each, and i386, which has no vectors in code of C, half a minute and more.
 long_tests="conformance|convergence_trace|encodes_host|field|fit_state_host|forged|gradients_host|layouts|library|memory|native"
-long_tests="$long_tests|native_faults|rows|scalar_rdo_host|scenes_host|timing|visual_loss_host"
+long_tests="$long_tests|native_faults|packet_encode|rows|scalar_rdo_host|scenes_host|timing|visual_loss_host"
 
 # Tests whose references have the bits that clang keeps in registers of i386, against values that were stored as floats and doubles.
 tests_of_stored_bits="elementary|elementary_single|render_host"
