@@ -47,6 +47,7 @@ deb_packages="$tarball_packages build-essential clang debhelper dh-python dpkg-d
 npm_packages="gcc libc6-dev meson ninja-build python3 $web_packages $web_encoder_packages"
 static_packages="clang gcc meson ninja-build pkg-config python3 $source_packages"
 wheel_packages="clang opencl-headers python3 python3-dev python3-venv"
+windows_wheel_packages="gcc-mingw-w64-x86-64 $source_packages"
 # Those that tests/packaging needs besides.
 packaging_packages="apt-utils debootstrap lintian"
 

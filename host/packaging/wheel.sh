@@ -1,12 +1,15 @@
 #!/bin/sh
 # Builds a wheel: wheel.sh TARGET FOLDER, with a target of host/python/build_wheel.sh.
 #
-# Writes FOLDER/gscl-*.whl; FOLDER/venv, in which tests/packaging/test_wheel.sh finds auditwheel; and FOLDER/TARGET.
+# Writes FOLDER/gscl-*.whl; FOLDER/venv, in which tests/packaging/test_wheels.sh finds auditwheel; and FOLDER/TARGET.
 set -eu
 . "$(dirname "$0")/common.sh"
 target=$1
 folder=$2
 install_packages $wheel_packages
+case $target in
+*-windows) install_packages $windows_wheel_packages ;;
+esac
 
 [ -x "$folder/venv/bin/pip" ] || python3 -m venv "$folder/venv"
 # The versions that the tests of the package take.

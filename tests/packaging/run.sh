@@ -20,7 +20,7 @@ check() {
     began=$(date +%s)
     if "$@" >"$folder/log" 2>&1; then
         echo "ok      $name ($(($(date +%s) - began)) s)"
-        grep -E '^(from nothing|auditwheel|the program from its repository)' "$folder/log" | sed 's/^/        /'
+        grep -E '^(from nothing|auditwheel|left out|the program from its repository)' "$folder/log" | sed 's/^/        /'
     else
         echo "FAILED  $name ($(($(date +%s) - began)) s)"
         tail -n 20 "$folder/log" | sed 's/^/        /'
@@ -56,7 +56,7 @@ fi
 build static
 check static sh "$here/test_static.sh" "$folder/static"
 build wheel
-for target in aarch64-manylinux x86_64-musllinux aarch64-musllinux; do
+for target in aarch64-manylinux x86_64-musllinux aarch64-musllinux x86_64-windows; do
     build "wheel:$target" wheel
 done
 check wheels sh "$here/test_wheels.sh" "$folder/wheel"

