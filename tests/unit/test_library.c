@@ -152,6 +152,21 @@ static void test_context_without_a_device(void **state) {
     synthetic_image_free(&image);
 }
 
+#ifndef GSCL_WITH_OPENCL
+/* No package of the machine would help. */
+static void test_built_without_opencl(void **state) {
+    (void)state;
+    gscl_context_settings settings;
+    gscl_context_settings_default(&settings);
+    settings.device = "0.0";
+    gscl_context *none = NULL;
+    assert_int_equal(gscl_context_create(&none, &settings), GSCL_ERROR_NO_PLATFORM);
+    assert_non_null(strstr(gscl_context_message(none), "built without OpenCL"));
+    assert_null(strstr(gscl_context_message(none), "install"));
+    gscl_context_free(&none);
+}
+#endif
+
 static void test_devices(void **state) {
     (void)state;
     gscl_device_info *devices = NULL;
@@ -1105,6 +1120,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_texts),
+#ifndef GSCL_WITH_OPENCL
+        cmocka_unit_test(test_built_without_opencl),
+#endif
         cmocka_unit_test(test_devices),
         cmocka_unit_test(test_context_without_a_device),
         cmocka_unit_test(test_bad_images),

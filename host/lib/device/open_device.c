@@ -51,6 +51,7 @@ static gscl_result device_fail_unusable(gscl_context *context, gscl_result resul
     return gscl_fail(context, result, "OpenCL device %s (%s) %s", d->info.id, d->info.device_name, d->unusable);
 }
 
+#ifdef GSCL_WITH_OPENCL
 static gscl_result device_fail_absent(gscl_context *context, const gscl_device_list *list) {
     if (list->absence[0])
         return gscl_fail(
@@ -62,6 +63,13 @@ static gscl_result device_fail_absent(gscl_context *context, const gscl_device_l
         context, GSCL_ERROR_NO_PLATFORM,
         "no OpenCL device was found; install an OpenCL implementation, such as the package pocl-opencl-icd");
 }
+#else
+static gscl_result device_fail_absent(gscl_context *context, const gscl_device_list *list) {
+    (void)list;
+    return gscl_fail(context, GSCL_ERROR_NO_PLATFORM,
+                     "no OpenCL device was found: this library was built without OpenCL");
+}
+#endif
 
 /* The error when no usable device matches. */
 static gscl_result device_fail_none(gscl_context *context, const gscl_device_list *list, const char *selector) {
