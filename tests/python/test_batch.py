@@ -812,8 +812,10 @@ def test_wrong_commands(tmp_path, capsys, monkeypatch):
         status, _, errors = main(capsys, *arguments)
         assert status == 2 and text in errors
     monkeypatch.setitem(sys.modules, "torch", None)
+    Image.new("RGB", (8, 8)).save(tmp_path / "picture.png")
     for name, options, text in (
         (tmp_path / "nothing.txt", (), "nothing.txt"),
+        (tmp_path / "picture.png", (), "picture.png is no text with a name in each line"),
         ("x", ("--seed", "-1"), "seed"),
         ("x", ("--pack", "--tolerance", "2"), "tolerance"),
         ("x", ("--pack", "--loader", "image_gs", "--size", "9x9"), "needs PyTorch"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import re
 from collections.abc import Iterable, Iterator
@@ -40,7 +41,10 @@ def list_sources(sources: Sources) -> Iterator[str]:
         yield from _match(sources)
     else:
         with fsspec.open(sources, "rt", encoding="utf-8", errors="surrogateescape", compression="infer") as lines:
-            yield from (name for name in (line.rstrip("\r\n") for line in lines) if name)
+            first = lines.readlines(4096)
+            if any("\0" in line for line in first):  # as a picture has
+                raise OSError(f"{sources} is no text with a name in each line")
+            yield from (name for name in (line.rstrip("\r\n") for line in itertools.chain(first, lines)) if name)
 
 
 def _match(pattern: str) -> Iterator[str]:
