@@ -20,7 +20,7 @@ check() {
     began=$(date +%s)
     if "$@" >"$folder/log" 2>&1; then
         echo "ok      $name ($(($(date +%s) - began)) s)"
-        grep -E '^(from nothing|auditwheel|left out|the program from its repository)' "$folder/log" | sed 's/^/        /'
+        grep -E '^(from nothing|auditwheel|built|left out|the program from its repository)' "$folder/log" | sed 's/^/        /'
     else
         echo "FAILED  $name ($(($(date +%s) - began)) s)"
         tail -n 20 "$folder/log" | sed 's/^/        /'
@@ -41,7 +41,7 @@ build sdist
 check sdist sh "$here/test_sdist.sh" $quick "$folder/sdist"
 # What reads the recipe of conda is large.
 [ -z "$whole" ] || "$folder/sdist/venv/bin/pip" --disable-pip-version-check --quiet install py-rattler-build
-check recipes sh "$here/test_recipes.sh" "$folder"/tarball/gscl-*.tar.xz "$folder/sdist/venv/bin/python"
+check recipes sh "$here/test_recipes.sh" ${whole:+--whole} "$folder"/tarball/gscl-*.tar.xz "$folder/sdist/venv/bin/python"
 if ! command -v npm >/dev/null; then
     echo "left out  npm, which is not installed"
 elif [ -n "$web" ]; then
