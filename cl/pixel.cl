@@ -1,6 +1,7 @@
 /* The pixel vector: a work-item handles LANES neighbouring pixels of a row at once, in ROWS rows.  CPU mapping: LANES
  * 16, ROWS 16; a work-item draws a whole tile with explicit vectors.  GPU mapping: LANES 4, ROWS 1; a work-group of
- * 256 / LANES work-items draws a tile.  Some implementations get other values of both (host/lib/opencl/quirks.c).
+ * 256 / LANES work-items draws a tile; kernels of visual.cl and ssim.cl have LANES 1.  Some implementations get other values of
+ * both (host/lib/opencl/quirks.c).
  *
  * Build options, each where the kernels depend on it (host/lib/opencl/build_options.c): LANES, ROWS, COLOURS (1 or 3),
  * ALPHA_CHANNEL, OPACITY, TEXTURE, SHAPE, BLEND, WEIGHTED (GSCL_WEIGHTED_...), LOSS, CACHED_ROWS (raster.cl), and

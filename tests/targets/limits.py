@@ -9,11 +9,18 @@ RDO_STACK = {
 }
 
 # Kinds of programs whose kernels spill no vector register.
-UNSPILLED = {"render", "fit", "bin"}
+UNSPILLED = {"render", "fit", "bin", "visual"}
 # But fit_tiles on gfx1100: clang 15 takes only 128 of its 256 vector registers, whatever the size of the work-groups.  The
 # registers that it spills, by the use of the program, and those of all others at most.
 SPILLED = {"encode": 0, "encode, waves": 40}
 SPILLED_BY_OTHERS = 95
+
+# Registers of a work-item of the kernels of the visual loss that take most, on NVIDIA's GPUs.
+REGISTERS = {
+    "visual_by_luminance_strip": {"sm_75": 96, "sm_90": 80},
+    "visual_maps_row": {"sm_75": 64, "sm_90": 64},
+    "visual_terms_row": {"sm_75": 64, "sm_90": 64},
+}
 
 
 def spilled_limit(program, kernel, device):
@@ -39,6 +46,9 @@ def breaches(program, kernels):
             spilled, most = figures.get("spilled", 0), spilled_limit(program, kernel, device)
             if most is not None and spilled > most:
                 yield f"{kernel} spills {spilled} on {device}, {most} at most"
+            registers, most = figures.get("registers", 0), REGISTERS.get(kernel, {}).get(device)
+            if most is not None and registers > most:
+                yield f"{kernel} takes {registers} registers on {device}, {most} at most"
             stack, most = figures.get("stack", figures.get("scratch", 0)), stack_limit(program, kernel, device)
             if most is not None and stack > most:
                 yield f"{kernel} takes {stack} bytes of private memory on {device}, {most} at most"

@@ -44,14 +44,17 @@ static const program_traits traits_of_kinds[GSCL_PROGRAM_KINDS] = {
 /* Appends how the context's mapping distributes the work of these kernels. */
 static void append_mapping(gscl_text *text, const gscl_context *context, gscl_program_kind kind) {
     const program_traits *traits = &traits_of_kinds[kind];
+    const bool has_chunks = kind == GSCL_PROGRAM_SSIM || kind == GSCL_PROGRAM_VISUAL;
     if (traits->has_channels)
-        gscl_text_append(text, " -DLANES=%d -DROWS=%d", gscl_mapping_lanes(context), gscl_mapping_rows(context));
+        gscl_text_append(text, " -DLANES=%d -DROWS=%d",
+                         has_chunks ? gscl_chunk_lanes(context) : gscl_mapping_lanes(context),
+                         gscl_mapping_rows(context));
     if (traits->has_splats)
         gscl_text_append(text, " -DSPLAT_LANES=%d", gscl_splat_lanes(context, kind));
     if (kind == GSCL_PROGRAM_BIN)
         gscl_text_append(text, " -DBAND_ITEMS=%zu -DBIN_ITEMS=%zu -DLINK_SPLATS=%zu", gscl_band_group_size(context),
                          gscl_bin_group_size(context), gscl_link_splats(context));
-    if (kind == GSCL_PROGRAM_SSIM || kind == GSCL_PROGRAM_VISUAL)
+    if (has_chunks)
         gscl_text_append(text, " -DCHUNK_ITEMS=%zu", gscl_chunk_group_size(context));
     if (kind == GSCL_PROGRAM_VISUAL || kind == GSCL_PROGRAM_IMAGE)
         gscl_text_append(text, " -DSUM_ITEMS=%zu", gscl_sum_group_size(context));

@@ -82,8 +82,12 @@ size_t gscl_chunk_group_size(const gscl_context *context) {
     return (size_t)(context->gpu_mapping ? t->gpu_chunk_items : t->cpu_chunk_items);
 }
 
+int gscl_chunk_lanes(const gscl_context *context) {
+    return context->gpu_mapping ? gscl_runtime_tunables.gpu_chunk_lanes : gscl_mapping_lanes(context);
+}
+
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows) {
-    const int lanes = gscl_mapping_lanes(context);
+    const int lanes = gscl_chunk_lanes(context);
     const size_t chunks = (size_t)((width + lanes - 1) / lanes) * (size_t)rows;
     const size_t group_size = gscl_chunk_group_size(context);
     return (chunks + group_size - 1) / group_size;

@@ -45,9 +45,10 @@ size_t gscl_slot_group_size(const gscl_context *context);
 size_t gscl_rdo_group_size(const gscl_context *context);
 /* Work-items of a group that sums (cl/group_sum.cl): a power of 2, at most GSCL_SUM_ITEMS. */
 size_t gscl_sum_group_size(const gscl_context *context);
-/* Work-items of a group that take one pixel vector each (cl/visual.cl, cl/ssim.cl), and the groups that take `rows` rows of
- * `width` pixels. */
+/* Work-items of a group that take one pixel vector each (cl/visual.cl, cl/ssim.cl), the pixels of such a vector, and the groups
+ * that take `rows` rows of `width` pixels. */
 size_t gscl_chunk_group_size(const gscl_context *context);
+int gscl_chunk_lanes(const gscl_context *context);
 size_t gscl_chunk_groups(const gscl_context *context, int width, int rows);
 
 /* The most work-items of a group of any kernel. */

@@ -13,6 +13,7 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .gpu_lanes = 4,
     .gpu_rows = 1,
     .gpu_chunk_items = 64,
+    .gpu_chunk_lanes = 1,
     .gpu_band_items = 256,
     .gpu_bin_items = 64,
     .gpu_link_splats = 8,

@@ -20,6 +20,8 @@ struct gscl_runtime_tunables {
     int gpu_lanes;       /* pixels: neighbours of a row in one vector, GPU mapping; 1, 4 or 16 */
     int gpu_rows;        /* rows: height of the part of a tile that a work-item draws, GPU mapping; divides 16 */
     int gpu_chunk_items; /* work-items: of a group that take a pixel vector each, GPU mapping; a whole number of waves */
+    int gpu_chunk_lanes; /* pixels: as gpu_lanes, of the work-items of the visual loss and of SSIM.  4 take up to 150 registers
+                            each, and spill some on RDNA; neighbouring work-items load neighbouring pixels with 1 */
     int gpu_band_items;  /* work-items: of a group that lists the splats of a band, GPU mapping; a power of 2 */
     int gpu_bin_items;   /* work-items: of a group that fills the list of a tile, GPU mapping; a power of 2 */
     int gpu_link_splats; /* splats: whose links a group of gpu_band_items numbers, GPU mapping */
