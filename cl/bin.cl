@@ -142,14 +142,24 @@ __kernel GROUP_OF(BIN_ITEMS) void bin(__global const float *restrict projected,
     }
 }
 #else
+/* Neighbouring splats that a work-item looks at between two scans, whose barriers take longer. */
+#define BAND_SPLATS 8
+
 int list_band(__global const int4 *restrict boxes, gscl_bin_settings t, int band, __global int *restrict listed,
               __local long *restrict sums) {
-    int item = (int)get_local_id(0), first = band * t.band_rows, n = 0;
-    for (int base = 0; base < t.splats; base += BAND_ITEMS) {
-        int i = base + item;
-        bool touches = i < t.splats && box_touches_rows(boxes[min(i, t.splats - 1)], first, first + t.band_rows - 1);
-        int number = (int)group_scan(touches, BAND_ITEMS, sums);
-        if (touches) listed[n + number - 1] = i;
+    const int first = band * t.band_rows, last = first + t.band_rows - 1;
+    int n = 0;
+    for (int base = 0; base < t.splats; base += BAND_ITEMS * BAND_SPLATS) {
+        const int from = base + (int)get_local_id(0) * BAND_SPLATS, count = min(t.splats - from, BAND_SPLATS);
+        int touching = 0, own = 0; /* a bit of each, and how many */
+        for (int k = 0; k < count; k++) {
+            const int touches = box_touches_rows(boxes[from + k], first, last) ? 1 : 0;
+            touching |= touches << k;
+            own += touches;
+        }
+        int to = n + (int)group_scan(own, BAND_ITEMS, sums) - own;
+        for (int k = 0; k < count; k++)
+            if (touching >> k & 1) listed[to++] = from + k;
         n += (int)sums[BAND_ITEMS - 1];
         barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     }

@@ -15,9 +15,9 @@
 #include "fit/random.h"
 #include "runtime/mapping.h"
 
-/* Sizes of images, pixels: a small one; one of more rows of tiles than bands; one of more tiles in a row than a group has
- * work-items. */
-static const uint32_t sizes[][2] = {{70, 45}, {40, 600}, {4200, 20}};
+/* Sizes of images, pixels: a small one; ones of more rows of tiles than bands in one mapping, and in both; one of more tiles in a
+ * row than a group has work-items. */
+static const uint32_t sizes[][2] = {{70, 45}, {40, 600}, {20, 4200}, {4200, 20}};
 #define MAX_PIXELS (4200 * 20)
 #define MANY 8500 /* splats: several blocks are counted */
 #define FEW 300   /* those of more than one block, which are not counted */

@@ -224,9 +224,18 @@ static gscl_result bin_tiles(gscl_renderer *r, gscl_bin_settings settings, const
                        GSCL_ARG_BUFFER(r->tile_ranges), GSCL_ARG_BUFFER(r->row_totals), GSCL_ARG_BUFFER(links->links));
 }
 
+/* The most bands of rows of tiles whose splats are listed. */
+static int32_t max_bands(const gscl_renderer *r) {
+    const struct gscl_decode_tunables *t = &gscl_decode_tunables;
+    const size_t listed = r->count > 0 ? t->gpu_listed / (size_t)r->count : 0;
+    if (gscl_bin_group_size(r->context) == 1 || listed <= (size_t)t->max_bands)
+        return t->max_bands;
+    return listed < (size_t)t->gpu_max_bands ? (int32_t)listed : t->gpu_max_bands;
+}
+
 /* Rows of tiles of a band. */
 static int32_t rows_of_bands(const gscl_renderer *r) {
-    const int32_t rows = r->view.tiles_y, most = gscl_decode_tunables.max_bands, bands = rows < most ? rows : most;
+    const int32_t rows = r->view.tiles_y, most = max_bands(r), bands = rows < most ? rows : most;
     return (rows + bands - 1) / bands;
 }
 

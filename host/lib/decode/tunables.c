@@ -10,6 +10,8 @@ const struct gscl_decode_tunables gscl_decode_tunables = {
     .spare_part = 4,
     .growth_part = 2,
     .max_bands = 32,
+    .gpu_max_bands = 256,
+    .gpu_listed = (size_t)32 << 20,
 
     .max_finer_luma = 2,
     .max_finer_chroma = 3,

@@ -2,6 +2,7 @@
 #ifndef GSCL_LIB_DECODE_TUNABLES_H
 #define GSCL_LIB_DECODE_TUNABLES_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 struct gscl_decode_tunables {
@@ -20,8 +21,12 @@ struct gscl_decode_tunables {
      * the part 1 / growth_part.  Splats move until the next exact binning. */
     int spare_part;
     int growth_part;
-    /* Largest number of bands of rows of tiles; the rows of a band share a list of splats. */
+    /* Largest number of bands of rows of tiles; the rows of a band share a list of splats.  Where a group fills the list of a
+     * tile, more of them, as long as their lists have room for at most gpu_listed splats, four bytes each: each of many groups
+     * goes over the list of its band, and where bands are single rows begin_lists counts the splats of tiles, too. */
     int max_bands;
+    int gpu_max_bands;
+    size_t gpu_listed;
 
     /* Finer steps of luma and of chroma that are tried for the colour of a flat background: steps. */
     int max_finer_luma;
