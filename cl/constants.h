@@ -191,6 +191,9 @@
 #define GSCL_SUM_ITEMS \
     64 /* shares of a sum, and most work-items of a group that sums (cl/group_sum.cl): a power of 2 */
 
+/* Tiles and splats of a part whose losses are summed, and whose low ones are counted, before those of all (cl/sums.cl). */
+#define GSCL_CONTROL_PART 1024
+
 /* Taps of the Gaussian window of SSIM along each axis (cl/ssim.cl). */
 #define GSCL_SSIM_WINDOW 11
 /* Zeros around the planes of cl/ssim.cl, on each side: room for a window and a pixel vector. */

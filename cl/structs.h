@@ -79,11 +79,12 @@ typedef struct gscl_control_settings {
     float max_entries; /* of all lists, above which log_max is reduced */
     float reduction;   /* of log_max */
     float log_min;     /* its lower bound */
-    int32_t losses;    /* tiles, whose losses are summed; 0: loss and threshold stay */
+    int32_t losses;    /* of tiles or of parts, which are summed; 0: loss and threshold stay */
     float loss_scale;  /* 1 / samples of a step */
     float threshold_per_loss;
     int32_t splats;
-    float low_height; /* half the height of an outline, drawn rows; lower splats count as low */
+    float low_height;  /* half the height of an outline, drawn rows; lower splats count as low */
+    int32_t low_parts; /* parts whose low splats are counted already; 0: none are */
 } gscl_control_settings;
 
 /* The links of a splat to its entries, which lie one after another (cl/links.cl): one for each tile of its box, row by

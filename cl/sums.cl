@@ -60,11 +60,40 @@ __kernel GROUP_OF(SUM_ITEMS) void sum_groups(__global const float *restrict grou
     if (get_local_id(0) == 0) *total = factor == 0.0f ? sums[0] : fma(factor, *other, sums[0]);
 }
 
-/* The mean loss of a step from those of its tiles.  One work-group.  `scale`: 1 / samples. */
-__kernel GROUP_OF(SUM_ITEMS) void sum_loss(__global const float *restrict tile_loss, int count, float scale,
+/* Share `j` of the number of low splats among `count`. */
+float low_share(__global const float *restrict ellipse_bounds, int count, float low_height, int j) {
+    float own = 0.0f;
+    for (int i = j; i < count; i += GSCL_SUM_ITEMS)
+        own += ellipse_bounds[(size_t)i * GSCL_BOUNDS + GSCL_BOUNDS_HALF_HEIGHT] < low_height ? 1.0f : 0.0f;
+    return own;
+}
+
+#if SUM_ITEMS > 1
+/* Sums the losses of GSCL_CONTROL_PART tiles and counts the low ones of as many splats, by each work-group, where sum_loss and
+ * control_fit alone would take long. */
+__kernel GROUP_OF(SUM_ITEMS) void begin_control(__global const float *restrict tile_loss, int tiles,
+                                                __global const float *restrict ellipse_bounds, int splats,
+                                                float low_height, __global float *restrict loss_parts,
+                                                __global float *restrict low_parts) {
+    __local float sums[2 * GSCL_SUM_ITEMS];
+    const int part = (int)get_group_id(0), first = part * GSCL_CONTROL_PART;
+    FOR_SHARES(j) {
+        sums[j] = share_sum(tile_loss + first, min(tiles - first, GSCL_CONTROL_PART), j);
+        sums[GSCL_SUM_ITEMS + j] = low_share(ellipse_bounds + (size_t)first * GSCL_BOUNDS,
+                                             min(splats - first, GSCL_CONTROL_PART), low_height, j);
+    }
+    shares_sum(2, sums);
+    if (get_local_id(0) > 0) return;
+    loss_parts[part] = sums[0];
+    low_parts[part] = sums[GSCL_SUM_ITEMS];
+}
+#endif
+
+/* The mean loss of a step from those of its tiles or of parts of them.  One work-group.  `scale`: 1 / samples. */
+__kernel GROUP_OF(SUM_ITEMS) void sum_loss(__global const float *restrict losses, int count, float scale,
                                            __global gscl_fit_control *restrict control) {
     __local float sums[GSCL_SUM_ITEMS];
-    share_sums(tile_loss, count, sums);
+    share_sums(losses, count, sums);
     if (get_local_id(0) == 0) control->loss = sums[0] * scale;
 }
 
@@ -72,18 +101,18 @@ __kernel GROUP_OF(SUM_ITEMS) void sum_loss(__global const float *restrict tile_l
  * follows the mean loss of a step, as of sum_loss.  One work-group. */
 __kernel GROUP_OF(SUM_ITEMS) void control_fit(__global const int *restrict row_totals, int rows,
                                               __global const float *restrict ellipse_bounds,
-                                              __global const float *restrict tile_loss, gscl_control_settings settings,
+                                              __global const float *restrict low_parts,
+                                              __global const float *restrict losses, gscl_control_settings settings,
                                               __global gscl_fit_control *restrict control) {
     __local float sums[3 * GSCL_SUM_ITEMS];
     FOR_SHARES(j) {
-        sums[2 * GSCL_SUM_ITEMS + j] = share_sum(tile_loss, settings.losses, j);
-        float own = 0.0f, own_low = 0.0f;
+        float own = 0.0f;
         for (int i = j; i < rows; i += GSCL_SUM_ITEMS) own += (float)row_totals[i];
-        for (int i = j; i < settings.splats; i += GSCL_SUM_ITEMS)
-            own_low +=
-                ellipse_bounds[(size_t)i * GSCL_BOUNDS + GSCL_BOUNDS_HALF_HEIGHT] < settings.low_height ? 1.0f : 0.0f;
         sums[j] = own;
-        sums[GSCL_SUM_ITEMS + j] = own_low;
+        sums[GSCL_SUM_ITEMS + j] = settings.low_parts > 0
+                                       ? share_sum(low_parts, settings.low_parts, j)
+                                       : low_share(ellipse_bounds, settings.splats, settings.low_height, j);
+        sums[2 * GSCL_SUM_ITEMS + j] = share_sum(losses, settings.losses, j);
     }
     shares_sum(3, sums);
     if (get_local_id(0) > 0) return;

@@ -66,11 +66,12 @@ void gscl_fit_free(gscl_fit *f) {
     gscl_tile_skip_free(&f->skip);
     gscl_ssim_free(&f->ssim);
     gscl_visual_free(&f->visual);
-    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment, &f->second_moment, &f->ages,
-                              &f->gradient_slots, &f->links.links,  &f->links.grids,   &f->links.block_links,
-                              &f->links.needed,   &f->tile_loss,    &f->control,       &f->error,
-                              &f->error_sums,     &f->row_sums,     &f->density_total, &f->column_weights,
-                              &f->group_weights,  &f->distortion,   &f->derivative,    &f->adapted_target};
+    gscl_buffer *buffers[] = {&f->gradients,      &f->first_moment,   &f->second_moment, &f->ages,
+                              &f->gradient_slots, &f->links.links,    &f->links.grids,   &f->links.block_links,
+                              &f->links.needed,   &f->tile_loss,      &f->loss_parts,    &f->low_parts,
+                              &f->control,        &f->error,          &f->error_sums,    &f->row_sums,
+                              &f->density_total,  &f->column_weights, &f->group_weights, &f->distortion,
+                              &f->derivative,     &f->adapted_target};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         gscl_buffer_free(buffers[i]);
     gscl_release_after_copies(f->context, f->reading); /* after an error the device may still write it */

@@ -49,6 +49,7 @@ typedef struct gscl_fit {
     gscl_flat_background flat; /* of the image, if it has one; `background` is then its colour, else the mean colour */
 
     gscl_buffer tile_loss;             /* of the last step, of each tile */
+    gscl_buffer loss_parts, low_parts; /* scratch: sums of parts of it, and low splats of parts of them */
     gscl_buffer control;               /* gscl_fit_control */
     double known_loss;                 /* mean loss per sample of a step, when the host last read it; 0: not yet */
     double known_low_splats;           /* gscl_fit_control.low_splats of that time */
@@ -162,14 +163,18 @@ gscl_result gscl_fit_adam(gscl_fit *fit, const gscl_buffer *params, float rate);
 /* Gradients of the loss at the current parameters (count * GSCL_PARAMS floats), without a step. */
 gscl_result gscl_fit_gradients(gscl_fit *fit, float *gradients);
 
+/* ---- fit_control.c: what the device follows of a fit (gscl_fit_control) ---- */
+
+/* Sums the mean loss of the last step into it, without waiting. */
+gscl_result gscl_fit_sum_loss(gscl_fit *fit);
+/* Bounds the tile occupancy by the present lists and counts low splats; where the last step `has_loss`, sums it and sets the
+ * threshold of skipped tiles by it. */
+gscl_result gscl_fit_follow(gscl_fit *fit, bool has_loss);
+
 /* ---- fit_error.c: losses and errors ---- */
 
 /* Mean loss per sample of the last step; with weights it is no MSE.  fit->known_loss is that of an earlier step. */
 gscl_result gscl_fit_loss(gscl_fit *fit, double *loss);
-/* Sums it into the control on the device. */
-gscl_result gscl_fit_sum_loss(gscl_fit *fit);
-/* What makes this mean of the sum of the tiles' losses. */
-float gscl_fit_loss_scale(const gscl_fit *fit);
 /* Renders the current splats (through the quantiser) and writes the squared error of each pixel of the level, added over
  * channels and weighted, into fit->error, without waiting. */
 gscl_result gscl_fit_begin_error(gscl_fit *fit);

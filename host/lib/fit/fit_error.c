@@ -6,19 +6,6 @@
 #define PIXELS_OF_GROUP 1024 /* at least, of those that a work-group adds up */
 #define MAX_GROUPS 1024      /* whose sums the last work-group adds up */
 
-float gscl_fit_loss_scale(const gscl_fit *f) {
-    return 1.0f / ((float)gscl_renderer_plane(&f->renderer) * (float)f->renderer.channels);
-}
-
-gscl_result gscl_fit_sum_loss(gscl_fit *f) {
-    const int32_t tiles = (int32_t)gscl_renderer_tiles(&f->renderer);
-    const float scale = gscl_fit_loss_scale(f);
-    gscl_kernel *kernel;
-    GSCL_TRY(gscl_image_kernel(f->context, "sum_loss", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, 1, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(f->tile_loss),
-                       GSCL_ARG(tiles), GSCL_ARG(scale), GSCL_ARG_BUFFER(f->control));
-}
-
 gscl_result gscl_fit_loss(gscl_fit *f, double *loss) {
     gscl_lists_state state;
     GSCL_TRY(gscl_fit_sum_loss(f));

@@ -87,46 +87,11 @@ gscl_result gscl_fit_adam(gscl_fit *f, const gscl_buffer *params, float rate) {
                        GSCL_ARG_BUFFER(r->boxes));
 }
 
-/* The part of the tiles that is not flat background. */
-static double non_flat_tiles(const gscl_fit *f) {
-    return fmax(1 - f->flat.tiles, gscl_fit_tunables.min_non_flat_tiles);
-}
-
-/* The number of entries of all lists above which the bound on the longest axis is reduced. */
-static double max_entries(const gscl_fit *f) {
-    const gscl_renderer *r = &f->renderer;
-    double limit = r->options.blend == GSCL_ALPHA      ? gscl_fit_tunables.max_occupancy_of_alpha
-                   : f->level > f->pyramid.first_level ? gscl_fit_tunables.max_occupancy_of_smaller_levels
-                                                       : gscl_fit_tunables.max_occupancy;
-    double tiles = (double)gscl_renderer_tiles(r);
-    return non_flat_tiles(f) * limit * tiles + gscl_fit_tunables.tiles_of_small_splat * r->count;
-}
-
 /* Steps after which the host waits for the device, to follow the lengths of the lists and the loss. */
 static int wait_interval(const gscl_fit *f) {
     const struct gscl_fit_tunables *t = &gscl_fit_tunables;
     const int steps = (int)(t->wait_pixels / (double)gscl_renderer_plane(&f->renderer));
     return steps < t->check_interval ? t->check_interval : steps < f->max_wait ? steps : f->max_wait;
-}
-
-/* Bounds the tile occupancy by the present lists; sets the threshold of skipped tiles from the losses of the last step where it
- * `has_loss`. */
-static gscl_result launch_control(gscl_fit *f, bool has_loss) {
-    const gscl_renderer *r = &f->renderer;
-    const float low_height = gscl_fit_tunables.low_axis * sqrtf(2.0f * GSCL_SUPPORT) * r->view.row_scale;
-    const gscl_control_settings settings = {.max_entries = (float)max_entries(f),
-                                            .reduction = gscl_fit_tunables.axis_reduction,
-                                            .log_min = f->limits.log_min,
-                                            .losses = has_loss ? (int32_t)gscl_renderer_tiles(r) : 0,
-                                            .loss_scale = gscl_fit_loss_scale(f),
-                                            .threshold_per_loss = gscl_tile_skip_share(r->channels, non_flat_tiles(f)),
-                                            .splats = r->count,
-                                            .low_height = low_height};
-    gscl_kernel *kernel;
-    GSCL_TRY(gscl_image_kernel(f->context, "control_fit", &kernel));
-    return GSCL_LAUNCH(f->context, kernel, 1, gscl_sum_group_size(f->context), GSCL_ARG_BUFFER(r->row_totals),
-                       GSCL_ARG(r->view.tiles_y), GSCL_ARG_BUFFER(r->ellipse_bounds), GSCL_ARG_BUFFER(f->tile_loss),
-                       GSCL_ARG(settings), GSCL_ARG_BUFFER(f->control));
 }
 
 /* Bins and follows the lists and the loss on the device.  An external loss has none of tiles. */
@@ -136,7 +101,7 @@ static gscl_result bin_and_check(gscl_fit *f) {
     if (has_loss && is_wait_due)
         GSCL_TRY(gscl_fit_sum_loss(f)); /* for the host, which reads it before the control is launched */
     GSCL_TRY(gscl_fit_bin(f, is_wait_due));
-    return launch_control(f, has_loss);
+    return gscl_fit_follow(f, has_loss);
 }
 
 /* Writes the derivative of an external loss by the rendering. */

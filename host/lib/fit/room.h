@@ -7,7 +7,8 @@
  *   pyramid.h: the source at sizes that halve from level to level
  *   fit_splats.c: the splats and the state of the optimiser for each
  *   fit_bin.c: the lists of the tiles, and links from splats to their entries
- *   fit_step.c: gradients, Adam, and the bound on the tile occupancy
+ *   fit_step.c: gradients and Adam
+ *   fit_control.c: the loss and the bound on the tile occupancy, which the device follows
  *   tile_skip.h: tiles that are skipped for some steps
  *   fit_target.c: what splats are compared with
  *   fit_error.c: losses and errors

@@ -16,6 +16,7 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .max_occupancy_of_alpha = 150.0,
     .tiles_of_small_splat = 4.0,
     .axis_reduction = 0.2f,
+    .gpu_summed_at_once = 4096,
     .low_axis = 0.75f,
     .skip_threshold = 0.02,
     .min_non_flat_tiles = 0.1,

@@ -40,6 +40,10 @@ struct gscl_fit_tunables {
     /* Step in ln sigma by which the bound on the longest axis is reduced. */
     float axis_reduction;
 
+    /* Tiles or splats: where groups are wide and there are more, many work-groups sum parts of what the control needs before
+     * a single one does the rest.  At the limit that takes 64 additions of each work-item, about as long as a launch. */
+    int gpu_summed_at_once;
+
     /* A splat whose standard deviation across the rows is smaller counts as low: rows of the level. */
     float low_axis;
 
