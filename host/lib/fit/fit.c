@@ -55,6 +55,7 @@ gscl_result gscl_fit_create(gscl_fit *f, gscl_context *context, const gscl_kerne
                                  options->weighted, planes));
     if (options->weighted == GSCL_WEIGHTED_PIXELS)
         GSCL_TRY(gscl_weights_build(&f->pyramid, &f->ssim, options));
+    gscl_flush(context);
     mean_colour(planes, f->renderer.channels, gscl_pyramid_pixels(&f->pyramid, first_level), f->background);
     GSCL_TRY(gscl_renderer_set_splats(&f->renderer, NULL, 0, f->background));
     return gscl_fit_set_level(f, first_level);

@@ -3,6 +3,7 @@
 #include "cl/constants.h"
 #include "fit/fit.h"
 #include "fit/tunables.h"
+#include "runtime/queue.h"
 
 /* Renders each tile, compares it with `target` (or reads the loss's derivative from it, where the loss is EXTERNAL) and
  * writes the gradient slots. */
@@ -145,8 +146,10 @@ int gscl_fit_bin_interval(const gscl_fit *f) {
 gscl_result gscl_fit_step(gscl_fit *f, float rate, int row_step) {
     const bool is_external = f->renderer.options.loss == GSCL_LOSS_KIND_EXTERNAL;
     GSCL_TRY(gscl_fit_set_rows(f, is_external ? 1 : row_step));
-    if (f->has_old_lists || f->steps_since_bin >= gscl_fit_bin_interval(f))
+    if (f->has_old_lists || f->steps_since_bin >= gscl_fit_bin_interval(f)) {
         GSCL_TRY(refresh_lists(f));
+        gscl_flush(f->context); /* hundreds of steps may follow before the host waits */
+    }
     GSCL_TRY(compare(f));
     const gscl_gather_settings drawn = gather_settings(f);
     /* Other rows need other lists, which are due now. */

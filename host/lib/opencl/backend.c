@@ -21,6 +21,7 @@ const gscl_backend gscl_opencl_backend = {
     .fill = gscl_opencl_fill,
     .kernel_find = gscl_opencl_kernel_find,
     .launch = gscl_opencl_launch,
+    .flush = gscl_opencl_flush,
     .finish = gscl_opencl_finish,
     .collect_times = gscl_opencl_collect_times,
     .prefetch = gscl_opencl_prefetch,

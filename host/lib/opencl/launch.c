@@ -44,6 +44,10 @@ gscl_result gscl_opencl_launch(gscl_context *context, const gscl_launch *launch)
     return error == CL_SUCCESS ? GSCL_OK : launch_fail(context, launch, error, "clEnqueueNDRangeKernel");
 }
 
+void gscl_opencl_flush(gscl_context *context) {
+    gscl_cl.clFlush(gscl_opencl(context)->queue);
+}
+
 gscl_result gscl_opencl_finish(gscl_context *context) {
     GSCL_CL(context, clFinish, gscl_opencl(context)->queue);
     return GSCL_OK;

@@ -15,11 +15,14 @@
     DO(clCreateProgramWithSource) \
     DO(clEnqueueCopyBuffer)       \
     DO(clEnqueueFillBuffer)       \
+    DO(clEnqueueMapBuffer)        \
     DO(clEnqueueNDRangeKernel)    \
     DO(clEnqueueReadBuffer)       \
     DO(clEnqueueReadBufferRect)   \
+    DO(clEnqueueUnmapMemObject)   \
     DO(clEnqueueWriteBuffer)      \
     DO(clFinish)                  \
+    DO(clFlush)                   \
     DO(clGetDeviceIDs)            \
     DO(clGetDeviceInfo)           \
     DO(clGetEventProfilingInfo)   \
@@ -36,7 +39,8 @@
     DO(clReleaseMemObject)        \
     DO(clReleaseProgram)          \
     DO(clRetainProgram)           \
-    DO(clSetKernelArg)
+    DO(clSetKernelArg)            \
+    DO(clWaitForEvents)
 
 /* Their addresses, once gscl_opencl_library has returned NULL; a test may put others in their place. */
 #define GSCL_CL_POINTER(function) __typeof__ (&(function))(function);

@@ -7,6 +7,7 @@
 #include "opencl/opencl_device.h"
 #include "opencl/prefetch.h"
 #include "opencl/program.h"
+#include "runtime/queue.h"
 
 /* Takes the program that another thread has built, or makes it. */
 static gscl_result make_program(gscl_context *context, gscl_program_kind kind, const char *options,
@@ -28,6 +29,7 @@ static gscl_result get_program(gscl_context *context, gscl_program_kind kind, co
     *found = gscl_program_find(context, kind, text);
     if (*found)
         return GSCL_OK;
+    gscl_flush(context); /* building takes long */
     GSCL_TRY(make_program(context, kind, text, found));
     gscl_program_keep(context, *found);
     return GSCL_OK;

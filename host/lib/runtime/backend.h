@@ -68,6 +68,8 @@ typedef struct gscl_backend {
     gscl_result (*kernel_find)(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
                                const char *name, gscl_kernel **kernel);
     gscl_result (*launch)(gscl_context *context, const gscl_launch *launch);
+    /* Begins the work that it may be collecting; NULL: it begins all work at once.  A failure shows in a later call. */
+    void (*flush)(gscl_context *context);
     /* Waits until all work has ended. */
     gscl_result (*finish)(gscl_context *context);
     /* Adds the times of launches up, when all work has ended or failed. */

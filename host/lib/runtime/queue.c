@@ -23,6 +23,11 @@ gscl_result gscl_note_work(gscl_context *context, bool blocking, gscl_result res
     return result;
 }
 
+void gscl_flush(gscl_context *context) {
+    if (context->has_work && context->backend->flush)
+        context->backend->flush(context);
+}
+
 static gscl_result finish(gscl_context *context, void note(gscl_context *)) {
     if (!context->has_work)
         return GSCL_OK;

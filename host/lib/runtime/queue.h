@@ -1,4 +1,4 @@
-/* Waiting for the device, which is counted. */
+/* Beginning the work of the device, and waiting for it, which is counted. */
 #ifndef GSCL_LIB_QUEUE_H
 #define GSCL_LIB_QUEUE_H
 
@@ -7,6 +7,10 @@
 /* Notes a call that asked the device for work, and that waited for it where it is `blocking` and did not fail.  Returns the
  * result. */
 gscl_result gscl_note_work(gscl_context *context, bool blocking, gscl_result result);
+
+/* Has the device begin what it was asked for, which some drivers collect until the host waits: where the host has work of its own
+ * next, or asks for a great deal more. */
+void gscl_flush(gscl_context *context);
 
 /* Waits until the device has ended its work; accepts a context without a device.  Where there was none since the last wait,
  * this and what waits below return at once. */

@@ -126,6 +126,7 @@ static gscl_result rdo_visit_all(rdo_pass *p, double lambda_scale) {
     size_t size;
     GSCL_TRY(rdo_prepare(p, &size));
     GSCL_TRY(rdo_draw(p));
+    gscl_flush(context); /* before dozens of launches, and perhaps a build of their kernel */
     p->shared.settings.lambda = (float)(lambda_scale / (2.0 * 8.0 * (double)size)); /* of the error, which it has */
     GSCL_TRY(gscl_kernel_find(context, GSCL_PROGRAM_SCALAR_RDO, &p->fit->renderer.options, "rdo_visit", &p->visit));
     for (int group = 0; group < GSCL_RDO_GROUPS; group++)

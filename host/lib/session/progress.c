@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "host/system/clock.h"
+#include "runtime/queue.h"
 #include "runtime/timing.h"
 #include "session/tunables.h"
 
@@ -20,6 +21,7 @@ void gscl_progress_stage(gscl_progress_state *p, double from, double to) {
 static gscl_result report_share(gscl_context *context, gscl_progress_state *p, double done) {
     if (!p->callback)
         return GSCL_OK;
+    gscl_flush(context); /* the callback may take its time */
     p->done = fmax(p->done, done);
     const double now = gscl_now(), elapsed = now - p->start_s;
     if (p->first_s == 0)
