@@ -48,7 +48,7 @@ OPENCL_ROOM = "host/lib/opencl/"
 OPENCL_TESTS = ["tests/cli/odd_opencl.c", "tests/devices/count_launches.c", "tests/devices/opencl_builds.c",
                 "tests/devices/opencl_latency.c", "tests/devices/opencl_probe.c", "tests/devices/opencl_probe.h",
                 "tests/unit/fake_opencl.c", "tests/unit/fake_opencl.h", "tests/unit/opencl_faults.c", "tests/unit/test_device.c",
-                "tests/unit/test_launch.c", "tests/unit/test_program_cache.c"]
+                "tests/unit/test_launch.c", "tests/unit/test_pinned.c", "tests/unit/test_program_cache.c"]
 OPENCL_NAME = re.compile(r"\b(?!cl_khr_)(?:_?cl_[a-z]\w*|CL_[A-Z]\w*|cl[A-Z]\w*)|[<\"](?:CL|OpenCL)/\w+\.h")
 PUBLIC = "host/include/gscl/"
 # How sources ask for the operating system, and where they may: its room, and the public header, which exports functions.

@@ -116,6 +116,21 @@ static cl_int CL_API_CALL fake_launch(cl_command_queue queue, cl_kernel kernel, 
                                        event);
 }
 
+static void *CL_API_CALL fake_map(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
+                                  size_t offset, size_t size, cl_uint wait_count, const cl_event *waits,
+                                  cl_event *event, cl_int *error) {
+    fake.maps++;
+    if (fake.map_error == CL_SUCCESS)
+        return real.clEnqueueMapBuffer(queue, buffer, blocking, flags, offset, size, wait_count, waits, event, error);
+    *error = fake.map_error;
+    return NULL;
+}
+
+static cl_int CL_API_CALL fake_flush(cl_command_queue queue) {
+    fake.flushes++;
+    return real.clFlush(queue);
+}
+
 void fake_opencl_install(void) {
     if (gscl_opencl_library())
         return; /* there are no devices */
@@ -127,4 +142,6 @@ void fake_opencl_install(void) {
     gscl_cl.clBuildProgram = fake_build;
     gscl_cl.clGetKernelWorkGroupInfo = fake_get_kernel_group_info;
     gscl_cl.clEnqueueNDRangeKernel = fake_launch;
+    gscl_cl.clEnqueueMapBuffer = fake_map;
+    gscl_cl.clFlush = fake_flush;
 }

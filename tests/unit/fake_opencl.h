@@ -27,9 +27,11 @@ typedef struct fake_opencl {
     size_t largest_kernel_group; /* of all kernels, in work-items; 0: the real one */
     cl_device_info failing_info; /* clGetDeviceInfo fails for this parameter; 0: for none */
     cl_int launch_error;         /* result of clEnqueueNDRangeKernel instead of a launch; 0: it launches */
+    cl_int map_error;            /* result of clEnqueueMapBuffer instead of an address; 0: it maps */
     fake_notice notice;          /* argument of the last clCreateContext */
     void *notice_data;
     int contexts, builds; /* calls of clCreateContext and clBuildProgram */
+    int maps, flushes;    /* of clEnqueueMapBuffer and clFlush */
 } fake_opencl;
 
 extern fake_opencl fake;

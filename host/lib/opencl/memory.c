@@ -2,6 +2,7 @@
 
 #include "opencl/cl_error.h"
 #include "opencl/opencl_device.h"
+#include "opencl/pinned.h"
 
 gscl_result gscl_opencl_memory_create(gscl_context *context, size_t size, void **memory) {
     cl_int error;
@@ -22,6 +23,9 @@ gscl_result gscl_opencl_write(gscl_context *context, void *memory, bool blocking
 
 gscl_result gscl_opencl_read(gscl_context *context, void *memory, bool blocking, size_t offset, void *data,
                              size_t size) {
+    const gscl_pinned_rows all = {.offset = offset, .row = size, .rows = 1, .data = data};
+    if (blocking && gscl_pinned_serves(context, &all))
+        return gscl_pinned_read(context, memory, &all);
     GSCL_CL(context, clEnqueueReadBuffer, gscl_opencl(context)->queue, memory, blocking, offset, size, data, 0, NULL,
             NULL);
     return GSCL_OK;
@@ -30,6 +34,9 @@ gscl_result gscl_opencl_read(gscl_context *context, void *memory, bool blocking,
 gscl_result gscl_opencl_read_rows(gscl_context *context, void *memory, size_t row, size_t rows, void *data,
                                   size_t stride) {
     const size_t origin[3] = {0}, region[3] = {row, rows, 1};
+    const gscl_pinned_rows all = {.row = row, .rows = rows, .stride = stride, .data = data};
+    if (gscl_pinned_serves(context, &all))
+        return gscl_pinned_read(context, memory, &all);
     GSCL_CL(context, clEnqueueReadBufferRect, gscl_opencl(context)->queue, memory, CL_TRUE, origin, origin, region, row,
             0, stride, 0, data, 0, NULL, NULL);
     return GSCL_OK;

@@ -5,6 +5,7 @@
 #include "opencl/cl_error.h"
 #include "opencl/kernel_times.h"
 #include "opencl/opencl_device.h"
+#include "opencl/pinned.h"
 #include "opencl/program_cache.h"
 #include "opencl/programs.h"
 #include "opencl/shared_device.h"
@@ -28,6 +29,7 @@ gscl_result gscl_opencl_open(gscl_context *context, const gscl_listed_device *li
     device->id = listed->handle;
     device->quirks = listed->quirks;
     device->own_builtins = listed->quirks->own_builtins;
+    device->has_pinned_reads = listed->kind != GSCL_DEVICE_CPU && !listed->shares_memory;
     GSCL_TRY(gscl_program_cache_open(context, settings->cache_folder));
     if (context->timings)
         GSCL_TRY(gscl_opencl_times_create(context)); /* before the queue, which then measures */
@@ -41,6 +43,7 @@ void gscl_opencl_close(gscl_context *context) {
         return;
     gscl_programs_free(context);
     gscl_opencl_times_free(context);
+    gscl_pinned_free(device);
     if (device->queue)
         gscl_cl.clReleaseCommandQueue(device->queue);
     gscl_shared_device_leave(context);

@@ -12,6 +12,12 @@ struct gscl_program;       /* program.h */
 struct gscl_prefetch;      /* prefetch.c */
 struct gscl_kernel_times;  /* kernel_times.c */
 
+/* Memory of the host that the device copies into directly (pinned.h). */
+typedef struct gscl_pinned_memory {
+    cl_mem memory; /* NULL: not allocated yet */
+    char *bytes;   /* where it is mapped */
+} gscl_pinned_memory;
+
 typedef struct gscl_opencl_device {
     cl_platform_id platform;
     cl_device_id id;
@@ -26,6 +32,8 @@ typedef struct gscl_opencl_device {
     struct gscl_prefetch *prefetch;  /* programs that another thread builds, or NULL */
     char *cache_folder;              /* where built programs are kept (program_cache.h), or NULL */
     struct gscl_kernel_times *times; /* of launches, where they are measured; else NULL */
+    bool has_pinned_reads;           /* large reads go through pinned memory: the device's memory is not the host's */
+    gscl_pinned_memory pinned;
 } gscl_opencl_device;
 
 /* The device of a context that this room opened. */

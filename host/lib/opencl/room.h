@@ -10,7 +10,7 @@
  *   device_list.h: the OpenCL devices of the machine
  *   opencl_device.h, open.h: the device of a context, opening and closing it
  *   shared_device.h: what contexts of a device share
- *   memory.h: memory of the device
+ *   memory.h, pinned.h: memory of the device, and reading large results from it
  *   launch.h, kernel_times.h: launches, and the times that they take
  *   build_options.h: the options that kernels are specialised for, as macros
  *   program.h, kernel_sources.h: building a program
