@@ -31,9 +31,7 @@ static int default_jobs(const device_choice *choice, const gscl_device_info *inf
     return threads < BATCH_MAX_WORKERS ? (int)threads : BATCH_MAX_WORKERS;
 }
 
-/* The most pixels of an image of which all workers of a device can encode one at the same time; 0 where nothing is known of its
- * memory. */
-static uint64_t shared_pixels(const gscl_device_info *info, int workers) {
+uint64_t batch_shared_pixels(const gscl_device_info *info, int workers) {
     return info ? info->memory_bytes / MEMORY_PART / ENCODE_BYTES / (uint64_t)workers : 0;
 }
 
@@ -44,7 +42,7 @@ static void add_device(batch_devices *devices, const gscl_device_info *info, int
         memcpy(device->id, info->id, sizeof info->id);
     device->is_host = is_host_device(device->id);
     device->worker_count = jobs > 0 ? jobs : default_jobs(&devices->choice, info);
-    device->shared_pixels = shared_pixels(info, device->worker_count);
+    device->shared_pixels = batch_shared_pixels(info, device->worker_count);
     devices->worker_count += (size_t)device->worker_count;
 }
 

@@ -51,6 +51,10 @@ typedef struct batch_devices {
     uint64_t endings; /* threads of workers that ended */
 } batch_devices;
 
+/* The most pixels of an image of which all workers of a device can encode one at the same time; 0 where nothing is known of the
+ * device (NULL) or of its memory. */
+uint64_t batch_shared_pixels(const gscl_device_info *info, int workers);
+
 /* Finds the devices.  Each can encode `jobs` images at a time, 1..BATCH_MAX_WORKERS; 0: the default for the device.  Reports
  * errors and returns the exit code of the program; the caller frees in either case. */
 int batch_devices_create(batch_devices *devices, const device_choice *choice, int jobs);
