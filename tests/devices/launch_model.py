@@ -7,6 +7,7 @@ Nothing here was measured on a GPU.  The assumptions, each as a low and a high n
    work-item that depend on each other,
  - a launch of many work-groups takes the COST of each, estimated in the same way, where all 132 multiprocessors work,
  - rdo_visit takes its latency once for each RESIDENT groups: its registers leave room for four groups on a multiprocessor,
+ - a kernel of ROUND takes that for each number that a work-item adds up in turn, or for each scan of begin_lists,
  - a wait of the host for the device takes WAIT, with what the host does before the device has work again.
 """
 MULTIPROCESSORS = 132
@@ -21,13 +22,14 @@ LATENCY = {
     "rdo_begin": (8, 14),
     "raster_samples": (8, 14),
     "raster_forward": (6, 12),
-    "control_fit": (5, 10),
+    "control_fit": (4, 6),
     "visual_terms_row": (5, 8),
-    "begin_lists": (6, 12),
+    "begin_lists": (5, 11),
     "bin": (4, 8),
-    "sum_loss": (4, 8),
+    "sum_loss": (3, 4),
+    "begin_control": (3, 4),
     "step_splats": (4, 7),
-    "visual_shares": (4, 6),
+    "visual_shares": (4, 5),
     "bin_count": (3, 5),
     "project": (3, 4),
 }
@@ -47,17 +49,47 @@ COST = {
 OTHER_COST = (0.5, 1)
 
 
-def launch_us(kernel, groups, bound):
-    """Microseconds of a launch with the gap before it; bound 0: low, 1: high."""
-    latency = LATENCY.get(kernel, OTHER_LATENCY)[bound]
+# Microseconds of each of what a work-item does in turn, of which `rounds` says how many there are.
+ROUND = {
+    "control_fit": (0.06, 0.3),
+    "sum_loss": (0.06, 0.3),
+    "begin_control": (0.06, 0.3),
+    "visual_shares": (0.06, 0.3),
+    "begin_lists": (0.7, 1.2),
+}
+SUM_ITEMS = 64  # work-items that sum, and numbers and splats that a group of begin_control and begin_lists takes
+CONTROL_PART = 1024
+LISTED_SPLATS = 2048
+
+
+def rounds(kernel, sizes):
+    """Rounds of a launch, from `sizes`: {kernel: work-groups of its last launch}, of begin_control since the last of control_fit
+    and sum_loss.  A tile has a group in fit_tiles, a splat one in step_splats, a row of all scales one in visual_terms_row;
+    about half of these are of the largest scale."""
+    tiles, splats = sizes.get("fit_tiles", 0), sizes.get("step_splats", 0)
+    if kernel == "begin_lists":
+        return -(-splats // LISTED_SPLATS)
+    if kernel == "begin_control":
+        return CONTROL_PART // SUM_ITEMS
+    if kernel == "visual_shares":
+        return sizes.get("visual_terms_row", 0) // 2 // SUM_ITEMS
+    if kernel in ("control_fit", "sum_loss"):
+        return sizes.get("begin_control", 0) // SUM_ITEMS or max(tiles, splats) // SUM_ITEMS
+    return 0
+
+
+def launch_us(kernel, groups, bound, count=0):
+    """Microseconds of a launch of `count` rounds with the gap before it; bound 0: low, 1: high."""
+    latency = LATENCY.get(kernel, OTHER_LATENCY)[bound] + count * ROUND.get(kernel, (0, 0))[bound]
     if kernel == "rdo_visit":
         return GAP[bound] + latency * -(-groups // RESIDENT)
     return GAP[bound] + max(latency, 1e-3 * COST.get(kernel, OTHER_COST)[bound] * groups)
 
 
-def kernel_ms(kernel, groups):
-    """(low, high) milliseconds of launches of a kernel with these numbers of work-groups."""
-    return tuple(1e-3 * sum(launch_us(kernel, count, bound) for count in groups) for bound in (0, 1))
+def kernel_ms(kernel, launches):
+    """(low, high) milliseconds of launches of a kernel, each (work-groups, rounds)."""
+    listed = list(launches)
+    return tuple(1e-3 * sum(launch_us(kernel, groups, bound, count) for groups, count in listed) for bound in (0, 1))
 
 
 def waits_ms(count):

@@ -25,13 +25,19 @@ class Log:
 
     def __init__(self, path):
         self.groups = collections.defaultdict(list)  # kernel -> work-groups of each launch
+        self.rounds = collections.defaultdict(list)  # kernel -> rounds of each launch (launch_model.py)
         self.sizes = {}  # kernel -> work-items of a group
         self.waits = collections.Counter()  # function -> calls that wait
+        last = {}  # kernel -> work-groups of its last launch
         with open(path, encoding="ascii") as file:
             for line in file:
                 what, name, *numbers = line.split()
                 if what == "kernel":
                     self.groups[name].append(int(numbers[0]))
+                    self.rounds[name].append(launch_model.rounds(name, last))
+                    last[name] = int(numbers[0])
+                    if name in ("control_fit", "sum_loss"):
+                        last.pop("begin_control", None)
                     self.sizes[name] = int(numbers[1])
                 else:
                     self.waits[name] += 1
@@ -44,10 +50,13 @@ class Log:
         """Launches of fewer work-groups."""
         return sum(count < groups for counts in self.groups.values() for count in counts)
 
+    def kernel_ms(self, kernel):
+        """(low, high) of the model."""
+        return launch_model.kernel_ms(kernel, zip(self.groups[kernel], self.rounds[kernel]))
+
     def milliseconds(self):
-        """(low, high) of the model, kernels alone."""
-        parts = [launch_model.kernel_ms(kernel, counts) for kernel, counts in self.groups.items()]
-        return tuple(map(sum, zip(*parts)))
+        """The same of all kernels."""
+        return tuple(map(sum, zip(*map(self.kernel_ms, list(self.groups)))))
 
 
 def record(build, words):
@@ -79,7 +88,7 @@ def kernel_rows(log):
     yield row(["kernel", "work-items of a group", "launches", "groups: least", "mean", "most", "H100, ms: low", "high"])
     yield row(["---"] + ["---:"] * 7)
     for kernel, counts in sorted(log.groups.items(), key=lambda item: -len(item[1])):
-        low, high = launch_model.kernel_ms(kernel, counts)
+        low, high = log.kernel_ms(kernel)
         yield row([kernel, log.sizes[kernel], len(counts), min(counts), round(statistics.mean(counts)), max(counts),
                    f"{low:.1f}", f"{high:.1f}"])
 

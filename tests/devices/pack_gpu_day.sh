@@ -17,7 +17,7 @@ shift 3
 large_tiles=${LARGE_TILES:-8}
 
 # Those of tests/unit and tests/stability that run kernels and read no file of the sources.
-unit_tests="codebook fit_state gradients level_residual links placement quantise render scalar_rdo visual_loss"
+unit_tests="codebook fit_control fit_state gradients level_residual links placement quantise render scalar_rdo visual_loss"
 stability_tests="adam encodes far_needles flat_ssim quantiser random"
 
 # add_file FILE FOLDER [NAME]: without symbols for debugging.
