@@ -130,7 +130,7 @@ quick_tests() {
 }
 
 # Both mappings are in each of these tests.  The names are those of `meson test --list`.
-full_tests="render quantise gradients conformance scalar_rdo codebook visual_loss level_residual fit_state quality_search
+full_tests="render quantise gradients conformance scalar_rdo codebook visual_loss level_residual fit_control fit_state quality_search
     scenes random adam flat_ssim far_needles quantiser coding encodes decode effects colours"
 full_suite() {
     more=encode
