@@ -12,7 +12,7 @@ trap 'rm -f "$log"' EXIT
 # Every test of the host but long ones that allocate as these do: accuracy, conformance, convergence_trace, gradients,
 # render, scalar_rdo, timing.  test_memory has a failing allocation in each of its encodes and decodes.
 for test in fuzz_reader test_format test_format_coding test_kmeans test_metrics test_quality_search test_quantise \
-    test_flat_background test_level_residual test_fit_state test_codebook test_device test_launch test_memory \
+    test_flat_background test_level_residual test_fit_state test_codebook test_device test_launch test_pinned test_memory \
     test_library test_interface test_faults test_native_faults; do
     for attempt in 1 2 3; do
         # Unit tests ignore the arguments, which are for the fuzz targets.  Their kernels are in the cache.
