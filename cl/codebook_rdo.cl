@@ -33,7 +33,7 @@ void word_rdo_remove(const projected_splat *s, int4 box, __global float *restric
                      __global const float *restrict front, __global const float *restrict transmittance,
                      gscl_image_shape image) {
     const size_t plane = plane_size(image);
-    FOR_ROWS(y, box.z, box.w)
+    FOR_ROWS(RDO_ITEMS, y, box.z, box.w)
     FOR_VECTORS(x, box.x, box.y) {
         size_t at = (size_t)y * image.width + x;
         int lanes = box.y - x + 1;
@@ -52,7 +52,7 @@ void word_rdo_remove(const projected_splat *s, int4 box, __global float *restric
 void word_rdo_commit(const projected_splat *s, int4 box, __global float *restrict rendering,
                      __global float *restrict front, __global float *restrict transmittance, gscl_image_shape image) {
     const size_t plane = plane_size(image);
-    FOR_ROWS(y, box.z, box.w)
+    FOR_ROWS(RDO_ITEMS, y, box.z, box.w)
     FOR_VECTORS(x, box.x, box.y) {
         size_t at = (size_t)y * image.width + x;
         int lanes = box.y - x + 1;
@@ -75,11 +75,11 @@ word_error word_rdo_evaluate(const projected_splat *s, __global const float *res
                              __global const float *restrict target, gscl_image_shape image, __local float *shared) {
     const size_t plane = plane_size(image);
     outline o = outline_of(s, image.width, image.height);
-    pix sums[WORD_SUMS];
+    item_sum sums[WORD_SUMS];
     float totals[WORD_SUMS];
     UNROLL
-    for (int k = 0; k < WORD_SUMS; k++) sums[k] = (pix)(0.0f);
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    for (int k = 0; k < WORD_SUMS; k++) sums[k] = (item_sum)(0.0f);
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) {
             size_t at = (size_t)y * image.width + x;
@@ -87,19 +87,19 @@ word_error word_rdo_evaluate(const projected_splat *s, __global const float *res
             pix g =
                 projected_weight(pix_offsets() + ((float)x + 0.5f - o.x), (float)y + 0.5f - o.y, s) * pix_inside(lanes);
             pix gt = g * RDO_LOAD(transmittance + at, lanes);
-            sums[WORD_SQUARE] = fma(gt, gt, sums[WORD_SQUARE]);
+            sums[WORD_SQUARE] = ADD_PRODUCTS(gt, gt, sums[WORD_SQUARE]);
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
                 pix u = RDO_LOAD(rendering + k * plane + at, lanes), gu = g * u;
                 pix e = RDO_LOAD(front + k * plane + at, lanes) + u - PIX_LOAD(target + k * plane + at);
-                sums[WORD_LIGHT + k] = fma(gt, e, sums[WORD_LIGHT + k]);
-                sums[WORD_BEHIND] = fma(gu, e, sums[WORD_BEHIND]);
-                sums[WORD_MIXED + k] = fma(gt, gu, sums[WORD_MIXED + k]);
-                sums[WORD_BEHIND_SQUARE] = fma(gu, gu, sums[WORD_BEHIND_SQUARE]);
+                sums[WORD_LIGHT + k] = ADD_PRODUCTS(gt, e, sums[WORD_LIGHT + k]);
+                sums[WORD_BEHIND] = ADD_PRODUCTS(gu, e, sums[WORD_BEHIND]);
+                sums[WORD_MIXED + k] = ADD_PRODUCTS(gt, gu, sums[WORD_MIXED + k]);
+                sums[WORD_BEHIND_SQUARE] = ADD_PRODUCTS(gu, gu, sums[WORD_BEHIND_SQUARE]);
             }
         }
     }
-    ITEMS_SUM(sums, WORD_SUMS, totals, shared);
+    ITEMS_SUM(sums, WORD_SUMS, RDO_ITEMS, totals, shared);
     word_error w;
     w.behind = totals[WORD_BEHIND];
     w.square = totals[WORD_SQUARE];
@@ -159,7 +159,7 @@ __kernel GROUP_OF(RDO_ITEMS) void word_rdo(
     __global const float *restrict shape_bits, __global const float *restrict colour_bits,
     __global float *restrict rendering, __global float *restrict front, __global float *restrict transmittance,
     __global const float *restrict target, gscl_word_rdo_settings settings) {
-    __local float shared[RDO_SHARED];
+    __local float shared[SUMS_SHARED];
     const int i = batch[get_group_id(0)];
     const int4 box = boxes[i];
     const int2 cell = cells[i], index = indices[i];

@@ -37,7 +37,7 @@ outline outline_of(const projected_splat *a, int width, int height) {
 
 /* First and last column of a row.  Must be called for the rows of this work-item in ascending order. */
 int2 outline_columns(outline *o, int row) {
-#if RDO_ITEMS_Y > 1
+#if RDO_ITEMS > 1
     float dy = (float)row + 0.5f - o->y, arc = o->width2 - o->curve * dy * dy;
     float half_width = sqrt(LARGER(arc, 0.0f)), middle = o->x + o->slope * dy - 0.5f;
     pix_mask first, last;

@@ -16,17 +16,16 @@ typedef struct {
 #define QUADRATIC_LUMA (3 + CHANNELS)
 #define QUADRATIC_SUMS (QUADRATIC_LUMA + (MAX_WEIGHTED == GSCL_WEIGHTED_LUMA ? 2 : 0))
 
-quadratic quadratic_of_sums(const float *sums) {
-    quadratic q;
-    q.fixed = sums[0];
-    q.square = sums[1];
-    q.error = sums[2];
-    for (int k = 0; k < CHANNELS; k++) q.linear[k] = sums[3 + k];
+ITEMS_INLINE void quadratic_of_sums(quadratic *q, const float *sums) {
+    q->fixed = sums[0];
+    q->square = sums[1];
+    q->error = sums[2];
+    ITEMS_UNROLL
+    for (int k = 0; k < CHANNELS; k++) q->linear[k] = sums[3 + k];
     if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
-        q.luma_linear = sums[QUADRATIC_LUMA];
-        q.luma_square = sums[QUADRATIC_LUMA + 1];
+        q->luma_linear = sums[QUADRATIC_LUMA];
+        q->luma_square = sums[QUADRATIC_LUMA + 1];
     }
-    return q;
 }
 
 /* The pixels of a vector as a quadratic sees them. */
@@ -55,17 +54,17 @@ ALWAYS_INLINE void pixels_load(rdo_pixels *x, const rdo_planes *p, size_t at, in
 
 /* Adds pixels to the sums of a quadratic.  `without`: errors without the splat; `residual`: errors with a splat of colour
  * 0, to which a colour c adds s c. */
-ALWAYS_INLINE void quadratic_add(pix *sums, const rdo_pixels *x, const pix *without, const pix *residual) {
+ALWAYS_INLINE void quadratic_add(item_sum *sums, const rdo_pixels *x, const pix *without, const pix *residual) {
     pix weighted = x->weight * x->share, error = (pix)(0.0f), change = (pix)(0.0f);
-    sums[1] = fma(weighted, x->share, sums[1]);
+    sums[1] = ADD_PRODUCTS(weighted, x->share, sums[1]);
     UNROLL
     for (int k = 0; k < CHANNELS; k++) {
-        sums[3 + k] = fma(weighted, residual[k], sums[3 + k]);
+        sums[3 + k] = ADD_PRODUCTS(weighted, residual[k], sums[3 + k]);
         error = fma(without[k], without[k], error);
         change = fma(residual[k], residual[k], change);
     }
-    sums[0] = fma(x->weight, change - error, sums[0]);
-    sums[2] = fma(weighted, error, sums[2]);
+    sums[0] = ADD_PRODUCTS(x->weight, change - error, sums[0]);
+    sums[2] = ADD_PRODUCTS(weighted, error, sums[2]);
 }
 
 /* The error of luma where the errors of the channels are others. */
@@ -77,22 +76,29 @@ ALWAYS_INLINE pix luma_with(const rdo_pixels *x, const pix *errors) {
 }
 
 /* The same for errors of luma. */
-ALWAYS_INLINE void quadratic_add_luma(pix *sums, const rdo_pixels *x, pix without, pix residual) {
+ALWAYS_INLINE void quadratic_add_luma(item_sum *sums, const rdo_pixels *x, pix without, pix residual) {
     pix weighted = x->luma_weight * x->share;
-    sums[0] = fma(x->luma_weight, fma(residual, residual, -without * without), sums[0]);
-    sums[2] = fma(weighted * without, without, sums[2]);
-    sums[QUADRATIC_LUMA] = fma(weighted, residual, sums[QUADRATIC_LUMA]);
-    sums[QUADRATIC_LUMA + 1] = fma(weighted, x->share, sums[QUADRATIC_LUMA + 1]);
+    sums[0] = ADD_PRODUCTS(x->luma_weight, fma(residual, residual, -without * without), sums[0]);
+    sums[2] = ADD_PRODUCTS(weighted * without, without, sums[2]);
+    sums[QUADRATIC_LUMA] = ADD_PRODUCTS(weighted, residual, sums[QUADRATIC_LUMA]);
+    sums[QUADRATIC_LUMA + 1] = ADD_PRODUCTS(weighted, x->share, sums[QUADRATIC_LUMA + 1]);
 }
 
-/* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering. */
-quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local float *shared) {
+/* Moves that are evaluated exactly in a visit; those of opacity always are, because the model does not know them.  Each has a
+ * team of work-items. */
+#define PREDICTED_MOVES 3
+#define EVALUATED_MOVES (PREDICTED_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
+#define MAX_EVALUATED_MOVES (PREDICTED_MOVES + (MAX_OPACITY ? GSCL_RDO_OPACITY_MOVES : 0)) /* at most MAX_TEAMS */
+#define MOVE_TEAM TEAM_OF(MAX_EVALUATED_MOVES)
+
+/* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering: a team's own. */
+ITEMS_INLINE void error_of_colour(quadratic *q, const projected_splat *a, const rdo_planes *p, __local float *shared) {
     outline o = outline_of(a, p->width, p->height);
-    pix sums[QUADRATIC_SUMS];
+    item_sum sums[QUADRATIC_SUMS];
     float totals[QUADRATIC_SUMS];
     UNROLL
-    for (int k = 0; k < QUADRATIC_SUMS; k++) sums[k] = (pix)(0.0f);
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    for (int k = 0; k < QUADRATIC_SUMS; k++) sums[k] = (item_sum)(0.0f);
+    FOR_ROWS(MOVE_TEAM, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) {
             size_t at = (size_t)y * p->width + x;
@@ -115,8 +121,8 @@ quadratic error_of_colour(const projected_splat *a, const rdo_planes *p, __local
                 quadratic_add_luma(sums, &pixels, pixels.luma_error, luma_with(&pixels, residual));
         }
     }
-    ITEMS_SUM(sums, QUADRATIC_SUMS, totals, shared);
-    return quadratic_of_sums(totals);
+    ITEMS_SUM(sums, QUADRATIC_SUMS, MOVE_TEAM, totals, shared);
+    quadratic_of_sums(q, totals);
 }
 
 /* The same error as a function of the codes z of luma, co, cg and alpha:
@@ -201,7 +207,8 @@ float colour_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
 
 /* Improves the colour codes one at a time, step by step; returns the cost of the best.  The ranges are copied, because
  * Mesa's compiler fails on a run-time index into a struct that was passed by value. */
-float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
+ITEMS_INLINE float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_tables *tables,
+                                  gscl_rdo_settings t) {
     const int min[4] = {t.min[0], t.min[1], t.min[2], t.min[3]}, max[4] = {t.max[0], t.max[1], t.max[2], t.max[3]};
     const int fineness = codes_fineness(c, tables);
     const colour_form f = form_of_quadratic(q, (float)fineness, t);

@@ -22,7 +22,7 @@ typedef struct {
 
 /* Adds pixels to the slopes and squares.  `base`: the derivatives' common factor; `colour`: those of the channels by the
  * weight. */
-ALWAYS_INLINE void model_add(pix *sums, const rdo_pixels *x, pix u, pix v, pix base, const pix *colour) {
+ALWAYS_INLINE void model_add(item_sum *sums, const rdo_pixels *x, pix u, pix v, pix base, const pix *colour) {
     pix slope = (pix)(0.0f), square = (pix)(0.0f), error = (pix)(0.0f);
     pix basis[MODEL_PARAMS] = {base * u, base * v, base * u * u, base * v * v, base * u * v};
     UNROLL
@@ -33,7 +33,7 @@ ALWAYS_INLINE void model_add(pix *sums, const rdo_pixels *x, pix u, pix v, pix b
     }
     slope *= x->weight;
     square *= x->weight;
-    sums[MODEL_ERROR] = fma(x->weight * error, error, sums[MODEL_ERROR]);
+    sums[MODEL_ERROR] = ADD_PRODUCTS(x->weight * error, error, sums[MODEL_ERROR]);
     if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
         pix luma = (pix)(0.0f);
         UNROLL
@@ -44,21 +44,21 @@ ALWAYS_INLINE void model_add(pix *sums, const rdo_pixels *x, pix u, pix v, pix b
     int at = MODEL_SQUARE;
     UNROLL
     for (int i = 0; i < MODEL_PARAMS; i++) {
-        sums[MODEL_SLOPE + i] = fma(slope, basis[i], sums[MODEL_SLOPE + i]);
+        sums[MODEL_SLOPE + i] = ADD_PRODUCTS(slope, basis[i], sums[MODEL_SLOPE + i]);
         UNROLL
-        for (int j = 0; j <= i; j++, at++) sums[at] = fma(square * basis[i], basis[j], sums[at]);
+        for (int j = 0; j <= i; j++, at++) sums[at] = ADD_PRODUCTS(square * basis[i], basis[j], sums[at]);
     }
     at = MODEL_MIXED;
     UNROLL
     for (int k = 0; k < CHANNELS; k++) {
         pix mixed = x->weight * x->share * colour[k];
         UNROLL
-        for (int i = 0; i < MODEL_PARAMS; i++, at++) sums[at] = fma(mixed, basis[i], sums[at]);
+        for (int i = 0; i < MODEL_PARAMS; i++, at++) sums[at] = ADD_PRODUCTS(mixed, basis[i], sums[at]);
     }
 }
 
 /* Adds the pixels of a vector to all sums, for a splat that is in the rendering. */
-ALWAYS_INLINE void model_add_pixels(pix *sums, const projected_splat *a, const rdo_planes *p, size_t at, pix dx,
+ALWAYS_INLINE void model_add_pixels(item_sum *sums, const projected_splat *a, const rdo_planes *p, size_t at, pix dx,
                                     float dy, int lanes) {
     const float *d = a->projected;
     pix u = fma(dx, (pix)(d[GSCL_PROJECTED_UX]), (pix)(dy * d[GSCL_PROJECTED_UY]));
@@ -92,50 +92,52 @@ ALWAYS_INLINE void model_add_pixels(pix *sums, const projected_splat *a, const r
 }
 
 /* The model of a splat that is in the rendering. */
-splat_model model_of(const projected_splat *a, const rdo_planes *p, __local float *shared) {
+ITEMS_INLINE void model_of(splat_model *m, const projected_splat *a, const rdo_planes *p, __local float *shared) {
     outline o = outline_of(a, p->width, p->height);
-    pix sums[MODEL_SUMS];
+    item_sum sums[MODEL_SUMS];
     float totals[MODEL_SUMS];
     UNROLL
-    for (int k = 0; k < MODEL_SUMS; k++) sums[k] = (pix)(0.0f);
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    for (int k = 0; k < MODEL_SUMS; k++) sums[k] = (item_sum)(0.0f);
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y)
         model_add_pixels(sums, a, p, (size_t)y * p->width + x, pix_offsets() + ((float)x + 0.5f - o.x),
                          (float)y + 0.5f - o.y, columns.y - x + 1);
     }
-    ITEMS_SUM(sums, MODEL_SUMS, totals, shared);
-    splat_model m;
-    m.colour = quadratic_of_sums(totals);
-    m.error2 = totals[MODEL_ERROR];
+    ITEMS_SUM(sums, MODEL_SUMS, RDO_ITEMS, totals, shared);
+    quadratic_of_sums(&m->colour, totals);
+    m->error2 = totals[MODEL_ERROR];
     int at = MODEL_SQUARE;
     ITEMS_UNROLL
     for (int i = 0; i < MODEL_PARAMS; i++) {
-        m.slope[i] = totals[MODEL_SLOPE + i];
+        m->slope[i] = totals[MODEL_SLOPE + i];
         ITEMS_UNROLL
         for (int j = 0; j < MODEL_PARAMS; j++)
-            if (j <= i) m.square[i][j] = m.square[j][i] = totals[at++];
+            if (j <= i) m->square[i][j] = m->square[j][i] = totals[at++];
     }
     at = MODEL_MIXED;
     ITEMS_UNROLL
     for (int k = 0; k < CHANNELS; k++) {
-        m.colour_slope[k] = fma(m.colour.square, a->projected[GSCL_PROJECTED_COLOUR + k], m.colour.linear[k]);
+        m->colour_slope[k] = fma(m->colour.square, a->projected[GSCL_PROJECTED_COLOUR + k], m->colour.linear[k]);
         ITEMS_UNROLL
-        for (int i = 0; i < MODEL_PARAMS; i++) m.mixed[i][k] = totals[at++];
+        for (int i = 0; i < MODEL_PARAMS; i++) m->mixed[i][k] = totals[at++];
     }
-    return m;
 }
 
 /* The predicted change of the error by a change of place and shape, with the best colours before and after. */
-float model_change(const splat_model *m, const float *change) {
+ITEMS_INLINE float model_change(const splat_model *m, const float *change) {
     float sum = 0.0f, inverse = 1.0f / fmax(m->colour.square, 1e-20f);
+    ITEMS_UNROLL
     for (int i = 0; i < MODEL_PARAMS; i++) {
         float slope = 2.0f * m->slope[i];
+        ITEMS_UNROLL
         for (int j = 0; j < MODEL_PARAMS; j++) slope = fma(m->square[i][j], change[j], slope);
         sum = fma(slope, change[i], sum);
     }
+    ITEMS_UNROLL
     for (int k = 0; k < CHANNELS; k++) {
         float shift = 0.0f;
+        ITEMS_UNROLL
         for (int i = 0; i < MODEL_PARAMS; i++) shift = fma(m->mixed[i][k], change[i], shift);
         sum -= shift * (2.0f * m->colour_slope[k] + shift) * inverse;
     }
@@ -143,8 +145,8 @@ float model_change(const splat_model *m, const float *change) {
 }
 
 /* The change from one place and shape, which has this projection, to another, as the model takes it. */
-void geometry_change(const splat_geometry *from, const splat_geometry *to, const projected_splat *a, gscl_view view,
-                     float *change) {
+ITEMS_INLINE void geometry_change(const splat_geometry *from, const splat_geometry *to, const projected_splat *a,
+                                  gscl_view view, float *change) {
     const float *d = a->projected;
     float dx = (to->x - from->x) * view.inv_scale, dy = (to->y - from->y) * view.inv_scale;
     float turn = to->theta - from->theta, s1 = exp(from->major), s2 = exp(from->minor);

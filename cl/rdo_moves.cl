@@ -14,7 +14,7 @@ __constant int aspect_step[GSCL_RDO_MOVES + GSCL_RDO_OPACITY_MOVES] = {0, 0, 0, 
 
 /* One step along x or y.  Across the cells of the class it goes along the major axis, whose direction is `d`, else to the
  * next part of a cell.  False when it leaves the image. */
-bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, unit_vector d) {
+ITEMS_INLINE bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, unit_vector d) {
     int parts = along_x ? g->parts.y : g->parts.x, other_step = 0;
     if (parts > 1) {
         float slope = along_x ? d.y / d.x : d.x / d.y;
@@ -26,8 +26,9 @@ bool centre_move(gscl_codes *c, bool along_x, int step, const splat_grid *g, uni
 }
 
 /* Quantises the colour again where the fineness was another. */
-void codes_set_fineness(gscl_codes *c, int before, int fineness, gscl_rdo_settings t) {
+ITEMS_INLINE void codes_set_fineness(gscl_codes *c, int before, int fineness, gscl_rdo_settings t) {
     if (before == fineness) return;
+    ITEMS_UNROLL
     for (int i = 0; i < COLOURS; i++) {
         int code = (int)rint((float)(c->code[GSCL_CODE_LUMA + i] * fineness) / (float)before);
         c->code[GSCL_CODE_LUMA + i] = clamp(code, t.min[i] * fineness, (t.max[i] + 1) * fineness - 1);
@@ -36,7 +37,7 @@ void codes_set_fineness(gscl_codes *c, int before, int fineness, gscl_rdo_settin
 
 /* Makes a move; false when it leaves the code's range.  When an axis changes, position, angle and colour are quantised
  * again with their new steps. */
-bool codes_move(gscl_codes *c, int move, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
+ITEMS_INLINE bool codes_move(gscl_codes *c, int move, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
     __global const gscl_major_entry *majors = tables->majors;
     __global const gscl_aspect_entry *aspects = tables->aspects;
     if (!ANISOTROPY && aspect_step[move] != 0) return false;

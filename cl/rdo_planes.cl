@@ -17,11 +17,10 @@ pix projected_wave(pix dx, float dy, const projected_splat *a) {
 
 bool has_wave(const projected_splat *a) { return TEXTURE && a->projected[GSCL_PROJECTED_WAVE_AMPLITUDE] > 0.0f; }
 
-/* Adds the splat to the rendering (sign 1) or removes it (sign -1). */
-void rendering_change(const projected_splat *a, float sign, const rdo_planes *p) {
+/* Adds the splat to the rendering (sign 1) or removes it (sign -1), after sums for which all have read the planes. */
+ITEMS_INLINE void rendering_change(const projected_splat *a, float sign, const rdo_planes *p) {
     outline o = outline_of(a, p->width, p->height);
-    RDO_SYNCHRONISE(); /* all have read the planes */
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) {
             size_t at = (size_t)y * p->width + x;

@@ -112,30 +112,30 @@ splat codes_splat(const gscl_codes *c, __global const gscl_rdo_tables *tables, g
     return s;
 }
 
+/* What teams offer each other, behind their sums in local memory: codes with their cost. */
+#define OFFER (1 + GSCL_CODE_COUNT)
+#define OFFERS(shared) ((shared) + SUMS_SHARED)
+/* Floats of local memory of a group that visits a splat. */
+#define VISIT_SHARED (RDO_ITEMS > 1 ? SUMS_SHARED + MAX_TEAMS * OFFER : 1)
+
 #if RDO_ITEMS > 1
-/* Gives all work-items the codes of one, of which each has others. */
-void codes_of_item(gscl_codes *c, int item, __local float *shared) {
+ITEMS_INLINE void codes_offer(const gscl_codes *c, float cost, __local float *offer) {
+    offer[0] = cost;
     UNROLL
-    for (int k = 0; k < GSCL_CODE_COUNT; k++)
-        if (RDO_ITEM == item) shared[k] = as_float(c->code[k]);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    UNROLL
-    for (int k = 0; k < GSCL_CODE_COUNT; k++) c->code[k] = as_int(shared[k]);
-    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = 0; k < GSCL_CODE_COUNT; k++) offer[1 + k] = as_float(c->code[k]);
 }
 
-/* A work-item's splat, from private to local memory and back. */
-void candidate_store(const projected_splat *a, __local float *candidate) {
+/* Takes those of the least cost, the first of several, where it is below `cost`; returns the least cost. */
+ITEMS_INLINE float codes_take(gscl_codes *c, float cost, int count, __local const float *offers) {
+    int least = -1;
+    for (int i = 0; i < count; i++) {
+        if (!(offers[i * OFFER] < cost)) continue;
+        cost = offers[i * OFFER];
+        least = i;
+    }
+    if (least < 0) return cost;
     UNROLL
-    for (int k = 0; k < GSCL_PROJECTED; k++) candidate[k] = a->projected[k];
-    UNROLL
-    for (int k = 0; k < GSCL_BOUNDS; k++) candidate[GSCL_PROJECTED + k] = a->bounds[k];
-}
-
-void candidate_load(projected_splat *a, __local const float *candidate) {
-    UNROLL
-    for (int k = 0; k < GSCL_PROJECTED; k++) a->projected[k] = candidate[k];
-    UNROLL
-    for (int k = 0; k < GSCL_BOUNDS; k++) a->bounds[k] = candidate[GSCL_PROJECTED + k];
+    for (int k = 0; k < GSCL_CODE_COUNT; k++) c->code[k] = as_int(offers[least * OFFER + 1 + k]);
+    return cost;
 }
 #endif

@@ -21,24 +21,26 @@ typedef struct {
     float cost;
 } rdo_choice;
 
-projected_splat codes_project(const gscl_codes *c, const rdo_visit_context *v) {
-    return splat_project(codes_splat(c, v->tables, v->settings), v->view);
+ITEMS_INLINE void codes_project(projected_splat *a, const gscl_codes *c, const rdo_visit_context *v) {
+    *a = splat_project(codes_splat(c, v->tables, v->settings), v->view);
 }
 
-splat_geometry codes_geometry_of(const gscl_codes *c, const rdo_visit_context *v) {
-    return codes_geometry(c, v->tables->majors, v->tables->aspects, v->settings);
+ITEMS_INLINE void codes_geometry_of(splat_geometry *g, const gscl_codes *c, const rdo_visit_context *v) {
+    *g = codes_geometry(c, v->tables->majors, v->tables->aspects, v->settings);
 }
 
 /* The cost of all codes but the colour's: bits, and the price of elongation.  `error` and `gain`: the squared error under
  * the splat's weight without it, and what it removes. */
-float shape_cost(const gscl_codes *c, const splat_geometry *g, float error, float gain, const rdo_visit_context *v) {
+ITEMS_INLINE float shape_cost(const gscl_codes *c, const splat_geometry *g, float error, float gain,
+                              const rdo_visit_context *v) {
     float price = v->settings.elongation_price * elongation(g->major - g->minor);
     return fma(price, fmax(error - gain, 0.0f), v->settings.lambda * (v->bits_per_splat + codes_bits(c, v->tables)));
 }
 
 /* Chooses the colour of a place and shape whose quadratic is known; returns the cost. */
-float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v) {
-    splat_geometry g = codes_geometry_of(c, v);
+ITEMS_INLINE float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v) {
+    splat_geometry g;
+    codes_geometry_of(&g, c, v);
     float cost = colour_descend(q, c, v->tables, v->settings);
     float gain = v->settings.lambda * colour_bits(c, v->tables) - cost;
     return cost + shape_cost(c, &g, q->error, gain, v);
@@ -46,18 +48,14 @@ float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *
 
 /* ---- Moves ---- */
 
-/* Moves that are evaluated exactly in a visit; those of opacity always are, because the model does not know them. */
-#define PREDICTED_MOVES 3
-#define EVALUATED_MOVES (PREDICTED_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
-#define MAX_EVALUATED_MOVES (PREDICTED_MOVES + (MAX_OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
-
 /* The predicted cost of a move from `now`, whose cost is known.  MAXFLOAT: the move is not possible. */
-float predict_move(int move, const rdo_choice *now, const splat_geometry *from, const projected_splat *a,
-                   const splat_model *m, const rdo_visit_context *v) {
+ITEMS_INLINE float predict_move(int move, const rdo_choice *now, const splat_geometry *from, const projected_splat *a,
+                                const splat_model *m, const rdo_visit_context *v) {
     gscl_codes other = now->codes;
     if (!codes_move(&other, move, v->tables, v->settings)) return MAXFLOAT;
     if (move >= MOVE_OPACITY) return -MAXFLOAT;
-    splat_geometry to = codes_geometry_of(&other, v);
+    splat_geometry to;
+    codes_geometry_of(&to, &other, v);
     float change[MODEL_PARAMS];
     geometry_change(from, &to, a, v->view, change);
     float bits = codes_bits(&other, v->tables) - codes_bits(&now->codes, v->tables);
@@ -66,52 +64,63 @@ float predict_move(int move, const rdo_choice *now, const splat_geometry *from, 
            v->settings.elongation_price * price * m->colour.error;
 }
 
-/* Puts a move into a list by its cost, behind those that cost as much; what is behind the last place is left out. */
-void insert_move(int *moves, float *costs, int move, float cost) {
-    ITEMS_UNROLL
-    for (int i = MAX_EVALUATED_MOVES - 1; i >= 0; i--) {
-        if (i >= EVALUATED_MOVES || !(cost < costs[i])) continue;
-        if (i + 1 < MAX_EVALUATED_MOVES) {
-            costs[i + 1] = costs[i];
-            moves[i + 1] = moves[i];
-        }
-        costs[i] = cost;
-        moves[i] = move;
-    }
-}
-
+#if RDO_ITEMS > 1
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0.  Each
- * work-item predicts moves of its own. */
+ * work-item predicts a move, and puts it at the place that follows from the costs of all. */
+ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
+                                 const rdo_visit_context *v, __local float *shared) {
+    __local float *costs = shared, *listed = shared + MOVES;
+    const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
+    splat_geometry from;
+    int count = 0;
+    codes_geometry_of(&from, &now->codes, v);
+    if (RDO_ITEM < MAX_EVALUATED_MOVES) listed[RDO_ITEM] = 0.0f;
+    for (int move = 1 + RDO_ITEM; move < MOVES; move += RDO_ITEMS) {
+        float cost = predict_move(move, now, &from, a, m, v);
+        costs[move] = cost < limit ? cost : MAXFLOAT;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int move = 1 + RDO_ITEM; move < MOVES; move += RDO_ITEMS) {
+        int place = 0;
+        for (int other = 1; other < MOVES; other++)
+            place += costs[other] < costs[move] || (costs[other] == costs[move] && other < move);
+        if (costs[move] < MAXFLOAT && place < EVALUATED_MOVES) listed[place] = (float)move;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    UNROLL
+    for (int i = 0; i < MAX_EVALUATED_MOVES; i++) {
+        moves[i] = (int)listed[i];
+        count += moves[i] > 0;
+    }
+    return count;
+}
+#else
+/* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0. */
 int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
                     const rdo_visit_context *v, __local float *shared) {
     float costs[MAX_EVALUATED_MOVES];
     const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
-    const splat_geometry from = codes_geometry_of(&now->codes, v);
+    splat_geometry from;
     int count = 0;
-    ITEMS_UNROLL
-    for (int i = 0; i < MAX_EVALUATED_MOVES; i++) {
-        costs[i] = MAXFLOAT;
-        moves[i] = 0;
-    }
-#if RDO_ITEMS > 1
-    for (int move = 1 + RDO_ITEM; move < MOVES; move += RDO_ITEMS)
-        shared[move] = predict_move(move, now, &from, a, m, v);
-    barrier(CLK_LOCAL_MEM_FENCE);
-#define PREDICTION(move) shared[move]
-#else
-#define PREDICTION(move) predict_move(move, now, &from, a, m, v)
-#endif
+    codes_geometry_of(&from, &now->codes, v);
+    for (int i = 0; i < EVALUATED_MOVES; i++) moves[i] = 0;
     for (int move = 1; move < MOVES; move++) {
-        float cost = PREDICTION(move);
+        float cost = predict_move(move, now, &from, a, m, v);
         if (!(cost < limit)) continue;
-        insert_move(moves, costs, move, cost);
-        count = min(count + 1, EVALUATED_MOVES);
+        int place = count < EVALUATED_MOVES ? count++ : EVALUATED_MOVES;
+        for (; place > 0 && cost < costs[place - 1]; place--)
+            if (place < EVALUATED_MOVES) {
+                costs[place] = costs[place - 1];
+                moves[place] = moves[place - 1];
+            }
+        if (place < EVALUATED_MOVES) {
+            costs[place] = cost;
+            moves[place] = move;
+        }
     }
-#if RDO_ITEMS > 1
-    barrier(CLK_LOCAL_MEM_FENCE);
-#endif
     return count;
 }
+#endif
 
 /* Whether the outline stays within the pixels of the task. */
 bool task_contains(gscl_rdo_task task, const projected_splat *a) {
@@ -119,35 +128,25 @@ bool task_contains(gscl_rdo_task task, const projected_splat *a) {
 }
 
 #if RDO_ITEMS > 1
-/* Evaluates moves exactly, while the splat is not in the rendering, and keeps the best where it costs less.  Work-item i makes
- * move i and chooses its colour; all share the pass over its pixels. */
-void try_moves(const int *moves, int count, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task,
-               const rdo_visit_context *v, __local float *shared) {
-    __local float *candidates = shared + ITEM_SUMS;
+/* Evaluates moves exactly, while the splat is not in the rendering, and keeps the best where it costs less.  Each team has a
+ * move, of which its work-items share the pixels. */
+ITEMS_INLINE void try_moves(const int *moves, int count, const gscl_codes *now, rdo_choice *best, gscl_rdo_task task,
+                            const rdo_visit_context *v, __local float *shared) {
+    const int team = TEAM_NUMBER(MOVE_TEAM);
     gscl_codes other = *now;
-    quadratic own;
+    projected_splat a;
+    quadratic q;
     int move = 0;
     UNROLL
-    for (int i = 0; i < MAX_EVALUATED_MOVES; i++) move = i == RDO_ITEM ? moves[i] : move;
+    for (int i = 0; i < MAX_EVALUATED_MOVES; i++) move = i == team ? moves[i] : move;
     codes_move(&other, move, v->tables, v->settings);
-    projected_splat a = codes_project(&other, v);
-    const bool is_allowed = RDO_ITEM < count && task_contains(task, &a);
-    if (RDO_ITEM < EVALUATED_MOVES) candidate_store(&a, candidates + RDO_ITEM * CANDIDATE);
+    codes_project(&a, &other, v);
+    error_of_colour(&q, &a, &v->planes, shared);
+    const float cost = choose_colour(&other, &q, v);
+    if (RDO_ITEM % MOVE_TEAM == 0)
+        codes_offer(&other, task_contains(task, &a) ? cost : MAXFLOAT, OFFERS(shared) + team * OFFER);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (int i = 0; i < EVALUATED_MOVES; i++) {
-        candidate_load(&a, candidates + i * CANDIDATE);
-        quadratic q = error_of_colour(&a, &v->planes, shared);
-        if (i == 0 || i == RDO_ITEM) own = q;
-    }
-    float cost = choose_colour(&other, &own, v);
-    const bool is_better = is_allowed && cost < best->cost;
-    const int chosen = items_least(is_better ? cost : MAXFLOAT, is_better ? RDO_ITEM : RDO_ITEMS, shared);
-    codes_of_item(&other, chosen % RDO_ITEMS, shared);
-    cost = number_of_item(cost, chosen % RDO_ITEMS, shared);
-    if (chosen < RDO_ITEMS) {
-        best->codes = other;
-        best->cost = cost;
-    }
+    best->cost = codes_take(&best->codes, best->cost, count, OFFERS(shared));
 }
 #else
 /* Evaluates moves exactly, while the splat is not in the rendering, and keeps the best where it costs less. */
@@ -156,8 +155,10 @@ void try_moves(const int *moves, int count, const gscl_codes *now, rdo_choice *b
     for (int i = 0; i < count; i++) {
         gscl_codes other = *now;
         codes_move(&other, moves[i], v->tables, v->settings);
-        projected_splat a = codes_project(&other, v);
-        quadratic q = error_of_colour(&a, &v->planes, shared);
+        projected_splat a;
+        quadratic q;
+        codes_project(&a, &other, v);
+        error_of_colour(&q, &a, &v->planes, shared);
         float cost = choose_colour(&other, &q, v);
         if (task_contains(task, &a) && cost < best->cost) {
             best->cost = cost;
@@ -169,53 +170,54 @@ void try_moves(const int *moves, int count, const gscl_codes *now, rdo_choice *b
 
 /* ---- Visits ---- */
 
-bool codes_equal(const gscl_codes *a, const gscl_codes *b) {
+ITEMS_INLINE bool codes_equal(const gscl_codes *a, const gscl_codes *b) {
     bool equal = true;
+    ITEMS_UNROLL
     for (int k = 0; k < GSCL_CODE_COUNT; k++) equal = equal && a->code[k] == b->code[k];
     return equal;
 }
 
 /* Whether a wave may pay: it has one, or a scan is due and the error under it is worth the bits of a wave. */
-bool wave_may_pay(const gscl_codes *c, const splat_model *m, const rdo_visit_context *v) {
+ITEMS_INLINE bool wave_may_pay(const gscl_codes *c, const splat_model *m, const rdo_visit_context *v) {
     if (!TEXTURE) return false;
     float bits = v->tables->bits[GSCL_BITS_TEXTURED] - v->tables->bits[GSCL_BITS_PLAIN];
     return c->code[GSCL_CODE_AMPLITUDE] > 0 || (v->settings.scan && m->error2 > COLOURS * v->settings.lambda * bits);
 }
 
-bool codes_moved(const gscl_codes *a, const gscl_codes *b) {
+ITEMS_INLINE bool codes_moved(const gscl_codes *a, const gscl_codes *b) {
     bool moved = false;
+    ITEMS_UNROLL
     for (int k = GSCL_CODE_MAJOR; k <= GSCL_CODE_Y; k++) moved = moved || a->code[k] != b->code[k];
     return moved;
 }
 
-/* Visits a splat once; returns whether its place or shape changed.  Work-groups of many work-items go all the way always,
- * so that all work-items meet at the same barriers: with a splat that was dropped, too, which changes nothing. */
-bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context *v, __local float *shared) {
-    const bool is_gone = codes->code[GSCL_CODE_MAJOR] < 0;
-    gscl_codes before = *codes;
-    for (int k = 0; k < GSCL_CODE_COUNT; k++) before.code[k] = is_gone ? 0 : before.code[k];
-    projected_splat a = codes_project(&before, v);
-    splat_model m = model_of(&a, &v->planes, shared);
+/* Visits a splat once; returns whether its place or shape changed.  Work-groups of many work-items go on where a single one
+ * leaves, with a splat that was dropped, too, which changes nothing: PoCL fails on barriers behind several ways out. */
+ITEMS_INLINE bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context *v,
+                              __local float *shared) {
+    const gscl_codes before = *codes;
     rdo_choice best = {before, 0.0f};
     int moves[MAX_EVALUATED_MOVES];
+    projected_splat a;
+    splat_model m;
+    codes_project(&a, &before, v);
+    model_of(&m, &a, &v->planes, shared);
     best.cost = choose_colour(&best.codes, &m.colour, v);
     int count = promising_moves(moves, &best, &a, &m, v, shared);
     const bool has_wave = wave_may_pay(&before, &m, v), may_drop = best.cost >= v->cost_of_dropping;
     if (RDO_ITEMS == 1 && count == 0 && !has_wave && !may_drop && codes_equal(&best.codes, &before)) return false;
-    rendering_change(&a, is_gone ? 0.0f : -1.0f, &v->planes);
+    rendering_change(&a, -1.0f, &v->planes);
     try_moves(moves, count, &before, &best, task, v, shared);
-    const bool is_dropped = is_gone || best.cost >= v->cost_of_dropping;
+    const bool is_dropped = best.cost >= v->cost_of_dropping;
     if (is_dropped) codes->code[GSCL_CODE_MAJOR] = -1;
     if (RDO_ITEMS == 1 && is_dropped) return false;
 #if MAX_TEXTURE
-    if (TEXTURE && (has_wave || RDO_ITEMS > 1))
-        texture_choose(&best.codes, v->tables, v->settings, v->view, &v->planes, shared);
+    if (has_wave) texture_choose(&best.codes, v->tables, v->settings, v->view, &v->planes, shared);
 #endif
-    a = codes_project(&best.codes, v);
+    codes_project(&a, &best.codes, v);
     rendering_change(&a, is_dropped ? 0.0f : 1.0f, &v->planes);
-    if (is_dropped) return false;
-    *codes = best.codes;
-    return codes_moved(codes, &before);
+    if (!is_dropped) *codes = best.codes;
+    return !is_dropped && codes_moved(codes, &before);
 }
 
 /* Visits the splats of one group, each with a work-group of RDO_ITEMS work-items: once, and again where a splat moved, at
@@ -227,7 +229,7 @@ __kernel GROUP_OF(RDO_ITEMS) void rdo_visit(gscl_rdo_pass pass, __global const g
                                             __global float *restrict rendering, __global float *restrict weights,
                                             __global const float *restrict target,
                                             __global const float *restrict error) {
-    __local float shared[RDO_SHARED];
+    __local float shared[VISIT_SHARED];
     const gscl_rdo_task task = tasks[pass.start + (int)get_group_id(0)];
     rdo_visit_context v;
     v.planes.rendering = rendering;
@@ -243,10 +245,11 @@ __kernel GROUP_OF(RDO_ITEMS) void rdo_visit(gscl_rdo_pass pass, __global const g
     v.cost_of_dropping = pass.cost_of_dropping;
     v.tables = tables;
     gscl_codes codes = all[task.splat];
-    for (int visit = 0; visit < pass.settings.visits; visit++) {
-        bool moved = visit_splat(&codes, task, &v, shared);
+    int visits = pass.settings.visits; /* left */
+    while (visits > 0) {
+        const bool moved = visit_splat(&codes, task, &v, shared);
         v.settings.scan = 0;
-        if (RDO_ITEMS == 1 && !moved) break;
+        visits = moved ? visits - 1 : 0;
     }
     RDO_SYNCHRONISE(); /* all have read the codes */
     if (RDO_ITEM == 0) all[task.splat] = codes;

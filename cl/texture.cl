@@ -13,8 +13,8 @@
 #define MAX_SCAN_WAVELENGTH 6.0f          /* in major axes */
 
 /* The plain splat's share s of each pixel of a vector, and with it the error e; both 0 outside the outline. */
-void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes, const rdo_planes *planes,
-                     pix *share, pix *error) {
+ITEMS_INLINE void share_and_error(const projected_splat *plain, const outline *o, int x, int y, int lanes,
+                                  const rdo_planes *planes, pix *share, pix *error) {
     size_t at = (size_t)y * planes->width + x;
     __global const float *target = planes->target;
     const ulong plane = planes->plane;
@@ -52,12 +52,18 @@ typedef struct {
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
-wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const rdo_planes *planes, __local float *shared) {
+#define TRIED_WAVES 6 /* at most MAX_TEAMS */
+#define WAVE_TEAM TEAM_OF(TRIED_WAVES)
+
+/* The sums of a team's own wave. */
+ITEMS_INLINE void wave_sums_of(wave_sums *w, const projected_splat *plain, float2 cycles, const rdo_planes *planes,
+                               __local float *shared) {
     outline o = outline_of(plain, planes->width, planes->height);
-    pix sums[7];
+    item_sum sums[7];
     float totals[7];
-    for (int k = 0; k < 7; k++) sums[k] = (pix)(0.0f);
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    ITEMS_UNROLL
+    for (int k = 0; k < 7; k++) sums[k] = (item_sum)(0.0f);
+    FOR_ROWS(WAVE_TEAM, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) {
             pix s, e;
@@ -65,30 +71,34 @@ wave_sums wave_sums_of(const projected_splat *plain, float2 cycles, const rdo_pl
             pix turns = fma(pix_offsets() + ((float)x + 0.5f - o.x), (pix)(cycles.x),
                             (pix)(((float)y + 0.5f - o.y) * cycles.y));
             pix c = s * pix_cos_turns(turns), n = s * pix_cos_turns(turns - 0.25f);
-            sums[0] = fma(c, e, sums[0]);
-            sums[1] = fma(n, e, sums[1]);
-            sums[2] += s;
-            sums[3] = fma(s * e, e, sums[3]);
-            sums[4] = fma(c, c, sums[4]);
-            sums[5] = fma(n, n, sums[5]);
-            sums[6] = fma(c, n, sums[6]);
+            sums[0] = ADD_PRODUCTS(c, e, sums[0]);
+            sums[1] = ADD_PRODUCTS(n, e, sums[1]);
+            sums[2] = ADD_LANES(s, sums[2]);
+            sums[3] = ADD_PRODUCTS(s * e, e, sums[3]);
+            sums[4] = ADD_PRODUCTS(c, c, sums[4]);
+            sums[5] = ADD_PRODUCTS(n, n, sums[5]);
+            sums[6] = ADD_PRODUCTS(c, n, sums[6]);
         }
     }
-    ITEMS_SUM(sums, 7, totals, shared);
-    wave_sums w = {totals[0],           totals[1],           totals[2],          totals[3],
-                   COLOURS * totals[4], COLOURS * totals[5], COLOURS * totals[6]};
-    return w;
+    ITEMS_SUM(sums, 7, WAVE_TEAM, totals, shared);
+    w->error_cos = totals[0];
+    w->error_sin = totals[1];
+    w->share = totals[2];
+    w->error2 = totals[3];
+    w->cos2 = COLOURS * totals[4];
+    w->sin2 = COLOURS * totals[5];
+    w->both = COLOURS * totals[6];
 }
 
 /* Whether the wave explains this part of the squared error under the splat's weight.  By the inequality of Cauchy and
  * Schwarz the squares of the sums are at most half of share * error2: the mean of cos^2 is 1/2. */
-bool wave_explains(const wave_sums *w, float part) {
+ITEMS_INLINE bool wave_explains(const wave_sums *w, float part) {
     return 2.0f * fma(w->error_cos, w->error_cos, w->error_sin * w->error_sin) >= part * w->share * w->error2;
 }
 
 /* Finds the phase and the amplitude with the lowest cost for a wave and direction; returns that cost. */
-float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *tables,
-                        gscl_rdo_settings t) {
+ITEMS_INLINE float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *tables,
+                                     gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
     gscl_codes other = *c;
     for (int phase = 0; phase < GSCL_PHASES; phase++) {
@@ -131,7 +141,7 @@ typedef struct {
 #define FOR_OWN_STATES(own, count) for (int own = 0; own < (count); own++)
 #endif
 
-void scan_begin(scan_state *states, int count, gscl_view view) {
+ITEMS_INLINE void scan_begin(scan_state *states, int count, gscl_view view) {
     FOR_OWN_STATES(own, count) {
         int i = STATE_NUMBER(own);
         pix direction = (pix_offsets() + (float)(i % VECTORS * LANES)) * (0.5f / GSCL_DIRECTIONS); /* turns */
@@ -145,7 +155,7 @@ void scan_begin(scan_state *states, int count, gscl_view view) {
 }
 
 /* Adds the pixels of a vector, given as s e, to all states; `dx`, `dy`: its first pixel from the centre. */
-void scan_add(scan_state *states, int count, pix shared_error, int lanes, float dx, float dy) {
+ITEMS_INLINE void scan_add(scan_state *states, int count, pix shared_error, int lanes, float dx, float dy) {
     float products[LANES];
     PIX_STORE(shared_error, products);
     FOR_OWN_STATES(own, count) {
@@ -175,10 +185,10 @@ void scan_add(scan_state *states, int count, pix shared_error, int lanes, float 
 #define SCAN_CHUNK (ITEM_SUMS / SCAN_RECORD) /* pixel vectors that are in local memory at once */
 
 /* The pixel vectors of this work-item. */
-int scan_own_vectors(const projected_splat *plain, const rdo_planes *planes) {
+ITEMS_INLINE int scan_own_vectors(const projected_splat *plain, const rdo_planes *planes) {
     outline o = outline_of(plain, planes->width, planes->height);
     int count = 0;
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) count++;
     }
@@ -187,12 +197,12 @@ int scan_own_vectors(const projected_splat *plain, const rdo_planes *planes) {
 
 /* Stores those pixel vectors of this work-item that are among the SCAN_CHUNK from number `first` on.  `start`: the number of
  * its first; `end`: of the next work-item's. */
-void scan_store(const projected_splat *plain, const rdo_planes *planes, int first, int start, int end,
-                __local float *restrict records) {
+ITEMS_INLINE void scan_store(const projected_splat *plain, const rdo_planes *planes, int first, int start, int end,
+                             __local float *records) {
     outline o = outline_of(plain, planes->width, planes->height);
     int i = start - first;
     if (start >= first + SCAN_CHUNK || end <= first) return;
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) {
             if (i >= 0 && i < SCAN_CHUNK) {
@@ -211,8 +221,8 @@ void scan_store(const projected_splat *plain, const rdo_planes *planes, int firs
 
 /* Adds all pixels of the outline to all states.  Each work-item stores its pixel vectors for those that have states; their
  * sums are sums of each work-item's vectors, as those of items_add are. */
-void scan_outline(scan_state *states, int count, const projected_splat *plain, const rdo_planes *planes,
-                  __local float *shared) {
+ITEMS_INLINE void scan_outline(scan_state *states, int count, const projected_splat *plain, const rdo_planes *planes,
+                               __local float *shared) {
     pix total_cos[OWN_STATES], total_sin[OWN_STATES];
     const int3 numbers = items_number(scan_own_vectors(plain, planes), shared);
     UNROLL
@@ -244,7 +254,7 @@ void scan_outline(scan_state *states, int count, const projected_splat *plain, c
 void scan_outline(scan_state *restrict states, int count, const projected_splat *plain, const rdo_planes *planes,
                   __local float *restrict shared) {
     outline o = outline_of(plain, planes->width, planes->height);
-    FOR_ROWS(y, o.rows.x, o.rows.y) {
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
         int2 columns = outline_columns(&o, y);
         FOR_VECTORS(x, columns.x, columns.y) {
             pix s, e;
@@ -258,7 +268,7 @@ void scan_outline(scan_state *restrict states, int count, const projected_splat 
 
 /* The gain of each wave of a state, up to a common factor: cos^2 and sin^2 under the splat's squared weight are
  * (1 +- r) / 2, r = exp(-k' Sigma k). */
-pix scan_score(const projected_splat *plain, const scan_state *s) {
+ITEMS_INLINE pix scan_score(const projected_splat *plain, const scan_state *s) {
     const float *d = plain->projected;
     float u2 = d[GSCL_PROJECTED_UX] * d[GSCL_PROJECTED_UX] + d[GSCL_PROJECTED_UY] * d[GSCL_PROJECTED_UY];
     float v2 = d[GSCL_PROJECTED_VX] * d[GSCL_PROJECTED_VX] + d[GSCL_PROJECTED_VY] * d[GSCL_PROJECTED_VY];
@@ -270,8 +280,8 @@ pix scan_score(const projected_splat *plain, const scan_state *s) {
 }
 
 /* The wave and direction with the highest score. */
-int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const rdo_planes *planes,
-               __local float *shared) {
+ITEMS_INLINE int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const rdo_planes *planes,
+                            __local float *shared) {
     scan_state states[OWN_STATES];
     int waves = 0;
     while (waves < SCANNED_WAVES && (waves == 0 || wave_frequency(waves) * MAX_SCAN_WAVELENGTH * major > 1.0f)) waves++;
@@ -293,8 +303,6 @@ int2 wave_scan(const projected_splat *plain, float major, gscl_view view, const 
     return (int2)(best / GSCL_DIRECTIONS, best % GSCL_DIRECTIONS);
 }
 
-#define TRIED_WAVES 6 /* at most MAX_CANDIDATES */
-
 /* The wave and the direction to try at place i: the present ones, their neighbours, those of a scan.  No wave: (-1, 0). */
 int2 tried_wave(int i, const gscl_codes *c, int2 scanned) {
     int w = c->code[GSCL_CODE_WAVE], d = c->code[GSCL_CODE_DIRECTION];
@@ -314,8 +322,8 @@ typedef struct {
     bool is_tried;
 } wave_candidate;
 
-void wave_prepare(wave_candidate *w, const gscl_codes *now, int2 tried, __global const gscl_rdo_tables *tables,
-                  gscl_rdo_settings t, gscl_view view) {
+ITEMS_INLINE void wave_prepare(wave_candidate *w, const gscl_codes *now, int2 tried,
+                               __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view) {
     w->codes = *now;
     w->codes.code[GSCL_CODE_WAVE] = tried.x;
     w->codes.code[GSCL_CODE_DIRECTION] = tried.y;
@@ -328,36 +336,27 @@ void wave_prepare(wave_candidate *w, const gscl_codes *now, int2 tried, __global
 }
 
 /* Chooses the other codes of a wave; returns their cost, MAXFLOAT where it explains too little. */
-float wave_cost(wave_candidate *w, const wave_sums *sums, __global const gscl_rdo_tables *tables, gscl_rdo_settings t) {
+ITEMS_INLINE float wave_cost(wave_candidate *w, const wave_sums *sums, __global const gscl_rdo_tables *tables,
+                             gscl_rdo_settings t) {
     if (!wave_explains(sums, t.min_explained)) return MAXFLOAT;
     return wave_choose_codes(&w->codes, sums, w->attenuation, tables->bits, t);
 }
 
 #if RDO_ITEMS > 1
-/* Keeps the wave of the lowest cost in `choice` where it is below `best`.  Work-item i prepares the wave at place i and chooses
- * its codes; all share the pass over the pixels. */
-void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scanned, const projected_splat *plain,
-               __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view, const rdo_planes *planes,
-               __local float *shared) {
-    __local float *candidates = shared + ITEM_SUMS;
+/* Keeps the wave of the lowest cost in `choice` where it is below `best`.  Each team has a wave, of which its work-items share
+ * the pixels. */
+ITEMS_INLINE void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scanned,
+                            const projected_splat *plain, __global const gscl_rdo_tables *tables, gscl_rdo_settings t,
+                            gscl_view view, const rdo_planes *planes, __local float *shared) {
+    const int team = TEAM_NUMBER(WAVE_TEAM);
     wave_candidate w;
-    wave_sums own = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
-    wave_prepare(&w, now, tried_wave(RDO_ITEM, now, scanned), tables, t, view);
-    if (RDO_ITEM < TRIED_WAVES) {
-        candidates[2 * RDO_ITEM] = w.cycles.x;
-        candidates[2 * RDO_ITEM + 1] = w.cycles.y;
-    }
+    wave_sums sums;
+    wave_prepare(&w, now, tried_wave(team, now, scanned), tables, t, view);
+    wave_sums_of(&sums, plain, w.cycles, planes, shared);
+    const float cost = w.is_tried ? wave_cost(&w, &sums, tables, t) : MAXFLOAT;
+    if (RDO_ITEM % WAVE_TEAM == 0) codes_offer(&w.codes, cost, OFFERS(shared) + team * OFFER);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (int i = 0; i < TRIED_WAVES; i++) {
-        float2 cycles = (float2)(candidates[2 * i], candidates[2 * i + 1]);
-        wave_sums sums = wave_sums_of(plain, cycles, planes, shared);
-        if (i == RDO_ITEM) own = sums;
-    }
-    const float cost = w.is_tried ? wave_cost(&w, &own, tables, t) : MAXFLOAT;
-    const bool is_better = RDO_ITEM < TRIED_WAVES && cost < best;
-    const int chosen = items_least(is_better ? cost : MAXFLOAT, is_better ? RDO_ITEM : RDO_ITEMS, shared);
-    codes_of_item(&w.codes, chosen % RDO_ITEMS, shared);
-    if (chosen < RDO_ITEMS) *choice = w.codes;
+    codes_take(choice, best, TRIED_WAVES, OFFERS(shared));
 }
 #else
 /* Keeps the wave of the lowest cost in `choice` where it is below `best`. */
@@ -370,7 +369,8 @@ void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scann
         if (tried.x < 0) continue;
         wave_prepare(&w, now, tried, tables, t, view);
         if (!w.is_tried) continue;
-        wave_sums sums = wave_sums_of(plain, w.cycles, planes, shared);
+        wave_sums sums;
+        wave_sums_of(&sums, plain, w.cycles, planes, shared);
         float cost = wave_cost(&w, &sums, tables, t);
         if (cost < best) {
             best = cost;
@@ -381,8 +381,8 @@ void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scann
 #endif
 
 /* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
-void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view,
-                    const rdo_planes *planes, __local float *shared) {
+ITEMS_INLINE void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t,
+                                 gscl_view view, const rdo_planes *planes, __local float *shared) {
     gscl_codes now = *c;
     int2 scanned = (int2)(-1, 0);
     ITEMS_UNROLL

@@ -30,7 +30,7 @@ struct gscl_runtime_tunables {
     int gpu_slot_items; /* work-items: of a group that sums the slots of a splat, GPU mapping; at least 11, the sums of a
                              slot */
     int gpu_rdo_items;  /* work-items: of a group that visits a splat in a rate-distortion pass, GPU mapping; a multiple
-                             of 4, at least 8 */
+                             of 32 */
 };
 
 extern const struct gscl_runtime_tunables gscl_runtime_tunables;
