@@ -126,64 +126,63 @@ ITEMS_INLINE void error_of_colour(quadratic *q, const projected_splat *a, const 
 }
 
 /* The same error as a function of the codes z of luma, co, cg and alpha:
- * fixed + sum_i (2 linear_i z_i + sum_j square_ij z_i z_j). */
+ * fixed + sum_i (2 linear_i z_i + sum_j square_ij z_i z_j).  In vectors, which calls pass in registers. */
 typedef struct {
-    float fixed, linear[4], square[4][4];
+    float fixed;
+    float4 linear, square; /* square: where i = j */
+    float4 mixed;          /* square_ij of luma and co, of luma and cg, of co and cg; those with alpha are 0 */
 } colour_form;
 
 #define HAS_COLOUR_CODE(i) ((i) == 0 || ((i) < 3 ? COLOURS == 3 : ALPHA_CHANNEL))
 
-colour_form form_of_quadratic(const quadratic *q, float fineness, gscl_rdo_settings t) {
-    const float chroma_step = t.chroma_step / fineness;
-    const float steps[4] = {t.luma_step / fineness, chroma_step, chroma_step, t.alpha_step};
-    colour_form f = {q->fixed, {0.0f}, {{0.0f}}};
+ITEMS_INLINE void form_of_quadratic(colour_form *f, const quadratic *q, float fineness, gscl_rdo_settings t) {
+    const float square = q->square, chroma_step = t.chroma_step / fineness;
+    const float4 steps = (float4)(t.luma_step / fineness, chroma_step, chroma_step, t.alpha_step);
+    float4 luma = (float4)(1.0f, 0.0f, 0.0f, 0.0f);
+    f->fixed = q->fixed;
 #if COLOURS == 3 /* scalar products of the colours of a unit of each code (colour_from_ycocg) */
-    f.linear[0] = q->linear[0] + q->linear[1] + q->linear[2];
-    f.linear[1] = 0.5f * (q->linear[0] - q->linear[2]);
-    f.linear[2] = 0.5f * (q->linear[1] - q->linear[0] - q->linear[2]);
-    f.square[0][0] = 3.0f * q->square;
-    f.square[1][1] = 0.5f * q->square;
-    f.square[2][2] = 0.75f * q->square;
-    f.square[0][2] = f.square[2][0] = -0.5f * q->square;
+    f->linear = (float4)(q->linear[0] + q->linear[1] + q->linear[2], 0.5f * (q->linear[0] - q->linear[2]),
+                         0.5f * (q->linear[1] - q->linear[0] - q->linear[2]), 0.0f);
+    f->square = (float4)(3.0f * square, 0.5f * square, 0.75f * square, 0.0f);
+    f->mixed = (float4)(0.0f, -0.5f * square, 0.0f, 0.0f);
+    luma.s1 = 0.5f * (luma_share(0) - luma_share(2));
+    luma.s2 = 0.5f * (luma_share(1) - luma_share(0) - luma_share(2));
 #else
-    f.linear[0] = q->linear[0];
-    f.square[0][0] = q->square;
+    f->linear = (float4)(q->linear[0], 0.0f, 0.0f, 0.0f);
+    f->square = (float4)(square, 0.0f, 0.0f, 0.0f);
+    f->mixed = (float4)(0.0f);
 #endif
 #if ALPHA_CHANNEL
-    f.linear[3] = q->linear[COLOURS];
-    f.square[3][3] = q->square;
+    f->linear.s3 = q->linear[COLOURS];
+    f->square.s3 = square;
 #endif
-#if COLOURS == 3
-    const float luma[3] = {1.0f, 0.5f * (luma_share(0) - luma_share(2)),
-                           0.5f * (luma_share(1) - luma_share(0) - luma_share(2))};
-#else
-    const float luma[1] = {1.0f};
-#endif
-    if (WEIGHTED == GSCL_WEIGHTED_LUMA)
-        for (int i = 0; i < COLOURS; i++) {
-            f.linear[i] += luma[i] * q->luma_linear;
-            for (int j = 0; j < COLOURS; j++) f.square[i][j] += luma[i] * luma[j] * q->luma_square;
-        }
-    for (int i = 0; i < 4; i++) {
-        f.linear[i] *= steps[i];
-        for (int j = 0; j < 4; j++) f.square[i][j] *= steps[i] * steps[j];
+    if (WEIGHTED == GSCL_WEIGHTED_LUMA) {
+        f->linear += luma * q->luma_linear;
+        f->square += luma * luma * q->luma_square;
+        f->mixed += luma.s0013 * luma.s1223 * q->luma_square;
     }
-    return f;
+    f->linear *= steps;
+    f->square *= steps * steps;
+    f->mixed *= steps.s0013 * steps.s1223;
 }
 
-/* Half the derivative of the form by code `i`. */
-float form_slope(const colour_form *f, const gscl_codes *c, int i) {
-    float slope = f->linear[i];
-    for (int j = 0; j < 4; j++)
-        if (HAS_COLOUR_CODE(j)) slope = fma(f->square[i][j], (float)c->code[GSCL_CODE_LUMA + j], slope);
-    return slope;
+/* Half the derivatives of the form by the codes. */
+float4 form_slopes(float4 linear, float4 square, float4 mixed, int4 codes) {
+    const float4 z = convert_float4(codes);
+    float4 slopes = fma((float4)(square.s0, mixed.s0, mixed.s1, 0.0f), (float4)(z.s0), linear);
+    if (COLOURS == 3) {
+        slopes = fma((float4)(mixed.s0, square.s1, mixed.s2, 0.0f), (float4)(z.s1), slopes);
+        slopes = fma((float4)(mixed.s1, mixed.s2, square.s2, 0.0f), (float4)(z.s2), slopes);
+    }
+    if (ALPHA_CHANNEL) slopes.s3 = fma(square.s3, z.s3, slopes.s3);
+    return slopes;
 }
 
-float form_value(const colour_form *f, const gscl_codes *c) {
-    float value = f->fixed;
-    for (int i = 0; i < 4; i++)
-        if (HAS_COLOUR_CODE(i)) value += (float)c->code[GSCL_CODE_LUMA + i] * (f->linear[i] + form_slope(f, c, i));
-    return value;
+float form_value(const colour_form *f, int4 codes) {
+    const float4 terms = convert_float4(codes) * (f->linear + form_slopes(f->linear, f->square, f->mixed, codes));
+    float value = f->fixed + terms.s0;
+    if (COLOURS == 3) value = value + terms.s1 + terms.s2;
+    return ALPHA_CHANNEL ? value + terms.s3 : value;
 }
 
 /* The fineness of luma, co and cg; alpha has levels only. */
@@ -196,6 +195,7 @@ int level_place(int code, int fineness) { return (code + GSCL_COLOUR_CODES / 2 *
 float colour_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
     float bits = 0.0f;
     int fineness = codes_fineness(c, tables);
+    ITEMS_UNROLL
     for (int i = 0; i < 4; i++)
         if (HAS_COLOUR_CODE(i))
             bits += tables->bits[i * GSCL_COLOUR_CODES +
@@ -203,37 +203,59 @@ float colour_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
     return bits;
 }
 
-#define COLOUR_ROUNDS 6 /* of colour_descend: each changes each code by at most one step */
+#define FORM_ROUNDS 6 /* of form_descend: each changes each code by at most one step */
+/* Element `i` of a vector, without an index at run time. */
+#define ELEMENT(v, i) ((i) == 0 ? (v).s0 : (i) == 1 ? (v).s1 : (i) == 2 ? (v).s2 : (v).s3)
 
-/* Improves the colour codes one at a time, step by step; returns the cost of the best.  The ranges are copied, because
- * Mesa's compiler fails on a run-time index into a struct that was passed by value. */
-ITEMS_INLINE float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_tables *tables,
-                                  gscl_rdo_settings t) {
-    const int min[4] = {t.min[0], t.min[1], t.min[2], t.min[3]}, max[4] = {t.max[0], t.max[1], t.max[2], t.max[3]};
-    const int fineness = codes_fineness(c, tables);
-    const colour_form f = form_of_quadratic(q, (float)fineness, t);
-    for (int round = 0; round < COLOUR_ROUNDS; round++) {
+/* Improves the codes of a colour one at a time, step by step.  They stay from `first` to before `end`.  `bits`: of the levels of
+ * all four. */
+int4 form_descend(float4 linear, float4 square, float4 mixed, int4 codes, int4 first, int4 end, int fineness,
+                  float lambda, __global const float *bits) {
+    for (int round = 0; round < FORM_ROUNDS; round++) {
         bool better = false;
-        ITEMS_UNROLL
+        UNROLL
         for (int i = 0; i < 4; i++) {
             if (!HAS_COLOUR_CODE(i)) continue;
-            __global const float *bits = tables->bits + i * GSCL_COLOUR_CODES;
+            const float4 slopes = form_slopes(linear, square, mixed, codes);
+            const float slope = ELEMENT(slopes, i), curvature = ELEMENT(square, i);
+            const int now = ELEMENT(codes, i), lowest = ELEMENT(first, i), above = ELEMENT(end, i);
             const int fine = CODE_FINENESS(i, fineness);
-            int now = c->code[GSCL_CODE_LUMA + i], best = now;
-            float lowest = 0.0f, slope = form_slope(&f, c, i);
+            __global const float *levels = bits + i * GSCL_COLOUR_CODES;
+            const float bits_now = levels[level_place(now, fine)];
+            float least = 0.0f;
+            int best = 0; /* step */
             for (int step = -1; step <= 1; step += 2) {
-                if (now + step < min[i] * fine || now + step >= (max[i] + 1) * fine) continue;
-                float change = fma(2.0f * (float)step, slope, f.square[i][i]);
-                change = fma(t.lambda, bits[level_place(now + step, fine)] - bits[level_place(now, fine)], change);
-                if (change < lowest) {
-                    lowest = change;
-                    best = now + step;
+                if (now + step < lowest || now + step >= above) continue;
+                float change = fma(2.0f * (float)step, slope, curvature);
+                change = fma(lambda, levels[level_place(now + step, fine)] - bits_now, change);
+                if (change < least) {
+                    least = change;
+                    best = step;
                 }
             }
-            c->code[GSCL_CODE_LUMA + i] = best;
-            better = better || best != now;
+            codes += (int4)(i == 0, i == 1, i == 2, i == 3) * best;
+            better = better || best != 0;
         }
         if (!better) break;
     }
-    return form_value(&f, c) + t.lambda * colour_bits(c, tables);
+    return codes;
+}
+
+/* Improves the colour codes; returns the cost of the best. */
+ITEMS_INLINE float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_tables *tables,
+                                  gscl_rdo_settings t) {
+    const int fineness = codes_fineness(c, tables);
+    const int4 parts = (int4)(fineness, fineness, fineness, 1);
+    const int4 first = (int4)(t.min[0], t.min[1], t.min[2], t.min[3]) * parts;
+    const int4 end = ((int4)(t.max[0], t.max[1], t.max[2], t.max[3]) + 1) * parts;
+    int4 codes =
+        (int4)(c->code[GSCL_CODE_LUMA], c->code[GSCL_CODE_CO], c->code[GSCL_CODE_CG], c->code[GSCL_CODE_ALPHA]);
+    colour_form f;
+    form_of_quadratic(&f, q, (float)fineness, t);
+    codes = form_descend(f.linear, f.square, f.mixed, codes, first, end, fineness, t.lambda, tables->bits);
+    c->code[GSCL_CODE_LUMA] = codes.s0;
+    c->code[GSCL_CODE_CO] = codes.s1;
+    c->code[GSCL_CODE_CG] = codes.s2;
+    c->code[GSCL_CODE_ALPHA] = codes.s3;
+    return form_value(&f, codes) + t.lambda * colour_bits(c, tables);
 }
