@@ -140,7 +140,9 @@ gscl_result gscl_fit_differentiate(gscl_fit *f) {
 }
 
 int gscl_fit_bin_interval(const gscl_fit *f) {
-    return f->context->gpu_mapping ? gscl_fit_tunables.gpu_bin_interval : gscl_fit_tunables.bin_interval;
+    if (!f->context->gpu_mapping)
+        return gscl_fit_tunables.bin_interval;
+    return f->model_level < 0 ? gscl_fit_tunables.gpu_bin_interval : gscl_fit_tunables.gpu_model_bin_interval;
 }
 
 gscl_result gscl_fit_step(gscl_fit *f, float rate, int row_step) {

@@ -6,6 +6,7 @@ const struct gscl_fit_tunables gscl_fit_tunables = {
     .max_aspect = 64.0f,
     .bin_interval = 4,
     .gpu_bin_interval = 8,
+    .gpu_model_bin_interval = 4,
     .check_interval = 8,
     .max_wait_interval = 256,
     .wait_growth = 8,

@@ -21,6 +21,7 @@ const struct gscl_scalar_tunables gscl_scalar_tunables = {
     .launch_bound_wide_steps = 0.2,
     .launch_bound_max_quarter_until = 0.2,
     .launch_bound_max_half_until = 0.45,
+    .launch_bound_max_visual_half_until = 0.6,
     .launch_bound_model_interval = 8,
     .launch_bound_models_to_check = 32,
     .large_image_pixels = 4e6,
