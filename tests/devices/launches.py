@@ -18,6 +18,7 @@ import launch_model
 CASES = [("0.042", "psnr"), ("0.183", "psnr"), ("0.042", "visual"), ("0.183", "visual")]  # bits per pixel, tune
 TIMEOUT = 3600  # seconds of one command
 FEW_GROUPS = launch_model.MULTIPROCESSORS
+VERY_FEW_GROUPS = 32  # fewer leave three quarters of the multiprocessors without work
 
 
 class Log:
@@ -58,6 +59,12 @@ class Log:
         """The same of all kernels."""
         return tuple(map(sum, zip(*map(self.kernel_ms, list(self.groups)))))
 
+    def share_below(self, groups):
+        """(low, high) of the model: the part of milliseconds() in launches of fewer work-groups."""
+        parts = [launch_model.kernel_ms(kernel, [count for count in counts if count < groups])
+                 for kernel, counts in self.groups.items()]
+        return tuple(map(lambda part, whole: part / whole, map(sum, zip(*parts)), self.milliseconds()))
+
 
 def record(build, words):
     """The launches of gscl WORDS..., where {out} is a file that it may write."""
@@ -96,14 +103,16 @@ def kernel_rows(log):
 def case_rows(logs):
     """A table of all encodes, `logs`: {(bits per pixel, tune): Log}"""
     yield row(["bits per pixel", "tune", "launches", f"of fewer than {FEW_GROUPS} groups", "of one group", "waits",
-               "kernels on an H100, ms", "waits, ms"])
-    yield row(["---"] * 2 + ["---:"] * 6)
+               "kernels on an H100, ms", f"in launches of fewer than {VERY_FEW_GROUPS} groups, %", "waits, ms"])
+    yield row(["---"] * 2 + ["---:"] * 7)
     for (bpp, tune), log in logs.items():
         waits = sum(log.waits.values())
         low, high = log.milliseconds()
+        low_share, high_share = log.share_below(VERY_FEW_GROUPS)
         low_wait, high_wait = launch_model.waits_ms(waits)
         yield row([bpp, tune, log.launches, log.launches_below(FEW_GROUPS), log.launches_below(2), waits,
-                   f"{low:.0f} to {high:.0f}", f"{low_wait:.1f} to {high_wait:.1f}"])
+                   f"{low:.0f} to {high:.0f}", f"{100 * low_share:.0f} to {100 * high_share:.0f}",
+                   f"{low_wait:.1f} to {high_wait:.1f}"])
 
 
 def main():
