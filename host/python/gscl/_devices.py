@@ -81,7 +81,7 @@ def _missing() -> str:
     try:
         _close(_open("0.0", 0))
     except DeviceError as error:
-        if "built without OpenCL" in str(error):  # as the wheel for Windows
+        if "built without OpenCL" in str(error):  # by -Dopencl=disabled
             return str(error)
         return f"{error}; a GPU needs the OpenCL of its driver: nvidia-opencl-icd, intel-opencl-icd, mesa-opencl-icd or others"
     return ""
