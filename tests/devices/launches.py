@@ -7,6 +7,7 @@ table for each of CASES, with what launch_model.py makes of it.
 """
 import argparse
 import collections
+import math
 import os
 import statistics
 import subprocess
@@ -51,19 +52,14 @@ class Log:
         """Launches of fewer work-groups."""
         return sum(count < groups for counts in self.groups.values() for count in counts)
 
-    def kernel_ms(self, kernel):
-        """(low, high) of the model."""
-        return launch_model.kernel_ms(kernel, zip(self.groups[kernel], self.rounds[kernel]))
+    def kernel_ms(self, kernel, below=math.inf):
+        """(low, high) of the model, of launches of fewer work-groups than `below`."""
+        launches = zip(self.groups[kernel], self.rounds[kernel])
+        return launch_model.kernel_ms(kernel, [launch for launch in launches if launch[0] < below])
 
-    def milliseconds(self):
+    def milliseconds(self, below=math.inf):
         """The same of all kernels."""
-        return tuple(map(sum, zip(*map(self.kernel_ms, list(self.groups)))))
-
-    def share_below(self, groups):
-        """(low, high) of the model: the part of milliseconds() in launches of fewer work-groups."""
-        parts = [launch_model.kernel_ms(kernel, [count for count in counts if count < groups])
-                 for kernel, counts in self.groups.items()]
-        return tuple(map(lambda part, whole: part / whole, map(sum, zip(*parts)), self.milliseconds()))
+        return tuple(map(sum, zip(*(self.kernel_ms(kernel, below) for kernel in list(self.groups)))))
 
 
 def record(build, words):
@@ -108,10 +104,10 @@ def case_rows(logs):
     for (bpp, tune), log in logs.items():
         waits = sum(log.waits.values())
         low, high = log.milliseconds()
-        low_share, high_share = log.share_below(VERY_FEW_GROUPS)
+        low_part, high_part = log.milliseconds(VERY_FEW_GROUPS)
         low_wait, high_wait = launch_model.waits_ms(waits)
         yield row([bpp, tune, log.launches, log.launches_below(FEW_GROUPS), log.launches_below(2), waits,
-                   f"{low:.0f} to {high:.0f}", f"{100 * low_share:.0f} to {100 * high_share:.0f}",
+                   f"{low:.0f} to {high:.0f}", f"{100 * low_part / low:.0f} to {100 * high_part / high:.0f}",
                    f"{low_wait:.1f} to {high_wait:.1f}"])
 
 

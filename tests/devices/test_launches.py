@@ -28,11 +28,13 @@ class Launches(ToolTest):
         return launches.record_encode(os.path.dirname(GSCL), str(self.path("picture.png")), "--splats", SPLATS, "--tune", tune)
 
     def check(self, log, most, most_waits):
-        """At most so many launches and waits; the steps are those expected, with two launches each."""
+        """At most so many launches and waits; the steps are those expected, with two launches each; the tables can be written."""
         self.assertLessEqual(len(log.groups["fit_tiles"]), STEPS)
         self.assertEqual(len(log.groups["step_splats"]), len(log.groups["fit_tiles"]))
         self.assertLessEqual(log.launches, most)
         self.assertLessEqual(sum(log.waits.values()), most_waits)
+        self.assertEqual(len(list(launches.kernel_rows(log))), 2 + len(log.groups))
+        self.assertEqual(len(list(launches.case_rows({("", ""): log}))), 3)
 
     def test_tune_psnr(self):
         log = self.record("psnr")
