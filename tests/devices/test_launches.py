@@ -2,7 +2,8 @@
 on the one before it.
 
 The steps are as many as those of the larger picture in tests/bench/GPU.md at 0.042 bits a pixel.  The number of splats is given,
-so that no passes search a price for a budget of bytes, and the limits leave 5 % of room.
+so that no passes search a price for a budget of bytes.  The limits of launches leave 5 % (tune psnr) and 1 % of room, of which another
+seed takes 0.3 %.
 """
 import os
 import pathlib
@@ -46,7 +47,7 @@ class Launches(ToolTest):
 
     def test_tune_visual(self):
         log = self.record("visual")
-        self.check(log, 6600, 35)
+        self.check(log, 6300, 35)
         # A model is followed by lists for both halves of the rows.
         self.assertLess(len(log.groups["bin"]), 2 * len(log.groups["visual_model"]) + STEPS / 8 + 40)
         # Eight launches of a model, and a few of the picture itself.

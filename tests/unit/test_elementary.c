@@ -210,8 +210,9 @@ static void test_limits_of_angles(void **state) {
 
 /* ---- Bit for bit ---------------------------------------------------------------------------------- */
 
-/* Not where doubles are computed with more bits: there these tests pass by (cmocka reports a skipped test as a failed one). */
+/* Not where doubles are computed with more bits. */
 #define HAS_EXACT_DOUBLES (FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 1)
+#if HAS_EXACT_DOUBLES
 
 static void assert_bits(double value, double expected) {
     if (memcmp(&value, &expected, sizeof value) != 0)
@@ -220,8 +221,6 @@ static void assert_bits(double value, double expected) {
 
 static void test_bits(void **state) {
     (void)state;
-    if (!HAS_EXACT_DOUBLES)
-        return;
     assert_bits(gscl_exp(1.0), 0x1.5bf0a8b14576ap+1);
     assert_bits(gscl_exp(-2.7), 0x1.13461675400c2p-4);
     assert_bits(gscl_exp2(0.3), 0x1.3b2c47bff8329p+0);
@@ -247,8 +246,6 @@ static uint64_t hash_of(uint64_t hash, double value) {
 
 static void test_bits_of_many(void **state) {
     (void)state;
-    if (!HAS_EXACT_DOUBLES)
-        return;
     uint64_t hash = UINT64_C(0xcbf29ce484222325);
     for (int i = 1; i <= TRIES; i++) {
         const double x = i / 1024.0, y = (i * 7919 % TRIES - TRIES / 2) / 512.0;
@@ -262,6 +259,7 @@ static void test_bits_of_many(void **state) {
     if (hash != UINT64_C(0x013d0792334e4f40))
         fail_msg("the hash of all results is 0x%" PRIx64, hash);
 }
+#endif
 
 int main(void) {
     const struct CMUnitTest tests[] = {
@@ -278,8 +276,10 @@ int main(void) {
         cmocka_unit_test(test_limits_of_powers),
         cmocka_unit_test(test_limits_of_lengths),
         cmocka_unit_test(test_limits_of_angles),
+#if HAS_EXACT_DOUBLES
         cmocka_unit_test(test_bits),
         cmocka_unit_test(test_bits_of_many),
+#endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
