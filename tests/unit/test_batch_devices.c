@@ -52,6 +52,13 @@ static batch_worker *begin(device_of_a_batch *b, uint32_t width, uint32_t height
     return worker;
 }
 
+/* Begins an image beside which the device takes no other. */
+static batch_worker *begin_alone(device_of_a_batch *b, uint32_t width, uint32_t height) {
+    batch_worker *worker = begin(b, width, height);
+    assert_null(batch_devices_idle(&b->devices));
+    return worker;
+}
+
 static void test_small_images_share_a_device(void **state) {
     (void)state;
     device_of_a_batch b;
@@ -67,9 +74,7 @@ static void test_a_large_image_is_alone(void **state) {
     (void)state;
     device_of_a_batch b;
     make_device(&b, 4 * MEGAPIXEL);
-    batch_worker *worker = begin(&b, 2000, 2001);
-    assert_null(batch_devices_idle(&b.devices));
-    batch_worker_end(worker);
+    batch_worker_end(begin_alone(&b, 2000, 2001));
     begin(&b, 100, 100);
     assert_non_null(batch_devices_idle(&b.devices));
 }
@@ -79,8 +84,7 @@ static void test_pixels_are_counted_in_64_bits(void **state) {
     (void)state;
     device_of_a_batch b;
     make_device(&b, 4 * MEGAPIXEL);
-    begin(&b, 65536, 65536);
-    assert_null(batch_devices_idle(&b.devices));
+    begin_alone(&b, 65536, 65536);
 }
 
 static void test_the_first_image_compiles_alone(void **state) {
@@ -88,8 +92,7 @@ static void test_the_first_image_compiles_alone(void **state) {
     device_of_a_batch b;
     make_device(&b, 4 * MEGAPIXEL);
     b.device.finished = 0;
-    begin(&b, 100, 100);
-    assert_null(batch_devices_idle(&b.devices));
+    begin_alone(&b, 100, 100);
 }
 
 int main(void) {

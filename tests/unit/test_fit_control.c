@@ -107,9 +107,8 @@ static void check_control(gscl_context *context, uint32_t side, uint32_t splats)
 static void test_the_device_follows_the_fit(void **state) {
     (void)state;
     for (int m = 0; m < mapping_count; m++)
-        for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
             check_control(contexts[m], cases[i][0], cases[i][1]);
-        }
 }
 
 int main(void) {
