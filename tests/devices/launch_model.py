@@ -87,9 +87,8 @@ def launch_us(kernel, groups, bound, count=0):
 
 
 def kernel_ms(kernel, launches):
-    """(low, high) milliseconds of launches of a kernel, each (work-groups, rounds)."""
-    listed = list(launches)
-    return tuple(1e-3 * sum(launch_us(kernel, groups, bound, count) for groups, count in listed) for bound in (0, 1))
+    """(low, high) milliseconds of a list of launches of a kernel, each (work-groups, rounds)."""
+    return tuple(1e-3 * sum(launch_us(kernel, groups, bound, count) for groups, count in launches) for bound in (0, 1))
 
 
 def waits_ms(count):

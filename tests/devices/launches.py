@@ -59,7 +59,7 @@ class Log:
 
     def milliseconds(self, below=math.inf):
         """The same of all kernels."""
-        return tuple(map(sum, zip(*(self.kernel_ms(kernel, below) for kernel in list(self.groups)))))
+        return tuple(map(sum, zip(*(self.kernel_ms(kernel, below) for kernel in self.groups))))
 
 
 def record(build, words):
