@@ -78,12 +78,13 @@ static bool read_from_path(const source *s, image_content *content) {
         return read_with_plugin(s, s->name, NULL, 0, content);
     FILE *spool = tmpfile();
     if (!spool)
-        return report_error(s->label, "cannot be stored in a temporary file: %s", strerror(errno));
+        return report_error(s->label, "cannot be stored in a temporary file: %s", system_error_text(errno));
     char path[32];
     snprintf(path, sizeof path, "/dev/fd/%d", fileno(spool));
     const bool stored = fwrite(s->bytes, 1, s->size, spool) == s->size && fflush(spool) == 0;
-    const bool ok = stored ? read_with_plugin(s, path, NULL, 0, content)
-                           : report_error(s->label, "cannot be stored in a temporary file: %s", strerror(errno));
+    const bool ok = stored
+                        ? read_with_plugin(s, path, NULL, 0, content)
+                        : report_error(s->label, "cannot be stored in a temporary file: %s", system_error_text(errno));
     fclose(spool);
     return ok;
 }
@@ -304,7 +305,7 @@ static bool copy_spool(FILE *spool, output_file *output) {
 static bool write_spooled(const image_module *module, output_file *output, const gscl_image *image, char *message) {
     FILE *spool = tmpfile();
     if (!spool) {
-        snprintf(message, IMAGE_MESSAGE_SIZE, "cannot be stored in a temporary file: %s", strerror(errno));
+        snprintf(message, IMAGE_MESSAGE_SIZE, "cannot be stored in a temporary file: %s", system_error_text(errno));
         return false;
     }
     const bool ok = module->write(spool, suffix_of(output), image, message) && copy_spool(spool, output);

@@ -33,7 +33,8 @@ static bool make_folder(tradeoff_files *files) {
     if (system_make_folder(files->folder))
         files->made_folder = true;
     else if (errno != EEXIST)
-        return report_error(files->folder, "cannot be made: %s; name a folder inside an existing one", strerror(errno));
+        return report_error(files->folder, "cannot be made: %s; name a folder inside an existing one",
+                            system_error_text(errno));
     return true;
 }
 
