@@ -111,11 +111,12 @@ word_error word_rdo_evaluate(const projected_splat *s, __global const float *res
     return w;
 }
 
-/* Finds the colour word of least cost and returns its cost. */
+/* Finds the colour word of least cost and returns its cost.  The work-items divide the words among themselves. */
 float word_rdo_best_colour(const word_error *w, __global const float *restrict colours,
-                           __global const float *restrict bits, int count, float lambda, int *word) {
+                           __global const float *restrict bits, int count, float lambda, int *word,
+                           __local float *shared) {
     float best = MAXFLOAT;
-    for (int i = 0; i < count; i++) {
+    for (int i = RDO_ITEM; i < count; i += RDO_ITEMS) {
         __global const float *c = colours + i * GSCL_BOOK_DIMS;
         float o = logistic(c[CHANNELS]), first = -w->behind, second = w->behind_square;
         for (int k = 0; k < CHANNELS; k++) {
@@ -128,7 +129,7 @@ float word_rdo_best_colour(const word_error *w, __global const float *restrict c
             *word = i;
         }
     }
-    return best;
+    return items_least(best, word, shared);
 }
 
 projected_splat word_project(int2 cell, __global const float *restrict shape, __global const float *restrict colour,
@@ -178,7 +179,8 @@ __kernel GROUP_OF(RDO_ITEMS) void word_rdo(
         s = word_project(at, shape, colours, &settings);
         word_error w = word_rdo_evaluate(&s, rendering, front, transmittance, target, settings.image, shared);
         float cost =
-            word_rdo_best_colour(&w, colours, colour_bits, settings.colours, settings.lambda, &colour) + fixed_cost;
+            word_rdo_best_colour(&w, colours, colour_bits, settings.colours, settings.lambda, &colour, shared) +
+            fixed_cost;
         if (is_inside && cost < best) {
             best = cost;
             best_cell = at;

@@ -86,6 +86,12 @@ float luma_share(int k) { return COLOURS == 3 ? luma_shares[k] : 1.0f; }
 
 /* Stores the first `count` lanes: the part of a row that lies outside the image is not written. */
 void pix_store_clipped(pix v, __global real *row, int count) {
+#if LANES == 4 /* stores that each have a condition need no branches */
+    if (count > 0) row[0] = v.s0;
+    if (count > 1) row[1] = v.s1;
+    if (count > 2) row[2] = v.s2;
+    if (count > 3) row[3] = v.s3;
+#else
     if (count >= LANES) {
         PIX_STORE(v, row);
         return;
@@ -93,6 +99,7 @@ void pix_store_clipped(pix v, __global real *row, int count) {
     real lanes[LANES];
     PIX_STORE(v, lanes);
     for (int i = 0; i < count; i++) row[i] = lanes[i];
+#endif
 }
 
 pix pix_load_clipped(__global const real *row, int count) {
@@ -102,8 +109,9 @@ pix pix_load_clipped(__global const real *row, int count) {
     return PIX_LOAD(lanes);
 }
 
-/* 1 in the lanes that lie inside the image, else 0. */
-pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), PIX_MASK(pix_offsets() < (pix)((float)count))); }
+/* The lanes that lie inside the image: as a condition, and as 1, else 0. */
+#define PIX_INSIDE(count) PIX_MASK(pix_offsets() < (pix)((float)(count)))
+pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), PIX_INSIDE(count)); }
 
 /* The cut of Gaussians, as u^2 + v^2. */
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)

@@ -88,7 +88,7 @@ ALWAYS_INLINE void quadratic_add_luma(item_sum *sums, const rdo_pixels *x, pix w
  * team of work-items. */
 #define PREDICTED_MOVES 3
 #define EVALUATED_MOVES (PREDICTED_MOVES + (OPACITY ? GSCL_RDO_OPACITY_MOVES : 0))
-#define MAX_EVALUATED_MOVES (PREDICTED_MOVES + (MAX_OPACITY ? GSCL_RDO_OPACITY_MOVES : 0)) /* at most MAX_TEAMS */
+#define MAX_EVALUATED_MOVES (PREDICTED_MOVES + (MAX_OPACITY ? GSCL_RDO_OPACITY_MOVES : 0)) /* less than MAX_TEAMS */
 #define MOVE_TEAM TEAM_OF(MAX_EVALUATED_MOVES)
 
 /* The error as a function of colour, for a splat of this geometry and wave that is not in the rendering: a team's own. */
@@ -185,49 +185,44 @@ float form_value(const colour_form *f, int4 codes) {
     return ALPHA_CHANNEL ? value + terms.s3 : value;
 }
 
-/* The fineness of luma, co and cg; alpha has levels only. */
-#define CODE_FINENESS(i, fineness) ((i) < 3 ? (fineness) : 1)
-
-/* The place of a code's level in a table of bits. */
-int level_place(int code, int fineness) { return (code + GSCL_COLOUR_CODES / 2 * fineness) / fineness; }
-
-/* The bits of the levels; those of their parts belong to the shape. */
-float colour_bits(const gscl_codes *c, __global const gscl_rdo_tables *tables) {
-    float bits = 0.0f;
-    int fineness = codes_fineness(c, tables);
-    ITEMS_UNROLL
-    for (int i = 0; i < 4; i++)
-        if (HAS_COLOUR_CODE(i))
-            bits += tables->bits[i * GSCL_COLOUR_CODES +
-                                 level_place(c->code[GSCL_CODE_LUMA + i], CODE_FINENESS(i, fineness))];
-    return bits;
+/* The bits of the levels of all four codes; those of their parts belong to the shape.  `part`: a code's share of a level. */
+float4 levels_bits(int4 codes, float4 part, __global const float *bits) {
+    /* The middle of a part is further from the next level than the product is inexact. */
+    const int4 levels = convert_int4((convert_float4(codes) + 0.5f) * part + (float)(GSCL_COLOUR_CODES / 2));
+    float4 found = (float4)(0.0f);
+    found.s0 = bits[levels.s0];
+    if (HAS_COLOUR_CODE(1)) found.s1 = bits[GSCL_COLOUR_CODES + levels.s1];
+    if (HAS_COLOUR_CODE(2)) found.s2 = bits[2 * GSCL_COLOUR_CODES + levels.s2];
+    if (HAS_COLOUR_CODE(3)) found.s3 = bits[3 * GSCL_COLOUR_CODES + levels.s3];
+    return found;
 }
 
 #define FORM_ROUNDS 6 /* of form_descend: each changes each code by at most one step */
 /* Element `i` of a vector, without an index at run time. */
 #define ELEMENT(v, i) ((i) == 0 ? (v).s0 : (i) == 1 ? (v).s1 : (i) == 2 ? (v).s2 : (v).s3)
 
-/* Improves the codes of a colour one at a time, step by step.  They stay from `first` to before `end`.  `bits`: of the levels of
- * all four. */
-int4 form_descend(float4 linear, float4 square, float4 mixed, int4 codes, int4 first, int4 end, int fineness,
+/* Improves the codes of a colour one at a time, step by step.  They stay from `first` to before `end`.  `part`, `bits`: see
+ * levels_bits. */
+int4 form_descend(float4 linear, float4 square, float4 mixed, int4 codes, int4 first, int4 end, float4 part,
                   float lambda, __global const float *bits) {
     for (int round = 0; round < FORM_ROUNDS; round++) {
         bool better = false;
+        /* Of all codes at once, because each waits for the memory as long as all do. */
+        const float4 bits_now = levels_bits(codes, part, bits);
+        const float4 less = levels_bits(max(codes - 1, first), part, bits) - bits_now;
+        const float4 more = levels_bits(min(codes + 1, end - 1), part, bits) - bits_now;
         UNROLL
         for (int i = 0; i < 4; i++) {
             if (!HAS_COLOUR_CODE(i)) continue;
             const float4 slopes = form_slopes(linear, square, mixed, codes);
             const float slope = ELEMENT(slopes, i), curvature = ELEMENT(square, i);
             const int now = ELEMENT(codes, i), lowest = ELEMENT(first, i), above = ELEMENT(end, i);
-            const int fine = CODE_FINENESS(i, fineness);
-            __global const float *levels = bits + i * GSCL_COLOUR_CODES;
-            const float bits_now = levels[level_place(now, fine)];
             float least = 0.0f;
             int best = 0; /* step */
             for (int step = -1; step <= 1; step += 2) {
                 if (now + step < lowest || now + step >= above) continue;
                 float change = fma(2.0f * (float)step, slope, curvature);
-                change = fma(lambda, levels[level_place(now + step, fine)] - bits_now, change);
+                change = fma(lambda, step < 0 ? ELEMENT(less, i) : ELEMENT(more, i), change);
                 if (change < least) {
                     least = change;
                     best = step;
@@ -241,21 +236,25 @@ int4 form_descend(float4 linear, float4 square, float4 mixed, int4 codes, int4 f
     return codes;
 }
 
-/* Improves the colour codes; returns the cost of the best. */
+/* Improves the colour codes; returns the error of the best, and the bits of their levels. */
 ITEMS_INLINE float colour_descend(const quadratic *q, gscl_codes *c, __global const gscl_rdo_tables *tables,
-                                  gscl_rdo_settings t) {
+                                  gscl_rdo_settings t, float *bits) {
     const int fineness = codes_fineness(c, tables);
-    const int4 parts = (int4)(fineness, fineness, fineness, 1);
+    const int4 parts = (int4)(fineness, fineness, fineness, 1); /* alpha has levels only */
     const int4 first = (int4)(t.min[0], t.min[1], t.min[2], t.min[3]) * parts;
     const int4 end = ((int4)(t.max[0], t.max[1], t.max[2], t.max[3]) + 1) * parts;
     int4 codes =
         (int4)(c->code[GSCL_CODE_LUMA], c->code[GSCL_CODE_CO], c->code[GSCL_CODE_CG], c->code[GSCL_CODE_ALPHA]);
     colour_form f;
+    const float4 part = 1.0f / convert_float4(parts);
+    float4 bits_of_codes;
     form_of_quadratic(&f, q, (float)fineness, t);
-    codes = form_descend(f.linear, f.square, f.mixed, codes, first, end, fineness, t.lambda, tables->bits);
+    codes = form_descend(f.linear, f.square, f.mixed, codes, first, end, part, t.lambda, tables->bits);
+    bits_of_codes = levels_bits(codes, part, tables->bits);
     c->code[GSCL_CODE_LUMA] = codes.s0;
     c->code[GSCL_CODE_CO] = codes.s1;
     c->code[GSCL_CODE_CG] = codes.s2;
     c->code[GSCL_CODE_ALPHA] = codes.s3;
-    return form_value(&f, codes) + t.lambda * colour_bits(c, tables);
+    *bits = bits_of_codes.s0 + bits_of_codes.s1 + bits_of_codes.s2 + bits_of_codes.s3;
+    return form_value(&f, codes);
 }

@@ -1,14 +1,15 @@
 /* How the work-items of a group share a splat in a rate-distortion pass.
  *
- * Build option RDO_ITEMS, the work-items of a group.  1 on CPUs.  On GPUs a pass over the pixels of a splat has a team of
- * them: all, or a part, so that several teams evaluate a splat each at once.  A team forms rows of RDO_ITEMS_X work-items,
- * which divide the rows of an outline and the pixel vectors of a row among themselves.  What all decide by is in local memory
- * or computed from it by each in the same way, so that all take the same decisions and meet at the same barriers. */
+ * Build option RDO_ITEMS, the work-items of a group: 1 on CPUs, a power of 2 from 32 to 256 on GPUs.  There a pass over the
+ * pixels of a splat has a team of them: all, or a part, so that several teams evaluate a splat each at once.  A team forms rows
+ * of RDO_ITEMS_X work-items, which divide the rows of an outline and the pixel vectors of a row among themselves.  What all
+ * decide by is in local memory or computed from it by each in the same way, so that all take the same decisions and meet at the
+ * same barriers. */
 #ifndef RDO_ITEMS
 #define RDO_ITEMS 1
 #endif
 #if RDO_ITEMS > 1
-#define RDO_ITEMS_X 4
+#define RDO_ITEMS_X (RDO_ITEMS / 32) /* at most the work-items of a team */
 #define RDO_ITEM ((int)get_local_id(0))
 #define RDO_SYNCHRONISE() barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
 #else
@@ -17,9 +18,10 @@
 #define RDO_SYNCHRONISE()
 #endif
 
-/* The work-items of a team where so many splats, at most MAX_TEAMS, are evaluated at once, and the number of this one's. */
-#define MAX_TEAMS 8
-#define TEAM_OF(splats) (RDO_ITEMS > 1 ? RDO_ITEMS / ((splats) > 4 ? 8 : 4) : 1)
+/* The work-items of a team, whole rows of them, where so many splats, less than MAX_TEAMS, are evaluated at once, and the number of
+ * this one's.  The last work-items may be too few for a team: they take part in all, and nobody takes what they found. */
+#define MAX_TEAMS 7
+#define TEAM_OF(splats) (RDO_ITEMS > 1 ? RDO_ITEMS / (splats) / RDO_ITEMS_X * RDO_ITEMS_X : 1)
 #define TEAM_NUMBER(team) (RDO_ITEM / (team))
 
 /* The rows of an outline, and the pixel vectors from column `first` to `last`, of this work-item of a team. */
@@ -28,11 +30,19 @@
 #define FOR_VECTORS(x, first, last) \
     for (int x = (first) + RDO_ITEM % RDO_ITEMS_X * LANES; x <= (last); x += RDO_ITEMS_X * LANES)
 
-/* Loads a pixel vector of which `lanes` pixels are used.  Those behind may be other work-items' to change, and are loaded
- * as 0; sums of weights, by which others are divided, as 1. */
+/* Loads a pixel vector of which `lanes` pixels, at least one, are used.  Those behind may be other work-items' to change, and are
+ * loaded as 0; sums of weights, by which others are divided, as 1. */
 #if RDO_ITEMS > 1
-#define RDO_LOAD(p, lanes) pix_load_clipped(p, lanes)
-#define RDO_LOAD_WEIGHTS(p, lanes) (pix_load_clipped(p, lanes) + (1.0f - pix_inside(lanes)))
+#define RDO_LOAD(p, lanes) select((pix)(0.0f), items_load(p, lanes), PIX_INSIDE(lanes))
+#define RDO_LOAD_WEIGHTS(p, lanes) select((pix)(1.0f), items_load(p, lanes), PIX_INSIDE(lanes))
+/* The last used pixel in place of those behind it: without branches, so that all loads of a pixel vector are under way at once. */
+ALWAYS_INLINE pix items_load(__global const float *p, int lanes) {
+#if LANES == 4
+    return (pix)(p[0], p[min(1, lanes - 1)], p[min(2, lanes - 1)], p[min(3, lanes - 1)]);
+#else
+    return pix_load_clipped(p, lanes);
+#endif
+}
 #else
 #define RDO_LOAD(p, lanes) PIX_LOAD(p)
 #define RDO_LOAD_WEIGHTS(p, lanes) PIX_LOAD(p)
@@ -68,23 +78,34 @@ typedef pix item_sum;
 #define ADD_LANES(a, sum) ((sum) + (a))
 #endif
 
-#define MAX_ITEM_SUMS 56
+/* Sums of all work-items that are added up at once, so that 256 work-items need less than 32 KiB of local memory. */
+#define SUMS_AT_ONCE 28
 #define SHARED_STRIDE (RDO_ITEMS + 1) /* so that work-items that read a column each use memory banks of their own */
-#define ITEM_SUMS (MAX_ITEM_SUMS * SHARED_STRIDE)
-#define MAX_TEAM_SUMS (MAX_TEAMS * 9) /* of all teams together */
-#define SUMS_SHARED (RDO_ITEMS > 1 ? ITEM_SUMS + (MAX_ITEM_SUMS > MAX_TEAM_SUMS ? MAX_ITEM_SUMS : MAX_TEAM_SUMS) : 1)
+#define ITEM_SUMS (SUMS_AT_ONCE * SHARED_STRIDE)
+#define MAX_TEAM_SUMS (MAX_TEAMS * 9) /* of all teams together, and at least SUMS_AT_ONCE */
+/* The numbers of a team's work-items are added up in so many equal shares, of 16 numbers and more, each by a work-item. */
+#define MAX_SHARES 8
+#define SHARES_OF(team) ((team) < 32 ? 1 : (team) < 16 * MAX_SHARES ? (team) / 16 : MAX_SHARES)
+#define SUMS_SHARED (RDO_ITEMS > 1 ? ITEM_SUMS + MAX_TEAM_SUMS + SUMS_AT_ONCE * MAX_SHARES : 1)
 
 #if RDO_ITEMS > 1
-/* Adds up the numbers of each team's work-items, a row of `shared` for each of `count` at most MAX_ITEM_SUMS.  The sums of
- * a team follow each other, behind the rows. */
-ITEMS_INLINE void items_add(int count, int team, __local float *shared) {
-    const int teams = RDO_ITEMS / team;
+/* Adds up the numbers of each team's work-items, a row of `shared` for each of `count`.  The sums of a team follow each other, among
+ * TOTALS_OF from number `first` on. */
+ITEMS_INLINE void items_add(int first, int count, int team, __local float *shared) {
+    const int sums = RDO_ITEMS / team * count, shares = SHARES_OF(team), numbers = team / shares;
+    __local float *totals = shared + ITEM_SUMS + first, *shared_sums = shared + ITEM_SUMS + MAX_TEAM_SUMS;
     RDO_SYNCHRONISE(); /* all have read the planes and stored their numbers */
-    for (int i = RDO_ITEM; i < count * teams; i += RDO_ITEMS) {
-        __local const float *row = shared + i / teams * SHARED_STRIDE + i % teams * team;
+    for (int i = RDO_ITEM; i < sums * shares; i += RDO_ITEMS) {
+        __local const float *row = shared + i % count * SHARED_STRIDE + i % sums / count * team + i / sums * numbers;
         float sum = 0.0f;
-        for (int j = 0; j < team; j++) sum += row[j];
-        shared[ITEM_SUMS + i % teams * count + i / teams] = sum;
+        for (int j = 0; j < numbers; j++) sum += row[j];
+        shared_sums[i] = sum;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int i = RDO_ITEM; i < sums; i += RDO_ITEMS) {
+        float sum = 0.0f;
+        for (int j = 0; j < shares; j++) sum += shared_sums[i + j * sums];
+        totals[i] = sum;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
@@ -92,14 +113,20 @@ ITEMS_INLINE void items_add(int count, int team, __local float *shared) {
 /* totals[0 to count - 1]: the sums of a team's work-items.  `count` and `team` are constants, with which the loops are
  * unrolled: within a function they would be unrolled without them.  What is in local memory is read until the next barrier and
  * written after it, so that none is needed between two sums. */
-#define ITEMS_SUM(sums, count, team, totals, shared)                                                           \
-    do {                                                                                                       \
-        UNROLL                                                                                                 \
-        for (int k = 0; k < (count); k++) (shared)[k * SHARED_STRIDE + RDO_ITEM] = (sums)[k];                  \
-        items_add(count, team, shared);                                                                        \
-        UNROLL                                                                                                 \
-        for (int k = 0; k < (count); k++) (totals)[k] = (shared)[ITEM_SUMS + TEAM_NUMBER(team) * (count) + k]; \
+#define ITEMS_SUM(sums, count, team, totals, shared)                                                                \
+    do {                                                                                                            \
+        ITEMS_SUM_FROM(0, LESSER(count, SUMS_AT_ONCE), sums, team, totals, shared);                                 \
+        if ((count) > SUMS_AT_ONCE) ITEMS_SUM_FROM(SUMS_AT_ONCE, (count)-SUMS_AT_ONCE, sums, team, totals, shared); \
     } while (0)
+#define ITEMS_SUM_FROM(first, count, sums, team, totals, shared)                                            \
+    do {                                                                                                    \
+        UNROLL                                                                                              \
+        for (int k = 0; k < (count); k++) (shared)[k * SHARED_STRIDE + RDO_ITEM] = (sums)[(first) + k];     \
+        items_add(first, count, team, shared);                                                              \
+        UNROLL                                                                                              \
+        for (int k = 0; k < (count); k++) (totals)[(first) + k] = TOTALS_OF(first, team, count, shared)[k]; \
+    } while (0)
+#define TOTALS_OF(first, team, count, shared) ((shared) + ITEM_SUMS + (first) + TEAM_NUMBER(team) * (count))
 #else
 #define ITEMS_SUM(sums, count, team, totals, shared) lanes_sum(sums, count, totals)
 ALWAYS_INLINE void lanes_sum(const pix *sums, int count, float *totals) {
@@ -110,37 +137,62 @@ ALWAYS_INLINE void lanes_sum(const pix *sums, int count, float *totals) {
 
 /* ---- Decisions ---- */
 
-/* The number that comes with the least cost of all work-items, the lowest of several; at most 2^24. */
-ITEMS_INLINE int items_least(float cost, int number, __local float *shared) {
 #if RDO_ITEMS > 1
-    shared[RDO_ITEM] = cost;
-    shared[RDO_ITEMS + RDO_ITEM] = (float)number;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int j = 0; j < RDO_ITEMS; j++) {
-        float other = shared[j];
-        int other_number = (int)shared[RDO_ITEMS + j];
-        if (other < cost || (other == cost && other_number < number)) {
-            cost = other;
-            number = other_number;
+/* Where something follows from the numbers of all work-items, each of some looks at those of a block, and then at the blocks. */
+#define ITEM_BLOCK 16
+#define ITEM_BLOCKS (RDO_ITEMS / ITEM_BLOCK)
+
+/* Replaces *cost and *number by the least cost of `count` and the number that comes with it, the lowest of several. */
+ITEMS_INLINE void take_least(__local const float *costs, __local const float *numbers, int count, float *cost,
+                             float *number) {
+    for (int i = 0; i < count; i++)
+        if (costs[i] < *cost || (costs[i] == *cost && numbers[i] < *number)) {
+            *cost = costs[i];
+            *number = numbers[i];
         }
+}
+#endif
+
+/* The least cost of all work-items; *number, at most 2^24, becomes the one that comes with it, the lowest of several. */
+ITEMS_INLINE float items_least(float cost, int *number, __local float *shared) {
+#if RDO_ITEMS > 1
+    __local float *numbers = shared + RDO_ITEMS, *of_blocks = numbers + RDO_ITEMS;
+    const int block = RDO_ITEM * ITEM_BLOCK;
+    float found = (float)*number;
+    shared[RDO_ITEM] = cost;
+    numbers[RDO_ITEM] = found;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (RDO_ITEM < ITEM_BLOCKS) {
+        take_least(shared + block, numbers + block, ITEM_BLOCK, &cost, &found);
+        of_blocks[RDO_ITEM] = cost;
+        of_blocks[ITEM_BLOCKS + RDO_ITEM] = found;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
+    take_least(of_blocks, of_blocks + ITEM_BLOCKS, ITEM_BLOCKS, &cost, &found);
+    *number = (int)found;
+    barrier(CLK_LOCAL_MEM_FENCE);
 #endif
-    return number;
+    return cost;
 }
 
 #if RDO_ITEMS > 1
 /* Numbers what all work-items have, in their order: the first number of this work-item, that of the next one, and
  * how many there are of all. */
 ITEMS_INLINE int3 items_number(int count, __local float *shared) {
+    __local float *of_blocks = shared + RDO_ITEMS;
+    const int block = RDO_ITEM / ITEM_BLOCK;
     int3 numbers = (int3)(0);
     shared[RDO_ITEM] = as_float(count);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (int j = 0; j < RDO_ITEMS; j++) {
-        if (j == RDO_ITEM) numbers.x = numbers.z;
-        numbers.z += as_int(shared[j]);
-        if (j == RDO_ITEM) numbers.y = numbers.z;
+    for (int i = block * ITEM_BLOCK; i < RDO_ITEM; i++) numbers.x += as_int(shared[i]);
+    if (RDO_ITEM % ITEM_BLOCK == ITEM_BLOCK - 1) of_blocks[block] = as_float(numbers.x + count);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int i = 0; i < ITEM_BLOCKS; i++) {
+        const int of_block = as_int(of_blocks[i]);
+        numbers.x += i < block ? of_block : 0;
+        numbers.z += of_block;
     }
+    numbers.y = numbers.x + count;
     barrier(CLK_LOCAL_MEM_FENCE);
     return numbers;
 }

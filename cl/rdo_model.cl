@@ -18,7 +18,7 @@ typedef struct {
 #define MODEL_SQUARE (MODEL_SLOPE + MODEL_PARAMS)
 #define MODEL_MIXED (MODEL_SQUARE + MODEL_PARAMS * (MODEL_PARAMS + 1) / 2)
 #define MODEL_ERROR (MODEL_MIXED + MODEL_PARAMS * CHANNELS)
-#define MODEL_SUMS (MODEL_ERROR + 1) /* at most MAX_ITEM_SUMS */
+#define MODEL_SUMS (MODEL_ERROR + 1) /* at most 2 SUMS_AT_ONCE */
 
 /* Adds pixels to the slopes and squares.  `base`: the derivatives' common factor; `colour`: those of the channels by the
  * weight. */
@@ -57,7 +57,8 @@ ALWAYS_INLINE void model_add(item_sum *sums, const rdo_pixels *x, pix u, pix v, 
     }
 }
 
-/* Adds the pixels of a vector to all sums, for a splat that is in the rendering. */
+/* Adds the pixels of a vector to all sums, for a splat that is in the rendering.  Groups of many work-items remove it there, where
+ * all pixels are loaded: they evaluate moves in any case. */
 ALWAYS_INLINE void model_add_pixels(item_sum *sums, const projected_splat *a, const rdo_planes *p, size_t at, pix dx,
                                     float dy, int lanes) {
     const float *d = a->projected;
@@ -75,6 +76,7 @@ ALWAYS_INLINE void model_add_pixels(item_sum *sums, const projected_splat *a, co
     if (BLEND == GSCL_NORMALIZED) {
         pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes);
         removed = weight / (sum - weight);
+        if (RDO_ITEMS > 1) pix_store_clipped(sum - weight, p->weights + at, lanes);
         x.share = weight / sum;
         base /= sum;
     }
@@ -85,27 +87,27 @@ ALWAYS_INLINE void model_add_pixels(item_sum *sums, const projected_splat *a, co
         if (BLEND == GSCL_NORMALIZED) colour[k] -= x.rendering[k];
         without[k] = fma(-removed, colour[k], x.error[k]);
         residual[k] = fma(-x.share, own, x.error[k]);
+        if (RDO_ITEMS > 1)
+            pix_store_clipped(fma(-removed, colour[k], x.rendering[k]), p->rendering + k * p->plane + at, lanes);
     }
     quadratic_add(sums, &x, without, residual);
     if (WEIGHTED == GSCL_WEIGHTED_LUMA) quadratic_add_luma(sums, &x, luma_with(&x, without), luma_with(&x, residual));
     model_add(sums, &x, u, v, base, colour);
 }
 
-/* The model of a splat that is in the rendering. */
-ITEMS_INLINE void model_of(splat_model *m, const projected_splat *a, const rdo_planes *p, __local float *shared) {
-    outline o = outline_of(a, p->width, p->height);
-    item_sum sums[MODEL_SUMS];
-    float totals[MODEL_SUMS];
-    UNROLL
-    for (int k = 0; k < MODEL_SUMS; k++) sums[k] = (item_sum)(0.0f);
-    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
-        int2 columns = outline_columns(&o, y);
-        FOR_VECTORS(x, columns.x, columns.y)
-        model_add_pixels(sums, a, p, (size_t)y * p->width + x, pix_offsets() + ((float)x + 0.5f - o.x),
-                         (float)y + 0.5f - o.y, columns.y - x + 1);
-    }
-    ITEMS_SUM(sums, MODEL_SUMS, RDO_ITEMS, totals, shared);
-    quadratic_of_sums(&m->colour, totals);
+/* Where the sums of a model are: groups of many work-items leave them in local memory until the next sums, because the registers
+ * of a work-item do not hold a model for long. */
+#if RDO_ITEMS > 1
+#define MODEL_TOTALS __local const float
+#else
+#define MODEL_TOTALS const float
+#endif
+
+ITEMS_INLINE void model_of_totals(splat_model *m, const projected_splat *a, MODEL_TOTALS *totals) {
+    float colour[QUADRATIC_SUMS];
+    ITEMS_UNROLL
+    for (int k = 0; k < QUADRATIC_SUMS; k++) colour[k] = totals[k];
+    quadratic_of_sums(&m->colour, colour);
     m->error2 = totals[MODEL_ERROR];
     int at = MODEL_SQUARE;
     ITEMS_UNROLL
@@ -122,6 +124,27 @@ ITEMS_INLINE void model_of(splat_model *m, const projected_splat *a, const rdo_p
         ITEMS_UNROLL
         for (int i = 0; i < MODEL_PARAMS; i++) m->mixed[i][k] = totals[at++];
     }
+}
+
+/* The model of a splat that is in the rendering, which groups of many work-items remove from it. */
+ITEMS_INLINE void model_of(splat_model *m, const projected_splat *a, const rdo_planes *p, __local float *shared) {
+    outline o = outline_of(a, p->width, p->height);
+    item_sum sums[MODEL_SUMS];
+    float totals[MODEL_SUMS];
+    UNROLL
+    for (int k = 0; k < MODEL_SUMS; k++) sums[k] = (item_sum)(0.0f);
+    FOR_ROWS(RDO_ITEMS, y, o.rows.x, o.rows.y) {
+        int2 columns = outline_columns(&o, y);
+        FOR_VECTORS(x, columns.x, columns.y)
+        model_add_pixels(sums, a, p, (size_t)y * p->width + x, pix_offsets() + ((float)x + 0.5f - o.x),
+                         (float)y + 0.5f - o.y, columns.y - x + 1);
+    }
+    ITEMS_SUM(sums, MODEL_SUMS, RDO_ITEMS, totals, shared);
+#if RDO_ITEMS > 1
+    model_of_totals(m, a, TOTALS_OF(0, RDO_ITEMS, MODEL_SUMS, shared));
+#else
+    model_of_totals(m, a, totals);
+#endif
 }
 
 /* The predicted change of the error by a change of place and shape, with the best colours before and after. */

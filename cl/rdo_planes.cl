@@ -27,19 +27,21 @@ ITEMS_INLINE void rendering_change(const projected_splat *a, float sign, const r
             int lanes = columns.y - x + 1;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
             float dy = (float)y + 0.5f - o.y;
-            pix w = sign * blend_weight(dx, dy, a);
+            pix w = sign * blend_weight(dx, dy, a), sum = (pix)(1.0f), values[CHANNELS];
+            UNROLL
+            for (int k = 0; k < CHANNELS; k++) values[k] = RDO_LOAD(p->rendering + k * p->plane + at, lanes);
             if (has_wave(a)) wave = projected_wave(dx, dy, a);
             if (BLEND == GSCL_NORMALIZED) {
-                pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes) + w;
+                sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes) + w;
                 pix_store_clipped(sum, p->weights + at, lanes);
                 w /= sum;
             }
             UNROLL
             for (int k = 0; k < CHANNELS; k++) {
-                __global float *plane = p->rendering + k * p->plane + at;
-                pix value = RDO_LOAD(plane, lanes), c = (pix)(a->projected[GSCL_PROJECTED_COLOUR + k]);
+                pix c = (pix)(a->projected[GSCL_PROJECTED_COLOUR + k]);
                 if (k < COLOURS) c += wave;
-                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - value, value) : fma(w, c, value), plane, lanes);
+                pix_store_clipped(BLEND == GSCL_NORMALIZED ? fma(w, c - values[k], values[k]) : fma(w, c, values[k]),
+                                  p->rendering + k * p->plane + at, lanes);
             }
         }
     }

@@ -41,9 +41,25 @@ ITEMS_INLINE float shape_cost(const gscl_codes *c, const splat_geometry *g, floa
 ITEMS_INLINE float choose_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v) {
     splat_geometry g;
     codes_geometry_of(&g, c, v);
-    float cost = colour_descend(q, c, v->tables, v->settings);
-    float gain = v->settings.lambda * colour_bits(c, v->tables) - cost;
-    return cost + shape_cost(c, &g, q->error, gain, v);
+    float bits, error = colour_descend(q, c, v->tables, v->settings, &bits), price = v->settings.lambda * bits;
+    float cost = error + price;
+    return cost + shape_cost(c, &g, q->error, price - cost, v);
+}
+
+/* The same for the colour of the present place and shape, which one work-item chooses for all. */
+ITEMS_INLINE float choose_first_colour(gscl_codes *c, const quadratic *q, const rdo_visit_context *v,
+                                       __local float *shared) {
+#if RDO_ITEMS > 1
+    gscl_codes chosen = *c;
+    if (RDO_ITEM == 0) {
+        const float cost = choose_colour(&chosen, q, v);
+        codes_offer(&chosen, cost, OFFERS(shared));
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return codes_take(c, MAXFLOAT, 1, OFFERS(shared));
+#else
+    return choose_colour(c, q, v);
+#endif
 }
 
 /* ---- Moves ---- */
@@ -67,16 +83,18 @@ ITEMS_INLINE float predict_move(int move, const rdo_choice *now, const splat_geo
 #if RDO_ITEMS > 1
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0.  Each
  * work-item predicts a move, and puts it at the place that follows from the costs of all. */
-ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
+ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a,
                                  const rdo_visit_context *v, __local float *shared) {
     __local float *costs = shared, *listed = shared + MOVES;
     const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
     splat_geometry from;
+    splat_model m;
     int count = 0;
+    model_of_totals(&m, a, TOTALS_OF(0, RDO_ITEMS, MODEL_SUMS, shared));
     codes_geometry_of(&from, &now->codes, v);
     if (RDO_ITEM < MAX_EVALUATED_MOVES) listed[RDO_ITEM] = 0.0f;
     for (int move = 1 + RDO_ITEM; move < MOVES; move += RDO_ITEMS) {
-        float cost = predict_move(move, now, &from, a, m, v);
+        float cost = predict_move(move, now, &from, a, &m, v);
         costs[move] = cost < limit ? cost : MAXFLOAT;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -92,12 +110,13 @@ ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projec
         moves[i] = (int)listed[i];
         count += moves[i] > 0;
     }
+    barrier(CLK_LOCAL_MEM_FENCE); /* all have read them */
     return count;
 }
 #else
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0. */
 int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
-                    const rdo_visit_context *v, __local float *shared) {
+                    const rdo_visit_context *v) {
     float costs[MAX_EVALUATED_MOVES];
     const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
     splat_geometry from;
@@ -142,9 +161,10 @@ ITEMS_INLINE void try_moves(const int *moves, int count, const gscl_codes *now, 
     codes_move(&other, move, v->tables, v->settings);
     codes_project(&a, &other, v);
     error_of_colour(&q, &a, &v->planes, shared);
-    const float cost = choose_colour(&other, &q, v);
-    if (RDO_ITEM % MOVE_TEAM == 0)
+    if (RDO_ITEM % MOVE_TEAM == 0) {
+        const float cost = choose_colour(&other, &q, v);
         codes_offer(&other, task_contains(task, &a) ? cost : MAXFLOAT, OFFERS(shared) + team * OFFER);
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     best->cost = codes_take(&best->codes, best->cost, count, OFFERS(shared));
 }
@@ -195,29 +215,36 @@ ITEMS_INLINE bool codes_moved(const gscl_codes *a, const gscl_codes *b) {
  * leaves, with a splat that was dropped, too, which changes nothing: PoCL fails on barriers behind several ways out. */
 ITEMS_INLINE bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_visit_context *v,
                               __local float *shared) {
-    const gscl_codes before = *codes;
-    rdo_choice best = {before, 0.0f};
+    rdo_choice best = {*codes, 0.0f};
     int moves[MAX_EVALUATED_MOVES];
     projected_splat a;
     splat_model m;
-    codes_project(&a, &before, v);
+    codes_project(&a, codes, v);
     model_of(&m, &a, &v->planes, shared);
-    best.cost = choose_colour(&best.codes, &m.colour, v);
-    int count = promising_moves(moves, &best, &a, &m, v, shared);
-    const bool has_wave = wave_may_pay(&before, &m, v), may_drop = best.cost >= v->cost_of_dropping;
-    if (RDO_ITEMS == 1 && count == 0 && !has_wave && !may_drop && codes_equal(&best.codes, &before)) return false;
-    rendering_change(&a, -1.0f, &v->planes);
-    try_moves(moves, count, &before, &best, task, v, shared);
+    best.cost = choose_first_colour(&best.codes, &m.colour, v, shared);
+#if RDO_ITEMS > 1
+    const int count = promising_moves(moves, &best, &a, v, shared);
+#else
+    const int count = promising_moves(moves, &best, &a, &m, v);
+#endif
+    const bool has_wave = wave_may_pay(codes, &m, v), may_drop = best.cost >= v->cost_of_dropping;
+    if (RDO_ITEMS == 1 && count == 0 && !has_wave && !may_drop && codes_equal(&best.codes, codes)) return false;
+    if (RDO_ITEMS == 1) rendering_change(&a, -1.0f, &v->planes);
+    try_moves(moves, count, codes, &best, task, v, shared);
     const bool is_dropped = best.cost >= v->cost_of_dropping;
-    if (is_dropped) codes->code[GSCL_CODE_MAJOR] = -1;
-    if (RDO_ITEMS == 1 && is_dropped) return false;
+    if (RDO_ITEMS == 1 && is_dropped) {
+        codes->code[GSCL_CODE_MAJOR] = -1;
+        return false;
+    }
 #if MAX_TEXTURE
     if (has_wave) texture_choose(&best.codes, v->tables, v->settings, v->view, &v->planes, shared);
 #endif
     codes_project(&a, &best.codes, v);
     rendering_change(&a, is_dropped ? 0.0f : 1.0f, &v->planes);
+    const bool moved = !is_dropped && codes_moved(&best.codes, codes);
     if (!is_dropped) *codes = best.codes;
-    return !is_dropped && codes_moved(codes, &before);
+    if (is_dropped) codes->code[GSCL_CODE_MAJOR] = -1;
+    return moved;
 }
 
 /* Visits the splats of one group, each with a work-group of RDO_ITEMS work-items: once, and again where a splat moved, at

@@ -52,7 +52,7 @@ typedef struct {
     float cos2, sin2, both;     /* of s^2 cos^2, ..., times the number of colour channels */
 } wave_sums;
 
-#define TRIED_WAVES 6 /* at most MAX_TEAMS */
+#define TRIED_WAVES 6 /* less than MAX_TEAMS */
 #define WAVE_TEAM TEAM_OF(TRIED_WAVES)
 
 /* The sums of a team's own wave. */
@@ -100,24 +100,27 @@ ITEMS_INLINE bool wave_explains(const wave_sums *w, float part) {
 ITEMS_INLINE float wave_choose_codes(gscl_codes *c, const wave_sums *w, float attenuation, __global const float *tables,
                                      gscl_rdo_settings t) {
     float best = MAXFLOAT, step = t.amplitude_step * attenuation;
-    gscl_codes other = *c;
+    int best_phase = 0, best_amplitude = 1;
     for (int phase = 0; phase < GSCL_PHASES; phase++) {
         unit_vector d = direction_of((float)phase * (2.0f * M_PI_F / GSCL_PHASES));
         float l = fma(d.x, w->error_cos, d.y * w->error_sin);
         float q = d.x * d.x * w->cos2 + 2.0f * d.x * d.y * w->both + d.y * d.y * w->sin2;
         if (!(l < 0.0f)) continue;
-        other.code[GSCL_CODE_PHASE] = phase;
         float nearest = rint(-l / (fmax(q, 1e-12f) * step));
         for (int below = 0; below < 2; below++) {
-            other.code[GSCL_CODE_AMPLITUDE] = (int)clamp(nearest - (float)below, 1.0f, (float)GSCL_AMPLITUDES);
-            float a = wave_amplitude(other.code[GSCL_CODE_AMPLITUDE], t) * attenuation;
-            float cost = a * fma(a, q, 2.0f * l) + t.lambda * wave_bits(&other, tables);
+            const int amplitude = (int)clamp(nearest - (float)below, 1.0f, (float)GSCL_AMPLITUDES);
+            c->code[GSCL_CODE_AMPLITUDE] = amplitude;
+            float a = wave_amplitude(amplitude, t) * attenuation;
+            float cost = a * fma(a, q, 2.0f * l) + t.lambda * wave_bits(c, tables);
             if (cost < best) {
                 best = cost;
-                *c = other;
+                best_phase = phase;
+                best_amplitude = amplitude;
             }
         }
     }
+    c->code[GSCL_CODE_PHASE] = best_phase;
+    c->code[GSCL_CODE_AMPLITUDE] = best_amplitude;
     return best;
 }
 
@@ -299,7 +302,7 @@ ITEMS_INLINE int2 wave_scan(const projected_splat *plain, float major, gscl_view
                 best = STATE_NUMBER(own) * LANES + j;
             }
     }
-    best = items_least(-highest, best, shared);
+    items_least(-highest, &best, shared);
     return (int2)(best / GSCL_DIRECTIONS, best % GSCL_DIRECTIONS);
 }
 
@@ -353,8 +356,10 @@ ITEMS_INLINE void try_waves(gscl_codes *choice, float best, const gscl_codes *no
     wave_sums sums;
     wave_prepare(&w, now, tried_wave(team, now, scanned), tables, t, view);
     wave_sums_of(&sums, plain, w.cycles, planes, shared);
-    const float cost = w.is_tried ? wave_cost(&w, &sums, tables, t) : MAXFLOAT;
-    if (RDO_ITEM % WAVE_TEAM == 0) codes_offer(&w.codes, cost, OFFERS(shared) + team * OFFER);
+    if (RDO_ITEM % WAVE_TEAM == 0) {
+        const float cost = w.is_tried ? wave_cost(&w, &sums, tables, t) : MAXFLOAT;
+        codes_offer(&w.codes, cost, OFFERS(shared) + team * OFFER);
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     codes_take(choice, best, TRIED_WAVES, OFFERS(shared));
 }

@@ -1,14 +1,18 @@
 /* Loaded into the tool (LD_PRELOAD), it writes a line for each launch of a kernel and for each wait of the host for the device
  * to the file that COUNT_LAUNCHES names:
  *
- *     kernel NAME GROUPS GROUP_SIZE
+ *     kernel NAME GROUPS GROUP_SIZE [PIXELS]
  *     wait FUNCTION BYTES
  *
- * BYTES: those that a blocking call reads or writes, or 0. */
+ * PIXELS, of rdo_visit: those of the largest box that a splat of the launch may touch.  BYTES: those that a blocking call reads or
+ * writes, or 0. */
 #include <CL/cl.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "cl/structs.h"
 
 typedef __typeof__(&clEnqueueNDRangeKernel) launch_function;
 typedef __typeof__(&clEnqueueReadBuffer) read_function;
@@ -17,6 +21,7 @@ typedef __typeof__(&clEnqueueWriteBuffer) write_function;
 typedef __typeof__(&clFinish) finish_function;
 typedef __typeof__(&clWaitForEvents) wait_function;
 typedef __typeof__(&clGetKernelInfo) kernel_info_function;
+typedef __typeof__(&clSetKernelArg) argument_function;
 
 static void *library;
 static FILE *file;
@@ -40,12 +45,45 @@ static void count_wait(const char *function, size_t bytes) {
         fprintf(file, "wait %s %zu\n", function, bytes);
 }
 
-static void count_launch(cl_kernel kernel, size_t items, size_t group_size) {
+/* The first arguments of rdo_visit, as the thread has set them last: those of any kernel that takes as many bytes. */
+static __thread gscl_rdo_pass pass;
+static __thread cl_mem tasks;
+
+cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, size_t size, const void *value) {
+    argument_function set;
+    *(void **)&set = dlsym(library, "clSetKernelArg");
+    if (index == 0 && size == sizeof pass)
+        memcpy(&pass, value, size);
+    if (index == 1 && size == sizeof tasks)
+        memcpy(&tasks, value, size);
+    return set(kernel, index, size, value);
+}
+
+/* Pixels of the largest box of the tasks that a launch of rdo_visit takes. */
+static long long largest_box(cl_command_queue queue, size_t count) {
+    long long largest = 0;
+    gscl_rdo_task *read = malloc(count * sizeof *read);
+    read_function read_buffer;
+    *(void **)&read_buffer = dlsym(library, "clEnqueueReadBuffer");
+    if (read && read_buffer(queue, tasks, CL_TRUE, (size_t)pass.start * sizeof *read, count * sizeof *read, read, 0,
+                            NULL, NULL) == CL_SUCCESS)
+        for (size_t i = 0; i < count; i++) {
+            const long long pixels = (long long)(read[i].x1 - read[i].x0) * (read[i].y1 - read[i].y0);
+            largest = pixels > largest ? pixels : largest;
+        }
+    free(read);
+    return largest;
+}
+
+static void count_launch(cl_command_queue queue, cl_kernel kernel, size_t items, size_t group_size) {
     char name[128] = "?";
     kernel_info_function info;
     *(void **)&info = dlsym(library, "clGetKernelInfo");
     info(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
-    if (file)
+    if (file && strcmp(name, "rdo_visit") == 0)
+        fprintf(file, "kernel %s %zu %zu %lld\n", name, items / group_size, group_size,
+                largest_box(queue, items / group_size));
+    else if (file)
         fprintf(file, "kernel %s %zu %zu\n", name, items / group_size, group_size);
 }
 
@@ -55,7 +93,7 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
                               const cl_event *waits, cl_event *event) {
     launch_function launch;
     *(void **)&launch = dlsym(library, "clEnqueueNDRangeKernel");
-    count_launch(kernel, global_size[0], group_size[0]);
+    count_launch(queue, kernel, global_size[0], group_size[0]);
     return launch(queue, kernel, dimensions, offset, global_size, group_size, wait_count, waits, event);
 }
 

@@ -1,4 +1,4 @@
-"""A model of the time that launches of kernels take on an NVIDIA H100, from their numbers of work-groups alone.
+"""A model of the time that launches of kernels take on an NVIDIA H100, from their numbers of work-groups and the boxes of rdo_visit.
 
 Nothing here was measured on a GPU.  The assumptions, each as a low and a high number, between which the time should lie:
 
@@ -6,17 +6,22 @@ Nothing here was measured on a GPU.  The assumptions, each as a low and a high n
  - a launch takes at least its LATENCY, which was estimated by reading the kernel: the longest chain of instructions of one
    work-item that depend on each other,
  - a launch of many work-groups takes the COST of each, estimated in the same way, where all 132 multiprocessors work,
- - rdo_visit takes its latency once for each RESIDENT groups: its registers leave room for four groups on a multiprocessor,
- - a kernel of ROUND takes that for each number that a work-item adds up in turn, or for each scan of begin_lists,
+ - rdo_visit takes its latency once for each RESIDENT groups: its registers leave room for one group on a multiprocessor,
+ - a kernel of ROUND takes that for each number that a work-item adds up in turn, for each scan of begin_lists, or for each pixel of
+   the largest box of a launch of rdo_visit,
  - a wait of the host for the device takes WAIT, with what the host does before the device has work again.
 """
 MULTIPROCESSORS = 132
 GAP = (2.5, 6.0)  # microseconds, as all below
 WAIT = (15.0, 40.0)
-RESIDENT = 4 * MULTIPROCESSORS
+RESIDENT = MULTIPROCESSORS
 
+# A visit of rdo_visit by the stall counts of the code that ptxas makes for sm_90, at 1.755 GHz, where a load takes 300 cycles: 29,000
+# cycles, and with them for each pixel of the outline 2.8 of the model, 3.8 of the moves and 1.5 of the final change.  The outline of a
+# splat covers about 0.3 of its box (0.31 at 0.042 bits per pixel of kodim01, 0.24 at 0.183).  High: loads of 500 cycles, and
+# a second visit, which splats get that moved.
 LATENCY = {
-    "rdo_visit": (90, 300),
+    "rdo_visit": (17, 40),
     "place_splats": (15, 40),
     "fit_tiles": (10, 16),
     "rdo_begin": (8, 14),
@@ -51,6 +56,7 @@ OTHER_COST = (0.5, 1)
 
 # Microseconds of each of what a work-item does in turn, of which `rounds` says how many there are.
 ROUND = {
+    "rdo_visit": (0.0014, 0.0036),
     "control_fit": (0.06, 0.3),
     "sum_loss": (0.06, 0.3),
     "begin_control": (0.06, 0.3),

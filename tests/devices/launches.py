@@ -36,7 +36,7 @@ class Log:
                 what, name, *numbers = line.split()
                 if what == "kernel":
                     self.groups[name].append(int(numbers[0]))
-                    self.rounds[name].append(launch_model.rounds(name, last))
+                    self.rounds[name].append(int(numbers[2]) if name == "rdo_visit" else launch_model.rounds(name, last))
                     last[name] = int(numbers[0])
                     if name in ("control_fit", "sum_loss"):
                         last.pop("begin_control", None)

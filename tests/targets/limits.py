@@ -6,8 +6,8 @@ which they were written: lower them where a kernel shrinks, and never raise them
 RDO_STACK = {"PTX": 512, "sm_75": 512, "sm_90": 512, "gfx90a": 512}
 # But on gfx1100, where clang 15 takes only 128 of its 256 vector registers, whatever the size of the work-groups: by the use of the
 # program (list_programs.c), and those of all others at most.
-RDO_STACK_GFX1100 = {"encode": 1040, "encode, waves": 1152}
-RDO_STACK_GFX1100_OTHERS = 1492
+RDO_STACK_GFX1100 = {"encode": 544, "encode, waves": 1152}
+RDO_STACK_GFX1100_OTHERS = 1376
 
 # Kinds of programs whose kernels spill no vector register.
 UNSPILLED = {"render", "fit", "bin", "visual"}

@@ -16,6 +16,7 @@
 #include "opencl/cl_error.h"
 #include "runtime/buffer.h"
 #include "runtime/launch.h"
+#include "runtime/mapping.h"
 #include "runtime/queue.h"
 
 static int open_context(void **state) {
@@ -89,6 +90,25 @@ static void test_too_small_groups_name_the_kernel(void **state) {
     assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_BENCHMARK, &plain, "copy", &kernel), GSCL_OK);
 }
 
+/* Kernels that visit splats run in the largest groups, at most 256 and at least 32 work-items, that the device has registers for. */
+static void test_visits_take_groups_that_fit(void **state) {
+    const gscl_kernel_options of_an_image = {.colours = 3};
+    gscl_context *context;
+    gscl_kernel *kernel;
+    (void)state;
+    assert_true(open_on(&context, first_opencl_device(), GSCL_MAPPING_GPU));
+    assert_int_equal(gscl_rdo_group_size(context), 256);
+    fake.largest_kernel_group = 100;
+    assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_SCALAR_RDO, &of_an_image, "rdo_visit", &kernel), GSCL_OK);
+    assert_int_equal(gscl_rdo_group_size(context), 64);
+    fake.largest_kernel_group = 31;
+    assert_int_equal(gscl_kernel_find(context, GSCL_PROGRAM_SCALAR_RDO, &of_an_image, "rdo_begin", &kernel),
+                     GSCL_ERROR_GROUP_SIZE);
+    assert_int_equal(gscl_rdo_group_size(context), 32);
+    fake.largest_kernel_group = 0;
+    gscl_context_free(&context);
+}
+
 static void test_resources_are_not_memory(void **state) {
     gscl_context *context = *state;
     fake.launch_error = CL_OUT_OF_RESOURCES;
@@ -127,6 +147,7 @@ int main(void) {
         cmocka_unit_test_setup(test_wrong_number_of_arguments, fake_nothing),
         cmocka_unit_test_setup(test_failed_launch_names_its_kernel, fake_nothing),
         cmocka_unit_test_setup(test_too_small_groups_name_the_kernel, fake_nothing),
+        cmocka_unit_test_setup(test_visits_take_groups_that_fit, fake_nothing),
         cmocka_unit_test_setup(test_resources_are_not_memory, fake_nothing),
         cmocka_unit_test_setup(test_every_error_has_a_name, fake_nothing),
         cmocka_unit_test_setup(test_long_build_options_are_refused, fake_nothing),

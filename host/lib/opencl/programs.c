@@ -7,6 +7,7 @@
 #include "opencl/opencl_device.h"
 #include "opencl/prefetch.h"
 #include "opencl/program.h"
+#include "runtime/mapping.h"
 #include "runtime/queue.h"
 
 /* Takes the program that another thread has built, or makes it. */
@@ -66,8 +67,8 @@ static gscl_result create_kernel(gscl_context *context, struct gscl_program *pro
     return result;
 }
 
-gscl_result gscl_opencl_kernel_find(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
-                                    const char *name, gscl_kernel **kernel) {
+static gscl_result find_kernel(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                               const char *name, gscl_kernel **kernel) {
     struct gscl_program *program;
     GSCL_TRY(get_program(context, kind, options, &program));
     for (size_t i = 0; i < program->kernel_count; i++)
@@ -82,6 +83,16 @@ gscl_result gscl_opencl_kernel_find(gscl_context *context, gscl_program_kind kin
     program->kernel_count++;
     *kernel = &created->base;
     return GSCL_OK;
+}
+
+/* Programs that visit splats are built for smaller groups where the device cannot run those that they have. */
+gscl_result gscl_opencl_kernel_find(gscl_context *context, gscl_program_kind kind, const gscl_kernel_options *options,
+                                    const char *name, gscl_kernel **kernel) {
+    const bool visits_splats = kind == GSCL_PROGRAM_SCALAR_RDO || kind == GSCL_PROGRAM_CODEBOOK;
+    gscl_result result = find_kernel(context, kind, options, name, kernel);
+    while (result == GSCL_ERROR_GROUP_SIZE && visits_splats && gscl_rdo_group_halve(context))
+        result = find_kernel(context, kind, options, name, kernel);
+    return result;
 }
 
 void gscl_programs_free(gscl_context *context) {

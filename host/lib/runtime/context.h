@@ -40,6 +40,7 @@ struct gscl_context {
     bool gpu_mapping;                      /* GSCL_MAPPING_GPU; else GSCL_MAPPING_CPU */
     const struct gscl_work_shapes *shapes; /* what the implementation changes of the mappings; NULL without one */
     size_t largest_group;                  /* work-items of a work-group of the device, at most; 0: no limit */
+    size_t largest_rdo_group;              /* likewise of a kernel that visits splats (mapping.h) */
     gscl_build_callback build;             /* may be NULL */
     void *build_opaque;
     bool has_work;  /* the device was asked for something since the host last waited for it */

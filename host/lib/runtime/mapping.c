@@ -3,6 +3,8 @@
 #include "cl/constants.h"
 #include "runtime/tunables.h"
 
+#define LEAST_RDO_GROUP 32 /* of cl/rdo_items.cl, where it is not 1 */
+
 /* What the implementation changes of the context's mapping; 0: nothing. */
 static const gscl_work_shape *mapping_shape(const gscl_context *context) {
     return context->gpu_mapping ? &context->shapes->gpu : &context->shapes->cpu;
@@ -44,11 +46,16 @@ size_t gscl_tile_group_size(const gscl_context *context) {
     return GSCL_TILE_ITEMS((size_t)gscl_mapping_lanes(context), (size_t)gscl_mapping_rows(context));
 }
 
-size_t gscl_band_group_size(const gscl_context *context) {
-    size_t items = has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
-    while (items > 1 && context->largest_group && items > context->largest_group)
+/* Half of the work-items, or a quarter and so on, where there may not be more than `largest`; 0: no limit. */
+static size_t limit_group(size_t items, size_t largest) {
+    while (items > 1 && largest && items > largest)
         items /= 2;
     return items;
+}
+
+size_t gscl_band_group_size(const gscl_context *context) {
+    const size_t items = has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_band_items : 1;
+    return limit_group(items, context->largest_group);
 }
 
 size_t gscl_bin_group_size(const gscl_context *context) {
@@ -70,7 +77,16 @@ size_t gscl_slot_group_size(const gscl_context *context) {
 }
 
 size_t gscl_rdo_group_size(const gscl_context *context) {
-    return has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_rdo_items : 1;
+    const size_t items = has_wide_groups(context) ? (size_t)gscl_runtime_tunables.gpu_rdo_items : 1;
+    return limit_group(limit_group(items, context->largest_group), context->largest_rdo_group);
+}
+
+bool gscl_rdo_group_halve(gscl_context *context) {
+    const size_t items = gscl_rdo_group_size(context);
+    if (items <= LEAST_RDO_GROUP)
+        return false;
+    context->largest_rdo_group = items / 2;
+    return true;
 }
 
 size_t gscl_sum_group_size(const gscl_context *context) {

@@ -41,8 +41,11 @@ int gscl_counted_links(const gscl_context *context);
 /* Work-items of a group that sums the slots of a splat (cl/update.cl); 1 where a work-item sums those of gscl_splat_lanes
  * splats. */
 size_t gscl_slot_group_size(const gscl_context *context);
-/* Work-items of a group that visits a splat in a rate-distortion pass (cl/rdo_items.cl). */
+/* Work-items of a group that visits a splat in a rate-distortion pass (cl/rdo_items.cl), a power of 2.  The sums that its
+ * decisions follow from have another order with another size. */
 size_t gscl_rdo_group_size(const gscl_context *context);
+/* Halves it, because the device has too few registers for a kernel in groups of this size; false where it is the least. */
+bool gscl_rdo_group_halve(gscl_context *context);
 /* Work-items of a group that sums (cl/group_sum.cl): a power of 2, at most GSCL_SUM_ITEMS. */
 size_t gscl_sum_group_size(const gscl_context *context);
 /* Work-items of a group that take one pixel vector each (cl/visual.cl, cl/ssim.cl), the pixels of such a vector, and the groups

@@ -19,5 +19,5 @@ const struct gscl_runtime_tunables gscl_runtime_tunables = {
     .gpu_link_splats = 8,
     .gpu_counted_links = 8192,
     .gpu_slot_items = 32,
-    .gpu_rdo_items = 64,
+    .gpu_rdo_items = 256,
 };

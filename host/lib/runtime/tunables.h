@@ -29,8 +29,9 @@ struct gscl_runtime_tunables {
     int gpu_counted_links; /* splats: as cpu_counted_links, GPU mapping; more, because each launch waits for the one before */
     int gpu_slot_items; /* work-items: of a group that sums the slots of a splat, GPU mapping; at least 11, the sums of a
                              slot */
-    int gpu_rdo_items;  /* work-items: of a group that visits a splat in a rate-distortion pass, GPU mapping; a multiple
-                             of 32 */
+    int gpu_rdo_items; /* work-items: of a group that visits a splat in a rate-distortion pass, GPU mapping; a power of 2
+                           from 32 to 256.  Fewer leave registers for more groups at once, but launches have few groups, and
+                           each takes as long as its largest splat */
 };
 
 extern const struct gscl_runtime_tunables gscl_runtime_tunables;

@@ -6,6 +6,7 @@
 
 #include "cl/constants.h"
 #include "decode/ellipse.h"
+#include "runtime/mapping.h"
 #include "runtime/queue.h"
 #include "scalar/tunables.h"
 
@@ -87,6 +88,14 @@ static int find_group(gscl_rdo_groups *g, int columns, int rows, const gscl_rdo_
     return group;
 }
 
+/* The largest first. */
+static int compare_areas(const void *a, const void *b) {
+    const rdo_key *p = a, *q = b;
+    if (p->area != q->area)
+        return p->area > q->area ? -1 : 1;
+    return p->task.splat < q->task.splat ? -1 : p->task.splat > q->task.splat;
+}
+
 static int compare_keys(const void *a, const void *b) {
     const rdo_key *p = a, *q = b;
     if (p->group != q->group)
@@ -99,15 +108,23 @@ static int compare_keys(const void *a, const void *b) {
 gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t fixed,
                                  size_t count) {
     const int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
-    size_t tasks = 0, sizes[GSCL_RDO_GROUPS] = {0};
+    size_t all = 0, tasks = 0, sizes[GSCL_RDO_GROUPS] = {0};
     GSCL_TRY(reserve_tasks(g, r->context, count));
     GSCL_TRY(reserve_cells(g, r->context, (size_t)columns * (size_t)rows));
     for (size_t i = fixed; i < count; i++) {
         const gscl_rdo_task v = task_of(r, params + i * GSCL_PARAMS, i);
-        const int group = find_group(g, columns, rows, &v);
+        g->keys[all++] = (rdo_key){-1, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
+    }
+    /* Where a launch takes as long as its largest splat, the largest come first, and so together: the sum of the largest boxes of
+     * all launches is 3 to 33 % less (two photographs, 0.042 and 0.183 bits a pixel).  Elsewhere the order is that of the codes. */
+    if (gscl_rdo_group_size(r->context) > 1)
+        qsort(g->keys, all, sizeof *g->keys, compare_areas);
+    for (size_t i = 0; i < all; i++) {
+        const int group = find_group(g, columns, rows, &g->keys[i].task);
         if (group < 0)
             continue;
-        g->keys[tasks++] = (rdo_key){group, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
+        g->keys[tasks] = g->keys[i];
+        g->keys[tasks++].group = group;
         sizes[group]++;
     }
     /* Within a group the largest come last, where devices schedule work in smaller chunks: the load is balanced. */

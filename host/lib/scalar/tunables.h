@@ -38,8 +38,9 @@ struct gscl_scalar_tunables {
      * and 0.45 a fit at 0.042 bits a pixel has 1500 instead of 2375 steps, of which more are at full size.  On six
      * pictures of the Kodak set by which they were chosen it has 0.01 dB more at 0.042 and 0.05 at 0.066 bits, on six others
      * 0.10 and 0.12.  With the visual loss, which needs steps at half the size, they have 0.6 instead of 0.45, and
-     * lists that are filled twice as often (gpu_model_bin_interval): at 0.183 bits the latter six are then 0 to 0.1 points of
-     * SSIMULACRA 2 below the CPU mapping instead of 0.8 (two seeds), with 0.08 instead of 0.11 dB more. */
+     * lists that are filled twice as often (gpu_model_bin_interval): at 0.183 bits four pictures are then 0.3 points of SSIMULACRA 2
+     * below the CPU mapping instead of 0.9, and six others 0.35, with 0.06 and 0.03 dB more (one seed; seeds differ by up to
+     * 0.6 points). */
     double launch_bound_pixels;
     double launch_bound_wide_steps;        /* in place of wide_steps; 0 to 1 */
     double launch_bound_max_quarter_until; /* in place of max_quarter_until: share of the steps */
