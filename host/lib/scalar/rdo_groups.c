@@ -37,16 +37,13 @@ static gscl_result reserve_tasks(gscl_rdo_groups *g, gscl_context *context, size
     return g->capacity ? GSCL_OK : gscl_fail_memory(context);
 }
 
-static gscl_result reserve_cells(gscl_rdo_groups *g, gscl_context *context, size_t cells) {
-    if (cells > g->cell_capacity) {
+static gscl_result reserve_cells(gscl_rdo_groups *g, gscl_context *context, size_t count) {
+    if (count > g->cell_capacity) {
         free(g->cells);
-        g->cells = malloc(cells * sizeof *g->cells);
-        g->cell_capacity = g->cells ? cells : 0;
+        g->cells = malloc(count * sizeof *g->cells);
+        g->cell_capacity = g->cells ? count : 0;
     }
-    if (!g->cells)
-        return gscl_fail_memory(context);
-    memset(g->cells, 0, cells * sizeof *g->cells);
-    return GSCL_OK;
+    return g->cells ? GSCL_OK : gscl_fail_memory(context);
 }
 
 /* The pixels of the level that a splat may touch after the pass: its box with room to grow. */
@@ -64,28 +61,67 @@ static gscl_rdo_task task_of(const gscl_renderer *r, const float *params, size_t
                            .y1 = (int32_t)ceil(y + half_height)};
 }
 
+/* The cells of an image, and how many of the maps are in use. */
+typedef struct cell_grid {
+    int columns, rows, maps;
+} cell_grid;
+
+#define MAPS (GSCL_RDO_GROUPS / 64)
+
+static size_t map_size(const cell_grid *grid) {
+    return (size_t)grid->columns * (size_t)grid->rows;
+}
+
+/* A box of cells, with the last of each direction. */
+typedef struct cell_box {
+    int x0, x1, y0, y1;
+} cell_box;
+
 static int cell_of(int32_t pixel, int cells) {
     const int cell = pixel < 0 ? 0 : pixel / CELL;
     return cell < cells ? cell : cells - 1;
 }
 
-/* The first group that has no splat in the cells of this task, or -1; marks the cells. */
-static int find_group(gscl_rdo_groups *g, int columns, int rows, const gscl_rdo_task *v) {
-    const int x0 = cell_of(v->x0, columns), x1 = cell_of(v->x1, columns);
-    const int y0 = cell_of(v->y0, rows), y1 = cell_of(v->y1, rows);
+static cell_box box_of(const cell_grid *grid, const gscl_rdo_task *v) {
+    return (cell_box){cell_of(v->x0, grid->columns), cell_of(v->x1, grid->columns), cell_of(v->y0, grid->rows),
+                      cell_of(v->y1, grid->rows)};
+}
+
+/* The groups of a map that have a splat in these cells. */
+static uint64_t taken_in(const uint64_t *map, const cell_grid *grid, cell_box box) {
     uint64_t taken = 0;
-    for (int y = y0; y <= y1; y++)
-        for (int x = x0; x <= x1; x++)
-            taken |= g->cells[(size_t)y * (size_t)columns + (size_t)x];
-    if (taken == UINT64_MAX)
-        return -1;
-    int group = 0;
-    while (taken >> group & 1)
-        group++;
-    for (int y = y0; y <= y1; y++)
-        for (int x = x0; x <= x1; x++)
-            g->cells[(size_t)y * (size_t)columns + (size_t)x] |= UINT64_C(1) << group;
-    return group;
+    for (int y = box.y0; y <= box.y1; y++)
+        for (int x = box.x0; x <= box.x1; x++)
+            taken |= map[(size_t)y * (size_t)grid->columns + (size_t)x];
+    return taken;
+}
+
+static void mark(uint64_t *map, const cell_grid *grid, cell_box box, uint64_t group) {
+    for (int y = box.y0; y <= box.y1; y++)
+        for (int x = box.x0; x <= box.x1; x++)
+            map[(size_t)y * (size_t)grid->columns + (size_t)x] |= group;
+}
+
+/* The first group that has no splat in the cells of this task, or -1; marks the cells. */
+static int find_group(gscl_rdo_groups *g, cell_grid *grid, const gscl_rdo_task *v) {
+    const size_t size = map_size(grid);
+    const cell_box box = box_of(grid, v);
+    for (int i = 0; i < MAPS; i++) {
+        uint64_t *map = g->cells + (size_t)i * size;
+        if (i == grid->maps) {
+            memset(map, 0, size * sizeof *map);
+            grid->maps++;
+        }
+        const uint64_t taken = taken_in(map, grid, box);
+        if (taken == UINT64_MAX)
+            continue;
+        int group = 0;
+        while (taken >> group & 1)
+            group++;
+        mark(map, grid, box, UINT64_C(1) << group);
+        return 64 * i + group;
+    }
+    return -1;
 }
 
 /* The largest first. */
@@ -107,10 +143,10 @@ static int compare_keys(const void *a, const void *b) {
 
 gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t fixed,
                                  size_t count) {
-    const int columns = (r->width + CELL - 1) / CELL, rows = (r->height + CELL - 1) / CELL;
+    cell_grid grid = {(r->width + CELL - 1) / CELL, (r->height + CELL - 1) / CELL, 0};
     size_t all = 0, tasks = 0, sizes[GSCL_RDO_GROUPS] = {0};
     GSCL_TRY(reserve_tasks(g, r->context, count));
-    GSCL_TRY(reserve_cells(g, r->context, (size_t)columns * (size_t)rows));
+    GSCL_TRY(reserve_cells(g, r->context, MAPS * map_size(&grid)));
     for (size_t i = fixed; i < count; i++) {
         const gscl_rdo_task v = task_of(r, params + i * GSCL_PARAMS, i);
         g->keys[all++] = (rdo_key){-1, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
@@ -120,7 +156,7 @@ gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, con
     if (gscl_rdo_group_size(r->context) > 1)
         qsort(g->keys, all, sizeof *g->keys, compare_areas);
     for (size_t i = 0; i < all; i++) {
-        const int group = find_group(g, columns, rows, &g->keys[i].task);
+        const int group = find_group(g, &grid, &g->keys[i].task);
         if (group < 0)
             continue;
         g->keys[tasks] = g->keys[i];
