@@ -91,6 +91,8 @@ typedef struct price_search {
     double low, high;      /* lambda scales that left `above` too large, and made it smaller than a full one; 0: none */
     double low_size, high_size; /* bytes */
     double higher, higher_size; /* those of the price before `high` on its side of the budget; 0: none */
+    bool was_above;             /* the file of the last price */
+    int repeats; /* prices before the last one, in a row, on its side of the budget, once there were both */
 } price_search;
 
 /* Notes what a pass at this price made of the file above.  Before one makes it too small, each is a step towards the budget. */
@@ -102,16 +104,22 @@ static gscl_result note_size(price_search *p, gscl_scalar_state *s, double lambd
         p->higher = p->high;
         p->higher_size = p->high_size;
     }
+    p->repeats = p->low > 0 && p->high > 0 && is_above == p->was_above ? p->repeats + 1 : 0;
+    p->was_above = is_above;
     *(is_above ? &p->low : &p->high) = lambda_scale;
     *(is_above ? &p->low_size : &p->high_size) = (double)s->size;
     return !is_above && p->below.size < s->size ? gscl_kept_codes_keep(&p->below, s, NAN) : GSCL_OK;
 }
 
 /* The price after one at which a pass made the file too small: where a straight line through the sizes at two prices meets `aim`,
- * those on the two sides of the budget or, before one made it too large, the last two. */
+ * those on the two sides of the budget or, before one made it too large, the last two.  A side whose price has not changed counts
+ * half each time (the Illinois method): else the other would come closer in ever smaller steps. */
 static double next_price(const price_search *p, double aim) {
-    if (p->low > 0)
-        return p->low * gscl_pow(p->high / p->low, (p->low_size - aim) / (p->low_size - p->high_size));
+    if (p->low > 0) {
+        double above = p->low_size - aim, below = aim - p->high_size;
+        *(p->was_above ? &below : &above) = ldexp(p->was_above ? below : above, -p->repeats);
+        return p->low * gscl_pow(p->high / p->low, above / (above + below));
+    }
     if (p->higher > 0 && p->high_size > p->higher_size) {
         const double steps = (aim - p->high_size) / (p->high_size - p->higher_size);
         return p->high * fmax(gscl_pow(p->high / p->higher, steps), tunables->slack_factor);
