@@ -92,7 +92,7 @@ typedef struct price_search {
     double low_size, high_size; /* bytes */
     double higher, higher_size; /* those of the price before `high` on its side of the budget; 0: none */
     bool was_above;             /* the file of the last price */
-    int repeats; /* prices before the last one, in a row, on its side of the budget, once there were both */
+    double kept; /* weight of the side of the budget whose price stays: halved while the other is met again */
 } price_search;
 
 /* Notes what a pass at this price made of the file above.  Before one makes it too small, each is a step towards the budget. */
@@ -104,7 +104,7 @@ static gscl_result note_size(price_search *p, gscl_scalar_state *s, double lambd
         p->higher = p->high;
         p->higher_size = p->high_size;
     }
-    p->repeats = p->low > 0 && p->high > 0 && is_above == p->was_above ? p->repeats + 1 : 0;
+    p->kept = p->low > 0 && is_above == p->was_above ? p->kept / 2 : 1;
     p->was_above = is_above;
     *(is_above ? &p->low : &p->high) = lambda_scale;
     *(is_above ? &p->low_size : &p->high_size) = (double)s->size;
@@ -116,8 +116,8 @@ static gscl_result note_size(price_search *p, gscl_scalar_state *s, double lambd
  * half each time (the Illinois method): else the other would come closer in ever smaller steps. */
 static double next_price(const price_search *p, double aim) {
     if (p->low > 0) {
-        double above = p->low_size - aim, below = aim - p->high_size;
-        *(p->was_above ? &below : &above) = ldexp(p->was_above ? below : above, -p->repeats);
+        const double above = (p->low_size - aim) * (p->was_above ? 1 : p->kept);
+        const double below = (aim - p->high_size) * (p->was_above ? p->kept : 1);
         return p->low * gscl_pow(p->high / p->low, above / (above + below));
     }
     if (p->higher > 0 && p->high_size > p->higher_size) {

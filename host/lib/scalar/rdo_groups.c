@@ -87,19 +87,16 @@ static cell_box box_of(const cell_grid *grid, const gscl_rdo_task *v) {
                       cell_of(v->y1, grid->rows)};
 }
 
-/* The groups of a map that have a splat in these cells. */
-static uint64_t taken_in(const uint64_t *map, const cell_grid *grid, cell_box box) {
+/* The groups of a map that have a splat in these cells; adds one, or none: 0. */
+static uint64_t mark(uint64_t *map, const cell_grid *grid, cell_box box, uint64_t added) {
     uint64_t taken = 0;
     for (int y = box.y0; y <= box.y1; y++)
-        for (int x = box.x0; x <= box.x1; x++)
-            taken |= map[(size_t)y * (size_t)grid->columns + (size_t)x];
+        for (int x = box.x0; x <= box.x1; x++) {
+            uint64_t *cell = map + (size_t)y * (size_t)grid->columns + (size_t)x;
+            taken |= *cell;
+            *cell |= added;
+        }
     return taken;
-}
-
-static void mark(uint64_t *map, const cell_grid *grid, cell_box box, uint64_t group) {
-    for (int y = box.y0; y <= box.y1; y++)
-        for (int x = box.x0; x <= box.x1; x++)
-            map[(size_t)y * (size_t)grid->columns + (size_t)x] |= group;
 }
 
 /* The first group that has no splat in the cells of this task, or -1; marks the cells. */
@@ -112,7 +109,7 @@ static int find_group(gscl_rdo_groups *g, cell_grid *grid, const gscl_rdo_task *
             memset(map, 0, size * sizeof *map);
             grid->maps++;
         }
-        const uint64_t taken = taken_in(map, grid, box);
+        const uint64_t taken = mark(map, grid, box, 0);
         if (taken == UINT64_MAX)
             continue;
         int group = 0;
