@@ -15,7 +15,7 @@ test_packages="abigail-tools clang-format clang-tidy file libcmocka-dev libglib2
     cmake fish man-db mandoc librsvg2-bin zsh"
 
 # Packages of tests/targets: a compiler of GPUs and their built-in functions.
-target_packages="clang-15 libclc-15 lld"
+target_packages="clang-16 libclc-15 lld"
 
 # Packages of tests/portability: machine_packages MACHINE.  Beside gcc-multilib Debian has no cross compilers.
 machine_packages() {

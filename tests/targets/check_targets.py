@@ -32,7 +32,7 @@ import ptxas
 
 PROCESSES = 2
 
-# What clang 15 cannot optimise, by target, mapping and kind, with its words, which depend on where it gives up: such a check
+# What clang 16 cannot optimise, by target, mapping and kind, with its words, which depend on where it gives up: such a check
 # passes where it fails like this, too.  The vectors of 16 doubles of the CPU mapping, which only measuring asks for, take more
 # registers than there are.
 UNCOMPILED = {("gfx90a", "cpu", "accuracy"): ["ran out of registers", "no registers from class available to allocate"]}

@@ -5,7 +5,7 @@ import subprocess
 
 import ptxas
 
-CLANG = "clang-15"
+CLANG = "clang-16"  # 15 takes only 128 of the 256 vector registers of gfx1100
 LIBCLC = "/usr/lib/clc"
 TIMEOUT = 1800  # seconds; ends what hangs.  The longest takes 30 s.
 # As drivers compile: __OPENCL_VERSION__ is theirs to define, and they know the built-in functions without a header.
