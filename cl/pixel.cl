@@ -84,9 +84,10 @@ real pix_sum(pix v) { return v; }
 __constant float luma_shares[3] = {GSCL_LUMA_SHARES};
 float luma_share(int k) { return COLOURS == 3 ? luma_shares[k] : 1.0f; }
 
-/* Stores the first `count` lanes: the part of a row that lies outside the image is not written. */
+/* Stores the first `count` lanes: the part of a row that lies outside the image is not written.  Four stores that each have a
+ * condition need no branches, and loads neither, so that those of several rows are under way at once. */
 void pix_store_clipped(pix v, __global real *row, int count) {
-#if LANES == 4 /* stores that each have a condition need no branches */
+#if LANES == 4
     if (count > 0) row[0] = v.s0;
     if (count > 1) row[1] = v.s1;
     if (count > 2) row[2] = v.s2;
@@ -102,16 +103,23 @@ void pix_store_clipped(pix v, __global real *row, int count) {
 #endif
 }
 
-pix pix_load_clipped(__global const real *row, int count) {
+/* Loads the first `count` lanes; the others are `other`. */
+pix pix_load_or(__global const real *row, int count, real other) {
+#if LANES == 4
+    return (pix)(count > 0 ? row[0] : other, count > 1 ? row[1] : other, count > 2 ? row[2] : other,
+                 count > 3 ? row[3] : other);
+#else
     if (count >= LANES) return PIX_LOAD(row);
     real lanes[LANES];
-    for (int i = 0; i < LANES; i++) lanes[i] = i < count ? row[i] : 0.0f;
+    for (int i = 0; i < LANES; i++) lanes[i] = i < count ? row[i] : other;
     return PIX_LOAD(lanes);
+#endif
 }
 
-/* The lanes that lie inside the image: as a condition, and as 1, else 0. */
-#define PIX_INSIDE(count) PIX_MASK(pix_offsets() < (pix)((float)(count)))
-pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), PIX_INSIDE(count)); }
+pix pix_load_clipped(__global const real *row, int count) { return pix_load_or(row, count, 0.0f); }
+
+/* 1 in the lanes that lie inside the image, else 0. */
+pix pix_inside(int count) { return select((pix)(0.0f), (pix)(1.0f), PIX_MASK(pix_offsets() < (pix)((float)count))); }
 
 /* The cut of Gaussians, as u^2 + v^2. */
 #define SUPPORT2 (GSCL_SUPPORT * 1.44269504f)

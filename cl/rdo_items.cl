@@ -30,19 +30,11 @@
 #define FOR_VECTORS(x, first, last) \
     for (int x = (first) + RDO_ITEM % RDO_ITEMS_X * LANES; x <= (last); x += RDO_ITEMS_X * LANES)
 
-/* Loads a pixel vector of which `lanes` pixels, at least one, are used.  Those behind may be other work-items' to change, and are
- * loaded as 0; sums of weights, by which others are divided, as 1. */
+/* Loads a pixel vector of which `lanes` pixels are used.  Those behind may be other work-items' to change, and are loaded
+ * as 0; sums of weights, by which others are divided, as 1. */
 #if RDO_ITEMS > 1
-#define RDO_LOAD(p, lanes) select((pix)(0.0f), items_load(p, lanes), PIX_INSIDE(lanes))
-#define RDO_LOAD_WEIGHTS(p, lanes) select((pix)(1.0f), items_load(p, lanes), PIX_INSIDE(lanes))
-/* The last used pixel in place of those behind it: without branches, so that all loads of a pixel vector are under way at once. */
-ALWAYS_INLINE pix items_load(__global const float *p, int lanes) {
-#if LANES == 4
-    return (pix)(p[0], p[min(1, lanes - 1)], p[min(2, lanes - 1)], p[min(3, lanes - 1)]);
-#else
-    return pix_load_clipped(p, lanes);
-#endif
-}
+#define RDO_LOAD(p, lanes) pix_load_clipped(p, lanes)
+#define RDO_LOAD_WEIGHTS(p, lanes) pix_load_or(p, lanes, 1.0f)
 #else
 #define RDO_LOAD(p, lanes) PIX_LOAD(p)
 #define RDO_LOAD_WEIGHTS(p, lanes) PIX_LOAD(p)
@@ -82,7 +74,7 @@ typedef pix item_sum;
 #define SUMS_AT_ONCE 28
 #define SHARED_STRIDE (RDO_ITEMS + 1) /* so that work-items that read a column each use memory banks of their own */
 #define ITEM_SUMS (SUMS_AT_ONCE * SHARED_STRIDE)
-#define MAX_TEAM_SUMS (MAX_TEAMS * 9) /* of all teams together, and at least SUMS_AT_ONCE */
+#define MAX_TEAM_SUMS (MAX_TEAMS * 9) /* of all teams together; holds MODEL_SUMS, too, at most 50 */
 /* The numbers of a team's work-items are added up in so many equal shares, of 16 numbers and more, each by a work-item. */
 #define MAX_SHARES 8
 #define SHARES_OF(team) ((team) < 32 ? 1 : (team) < 16 * MAX_SHARES ? (team) / 16 : MAX_SHARES)

@@ -95,15 +95,7 @@ ALWAYS_INLINE void model_add_pixels(item_sum *sums, const projected_splat *a, co
     model_add(sums, &x, u, v, base, colour);
 }
 
-/* Where the sums of a model are: groups of many work-items leave them in local memory until the next sums, because the registers
- * of a work-item do not hold a model for long. */
-#if RDO_ITEMS > 1
-#define MODEL_TOTALS __local const float
-#else
-#define MODEL_TOTALS const float
-#endif
-
-ITEMS_INLINE void model_of_totals(splat_model *m, const projected_splat *a, MODEL_TOTALS *totals) {
+ITEMS_INLINE void model_of_totals(splat_model *m, const projected_splat *a, const float *totals) {
     float colour[QUADRATIC_SUMS];
     ITEMS_UNROLL
     for (int k = 0; k < QUADRATIC_SUMS; k++) colour[k] = totals[k];
@@ -140,11 +132,7 @@ ITEMS_INLINE void model_of(splat_model *m, const projected_splat *a, const rdo_p
                          (float)y + 0.5f - o.y, columns.y - x + 1);
     }
     ITEMS_SUM(sums, MODEL_SUMS, RDO_ITEMS, totals, shared);
-#if RDO_ITEMS > 1
-    model_of_totals(m, a, TOTALS_OF(0, RDO_ITEMS, MODEL_SUMS, shared));
-#else
     model_of_totals(m, a, totals);
-#endif
 }
 
 /* The predicted change of the error by a change of place and shape, with the best colours before and after. */

@@ -27,12 +27,12 @@ ITEMS_INLINE void rendering_change(const projected_splat *a, float sign, const r
             int lanes = columns.y - x + 1;
             pix dx = pix_offsets() + ((float)x + 0.5f - o.x), wave = (pix)(0.0f);
             float dy = (float)y + 0.5f - o.y;
-            pix w = sign * blend_weight(dx, dy, a), sum = (pix)(1.0f), values[CHANNELS];
+            pix w = sign * blend_weight(dx, dy, a), values[CHANNELS];
             UNROLL
             for (int k = 0; k < CHANNELS; k++) values[k] = RDO_LOAD(p->rendering + k * p->plane + at, lanes);
             if (has_wave(a)) wave = projected_wave(dx, dy, a);
             if (BLEND == GSCL_NORMALIZED) {
-                sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes) + w;
+                pix sum = RDO_LOAD_WEIGHTS(p->weights + at, lanes) + w;
                 pix_store_clipped(sum, p->weights + at, lanes);
                 w /= sum;
             }

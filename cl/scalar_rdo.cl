@@ -83,18 +83,16 @@ ITEMS_INLINE float predict_move(int move, const rdo_choice *now, const splat_geo
 #if RDO_ITEMS > 1
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0.  Each
  * work-item predicts a move, and puts it at the place that follows from the costs of all. */
-ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a,
+ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
                                  const rdo_visit_context *v, __local float *shared) {
     __local float *costs = shared, *listed = shared + MOVES;
     const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
     splat_geometry from;
-    splat_model m;
     int count = 0;
-    model_of_totals(&m, a, TOTALS_OF(0, RDO_ITEMS, MODEL_SUMS, shared));
     codes_geometry_of(&from, &now->codes, v);
     if (RDO_ITEM < MAX_EVALUATED_MOVES) listed[RDO_ITEM] = 0.0f;
     for (int move = 1 + RDO_ITEM; move < MOVES; move += RDO_ITEMS) {
-        float cost = predict_move(move, now, &from, a, &m, v);
+        float cost = predict_move(move, now, &from, a, m, v);
         costs[move] = cost < limit ? cost : MAXFLOAT;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -116,7 +114,7 @@ ITEMS_INLINE int promising_moves(int *moves, const rdo_choice *now, const projec
 #else
 /* Lists the moves that the model predicts to pay, the best first; returns their number.  The others of `moves` are 0. */
 int promising_moves(int *moves, const rdo_choice *now, const projected_splat *a, const splat_model *m,
-                    const rdo_visit_context *v) {
+                    const rdo_visit_context *v, __local float *shared) {
     float costs[MAX_EVALUATED_MOVES];
     const float limit = now->cost + v->settings.move_slack * v->settings.lambda;
     splat_geometry from;
@@ -222,11 +220,7 @@ ITEMS_INLINE bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_v
     codes_project(&a, codes, v);
     model_of(&m, &a, &v->planes, shared);
     best.cost = choose_first_colour(&best.codes, &m.colour, v, shared);
-#if RDO_ITEMS > 1
-    const int count = promising_moves(moves, &best, &a, v, shared);
-#else
-    const int count = promising_moves(moves, &best, &a, &m, v);
-#endif
+    const int count = promising_moves(moves, &best, &a, &m, v, shared);
     const bool has_wave = wave_may_pay(codes, &m, v), may_drop = best.cost >= v->cost_of_dropping;
     if (RDO_ITEMS == 1 && count == 0 && !has_wave && !may_drop && codes_equal(&best.codes, codes)) return false;
     if (RDO_ITEMS == 1) rendering_change(&a, -1.0f, &v->planes);
@@ -241,10 +235,10 @@ ITEMS_INLINE bool visit_splat(gscl_codes *codes, gscl_rdo_task task, const rdo_v
 #endif
     codes_project(&a, &best.codes, v);
     rendering_change(&a, is_dropped ? 0.0f : 1.0f, &v->planes);
-    const bool moved = !is_dropped && codes_moved(&best.codes, codes);
-    if (!is_dropped) *codes = best.codes;
+    const bool moved = codes_moved(&best.codes, codes);
+    *codes = best.codes;
     if (is_dropped) codes->code[GSCL_CODE_MAJOR] = -1;
-    return moved;
+    return moved && !is_dropped;
 }
 
 /* Visits the splats of one group, each with a work-group of RDO_ITEMS work-items: once, and again where a splat moved, at

@@ -307,14 +307,14 @@ ITEMS_INLINE int2 wave_scan(const projected_splat *plain, float major, gscl_view
 }
 
 /* The wave and the direction to try at place i: the present ones, their neighbours, those of a scan.  No wave: (-1, 0). */
-int2 tried_wave(int i, const gscl_codes *c, int2 scanned) {
-    int w = c->code[GSCL_CODE_WAVE], d = c->code[GSCL_CODE_DIRECTION];
+int2 tried_wave(int i, int2 present, int2 scanned) {
+    int w = present.x, d = present.y;
     if (i == TRIED_WAVES - 1) return scanned;
     if (i == 1) d = (d + 1) % GSCL_DIRECTIONS;
     if (i == 2) d = (d + GSCL_DIRECTIONS - 1) % GSCL_DIRECTIONS;
     if (i == 3) w++;
     if (i == 4) w--;
-    return c->code[GSCL_CODE_AMPLITUDE] > 0 && i < TRIED_WAVES && w < GSCL_WAVES ? (int2)(w, d) : (int2)(-1, 0);
+    return present.x >= 0 && i < TRIED_WAVES && w < GSCL_WAVES ? (int2)(w, d) : (int2)(-1, 0);
 }
 
 /* A wave to try, and what of it does not depend on the pixels. */
@@ -348,13 +348,13 @@ ITEMS_INLINE float wave_cost(wave_candidate *w, const wave_sums *sums, __global 
 #if RDO_ITEMS > 1
 /* Keeps the wave of the lowest cost in `choice` where it is below `best`.  Each team has a wave, of which its work-items share
  * the pixels. */
-ITEMS_INLINE void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scanned,
-                            const projected_splat *plain, __global const gscl_rdo_tables *tables, gscl_rdo_settings t,
-                            gscl_view view, const rdo_planes *planes, __local float *shared) {
+ITEMS_INLINE void try_waves(gscl_codes *choice, float best, int2 present, int2 scanned, const projected_splat *plain,
+                            __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view,
+                            const rdo_planes *planes, __local float *shared) {
     const int team = TEAM_NUMBER(WAVE_TEAM);
     wave_candidate w;
     wave_sums sums;
-    wave_prepare(&w, now, tried_wave(team, now, scanned), tables, t, view);
+    wave_prepare(&w, choice, tried_wave(team, present, scanned), tables, t, view);
     wave_sums_of(&sums, plain, w.cycles, planes, shared);
     if (RDO_ITEM % WAVE_TEAM == 0) {
         const float cost = w.is_tried ? wave_cost(&w, &sums, tables, t) : MAXFLOAT;
@@ -365,14 +365,14 @@ ITEMS_INLINE void try_waves(gscl_codes *choice, float best, const gscl_codes *no
 }
 #else
 /* Keeps the wave of the lowest cost in `choice` where it is below `best`. */
-void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scanned, const projected_splat *plain,
+void try_waves(gscl_codes *choice, float best, int2 present, int2 scanned, const projected_splat *plain,
                __global const gscl_rdo_tables *tables, gscl_rdo_settings t, gscl_view view, const rdo_planes *planes,
                __local float *shared) {
     for (int i = 0; i < TRIED_WAVES; i++) {
-        int2 tried = tried_wave(i, now, scanned);
+        int2 tried = tried_wave(i, present, scanned);
         wave_candidate w;
         if (tried.x < 0) continue;
-        wave_prepare(&w, now, tried, tables, t, view);
+        wave_prepare(&w, choice, tried, tables, t, view);
         if (!w.is_tried) continue;
         wave_sums sums;
         wave_sums_of(&sums, plain, w.cycles, planes, shared);
@@ -388,13 +388,13 @@ void try_waves(gscl_codes *choice, float best, const gscl_codes *now, int2 scann
 /* Chooses the wave with the lowest cost, or none, for a splat that is not in the rendering. */
 ITEMS_INLINE void texture_choose(gscl_codes *c, __global const gscl_rdo_tables *tables, gscl_rdo_settings t,
                                  gscl_view view, const rdo_planes *planes, __local float *shared) {
-    gscl_codes now = *c;
-    int2 scanned = (int2)(-1, 0);
+    int2 present = (int2)(-1, 0), scanned = (int2)(-1, 0);
+    if (c->code[GSCL_CODE_AMPLITUDE] > 0) present = (int2)(c->code[GSCL_CODE_WAVE], c->code[GSCL_CODE_DIRECTION]);
     ITEMS_UNROLL
     for (int k = GSCL_CODE_WAVE; k <= GSCL_CODE_AMPLITUDE; k++) c->code[k] = 0;
     splat s = codes_splat(c, tables, t);
     projected_splat plain = splat_project(s, view);
     if (t.scan) scanned = wave_scan(&plain, s.s1, view, planes, shared);
-    try_waves(c, t.lambda * tables->bits[GSCL_BITS_PLAIN], &now, scanned, &plain, tables, t, view, planes, shared);
+    try_waves(c, t.lambda * tables->bits[GSCL_BITS_PLAIN], present, scanned, &plain, tables, t, view, planes, shared);
 }
 #endif

@@ -17,7 +17,7 @@ WAIT = (15.0, 40.0)
 RESIDENT = MULTIPROCESSORS
 
 # A visit of rdo_visit by the stall counts of the code that ptxas makes for sm_90, at 1.755 GHz, where a load takes 300 cycles: 29,000
-# cycles, and with them for each pixel of the outline 2.8 of the model, 3.8 of the moves and 1.5 of the final change.  The outline of a
+# cycles, and with them for each pixel of the outline 2.2 of the model, 3.5 of the moves and 0.8 of the final change.  The outline of a
 # splat covers about 0.3 of its box (0.31 at 0.042 bits per pixel of kodim01, 0.24 at 0.183).  High: loads of 500 cycles, and
 # a second visit, which splats get that moved.
 LATENCY = {
@@ -56,7 +56,7 @@ OTHER_COST = (0.5, 1)
 
 # Microseconds of each of what a work-item does in turn, of which `rounds` says how many there are.
 ROUND = {
-    "rdo_visit": (0.0014, 0.0036),
+    "rdo_visit": (0.0011, 0.0027),
     "control_fit": (0.06, 0.3),
     "sum_loss": (0.06, 0.3),
     "begin_control": (0.06, 0.3),
