@@ -1,11 +1,11 @@
 /* Loaded into the tool (LD_PRELOAD), it writes a line for each launch of a kernel and for each wait of the host for the device
  * to the file that COUNT_LAUNCHES names:
  *
- *     kernel NAME GROUPS GROUP_SIZE [PIXELS]
+ *     kernel NAME GROUPS GROUP_SIZE [LARGEST ALL]
  *     wait FUNCTION BYTES
  *
- * PIXELS, of rdo_visit: those of the largest box that a splat of the launch may touch.  BYTES: those that a blocking call reads or
- * writes, or 0. */
+ * LARGEST and ALL, of rdo_visit: pixels of the largest box that a splat of the launch may touch, and of all.  BYTES: those that a
+ * blocking call reads or writes, or 0. */
 #include <CL/cl.h>
 #include <dlfcn.h>
 #include <stdio.h>
@@ -59,9 +59,13 @@ cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, size_t size, const void *
     return set(kernel, index, size, value);
 }
 
-/* Pixels of the largest box of the tasks that a launch of rdo_visit takes. */
-static long long largest_box(cl_command_queue queue, size_t count) {
-    long long largest = 0;
+/* Pixels of the boxes of the tasks that a launch of rdo_visit takes. */
+typedef struct boxes {
+    long long largest, all;
+} boxes;
+
+static boxes boxes_of(cl_command_queue queue, size_t count) {
+    boxes found = {0, 0};
     gscl_rdo_task *read = malloc(count * sizeof *read);
     read_function read_buffer;
     *(void **)&read_buffer = dlsym(library, "clEnqueueReadBuffer");
@@ -69,10 +73,11 @@ static long long largest_box(cl_command_queue queue, size_t count) {
                             NULL, NULL) == CL_SUCCESS)
         for (size_t i = 0; i < count; i++) {
             const long long pixels = (long long)(read[i].x1 - read[i].x0) * (read[i].y1 - read[i].y0);
-            largest = pixels > largest ? pixels : largest;
+            found.largest = pixels > found.largest ? pixels : found.largest;
+            found.all += pixels;
         }
     free(read);
-    return largest;
+    return found;
 }
 
 static void count_launch(cl_command_queue queue, cl_kernel kernel, size_t items, size_t group_size) {
@@ -80,10 +85,10 @@ static void count_launch(cl_command_queue queue, cl_kernel kernel, size_t items,
     kernel_info_function info;
     *(void **)&info = dlsym(library, "clGetKernelInfo");
     info(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
-    if (file && strcmp(name, "rdo_visit") == 0)
-        fprintf(file, "kernel %s %zu %zu %lld\n", name, items / group_size, group_size,
-                largest_box(queue, items / group_size));
-    else if (file)
+    if (file && strcmp(name, "rdo_visit") == 0) {
+        const boxes found = boxes_of(queue, items / group_size);
+        fprintf(file, "kernel %s %zu %zu %lld %lld\n", name, items / group_size, group_size, found.largest, found.all);
+    } else if (file)
         fprintf(file, "kernel %s %zu %zu\n", name, items / group_size, group_size);
 }
 

@@ -6,9 +6,10 @@ Nothing here was measured on a GPU.  The assumptions, each as a low and a high n
  - a launch takes at least its LATENCY, which was estimated by reading the kernel: the longest chain of instructions of one
    work-item that depend on each other,
  - a launch of many work-groups takes the COST of each, estimated in the same way, where all 132 multiprocessors work,
- - rdo_visit takes its latency once for each RESIDENT groups: its registers leave room for one group on a multiprocessor,
  - a kernel of ROUND takes that for each number that a work-item adds up in turn, for each scan of begin_lists, or for each pixel of
-   the largest box of a launch of rdo_visit,
+   a box of rdo_visit,
+ - the registers of rdo_visit leave room for one group on a multiprocessor, which takes its latency and the pixels of its box; a launch
+   takes as long as the largest box or as all that one of RESIDENT groups visits in turn (low), or both (high),
  - a wait of the host for the device takes WAIT, with what the host does before the device has work again.
 """
 MULTIPROCESSORS = 132
@@ -68,10 +69,12 @@ CONTROL_PART = 1024
 LISTED_SPLATS = 2048
 
 
-def rounds(kernel, sizes):
+def rounds(kernel, sizes, largest=0, all_boxes=0):
     """Rounds of a launch, from `sizes`: {kernel: work-groups of its last launch}, of begin_control since the last of control_fit
     and sum_loss.  A tile has a group in fit_tiles, a splat one in step_splats, a row of all scales one in visual_terms_row;
-    about half of these are of the largest scale."""
+    about half of these are of the largest scale.  Of rdo_visit the pixels of the largest box and of all boxes."""
+    if kernel == "rdo_visit":
+        return largest, all_boxes
     tiles, splats = sizes.get("fit_tiles", 0), sizes.get("step_splats", 0)
     if kernel == "begin_lists":
         return -(-splats // LISTED_SPLATS)
@@ -84,11 +87,21 @@ def rounds(kernel, sizes):
     return 0
 
 
+def visits_us(groups, largest, all_boxes, bound):
+    """Microseconds of a launch of rdo_visit without the gap."""
+    latency, pixel = LATENCY["rdo_visit"][bound], ROUND["rdo_visit"][bound]
+    longest = latency + pixel * largest
+    in_turn = (latency * groups + pixel * all_boxes) / RESIDENT
+    if groups <= RESIDENT:
+        return longest
+    return longest + in_turn if bound else max(longest, in_turn)
+
+
 def launch_us(kernel, groups, bound, count=0):
     """Microseconds of a launch of `count` rounds with the gap before it; bound 0: low, 1: high."""
-    latency = LATENCY.get(kernel, OTHER_LATENCY)[bound] + count * ROUND.get(kernel, (0, 0))[bound]
     if kernel == "rdo_visit":
-        return GAP[bound] + latency * -(-groups // RESIDENT)
+        return GAP[bound] + visits_us(groups, *count, bound)
+    latency = LATENCY.get(kernel, OTHER_LATENCY)[bound] + count * ROUND.get(kernel, (0, 0))[bound]
     return GAP[bound] + max(latency, 1e-3 * COST.get(kernel, OTHER_COST)[bound] * groups)
 
 

@@ -27,7 +27,7 @@ class Log:
 
     def __init__(self, path):
         self.groups = collections.defaultdict(list)  # kernel -> work-groups of each launch
-        self.rounds = collections.defaultdict(list)  # kernel -> rounds of each launch (launch_model.py)
+        self.rounds = collections.defaultdict(list)  # kernel -> rounds, or boxes, of each launch (launch_model.py)
         self.sizes = {}  # kernel -> work-items of a group
         self.waits = collections.Counter()  # function -> calls that wait
         last = {}  # kernel -> work-groups of its last launch
@@ -36,7 +36,7 @@ class Log:
                 what, name, *numbers = line.split()
                 if what == "kernel":
                     self.groups[name].append(int(numbers[0]))
-                    self.rounds[name].append(int(numbers[2]) if name == "rdo_visit" else launch_model.rounds(name, last))
+                    self.rounds[name].append(launch_model.rounds(name, last, *map(int, numbers[2:])))
                     last[name] = int(numbers[0])
                     if name in ("control_fit", "sum_loss"):
                         last.pop("begin_control", None)

@@ -15,7 +15,7 @@
 /* A task with the values that tasks are sorted by. */
 typedef struct gscl_rdo_key {
     int group;
-    int64_t area; /* of the box, pixels: about in proportion to the cost of the task */
+    int64_t rank; /* pixels of the box, about as the cost of the task; negative: the largest come first */
     gscl_rdo_task task;
 } rdo_key;
 
@@ -121,37 +121,31 @@ static int find_group(gscl_rdo_groups *g, cell_grid *grid, const gscl_rdo_task *
     return -1;
 }
 
-/* The largest first. */
-static int compare_areas(const void *a, const void *b) {
-    const rdo_key *p = a, *q = b;
-    if (p->area != q->area)
-        return p->area > q->area ? -1 : 1;
-    return p->task.splat < q->task.splat ? -1 : p->task.splat > q->task.splat;
-}
-
 static int compare_keys(const void *a, const void *b) {
     const rdo_key *p = a, *q = b;
     if (p->group != q->group)
         return p->group < q->group ? -1 : 1;
-    if (p->area != q->area)
-        return p->area < q->area ? -1 : 1;
+    if (p->rank != q->rank)
+        return p->rank < q->rank ? -1 : 1;
     return p->task.splat < q->task.splat ? -1 : p->task.splat > q->task.splat;
 }
 
 gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, const float *params, size_t fixed,
                                  size_t count) {
     cell_grid grid = {(r->width + CELL - 1) / CELL, (r->height + CELL - 1) / CELL, 0};
+    const bool is_wide = gscl_rdo_group_size(r->context) > 1;
     size_t all = 0, tasks = 0, sizes[GSCL_RDO_GROUPS] = {0};
     GSCL_TRY(reserve_tasks(g, r->context, count));
     GSCL_TRY(reserve_cells(g, r->context, MAPS * map_size(&grid)));
     for (size_t i = fixed; i < count; i++) {
         const gscl_rdo_task v = task_of(r, params + i * GSCL_PARAMS, i);
-        g->keys[all++] = (rdo_key){-1, (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0), v};
+        const int64_t area = (int64_t)(v.x1 - v.x0) * (v.y1 - v.y0);
+        g->keys[all++] = (rdo_key){-1, is_wide ? -area : area, v};
     }
     /* Where a launch takes as long as its largest splat, the largest come first, and so together: the sum of the largest boxes of
      * all launches is 3 to 33 % less (two photographs, 0.042 and 0.183 bits a pixel).  Elsewhere the order is that of the codes. */
-    if (gscl_rdo_group_size(r->context) > 1)
-        qsort(g->keys, all, sizeof *g->keys, compare_areas);
+    if (is_wide)
+        qsort(g->keys, all, sizeof *g->keys, compare_keys);
     for (size_t i = 0; i < all; i++) {
         const int group = find_group(g, &grid, &g->keys[i].task);
         if (group < 0)
@@ -160,7 +154,8 @@ gscl_result gscl_rdo_groups_make(gscl_rdo_groups *g, const gscl_renderer *r, con
         g->keys[tasks++].group = group;
         sizes[group]++;
     }
-    /* Within a group the largest come last, where devices schedule work in smaller chunks: the load is balanced. */
+    /* Within a group the largest come last on CPUs, which schedule work in smaller chunks towards the end, and first on GPUs, so
+     * that none begins when the others have ended. */
     qsort(g->keys, tasks, sizeof *g->keys, compare_keys);
     for (size_t i = 0; i < tasks; i++)
         g->tasks[i] = g->keys[i].task;
