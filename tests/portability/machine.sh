@@ -49,7 +49,7 @@ build() {
     done
 }
 
-# Tests that take an emulator minutes of processor time each, and i386, which has no vectors in code of C, half a minute and more.
+# Tests that take an emulator minutes of processor time each.
 long_tests="conformance|convergence_trace|encodes_host|field|fit_state_host|forged|gradients_host|layouts|library|memory|native"
 long_tests="$long_tests|native_faults|packet_encode|rows|scalar_rdo_host|scenes_host|timing|visual_loss_host"
 
@@ -64,7 +64,7 @@ test_names() {
     fi
     left_out=$long_tests
     case "$how $machine" in
-    whole\ * | *\ mingw | *\ musl | *\ x87) left_out= ;;
+    whole\ * | *\ i386 | *\ mingw | *\ musl | *\ x87) left_out= ;;
     esac
     [ "$machine" != clang-i386 ] || left_out="$left_out|$tests_of_stored_bits"
     meson test -C "$folder" --no-rebuild --no-suite any_build --list | sed -n 's|^gscl:.* / ||p' | grep -vxE "$left_out"
