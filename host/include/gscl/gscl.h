@@ -447,7 +447,7 @@ typedef enum gscl_preset {
     GSCL_PRESET_TINY = 0,    /* 250 bytes: a placeholder inside a page or a record of a database; effort 3 */
     GSCL_PRESET_PREVIEW = 1, /* 0.06 bits per pixel, or 256 bytes if that is more: a small file, soon there; effort 3 */
     GSCL_PRESET_SMALL = 2,   /* the defaults: 0.125 bits per pixel, or 256 bytes if that is more; effort 5 */
-    GSCL_PRESET_GOOD = 3     /* quality 50, some 0.6 bits per pixel: a picture to look at; effort 5 */
+    GSCL_PRESET_GOOD = 3     /* quality 50, some 0.5 bits per pixel: a picture to look at; effort 5 */
 } gscl_preset;
 
 /* Returns "tiny", "preview", "small" or "good"; NULL for other values.  The text is static. */
